@@ -1,0 +1,38 @@
+# Two commands, each enough on a fresh machine with Python 3.11 or newer, git and make:
+#   make calibrate   a simulated joint, from sweep to exported model, into runs/demo
+#   make test        the whole test suite
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+JOBS ?= 2
+
+.PHONY: calibrate test lint lock clean
+
+$(VENV)/installed: requirements.lock pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "fricomp needs Python 3.11 or newer; name one: make PYTHON=python3.11"; exit 1; }
+	@echo "Installing what requirements.lock pins into $(VENV) (a few minutes, once) ..."
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+calibrate: $(VENV)/installed
+	$(BIN)/fricomp calibrate --backend sim --out runs/demo --overwrite
+
+# The default part first: it is quick and finds most.
+test: $(VENV)/installed
+	$(BIN)/python -m pytest -n $(JOBS) -m "not slow"
+	$(BIN)/python -m pytest -n $(JOBS) -m slow
+
+lint: $(VENV)/installed
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+# Write down what is installed now; torch without its build tag, so that the CPU build of any index serves.
+lock:
+	$(BIN)/python -m pip freeze --all --exclude-editable --exclude pip --exclude fricomp | sed 's/+cpu$$//' > requirements.lock
+
+clean:
+	rm -rf $(VENV) build dist *.egg-info

@@ -1,0 +1,91 @@
+"""What an adapter refuses before anything moves: limits beyond the drive, rates beyond the bus, foreign errors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence, Sized
+from math import isfinite
+from typing import NoReturn
+
+from fricomp.control import JointLimits
+from fricomp.errors import AdapterConfigurationError, AdapterError, FricompError
+from fricomp.joint import Capabilities, CommandMode, JointCapabilities, Watchdog
+
+__all__ = ["check_counts", "check_limits", "check_rate", "check_watchdog", "raise_own"]
+
+# Limits that come from rounded data sheets may miss the drive's own value by a hair.
+ROUNDING = 1e-6
+
+
+def check_counts(n_joints: int, **given: Sized) -> None:
+    """One entry of everything for each joint.
+
+    Raises:
+        AdapterConfigurationError: It is not so.
+    """
+    for what, entries in given.items():
+        if len(entries) != n_joints:
+            raise AdapterConfigurationError(f"{len(entries)} {what} given for {n_joints} joints: give one for each")
+
+
+def check_limits(joints: Sequence[JointCapabilities], limits: Sequence[JointLimits]) -> None:
+    """No limit beyond what the drive can do or report: torque would saturate unseen, an overspeed go unnoticed.
+
+    Raises:
+        AdapterConfigurationError: A limit is beyond the drive's.
+    """
+    for joint, limit in zip(joints, limits, strict=True):
+        for what, wanted, most in (
+            ("torque", limit.torque, joint.torque_limit),
+            ("velocity", limit.velocity, joint.velocity_limit),
+        ):
+            if wanted > most * (1.0 + ROUNDING):
+                raise AdapterConfigurationError(
+                    f"joint {joint.name!r}: {what} limit {wanted:g} is beyond the drive's {most:g}: lower the limit"
+                )
+        if joint.position_limits is not None and limit.position is not None:
+            low, high = joint.position_limits
+            if limit.position[0] < low - ROUNDING or limit.position[1] > high + ROUNDING:
+                raise AdapterConfigurationError(
+                    f"joint {joint.name!r}: position limits {limit.position} are beyond the drive's ({low:g}, {high:g})"
+                )
+
+
+def check_rate(offered: Capabilities, mode: CommandMode, period: float) -> None:
+    """Mode and period [s] that the drives and the bus can serve.
+
+    Raises:
+        AdapterConfigurationError: They cannot.
+    """
+    if mode not in offered.modes:
+        raise AdapterConfigurationError(f"mode {mode!r} is not offered; this drive has {', '.join(offered.modes)}")
+    if not isfinite(period) or period <= 0.0:
+        raise AdapterConfigurationError(f"the period must be finite and positive [s], got {period!r}")
+    if 1.0 / period > offered.highest_rate * (1.0 + 1e-9):
+        raise AdapterConfigurationError(
+            f"a period of {period} s is {1.0 / period:.0f} Hz; {len(offered.joints)} joints on this bus carry at most "
+            f"{offered.highest_rate:.0f} Hz: lower the rate, or spread the joints over more buses"
+        )
+
+
+def check_watchdog(watchdog: Watchdog | None, period: float) -> None:
+    """A watchdog must outlast two periods [s], or one late cycle stops the joints.
+
+    Raises:
+        AdapterConfigurationError: It is shorter.
+    """
+    if watchdog is not None and watchdog.timeout < 2.0 * period:
+        raise AdapterConfigurationError(
+            f"a watchdog of {watchdog.timeout:g} s is shorter than two periods of {period:g} s: "
+            f"lengthen it or raise the rate"
+        )
+
+
+def raise_own(error: BaseException) -> NoReturn:
+    """Raise `error` as it is if it is one of this library's or no ordinary exception, else as an `AdapterError`.
+
+    Raises:
+        AdapterError: `error` was foreign.
+    """
+    if isinstance(error, FricompError) or not isinstance(error, Exception):
+        raise error
+    raise AdapterError(f"the driver failed: {error!r}") from error

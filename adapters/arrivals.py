@@ -1,0 +1,32 @@
+"""Which joints have reported: the state is new once every part of it, from every joint, has come again."""
+
+from __future__ import annotations
+
+__all__ = ["Arrivals"]
+
+
+class Arrivals:
+    """Keeps the joints that are still to report, so that one silent drive among many makes the state stale.
+
+    Args:
+        n_parts: Number of joints, times the messages that make up the state of one.
+    """
+
+    def __init__(self, n_parts: int) -> None:
+        self._n_parts = n_parts
+        self._arrived: set[int] = set()
+
+    def mark(self, part: int) -> None:
+        """A part has come."""
+        self._arrived.add(part)
+
+    def take(self) -> bool:
+        """Whether all have reported since this was last true; begins anew then."""
+        if len(self._arrived) < self._n_parts:
+            return False
+        self._arrived.clear()
+        return True
+
+    def clear(self) -> None:
+        """Begin anew."""
+        self._arrived.clear()

@@ -1,0 +1,349 @@
+"""CiA 402 drives as joints: SDO to configure, then PDOs pumped from the control thread, one SYNC a cycle."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any, Self
+
+from fricomp.errors import AdapterConfigurationError, AdapterConnectionError, AdapterError, AdapterTimeout, DriveFault
+from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, JointFeedback, Watchdog
+
+from ..bus_budget import BusBudget, can_frame_bits
+from ..can_adapter import CanAdapter
+from ..configuration import convert
+from ..link import CanFrame, CanLink
+from . import objects
+from .configuration import CanOpenConfiguration
+from .drive import CONDITION, FAULT_RESTARTED, MODE_NUMBERS, MOTION, OPERATIONAL, CanOpenDrive
+from .process_data import COMMAND_OBJECTS, STATE_OBJECTS, map_process_data
+from .scaling import read_scaling
+from .service import ServiceChannel
+from .state_machine import CLEAR_FAULT, DISABLE_VOLTAGE, ENABLE_STEPS, DriveState
+
+__all__ = ["CanOpenAdapter"]
+
+SYNC = CanFrame(0x080)
+NMT_START, NMT_PRE_OPERATIONAL = 0x01, 0x80
+CIA_402 = 402
+
+# Frames that a node sends, by their identifier without the node number.
+EMERGENCY, MOTION_PDO, CONDITION_PDO, SDO_ANSWER, HEARTBEAT = 0x080, 0x180, 0x280, 0x580, 0x700
+
+HEARTBEATS_MISSED = 3
+STEP = 0.002  # between the commands that lead a drive through its states [s]
+
+
+class CanOpenAdapter(CanAdapter):
+    """CiA 402 drives on one CAN bus.
+
+    Args:
+        configuration: Bus and drives.
+        open_link: Makes the link; python-can as configured unless given.
+        clock: Real time unless a simulation brings its own.
+    """
+
+    def __init__(
+        self,
+        configuration: CanOpenConfiguration,
+        open_link: Callable[[], CanLink] | None = None,
+        clock: Clock | None = None,
+    ) -> None:
+        super().__init__(configuration, configuration.joints, open_link, clock, parts=len(STATE_OBJECTS))
+        self._configuration = configuration
+        self._drives = [self._make_drive(joint.id) for joint in configuration.joints]
+        self._routes = self._make_routes()
+        self._watchdog: Watchdog | None = None
+        self._mode_in_use: CommandMode = "torque"
+        self._period = STEP
+        self._running = False
+        self._beat_ns = self._synced_ns = 0
+
+    @classmethod
+    def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
+        """Make the adapter from what stands in the configuration file."""
+        return cls(convert(configuration, CanOpenConfiguration))
+
+    def _make_drive(self, node_id: int) -> CanOpenDrive:
+        def send(identifier: int, data: bytes) -> None:
+            self._send([CanFrame(identifier, data)])
+
+        return CanOpenDrive(node_id, ServiceChannel(node_id, send, self._wait, self._configuration.response_timeout))
+
+    def _make_routes(self) -> dict[int, Callable[[bytes], None]]:
+        """What to do with the frames of each identifier."""
+        routes: dict[int, Callable[[bytes], None]] = {}
+        for joint, drive in enumerate(self._drives):
+            node = drive.node_id
+            routes[SDO_ANSWER + node] = drive.service.on_answer
+            routes[EMERGENCY + node] = drive.take_emergency
+            routes[HEARTBEAT + node] = partial(self._take_heartbeat, drive)
+            routes[MOTION_PDO + node] = partial(self._take_motion, joint)
+            routes[CONDITION_PDO + node] = partial(self._take_condition, joint)
+        return routes
+
+    def _on_frame(self, frame: CanFrame) -> None:
+        route = None if frame.extended else self._routes.get(frame.identifier)
+        if route is not None:
+            route(frame.data)
+
+    def _take_heartbeat(self, drive: CanOpenDrive, data: bytes) -> None:
+        drive.take_heartbeat(data, self.clock.now_ns())
+
+    def _take_motion(self, joint: int, data: bytes) -> None:
+        if len(data) != MOTION.size:
+            self.n_damaged += 1
+            return
+        drive, reported = self._drives[joint], self._reported
+        drive.take_motion(data)
+        reported.position[joint] = drive.position_count * drive.scaling.position
+        reported.torque[joint] = drive.torque_count * drive.scaling.torque
+        self._arrivals.mark(2 * joint)
+
+    def _take_condition(self, joint: int, data: bytes) -> None:
+        if len(data) != CONDITION.size:
+            self.n_damaged += 1
+            return
+        drive, reported = self._drives[joint], self._reported
+        drive.take_condition(data)
+        reported.velocity[joint] = drive.velocity_count * drive.scaling.velocity
+        reported.fault[joint] = drive.find_fault(self._running)
+        self._arrivals.mark(2 * joint + 1)
+
+    # -- opening ------------------------------------------------------------------------------------------
+
+    def _open(self) -> Capabilities:
+        self._watchdog = None
+        self._connect()
+        modes = set(MODE_NUMBERS)
+        for joint, drive in zip(self._configuration.joints, self._drives, strict=True):
+            try:
+                modes &= self._inspect(drive)
+                drive.scaling = read_scaling(drive.service, joint.counts_per_revolution, joint.velocity_count)
+            except AdapterError as error:
+                raise type(error)(f"joint {joint.name!r}: {error}") from error
+        if not modes:
+            raise AdapterConfigurationError("the drives have no cyclic synchronous mode in common (object 6502)")
+        offered = tuple(mode for mode in ("torque", "velocity", "position") if mode in modes)
+        return Capabilities(self._declare(), offered, self._highest_rate(), None)
+
+    def _inspect(self, drive: CanOpenDrive) -> set[CommandMode]:
+        """The cyclic modes of a drive that is one, and is not energised by somebody else."""
+        kind = drive.service.read(objects.DEVICE_TYPE) & 0xFFFF
+        if kind != CIA_402:
+            raise AdapterConfigurationError(f"node {drive.node_id} is no CiA 402 drive: its device type is {kind}")
+        drive.take_statusword(drive.service.read(objects.STATUSWORD))
+        if drive.state is DriveState.OPERATION_ENABLED:
+            raise AdapterConnectionError(f"node {drive.node_id} is energised by somebody else: disable it first")
+        supported = drive.service.read(objects.SUPPORTED_MODES)
+        return {mode for mode, number in MODE_NUMBERS.items() if supported >> (number - 1) & 1}
+
+    def _declare(self) -> tuple[JointCapabilities, ...]:
+        return tuple(
+            JointCapabilities(
+                joint.name,
+                position_quantum=drive.scaling.position,
+                velocity_quantum=drive.scaling.velocity,
+                torque_quantum=drive.scaling.torque,
+                torque_limit=drive.scaling.highest_torque,
+                velocity_limit=drive.scaling.highest_velocity,
+            )
+            for joint, drive in zip(self._configuration.joints, self._drives, strict=True)
+        )
+
+    def _highest_rate(self) -> float:
+        """Of torque mode; the other modes' longer commands are counted, too."""
+        command = max(sum(entry.n_bytes for entry in entries) for entries in COMMAND_OBJECTS.values())
+        sizes = [command, *(sum(entry.n_bytes for entry in entries) for entries in STATE_OBJECTS)]
+        bitrate, n_joints = self._configuration.bus.bitrate, len(self._drives)
+        cycle = [can_frame_bits(0)] + [can_frame_bits(size) for size in sizes] * n_joints
+        beats = n_joints / self._configuration.heartbeat + 1.0 / self._beat_period
+        return BusBudget([bits / bitrate for bits in cycle], beats * can_frame_bits(1) / bitrate).highest_rate
+
+    # -- configuring --------------------------------------------------------------------------------------
+
+    def _configure(self, mode: CommandMode, period: float) -> None:
+        self._mode_in_use, self._period, self._running = mode, period, False
+        confirmed = True
+        for joint, drive in zip(self._configuration.joints, self._drives, strict=True):
+            try:
+                self._send([_nmt(NMT_PRE_OPERATIONAL, drive)])
+                drive.restarted = False
+                map_process_data(drive.service, drive.node_id, mode)
+                self._set_mode(drive, mode)
+                self._set_period(drive, period)
+                confirmed = self._set_watchdog(drive) and confirmed
+            except AdapterError as error:
+                raise type(error)(f"joint {joint.name!r}: {error}") from error
+            drive.use_mode(mode)
+            drive.emergency, drive.nmt_state = 0, None
+            self._send([_nmt(NMT_START, drive)])
+        self._watchdog = Watchdog(self._configuration.watchdog, confirmed)
+        self._arrivals.clear()
+        self._send([SYNC])
+        timeout = self._configuration.response_timeout
+        self._wait(self._arrivals.take, timeout, "not all drives answered SYNC with their state")
+
+    def _set_mode(self, drive: CanOpenDrive, mode: CommandMode) -> None:
+        number = MODE_NUMBERS[mode]
+        drive.service.write(objects.MODE, number)
+        found: list[int] = []
+
+        def taken() -> bool:
+            found.append(drive.service.read(objects.MODE_DISPLAY))
+            return found[-1] == number
+
+        try:
+            self._wait(taken, self._configuration.response_timeout, "")
+        except AdapterTimeout as error:
+            raise AdapterConfigurationError(
+                f"node {drive.node_id} does not take mode {number} ({mode}): it shows {found[-1]} in object 6061"
+            ) from error
+
+    def _set_period(self, drive: CanOpenDrive, period: float) -> None:
+        """Tell the drive how often references come, where it wants to know."""
+        for exponent in (-3, -4, -5):
+            count = round(period * 10.0**-exponent)
+            if abs(count * 10.0**exponent - period) < 1e-9 and 1 <= count <= 255:
+                drive.service.try_write(objects.INTERPOLATION_PERIOD, count)
+                drive.service.try_write(objects.INTERPOLATION_EXPONENT, exponent)
+                return
+
+    def _set_watchdog(self, drive: CanOpenDrive) -> bool:
+        """Let the drive watch our heartbeat, and us watch its; whether it kept what was written."""
+        configuration = self._configuration
+        watched = configuration.master_id << 16 | round(configuration.watchdog * 1e3)
+        drive.service.write_confirmed(objects.PRODUCER_HEARTBEAT, round(configuration.heartbeat * 1e3))
+        drive.heard_ns = None
+        service = drive.service
+        return (
+            service.try_write(objects.CONSUMER_HEARTBEAT, watched)
+            and service.try_write(objects.ABORT_CONNECTION_OPTION, configuration.abort_option)
+            and service.read(objects.CONSUMER_HEARTBEAT) == watched
+            and service.read(objects.ABORT_CONNECTION_OPTION) == configuration.abort_option
+        )
+
+    def _confirmed_watchdog(self) -> Watchdog | None:
+        return self._watchdog
+
+    # -- moving -------------------------------------------------------------------------------------------
+
+    def _enable(self) -> None:
+        for drive in self._drives:
+            if drive.restarted:
+                raise DriveFault(f"node {drive.node_id} has restarted: clear_faults() configures it again")
+        self._lead(self._enabling_word, self._all_enabled, "the drives did not reach operation enabled")
+        for drive in self._drives:
+            if drive.mode_display != MODE_NUMBERS[self._mode_in_use]:
+                raise AdapterError(f"node {drive.node_id} is in mode {drive.mode_display}, not in {self._mode_in_use}")
+        self._running = True
+
+    def _enabling_word(self, drive: CanOpenDrive, step: int) -> int:
+        if drive.state not in ENABLE_STEPS:
+            raise DriveFault(
+                f"node {drive.node_id} is in state {drive.state.value!r}, error {drive.error_code:#06x}: "
+                f"clear_faults() once the cause is gone"
+            )
+        self._raise_if_stopped()
+        return ENABLE_STEPS[drive.state]
+
+    def _all_enabled(self) -> bool:
+        return all(drive.state is DriveState.OPERATION_ENABLED for drive in self._drives)
+
+    def _lead(self, word: Callable[[CanOpenDrive, int], int], arrived: Callable[[], bool], complaint: str) -> None:
+        """Command controlwords at rest, cycle by cycle, until the drives have arrived."""
+        deadline = self.clock.now_ns() + round(2e9 * self._configuration.response_timeout)
+        step = 0
+        while True:
+            self._send_cycle([drive.resting_command(word(drive, step)) for drive in self._drives])
+            self.clock.sleep_until(self.clock.now_ns() + round(max(self._period, STEP) * 1e9))
+            self._pump()
+            if arrived():
+                return
+            step += 1
+            if self.clock.now_ns() >= deadline:
+                states = ", ".join(f"node {drive.node_id}: {drive.state.value}" for drive in self._drives)
+                raise AdapterTimeout(f"{complaint} ({states})")
+
+    def _write(self, command: JointCommand, mode: CommandMode) -> None:
+        torque, velocity, position = command.torque, command.velocity, command.position
+        word = ENABLE_STEPS[DriveState.OPERATION_ENABLED]
+        self._send_cycle(
+            [
+                drive.command(word, torque[joint], velocity[joint], position[joint])
+                for joint, drive in enumerate(self._drives)
+            ]
+        )
+
+    def _send_cycle(self, frames: list[CanFrame]) -> None:
+        """Commands, then the SYNC on which all drives take them at once, and our heartbeat when it is due."""
+        frames.append(SYNC)
+        now = self.clock.now_ns()
+        if now - self._beat_ns >= self._beat_period * 1e9:
+            self._beat_ns = now
+            frames.append(CanFrame(HEARTBEAT + self._configuration.master_id, bytes((OPERATIONAL,))))
+        self._send(frames)
+        self._synced_ns = now
+
+    @property
+    def _beat_period(self) -> float:
+        return self._configuration.watchdog / 4.0
+
+    def _read_into(self, feedback: JointFeedback) -> bool:
+        now = self.clock.now_ns()
+        if not self.enabled and now - self._synced_ns > STEP * 1e9:
+            self._synced_ns = now
+            self._send([SYNC])
+        self._pump()
+        if self._running:
+            self._check_heartbeats(now)
+        return self._take_reported(feedback)
+
+    def _check_heartbeats(self, now: int) -> None:
+        longest = HEARTBEATS_MISSED * self._configuration.heartbeat * 1e9
+        for drive in self._drives:
+            if drive.heard_ns is not None and now - drive.heard_ns > longest:
+                raise AdapterConnectionError(
+                    f"node {drive.node_id} has not been heard for {(now - drive.heard_ns) * 1e-9:.2f} s"
+                )
+            if drive.restarted:
+                raise DriveFault(f"node {drive.node_id} has restarted, error {FAULT_RESTARTED:#x}")
+
+    # -- stopping -----------------------------------------------------------------------------------------
+
+    def _stop(self) -> None:
+        self._running = False
+        self._discard_output()
+        self._send([*(drive.resting_command(DISABLE_VOLTAGE) for drive in self._drives), SYNC])
+        self._send([drive.disable_frame() for drive in self._drives])
+
+    def _clear_faults(self) -> None:
+        if any(drive.restarted for drive in self._drives):
+            self._configure(self._mode_in_use, self._period)
+        try:
+            self._lead(_clearing_word, self._all_cleared, "the fault stays")
+        except AdapterTimeout as error:
+            codes = ", ".join(f"node {d.node_id}: {d.error_code or d.emergency:#06x}" for d in self._drives)
+            raise DriveFault(f"{error}; error codes {codes}") from error
+        for drive in self._drives:
+            drive.emergency = 0
+        self._send([*(drive.resting_command(DISABLE_VOLTAGE) for drive in self._drives), SYNC])
+
+    def _all_cleared(self) -> bool:
+        return all(drive.find_fault(running=False) == 0 for drive in self._drives)
+
+    def _health(self) -> dict[str, float | str]:
+        health: dict[str, float | str] = {"damaged_frames": float(self.n_damaged)}
+        for joint, drive in zip(self._configuration.joints, self._drives, strict=True):
+            health[f"{joint.name}: state"] = drive.state.value
+            health[f"{joint.name}: error"] = f"{drive.error_code or drive.emergency:#06x}"
+        return health
+
+
+def _clearing_word(drive: CanOpenDrive, step: int) -> int:
+    """A rising edge of the reset bit every other cycle, for drives in fault only."""
+    return CLEAR_FAULT if drive.state is DriveState.FAULT and step % 2 else DISABLE_VOLTAGE
+
+
+def _nmt(command: int, drive: CanOpenDrive) -> CanFrame:
+    return CanFrame(0x000, bytes((command, drive.node_id)))

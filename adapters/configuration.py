@@ -1,0 +1,200 @@
+"""The configuration file: bus, joints, limits and transmissions, read from TOML and checked before a bus is opened."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+import msgspec
+
+from fricomp.control import JointLimits
+from fricomp.errors import AdapterConfigurationError, ParameterError
+
+from .adapter import AdapterOptions
+from .transmission import Transmission
+
+__all__ = [
+    "AdapterConfiguration",
+    "CanAdapterConfiguration",
+    "CanBusConfiguration",
+    "JointConfiguration",
+    "LimitsConfiguration",
+    "SerialAdapterConfiguration",
+    "SerialConfiguration",
+    "TransmissionConfiguration",
+    "convert",
+    "options_of",
+    "read_configuration",
+]
+
+Configured = TypeVar("Configured", bound="AdapterConfiguration")
+
+
+class LimitsConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Limits of one joint, joint side; see `fricomp.control.JointLimits`.
+
+    Attributes:
+        torque: Largest commanded torque [N·m], [N] or the actuator's own unit.
+        torque_rate: Fastest change of it [N·m/s].
+        velocity: Speed beyond which the joints are stopped [rad/s] or [m/s].
+        position: Range outside which the joints are stopped [rad] or [m]; none where the joint turns freely.
+        temperature: Temperature above which the joints are stopped [°C].
+    """
+
+    torque: float
+    torque_rate: float
+    velocity: float
+    position: tuple[float, float] | None = None
+    temperature: float | None = None
+
+
+class TransmissionConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Gear between drive and joint; see `Transmission`."""
+
+    gear_ratio: float = 1.0
+    sign: int = 1
+    zero: float = 0.0
+
+
+class JointConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """One joint.
+
+    Attributes:
+        name: Name of the joint, unique.
+        id: Address of its drive on the bus.
+        limits: What it may do.
+        transmission: Gear, sign and zero.
+    """
+
+    name: str
+    id: int
+    limits: LimitsConfiguration
+    transmission: TransmissionConfiguration = TransmissionConfiguration()
+
+
+class CanBusConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A CAN bus as python-can opens it.
+
+    Attributes:
+        interface: Any interface of python-can (`socketcan`, `pcan`, `gs_usb`, `socketcand`, `virtual`, ...), or
+            `slcan-chunked` for a serial adapter read in chunks.
+        channel: What the interface calls its channel: `can0`, `/dev/ttyACM0`, ...
+        bitrate: [bit/s].
+        options: Further arguments of the interface, passed on as they are.
+    """
+
+    interface: str
+    channel: str | int | None = None
+    bitrate: int = 1_000_000
+    options: dict[str, Any] = {}
+
+
+class SerialConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A serial port as pyserial opens it.
+
+    Attributes:
+        port: Device or any pyserial address: `/dev/ttyACM0`, `COM3`, `socket://host:port`, ...
+        baudrate: [baud]; USB devices ignore it.
+    """
+
+    port: str
+    baudrate: int = 1_000_000
+
+
+class AdapterConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What every adapter takes; each adds its bus, its joints and its own keys.
+
+    Attributes:
+        backend: Name of the adapter; only read by who chooses one.
+        rate: Rate of the control loop [Hz]; none to leave it to the command.
+        ramp_time: Time over which torque may rise to its limit after enabling [s].
+        stale_after: Age at which feedback counts as lost [s].
+        watchdog: Time of silence after which the drives stop by themselves [s].
+        allow_no_watchdog: Enable drives that have none.
+        response_timeout: How long a drive may take to answer while opening and configuring [s].
+    """
+
+    backend: str | None = None
+    rate: float | None = None
+    ramp_time: float = 0.2
+    stale_after: float = 0.02
+    watchdog: float = 0.1
+    allow_no_watchdog: bool = False
+    response_timeout: float = 0.3
+
+    def __post_init__(self) -> None:
+        for name in ("watchdog", "response_timeout"):
+            if not 0.0 < getattr(self, name) <= 10.0:
+                raise ValueError(f"{name} must be above 0 and at most 10 s, got {getattr(self, name)!r}")
+
+
+class CanAdapterConfiguration(AdapterConfiguration, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What every adapter on a CAN bus takes."""
+
+    bus: CanBusConfiguration
+
+
+class SerialAdapterConfiguration(AdapterConfiguration, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """What every adapter on a serial port takes."""
+
+    serial: SerialConfiguration
+
+
+def read_configuration(path: str | Path) -> dict[str, Any]:
+    """What stands in a TOML file.
+
+    Raises:
+        AdapterConfigurationError: It cannot be read, or names no backend.
+    """
+    try:
+        found = tomllib.loads(Path(path).read_text("utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise AdapterConfigurationError(f"cannot read the configuration {path}: {error}") from error
+    if not isinstance(found.get("backend"), str):
+        raise AdapterConfigurationError(f'{path} names no backend: add a line such as backend = "canopen" at the top')
+    return found
+
+
+def convert(configuration: Mapping[str, Any], to: type[Configured]) -> Configured:
+    """A checked configuration.
+
+    Raises:
+        AdapterConfigurationError: A key is unknown or missing, or a value is wrong; the message names the key.
+    """
+    try:
+        made = msgspec.convert(dict(configuration), to)
+    except (msgspec.ValidationError, ValueError) as error:
+        raise AdapterConfigurationError(f"configuration: {error}") from error
+    joints: Sequence[JointConfiguration] = getattr(made, "joints", ())
+    if not joints:
+        raise AdapterConfigurationError("configuration: no joint; add a [[joints]] table for each")
+    for what in ("name", "id"):
+        seen = [getattr(joint, what) for joint in joints]
+        if len(set(seen)) != len(seen):
+            raise AdapterConfigurationError(f"configuration: two joints have the same {what}: {seen}")
+    return made
+
+
+def options_of(configuration: AdapterConfiguration, joints: Sequence[JointConfiguration]) -> AdapterOptions:
+    """The options of the adapter base.
+
+    Raises:
+        AdapterConfigurationError: A limit or a transmission is out of its domain; the message names the joint.
+    """
+    limits: list[JointLimits] = []
+    transmissions: list[Transmission] = []
+    for joint in joints:
+        try:
+            limits.append(JointLimits(**msgspec.structs.asdict(joint.limits)))
+            transmissions.append(Transmission(**msgspec.structs.asdict(joint.transmission)))
+        except (ParameterError, AdapterConfigurationError) as error:
+            raise AdapterConfigurationError(f"configuration: joint {joint.name!r}: {error}") from error
+    return AdapterOptions(
+        limits=tuple(limits),
+        transmissions=tuple(transmissions),
+        ramp_time=configuration.ramp_time,
+        stale_after=configuration.stale_after,
+        allow_no_watchdog=configuration.allow_no_watchdog,
+    )

@@ -1,0 +1,71 @@
+"""The drive's side of a transmission: buffers, and the way between them and the joint, the same every cycle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite
+
+from fricomp.errors import AdapterValueError
+from fricomp.joint import Capabilities, JointCommand, JointFeedback
+
+from .transmission import Transmission
+
+__all__ = ["DriveSide"]
+
+# Torque in the actuator's own unit, such as ampere, is not scaled by a gear: only the sign carries over.
+SCALED_UNITS = ("N·m", "N")
+
+
+class DriveSide:
+    """Command and feedback on the drives' side, made once and filled every cycle.
+
+    Args:
+        capabilities: As the drives declare them.
+        transmissions: One for each joint.
+    """
+
+    def __init__(self, capabilities: Capabilities, transmissions: Sequence[Transmission]) -> None:
+        n_joints = len(capabilities.joints)
+        self.command = JointCommand(n_joints)
+        self.feedback = JointFeedback(n_joints)
+        self._gears = [
+            (joint, t.sign / t.gear_ratio, t.zero, _torque_gain(declared.torque_unit, t))
+            for joint, (declared, t) in enumerate(zip(capabilities.joints, transmissions, strict=True))
+            if not t.is_identity
+        ]
+
+    def zero_command(self) -> None:
+        """Set every entry of the command to zero."""
+        for entries in (self.command.torque, self.command.velocity, self.command.position):
+            entries[:] = [0.0] * len(entries)
+
+    def command_from_joint(self) -> JointCommand:
+        """Turn the command, filled joint side, into the drives' side, in place.
+
+        Raises:
+            AdapterValueError: A torque is not finite after the transmission.
+        """
+        command = self.command
+        for joint, gain, zero, torque_gain in self._gears:
+            command.torque[joint] /= torque_gain
+            command.velocity[joint] /= gain
+            command.position[joint] = (command.position[joint] + zero) / gain
+        if not isfinite(sum(command.torque)):
+            raise AdapterValueError(f"torque {command.torque} after the transmission is not finite")
+        return command
+
+    def feedback_to_joint(self, feedback: JointFeedback) -> None:
+        """Fill `feedback`, joint side, with what the drives have reported."""
+        source = self.feedback
+        feedback.time_ns = source.time_ns
+        feedback.position[:], feedback.velocity[:] = source.position, source.velocity
+        feedback.torque[:], feedback.current[:] = source.torque, source.current
+        feedback.temperature[:], feedback.fault[:] = source.temperature, source.fault
+        for joint, gain, zero, torque_gain in self._gears:
+            feedback.position[joint] = source.position[joint] * gain - zero
+            feedback.velocity[joint] = source.velocity[joint] * gain
+            feedback.torque[joint] = source.torque[joint] * torque_gain
+
+
+def _torque_gain(unit: str, transmission: Transmission) -> float:
+    return transmission.sign * (transmission.gear_ratio if unit in SCALED_UNITS else 1.0)

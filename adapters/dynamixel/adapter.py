@@ -1,0 +1,346 @@
+"""Dynamixel X servos as joints: goals for all in one packet, states of all in answer to one, every cycle."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Mapping
+from math import isfinite
+from typing import Any, Self
+
+from fricomp.errors import AdapterConfigurationError, AdapterError, AdapterTimeout, AdapterValueError, DriveFault
+from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, JointFeedback, Watchdog
+
+from ..bus_budget import BusBudget, serial_time
+from ..configuration import JointConfiguration, SerialAdapterConfiguration, convert
+from ..link import SerialLink
+from ..serial_adapter import SerialAdapter
+from .control_table import (
+    BUS_WATCHDOG,
+    CONDITION,
+    CURRENT_LIMIT,
+    GOALS,
+    HARDWARE_ERROR,
+    MODEL_NUMBER,
+    MODES,
+    OPERATING_MODE,
+    POSITION_COUNT,
+    RETURN_DELAY,
+    STATE,
+    STATUS_RETURN_LEVEL,
+    TORQUE_ENABLE,
+    VELOCITY_COUNT,
+    WATCHDOG_COUNT,
+    Item,
+    Model,
+    models,
+)
+from .packet import (
+    Instruction,
+    PacketBuffer,
+    StatusPacket,
+    encode_packet,
+    read_packet,
+    sync_read_packet,
+    sync_write_packet,
+    write_packet,
+)
+
+__all__ = ["DynamixelAdapter", "DynamixelConfiguration", "DynamixelJointConfiguration"]
+
+ALERT, ERROR_MASK = 0x80, 0x7F
+FAULT_NOT_ENABLED = 0x100
+
+REST_PERIOD_NS = 5_000_000
+CONDITION_PERIOD_NS = 50_000_000
+REBOOT_TIME = 0.5  # until a servo answers again [s]
+STATE_LAYOUT = struct.Struct("<hii8xHB")
+COUNT_BOUND = {2: 0x7FFF, 4: 0x7FFFFFFF}
+
+
+class DynamixelJointConfiguration(JointConfiguration, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """One servo.
+
+    Attributes:
+        torque_constant: [N·m/A]; if given, torques and limits are in N·m, else everything stays in amperes.
+    """
+
+    torque_constant: float | None = None
+
+
+class DynamixelConfiguration(SerialAdapterConfiguration, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Dynamixel X servos on one line."""
+
+    joints: tuple[DynamixelJointConfiguration, ...]
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for joint in self.joints:
+            if not 0 <= joint.id <= 252:
+                raise ValueError(f"joint {joint.name!r}: servos are numbered 0 to 252, got {joint.id}")
+            if joint.torque_constant is not None and not joint.torque_constant > 0.0:
+                raise ValueError(f"joint {joint.name!r}: torque_constant must be positive, got {joint.torque_constant}")
+        if not WATCHDOG_COUNT <= self.watchdog <= 127 * WATCHDOG_COUNT:
+            raise ValueError(f"the watchdog of these servos runs from 0.02 to 2.54 s, got {self.watchdog}")
+
+
+class DynamixelAdapter(SerialAdapter):
+    """Dynamixel X servos on one line.
+
+    Args:
+        configuration: Port and servos.
+        open_link: Makes the link; pyserial as configured unless given.
+        clock: Real time unless a simulation brings its own.
+    """
+
+    def __init__(
+        self,
+        configuration: DynamixelConfiguration,
+        open_link: Callable[[], SerialLink] | None = None,
+        clock: Clock | None = None,
+    ) -> None:
+        super().__init__(configuration, configuration.joints, open_link, clock)
+        self._configuration = configuration
+        self._servos = bytes(joint.id for joint in configuration.joints)
+        self._joint_of = {servo: joint for joint, servo in enumerate(self._servos)}
+        self._torque_counts = [1.0] * len(self._servos)
+        self._state_request = sync_read_packet(*STATE, self._servos)
+        self._condition_request = sync_read_packet(*CONDITION, self._servos)
+        self._buffer = PacketBuffer()
+        self._awaited: tuple[int, int] | None = None
+        self._answer: StatusPacket | None = None
+        self._hardware_errors = [0] * len(self._servos)
+        self._watchdog: Watchdog | None = None
+        self._mode_in_use: CommandMode = "torque"
+        self._running = False
+        self._rested_ns = self._condition_ns = 0
+
+    @classmethod
+    def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
+        """Make the adapter from what stands in the configuration file."""
+        return cls(convert(configuration, DynamixelConfiguration))
+
+    # -- receiving ------------------------------------------------------------------------------------------
+
+    def _on_bytes(self, data: bytes) -> None:
+        for packet in self._buffer.take(data):
+            joint = self._joint_of.get(packet.identifier)
+            if joint is None:
+                continue
+            if self._awaited is not None and self._is_awaited(packet, *self._awaited):
+                self._awaited, self._answer = None, packet
+            elif len(packet.data) == STATE.size:
+                self._take_state(joint, packet)
+            elif len(packet.data) == CONDITION.size:
+                self._take_condition(joint, packet)
+
+    def _is_awaited(self, packet: StatusPacket, servo: int, n_bytes: int) -> bool:
+        """A refusal comes without data; states that were asked for before have another length."""
+        refused = packet.error & ERROR_MASK and not packet.data
+        return packet.identifier == servo and (len(packet.data) == n_bytes or bool(refused))
+
+    def _take_state(self, joint: int, packet: StatusPacket) -> None:
+        current, velocity, position, _voltage, temperature = STATE_LAYOUT.unpack(packet.data)
+        reported, count = self._reported, self._torque_counts[joint]
+        constant = self._configuration.joints[joint].torque_constant or 1.0
+        reported.torque[joint], reported.current[joint] = current * count, current * count / constant
+        reported.velocity[joint] = velocity * VELOCITY_COUNT
+        reported.position[joint] = position * POSITION_COUNT
+        reported.temperature[joint] = float(temperature)
+        if packet.error & ALERT:
+            reported.fault[joint] = self._hardware_errors[joint] or ALERT
+        self._arrivals.mark(joint)
+
+    def _take_condition(self, joint: int, packet: StatusPacket) -> None:
+        energised, self._hardware_errors[joint] = bool(packet.data[0]), packet.data[-1]
+        missing = self._running and not energised
+        self._reported.fault[joint] = self._hardware_errors[joint] or (FAULT_NOT_ENABLED if missing else 0)
+
+    # -- single items -----------------------------------------------------------------------------------------
+
+    def _exchange(self, servo: int, packet: bytes, n_bytes: int, what: str) -> bytes:
+        """Send an instruction and wait for the status with so many bytes.
+
+        Raises:
+            AdapterTimeout: None comes.
+            AdapterError: It tells an error.
+        """
+        self._awaited, self._answer = (servo, n_bytes), None
+        try:
+            self._send(packet)
+            timeout = self._configuration.response_timeout
+            self._wait(lambda: self._answer is not None, timeout, f"servo {servo} did not answer to {what}")
+        finally:
+            self._awaited = None
+        answer = self._answer or StatusPacket(servo, 0, b"")
+        if answer.error & ERROR_MASK:
+            raise AdapterError(f"servo {servo} refuses {what}: error {answer.error & ERROR_MASK}")
+        return answer.data
+
+    def _read_item(self, servo: int, item: Item) -> int:
+        what = f"reading address {item.address}"
+        return int.from_bytes(self._exchange(servo, read_packet(servo, *item), item.size, what), "little")
+
+    def _write_item(self, servo: int, item: Item, value: int) -> None:
+        packet = write_packet(servo, item.address, value.to_bytes(item.size, "little"))
+        self._exchange(servo, packet, 0, f"writing {value} to address {item.address}")
+
+    def _ensure_item(self, servo: int, item: Item, value: int) -> None:
+        """Write only what differs: much of the table lies in an EEPROM, which wears."""
+        if self._read_item(servo, item) != value:
+            self._write_item(servo, item, value)
+            found = self._read_item(servo, item)
+            if found != value:
+                raise AdapterConfigurationError(
+                    f"servo {servo} keeps {found} at address {item.address} where {value} was written"
+                )
+
+    # -- opening and configuring ------------------------------------------------------------------------------
+
+    def _open(self) -> Capabilities:
+        self._connect()
+        joints = tuple(self._inspect(joint) for joint in range(len(self._servos)))
+        return Capabilities(joints, ("torque", "velocity", "position"), self._highest_rate(), None)
+
+    def _inspect(self, joint: int) -> JointCapabilities:
+        """What one servo can do.
+
+        Raises:
+            AdapterConfigurationError: It cannot control current.
+        """
+        servo, named = self._servos[joint], self._configuration.joints[joint]
+        number = self._read_item(servo, MODEL_NUMBER)
+        model = models().get(number, Model(f"model {number}"))
+        if model.current_count is None:
+            able = ", ".join(known.name for known in models().values() if known.current_count)
+            raise AdapterConfigurationError(
+                f"joint {named.name!r}: servo {servo} is a {model.name}, which cannot control current; able are {able}"
+            )
+        self._torque_counts[joint] = count = model.current_count * (named.torque_constant or 1.0)
+        return JointCapabilities(
+            named.name,
+            torque_unit="N·m" if named.torque_constant else "A",
+            position_quantum=POSITION_COUNT,
+            velocity_quantum=VELOCITY_COUNT,
+            torque_quantum=count,
+            torque_limit=self._read_item(servo, CURRENT_LIMIT) * count,
+        )
+
+    def _highest_rate(self) -> float:
+        baudrate, n_joints = self._configuration.serial.baudrate, len(self._servos)
+        goals = sync_write_packet(GOALS["position"].address, dict.fromkeys(self._servos, bytes(4)))
+        condition = 0.1 * (len(self._condition_request) + n_joints * (CONDITION.size + 11))
+        n_bytes = len(goals) + len(self._state_request) + n_joints * (STATE.size + 11) + condition
+        return BusBudget([serial_time(round(n_bytes), baudrate)]).highest_rate
+
+    def _configure(self, mode: CommandMode, period: float) -> None:
+        self._mode_in_use, self._running = mode, False
+        for servo in self._servos:
+            self._ensure_item(servo, STATUS_RETURN_LEVEL, 2)
+            self._ensure_item(servo, TORQUE_ENABLE, 0)
+            self._ensure_item(servo, RETURN_DELAY, 0)
+            self._ensure_item(servo, OPERATING_MODE, MODES[mode])
+            self._arm_watchdog(servo)
+        self._watchdog = Watchdog(self._watchdog_counts * WATCHDOG_COUNT, confirmed=True, fed_by_reads=True)
+
+    @property
+    def _watchdog_counts(self) -> int:
+        return max(1, round(self._configuration.watchdog / WATCHDOG_COUNT))
+
+    def _arm_watchdog(self, servo: int) -> None:
+        self._write_item(servo, BUS_WATCHDOG, 0)  # also forgets that it has fired
+        self._ensure_item(servo, BUS_WATCHDOG, self._watchdog_counts)
+
+    def _confirmed_watchdog(self) -> Watchdog | None:
+        return self._watchdog
+
+    # -- moving -----------------------------------------------------------------------------------------------
+
+    def _enable(self) -> None:
+        for servo in self._servos:
+            self._raise_if_stopped()
+            error = self._read_item(servo, HARDWARE_ERROR)
+            if error:
+                raise DriveFault(f"servo {servo} reports hardware error {error:#x}: clear_faults() once it is gone")
+            self._ensure_item(servo, OPERATING_MODE, MODES[self._mode_in_use])
+            self._arm_watchdog(servo)
+        for servo in self._servos:
+            self._raise_if_stopped()
+            self._write_item(servo, TORQUE_ENABLE, 1)  # goals become zero, or the present position, by themselves
+        for servo in self._servos:
+            if self._read_item(servo, TORQUE_ENABLE) != 1:
+                raise AdapterError(f"servo {servo} does not switch its torque on")
+        self._condition_ns = self.clock.now_ns()
+        self._running = True
+
+    def _write(self, command: JointCommand, mode: CommandMode) -> None:
+        goals = {servo: self._goal(joint, command, mode) for joint, servo in enumerate(self._servos)}
+        packets = sync_write_packet(GOALS[mode].address, goals) + self._state_request
+        now = self.clock.now_ns()
+        if now - self._condition_ns > CONDITION_PERIOD_NS:
+            self._condition_ns = now
+            packets += self._condition_request
+        self._send(packets)
+
+    def _goal(self, joint: int, command: JointCommand, mode: CommandMode) -> bytes:
+        if mode == "torque":
+            return encode_goal(command.torque[joint], self._torque_counts[joint], 2)
+        if mode == "velocity":
+            return encode_goal(command.velocity[joint], VELOCITY_COUNT, 4)
+        return encode_goal(command.position[joint], POSITION_COUNT, 4)
+
+    def _read_into(self, feedback: JointFeedback) -> bool:
+        now = self.clock.now_ns()
+        if not self.enabled and now - self._rested_ns > REST_PERIOD_NS:
+            self._rested_ns = now
+            self._send(self._state_request)
+        self._pump()
+        return self._take_reported(feedback)
+
+    # -- stopping -----------------------------------------------------------------------------------------------
+
+    def _stop(self) -> None:
+        self._running = False
+        self._discard_output()
+        idle = sync_write_packet(GOALS["torque"].address, dict.fromkeys(self._servos, bytes(2)))
+        off = sync_write_packet(TORQUE_ENABLE.address, dict.fromkeys(self._servos, b"\0"))
+        # Several times: the rest of a packet that was cut by discarding it would swallow the first.
+        self._send((idle + off) * 3)
+
+    def _clear_faults(self) -> None:
+        for servo in self._servos:
+            if self._read_item(servo, HARDWARE_ERROR):
+                self._reboot(servo)
+        self._reported.fault[:] = [0] * len(self._servos)
+        self._hardware_errors = [self._read_item(servo, HARDWARE_ERROR) for servo in self._servos]
+        if any(self._hardware_errors):
+            raise DriveFault(f"the servos report hardware errors {self._hardware_errors} after a reboot")
+        for servo in self._servos:
+            self._ensure_item(servo, STATUS_RETURN_LEVEL, 2)
+
+    def _reboot(self, servo: int) -> None:
+        """The only way out of a hardware error; the servo stays de-energised."""
+        self._exchange(servo, encode_packet(servo, Instruction.REBOOT), 0, "a reboot")
+        deadline = self.clock.now_ns() + round(4e9 * REBOOT_TIME)
+        while True:
+            self.clock.sleep_until(self.clock.now_ns() + 50_000_000)
+            try:
+                self._read_item(servo, HARDWARE_ERROR)
+                return
+            except AdapterTimeout:
+                if self.clock.now_ns() > deadline:
+                    raise
+
+    def _health(self) -> dict[str, float | str]:
+        return {"damaged_packets": float(self._buffer.n_damaged)}
+
+
+def encode_goal(value: float, count: float, n_bytes: int) -> bytes:
+    """The nearest count; what is beyond the range gets its edge.
+
+    Raises:
+        AdapterValueError: `value` is not finite.
+    """
+    if not isfinite(value):
+        raise AdapterValueError(f"{value} cannot be sent to a servo")
+    bound = COUNT_BOUND[n_bytes]
+    return round(min(max(value / count, -bound), bound)).to_bytes(n_bytes, "little", signed=True)

@@ -1,0 +1,15 @@
+"""Ways to a bus: CAN frames through python-can, bytes through pyserial; their errors become ours here."""
+
+from .can_link import CanLink, PythonCanLink, open_can_link
+from .frame import CanFrame
+from .serial_link import PySerialLink, SerialLink, open_serial_link
+
+__all__ = [
+    "CanFrame",
+    "CanLink",
+    "PySerialLink",
+    "PythonCanLink",
+    "SerialLink",
+    "open_can_link",
+    "open_serial_link",
+]

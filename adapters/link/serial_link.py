@@ -1,0 +1,115 @@
+"""Bytes through pyserial, any address of it; reads everything that has come, never waits."""
+
+from __future__ import annotations
+
+from time import monotonic
+from typing import TYPE_CHECKING, Protocol
+
+from fricomp.errors import AdapterConnectionError, MissingExtraError
+
+from ..configuration import SerialConfiguration
+
+if TYPE_CHECKING:
+    import serial
+
+__all__ = ["PySerialLink", "SerialLink", "open_serial_link"]
+
+WRITE_TIMEOUT = 0.005
+"""How long bytes may wait for a place in the operating system's queue [s]; longer, and the port is taken for dead."""
+
+MOST_BYTES_AT_ONCE = 65536
+
+
+class SerialLink(Protocol):
+    """What an adapter needs of a serial port. Errors are `AdapterConnectionError`."""
+
+    def send(self, data: bytes) -> None:
+        """Hand over all bytes; from any thread."""
+
+    def receive(self) -> bytes:
+        """All bytes that have come; empty at once if none has."""
+
+    def discard_output(self) -> None:
+        """Drop what still waits to be sent."""
+
+    def close(self) -> None:
+        """Let go of the port."""
+
+
+class PySerialLink:
+    """A pyserial port.
+
+    Args:
+        port: Opened already, without waiting for reading or writing; closed by `close`. pyserial's own write timeout
+            is no use: on a busy machine it runs out after every byte has been taken.
+    """
+
+    def __init__(self, port: serial.SerialBase) -> None:
+        self._port = port
+
+    def send(self, data: bytes) -> None:
+        """Hand over all bytes.
+
+        Raises:
+            AdapterConnectionError: The queue stays full, or the port is gone.
+        """
+        left, deadline = memoryview(data), 0.0
+        while left:
+            try:
+                written = self._port.write(left)
+            except Exception as error:  # SerialException, OSError, termios.error
+                raise AdapterConnectionError(f"cannot write to the serial port: {error}") from error
+            left = left[written or 0 :]
+            now = monotonic()
+            deadline = deadline or now + WRITE_TIMEOUT
+            if left and now > deadline:
+                raise AdapterConnectionError(f"the serial port takes no more: {len(left)} bytes wait in a full queue")
+
+    def receive(self) -> bytes:
+        """All bytes that have come.
+
+        Raises:
+            AdapterConnectionError: The port is gone.
+        """
+        try:
+            return bytes(self._port.read(MOST_BYTES_AT_ONCE))
+        except Exception as error:
+            raise AdapterConnectionError(f"cannot read from the serial port: {error}") from error
+
+    def discard_output(self) -> None:
+        """Drop what still waits to be sent."""
+        try:
+            self._port.reset_output_buffer()
+        except Exception:  # best effort on the way to a stop
+            return
+
+    def close(self) -> None:
+        """Let go of the port.
+
+        Raises:
+            AdapterConnectionError: The port fails to close.
+        """
+        try:
+            self._port.close()
+        except Exception as error:
+            raise AdapterConnectionError(f"the serial port does not close: {error}") from error
+
+
+def open_serial_link(configuration: SerialConfiguration) -> SerialLink:
+    """The port that stands in the configuration.
+
+    Raises:
+        AdapterConnectionError: It cannot be opened.
+        MissingExtraError: pyserial is not installed.
+    """
+    try:
+        import serial
+    except ImportError as error:
+        raise MissingExtraError("pyserial", "serial") from error
+    try:
+        port = serial.serial_for_url(
+            configuration.port, baudrate=configuration.baudrate, timeout=0.0, write_timeout=0.0
+        )
+    except Exception as error:
+        raise AdapterConnectionError(f"cannot open serial port {configuration.port!r}: {error}") from error
+    return PySerialLink(port)

@@ -1,0 +1,307 @@
+"""MIT-mode motors as joints: torque commands, a state in answer to each."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Mapping
+from math import isclose
+from typing import Any, Self
+
+from fricomp.errors import AdapterConfigurationError, DriveFault
+from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, JointFeedback, Watchdog
+
+from ..bus_budget import BusBudget, can_frame_bits
+from ..can_adapter import CanAdapter
+from ..configuration import CanAdapterConfiguration, JointConfiguration, convert
+from ..link import CanFrame, CanLink
+from .codec import MitRanges
+from .cybergear import CyberGearMotor
+from .motor import AkMotor, DamiaoMotor, Motor, MotorState, RobstrideMotor
+from .profile import Register, RegisterType, find_model
+
+__all__ = ["MitAdapter", "MitConfiguration", "MitJointConfiguration"]
+
+DIALECTS: Mapping[str, type[Motor]] = {
+    "damiao": DamiaoMotor,
+    "ak": AkMotor,
+    "robstride": RobstrideMotor,
+    "cybergear": CyberGearMotor,
+}
+FORMATS: Mapping[RegisterType, str] = {"float32": "<f", "uint32": "<I", "uint8": "<Bxxx"}
+
+# Beyond every vendor's own codes.
+FAULT_NOT_ENABLED = 0x1001  # it has stopped by itself: its watchdog, or a power cycle
+FAULT_POSITION_EDGE = 0x1002  # its position code is at the edge, so that it may be anywhere beyond
+
+# A motor rests while it is asked for its state; more often than this would only load the bus [ns].
+POLL_PERIOD_NS = 2_000_000
+
+
+class MitJointConfiguration(JointConfiguration, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """One motor.
+
+    Attributes:
+        model: `vendor/model`, such as `damiao/DM4310`.
+        feedback_id: Identifier of its answers; the vendor's default if not given.
+        ranges: Ranges set on the motor if they are not the model's: `[position, velocity, torque]`.
+    """
+
+    model: str
+    feedback_id: int | None = None
+    ranges: tuple[float, float, float] | None = None
+
+
+class MitConfiguration(CanAdapterConfiguration, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """MIT-mode motors on one CAN bus."""
+
+    joints: tuple[MitJointConfiguration, ...]
+
+
+class MitAdapter(CanAdapter):
+    """MIT-mode motors on one CAN bus.
+
+    Args:
+        configuration: Bus and motors.
+        open_link: Makes the link; python-can as configured unless given.
+        clock: Real time unless a simulation brings its own.
+    """
+
+    def __init__(
+        self,
+        configuration: MitConfiguration,
+        open_link: Callable[[], CanLink] | None = None,
+        clock: Clock | None = None,
+    ) -> None:
+        super().__init__(configuration, configuration.joints, open_link, clock)
+        self._configuration = configuration
+        self._motors = tuple(make_motor(joint) for joint in configuration.joints)
+        self._joints_of: dict[int, list[int]] = {}
+        for joint, motor in enumerate(self._motors):
+            self._joints_of.setdefault(motor.answer_key, []).append(joint)
+        self._edges = [motor.ranges.position - 0.5 * motor.quanta[0] for motor in self._motors]
+        self._enabled_flags: list[bool | None] = [None] * len(self._motors)
+        self._answers: list[dict[int, bytes]] = [{} for _ in self._motors]
+        self._expected: list[int | None] = [None] * len(self._motors)
+        self._seen = [False] * len(self._motors)
+        self._running = False
+        self._watchdog: Watchdog | None = None
+        self._polled_ns = 0
+
+    @classmethod
+    def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
+        """Make the adapter from what stands in the configuration file."""
+        return cls(convert(configuration, MitConfiguration))
+
+    # -- opening ------------------------------------------------------------------------------------------
+
+    def _open(self) -> Capabilities:
+        self._watchdog = None
+        self._connect()
+        for joint in range(len(self._motors)):
+            self._check_ranges(joint)
+        self._poll_all()
+        return Capabilities(
+            tuple(map(self._declare, range(len(self._motors)))), ("torque",), self._highest_rate(), self._watchdog
+        )
+
+    def _declare(self, joint: int) -> JointCapabilities:
+        motor = self._motors[joint]
+        position, velocity, torque = motor.quanta
+        limits = motor.ranges
+        return JointCapabilities(
+            self._configuration.joints[joint].name,
+            position_quantum=position,
+            velocity_quantum=velocity,
+            torque_quantum=torque,
+            torque_limit=limits.torque,
+            velocity_limit=limits.velocity - velocity,  # the outermost code also stands for everything faster
+            position_limits=(-limits.position, limits.position),
+        )
+
+    def _highest_rate(self) -> float:
+        bits = [2 * can_frame_bits(8, extended=motor.enable_frame.extended) for motor in self._motors]
+        bitrate = self._configuration.bus.bitrate
+        return BusBudget([n / bitrate for n in bits]).highest_rate
+
+    def _check_ranges(self, joint: int) -> None:
+        """Ask the motor for its own ranges: published tables disagree, and a wrong one scales every torque."""
+        motor, name = self._motors[joint], self._configuration.joints[joint].name
+        for what in ("position", "velocity", "torque"):
+            register: Register | None = getattr(motor.registers, what)
+            if register is None:
+                continue
+            theirs, ours = float(self._read_register(joint, register)), getattr(motor.ranges, what)
+            if not isclose(theirs, ours, rel_tol=1e-4):
+                raise AdapterConfigurationError(
+                    f"joint {name!r}: the motor's {what} range is {theirs:g}, the configuration says {ours:g}: "
+                    f"correct the model, or give ranges = [position, velocity, torque]"
+                )
+
+    # -- registers ----------------------------------------------------------------------------------------
+
+    def _read_register(self, joint: int, register: Register) -> float:
+        motor, answers = self._motors[joint], self._answers[joint]
+        answers.pop(register.number, None)
+        self._expected[joint] = register.number
+        try:
+            self._send([motor.read_frame(register)])
+            self._wait(
+                lambda: register.number in answers,
+                self._configuration.response_timeout,
+                f"joint {self._configuration.joints[joint].name!r} (id {motor.address}) did not answer "
+                f"about register {register.number:#x}",
+            )
+        finally:
+            self._expected[joint] = None
+        return float(struct.unpack(FORMATS[register.type], answers[register.number])[0])
+
+    def _write_register(self, joint: int, register: Register, value: float) -> float:
+        """Write and read back; what the motor has then."""
+        number = value if register.type == "float32" else round(value)
+        self._send([self._motors[joint].write_frame(register, struct.pack(FORMATS[register.type], number))])
+        return self._read_register(joint, register)
+
+    def _configure(self, mode: CommandMode, period: float) -> None:
+        for joint, motor in enumerate(self._motors):
+            needed = motor.registers.mode
+            if needed is not None and needed.required is not None:
+                found = self._write_register(joint, needed, needed.required)
+                if found != needed.required:
+                    name = self._configuration.joints[joint].name
+                    raise AdapterConfigurationError(
+                        f"joint {name!r}: the motor stays in mode {found:g}; torque needs {needed.required}"
+                    )
+        self._watchdog = self._set_watchdogs(period)
+
+    def _set_watchdogs(self, period: float) -> Watchdog | None:
+        wanted, confirmed = self._configuration.watchdog, True
+        for joint, motor in enumerate(self._motors):
+            register = motor.registers.watchdog
+            if register is None:
+                return None
+            counts = max(1, round(wanted / register.count))
+            confirmed = confirmed and self._write_register(joint, register, counts) == counts
+        return Watchdog(wanted, confirmed)
+
+    def _confirmed_watchdog(self) -> Watchdog | None:
+        return self._watchdog
+
+    # -- moving -------------------------------------------------------------------------------------------
+
+    def _enable(self) -> None:
+        self._pump()
+        self._forget()
+        # Zero before and after: some firmware goes on with the last command it has ever got.
+        for frames in ("zero", "enable", "zero"):
+            self._send(
+                [motor.enable_frame if frames == "enable" else motor.torque_frame(0.0) for motor in self._motors]
+            )
+        self._wait(self._all_enabled, self._configuration.response_timeout, "not all motors reported to be enabled")
+        self._running = True
+
+    def _all_enabled(self) -> bool:
+        self._raise_if_stopped()
+        self._raise_on_fault()
+        return all(self._seen) and all(flag is not False for flag in self._enabled_flags)
+
+    def _raise_on_fault(self) -> None:
+        if any(self._reported.fault):
+            raise DriveFault(f"the motors report {self._reported.fault}: clear_faults() once the cause is gone")
+
+    def _write(self, command: JointCommand, mode: CommandMode) -> None:
+        torque = command.torque
+        self._send([motor.torque_frame(torque[joint]) for joint, motor in enumerate(self._motors)])
+
+    def _read_into(self, feedback: JointFeedback) -> bool:
+        if not self.enabled and self.clock.now_ns() - self._polled_ns > POLL_PERIOD_NS:
+            self._polled_ns = self.clock.now_ns()
+            self._send([motor.poll_frame for motor in self._motors])
+        self._pump()
+        return self._take_reported(feedback)
+
+    def _on_frame(self, frame: CanFrame) -> None:
+        for joint in self._joints_of.get(frame.identifier & 0xFFFF, ()):
+            motor = self._motors[joint]
+            if self._expected[joint] is not None:
+                answer = motor.decode_register(frame)
+                if answer is not None and answer[0] == self._expected[joint]:
+                    self._answers[joint][answer[0]] = answer[1]
+                    return
+            state = motor.decode(frame)
+            if state is not None:
+                self._take_state(joint, state)
+                return
+        self.n_damaged += 1
+
+    def _take_state(self, joint: int, state: MotorState) -> None:
+        reported = self._reported
+        (
+            reported.position[joint],
+            reported.velocity[joint],
+            reported.torque[joint],
+            reported.temperature[joint],
+            fault,
+            enabled,
+        ) = state
+        if self._running and not fault:
+            # What the motor does not call a fault and yet must stop the joints.
+            if enabled is False:
+                fault = FAULT_NOT_ENABLED
+            elif not -self._edges[joint] <= state.position <= self._edges[joint]:
+                fault = FAULT_POSITION_EDGE
+        reported.fault[joint] = fault
+        self._enabled_flags[joint], self._seen[joint] = enabled, True
+        self._arrivals.mark(joint)
+
+    def _stop(self) -> None:
+        self._running = False
+        self._discard_output()
+        self._send([motor.torque_frame(0.0) for motor in self._motors])
+        self._send([motor.disable_frame for motor in self._motors])
+
+    def _clear_faults(self) -> None:
+        self._send([motor.clear_frame for motor in self._motors])
+        self._poll_all()
+        self._raise_on_fault()
+
+    def _poll_all(self) -> None:
+        """Ask all motors for their state and wait for the answers."""
+        self._pump()
+        self._forget()
+        self._send([motor.poll_frame for motor in self._motors])
+        self._wait(
+            lambda: all(self._seen), self._configuration.response_timeout, f"not all of {self._names()} answered"
+        )
+
+    def _all_seen(self) -> bool:
+        return all(self._seen)
+
+    def _forget(self) -> None:
+        self._seen = [False] * len(self._motors)
+        self._enabled_flags = [None] * len(self._motors)
+        self._reported.fault[:] = [0] * len(self._motors)
+
+    def _names(self) -> str:
+        return ", ".join(f"{joint.name!r} (id {joint.id})" for joint in self._configuration.joints)
+
+    def _health(self) -> dict[str, float | str]:
+        return {"foreign_or_damaged_frames": float(self.n_damaged)}
+
+
+def make_motor(joint: MitJointConfiguration) -> Motor:
+    """The motor of a joint.
+
+    Raises:
+        AdapterConfigurationError: Its model is unknown, or an identifier is out of range.
+    """
+    profile, ranges = find_model(joint.model)
+    if joint.ranges is not None:
+        ranges = MitRanges(*joint.ranges, kp=ranges.kp, kd=ranges.kd)
+    feedback_id = joint.feedback_id
+    if feedback_id is None:
+        feedback_id = profile.feedback_id if profile.feedback_offset is None else joint.id + profile.feedback_offset
+    highest = 0xFF if profile.dialect in ("cybergear", "robstride") else 0x7FE
+    for what, number, lowest in (("id", joint.id, 1), ("feedback_id", feedback_id, 0)):
+        if not lowest <= number <= highest:
+            raise AdapterConfigurationError(f"joint {joint.name!r}: {what} {number} is not in {lowest}..{highest}")
+    return DIALECTS[profile.dialect](joint.id, feedback_id, ranges, profile.registers)

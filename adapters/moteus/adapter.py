@@ -1,0 +1,249 @@
+"""moteus controllers as joints: a command that lapses by itself, its answer, every cycle."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Self
+
+from fricomp.errors import AdapterConfigurationError, AdapterTimeout, DriveFault
+from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, JointFeedback, Watchdog
+
+from ..bus_budget import BusBudget, can_fd_frame_time, serial_time
+from ..configuration import JointConfiguration, SerialAdapterConfiguration, convert
+from ..link import SerialLink
+from ..serial_adapter import SerialAdapter
+from ..transmission import Transmission
+from .codec import (
+    LONGEST_TEXT,
+    MODE_POSITION,
+    QUERY,
+    STOP,
+    MoteusState,
+    MoteusText,
+    decode_answer,
+    encode_command,
+    encode_text,
+    pad,
+)
+from .fdcanusb import CommandLine, LineBuffer, decode_line, encode_line
+
+__all__ = ["MoteusAdapter", "MoteusConfiguration"]
+
+# Beyond the controllers' own codes: a mode that ends a command, such as 11, its timeout.
+FAULT_MODE = 0x1000
+REST_PERIOD_NS = 5_000_000
+SETTLING_NS = 20_000_000
+TIMEOUT_STOPS = 0  # servo.timeout_mode: the delivered 12 would brake actively
+USB_BAUDRATE = 12_000_000
+
+
+class MoteusConfiguration(SerialAdapterConfiguration, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """moteus controllers behind one fdcanusb; `id` of a joint is the controller's.
+
+    Attributes:
+        uart: Whether the line is a real asynchronous one, whose rate then counts in the budget, and not USB.
+    """
+
+    joints: tuple[JointConfiguration, ...]
+    uart: bool = False
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for joint in self.joints:
+            if not 1 <= joint.id <= 126:
+                raise ValueError(f"joint {joint.name!r}: controllers are numbered 1 to 126, got {joint.id}")
+
+
+class MoteusAdapter(SerialAdapter):
+    """moteus controllers behind one fdcanusb.
+
+    Args:
+        configuration: Port and controllers.
+        open_link: Makes the link; pyserial as configured unless given.
+        clock: Real time unless a simulation brings its own.
+    """
+
+    def __init__(
+        self,
+        configuration: MoteusConfiguration,
+        open_link: Callable[[], SerialLink] | None = None,
+        clock: Clock | None = None,
+    ) -> None:
+        super().__init__(configuration, configuration.joints, open_link, clock)
+        self._configuration = configuration
+        self._addresses = [joint.id for joint in configuration.joints]
+        self._joint_of = {address: joint for joint, address in enumerate(self._addresses)}
+        transmissions = self.options.transmissions or (Transmission(),) * len(self._addresses)
+        # A second barrier, in the drive: nothing of its own loop goes beyond the limit either.
+        self._highest = [
+            abs(t.torque_to_drive(limit.torque)) for t, limit in zip(transmissions, self.options.limits, strict=True)
+        ]
+        self._query = b"".join(encode_line(address, pad(QUERY)) for address in self._addresses)
+        self._stop_lines = b"".join(encode_line(address, pad(STOP)) for address in self._addresses)
+        self._commands: list[CommandLine] = []
+        self._lines = LineBuffer()
+        self._texts = [b""] * len(self._addresses)
+        self._modes: list[int | None] = [None] * len(self._addresses)
+        self._watchdog: Watchdog | None = None
+        self._mode_in_use: CommandMode = "torque"
+        self._running = False
+        self._rested_ns = 0
+
+    @classmethod
+    def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
+        """Make the adapter from what stands in the configuration file."""
+        return cls(convert(configuration, MoteusConfiguration))
+
+    # -- receiving ------------------------------------------------------------------------------------------
+
+    def _on_bytes(self, data: bytes) -> None:
+        for line in self._lines.take(data):
+            frame = decode_line(line)
+            joint = None if frame is None else self._joint_of.get(frame.source)
+            if frame is None or joint is None:
+                self.n_damaged += not line.startswith(b"OK") and bool(line.strip())
+                continue
+            answer = decode_answer(frame.data)
+            if isinstance(answer, MoteusState):
+                self._take_state(joint, answer)
+            elif isinstance(answer, MoteusText):
+                self._texts[joint] = (self._texts[joint] + answer.data)[-4 * LONGEST_TEXT :]
+            else:
+                self.n_damaged += 1
+
+    def _take_state(self, joint: int, state: MoteusState) -> None:
+        reported = self._reported
+        reported.position[joint], reported.velocity[joint] = state.position, state.velocity
+        reported.torque[joint], reported.temperature[joint] = state.torque, state.temperature
+        wrong_mode = self._running and state.mode != MODE_POSITION
+        reported.fault[joint] = state.fault or (FAULT_MODE + state.mode if wrong_mode else 0)
+        self._modes[joint] = state.mode
+        self._arrivals.mark(joint)
+
+    # -- opening and configuring ------------------------------------------------------------------------------
+
+    def _open(self) -> Capabilities:
+        self._watchdog = None
+        self._connect()
+        self._send(b"\n" + self._query)  # the empty line ends whatever was cut short before us
+        timeout = self._configuration.response_timeout
+        self._wait(self._arrivals.take, timeout, f"not all of controllers {self._addresses} answered")
+        joints = tuple(JointCapabilities(joint.name) for joint in self._configuration.joints)
+        return Capabilities(joints, ("torque", "velocity", "position"), self._highest_rate(), self._watchdog)
+
+    def _highest_rate(self) -> float:
+        baudrate = self._configuration.serial.baudrate if self._configuration.uart else USB_BAUDRATE
+        command = pad(encode_command("torque", 0.0, 0.0, 1.0, 0.1))
+        answer = len(pad(bytes(22)))
+        text = len(encode_line(1, command)) + len(b"OK\n") + len(encode_line(1, bytes(answer))) + len(b" E B F")
+        times = (serial_time(text, baudrate), can_fd_frame_time(len(command)), can_fd_frame_time(answer))
+        return BusBudget(times * len(self._addresses)).highest_rate
+
+    def _configure(self, mode: CommandMode, period: float) -> None:
+        self._mode_in_use, self._running = mode, False
+        timeout = self._configuration.watchdog
+        self._commands = [
+            CommandLine(address, mode, highest, timeout)
+            for address, highest in zip(self._addresses, self._highest, strict=True)
+        ]
+        wanted = {"servo.default_timeout_s": self._configuration.watchdog, "servo.timeout_mode": float(TIMEOUT_STOPS)}
+        confirmed = True
+        for joint in range(len(self._addresses)):
+            for name, value in wanted.items():
+                self._converse(joint, f"conf set {name} {value:g}")
+                found = self._converse(joint, f"conf get {name}")
+                confirmed = confirmed and _is_number(found, value)
+        if not confirmed:
+            raise AdapterConfigurationError(f"the controllers do not keep {', '.join(wanted)}: read back {found!r}")
+        self._watchdog = Watchdog(self._configuration.watchdog, confirmed)
+
+    def _converse(self, joint: int, line: str) -> str:
+        """Send a line to the diagnostic channel; the line it answers."""
+        self._texts[joint] = b""
+        self._send(encode_line(self._addresses[joint], pad(encode_text(line.encode("ascii") + b"\n"))))
+        poll = encode_line(self._addresses[joint], pad(encode_text(b"")))
+
+        def answered() -> bool:
+            if b"\n" in self._texts[joint]:
+                return True
+            self._send(poll)
+            return False
+
+        complaint = f"controller {self._addresses[joint]} did not answer {line!r}"
+        self._wait(answered, self._configuration.response_timeout, complaint)
+        return self._texts[joint].partition(b"\n")[0].decode("ascii", "replace").strip()
+
+    def _confirmed_watchdog(self) -> Watchdog | None:
+        return self._watchdog
+
+    # -- moving -----------------------------------------------------------------------------------------------
+
+    def _enable(self) -> None:
+        self._pump()
+        self._modes = [None] * len(self._addresses)
+        deadline = self.clock.now_ns() + round(self._configuration.response_timeout * 1e9)
+        hold = JointCommand(len(self._addresses))
+        hold.position[:] = self._reported.position
+        while not all(mode == MODE_POSITION for mode in self._modes):
+            self._raise_if_stopped()
+            self._raise_on_fault()
+            if self.clock.now_ns() > deadline:
+                raise AdapterTimeout(f"controllers {self._addresses} are in modes {self._modes} instead of position")
+            self._write(hold, self._mode_in_use)
+            self.clock.sleep_until(self.clock.now_ns() + 1_000_000)
+            self._pump()
+        self._running = True
+
+    def _raise_on_fault(self) -> None:
+        if any(self._reported.fault):
+            raise DriveFault(f"the controllers report {self._reported.fault}: clear_faults() once the cause is gone")
+
+    def _write(self, command: JointCommand, mode: CommandMode) -> None:
+        references = command.position if mode == "position" else command.velocity
+        torque = command.torque
+        lines = [line.encode(torque[joint], references[joint]) for joint, line in enumerate(self._commands)]
+        self._send(b"".join(lines))
+
+    def _read_into(self, feedback: JointFeedback) -> bool:
+        now = self.clock.now_ns()
+        if not self.enabled and now - self._rested_ns > REST_PERIOD_NS:
+            self._rested_ns = now
+            self._send(self._query)
+        self._pump()
+        return self._take_reported(feedback)
+
+    # -- stopping -----------------------------------------------------------------------------------------------
+
+    def _stop(self) -> None:
+        self._running = False
+        self._discard_output()
+        # Twice, each after an end of line: the first may join the rest of a line that was cut by discarding it.
+        self._send(b"\n" + self._stop_lines)
+        self._send(b"\n" + self._stop_lines)
+
+    def _clear_faults(self) -> None:
+        self._send(self._stop_lines)
+        # The answer to a stop may still tell the old state, and a fault whose cause remains needs a moment to return.
+        self.clock.sleep_until(self.clock.now_ns() + SETTLING_NS)
+        self._pump()
+        self._modes = [None] * len(self._addresses)
+        self._send(self._query)
+        timeout = self._configuration.response_timeout
+        self._wait(self._all_answered, timeout, f"not all of controllers {self._addresses} answered")
+        self._raise_on_fault()
+
+    def _all_answered(self) -> bool:
+        return all(mode is not None for mode in self._modes)
+
+    def _health(self) -> dict[str, float | str]:
+        health: dict[str, float | str] = {"damaged_lines": float(self.n_damaged + self._lines.n_dropped)}
+        for joint, mode in zip(self._configuration.joints, self._modes, strict=True):
+            health[f"{joint.name}: mode"] = "unknown" if mode is None else float(mode)
+        return health
+
+
+def _is_number(text: str, wanted: float) -> bool:
+    try:
+        return abs(float(text) - wanted) <= 1e-6 * max(1.0, abs(wanted))
+    except ValueError:
+        return False

@@ -1,0 +1,86 @@
+"""The text protocol of the fdcanusb: `can send ID HEX` out, `OK` and `rcv ID HEX ...` back [mjbots2024]."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from fricomp.joint import CommandMode
+
+from .codec import POSITION_HEAD, REFERENCES, encode_command, encode_references, pad
+
+__all__ = ["CommandLine", "LineBuffer", "ReceivedFrame", "decode_line", "encode_line"]
+
+REPLY_WANTED = 0x8000
+LONGEST_LINE = 256
+
+
+class ReceivedFrame(NamedTuple):
+    """A frame from the bus.
+
+    Attributes:
+        source: Controller that sent it.
+        data: At most 64 bytes.
+    """
+
+    source: int
+    data: bytes
+
+
+def encode_line(destination: int, data: bytes) -> bytes:
+    """The line that sends a frame and asks for an answer."""
+    return b"can send %04x %s\n" % (REPLY_WANTED | destination, data.hex().encode("ascii"))
+
+
+def decode_line(line: bytes) -> ReceivedFrame | None:
+    """The frame in a line; None if it is another line, or damaged."""
+    if line[:4] != b"rcv ":
+        return None
+    words = line.split()
+    if len(words) < 3:
+        return None
+    try:
+        return ReceivedFrame(int(words[1], 16) >> 8 & 0x7F, bytes.fromhex(words[2].decode("ascii")))
+    except (ValueError, UnicodeDecodeError):
+        return None
+
+
+class CommandLine:
+    """A command whose line is put together from a prepared head and tail: only references and torque vary.
+
+    Args:
+        address: Controller.
+        mode: Command mode.
+        highest_torque: Bound on all that its loop commands [N·m].
+        timeout: Time after which a command lapses [s].
+    """
+
+    def __init__(self, address: int, mode: CommandMode, highest_torque: float, timeout: float) -> None:
+        line = encode_line(address, pad(encode_command(mode, 0.0, 0.0, highest_torque, timeout)))
+        start = line.index(POSITION_HEAD.hex().encode("ascii")) + 2 * len(POSITION_HEAD)
+        self._head, self._tail = line[:start], line[start + 2 * REFERENCES.size :]
+        self._mode, self._highest = mode, highest_torque
+
+    def encode(self, torque: float, reference: float) -> bytes:
+        """The line for a torque [N·m] and a reference [rad/s] or [rad].
+
+        Raises:
+            AdapterValueError: A value is not finite, or beyond a 32 bit float.
+        """
+        values = encode_references(self._mode, torque, reference, self._highest)
+        return self._head + values.hex().encode("ascii") + self._tail
+
+
+class LineBuffer:
+    """Puts lines together from bytes as they come; a line without end is dropped."""
+
+    def __init__(self) -> None:
+        self._partial = b""
+        self.n_dropped = 0
+
+    def take(self, data: bytes) -> list[bytes]:
+        """The lines that are complete now."""
+        *lines, self._partial = (self._partial + data).split(b"\n")
+        if len(self._partial) > LONGEST_LINE:
+            self._partial = b""
+            self.n_dropped += 1
+        return lines

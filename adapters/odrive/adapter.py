@@ -1,0 +1,325 @@
+"""ODrives as joints: a set-point and requests for the state every cycle, all in passthrough."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from math import isclose, tau
+from typing import Any, Self, TypeVar
+
+from fricomp.errors import AdapterConfigurationError, DriveFault
+from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, JointFeedback, Watchdog
+
+from ..bus_budget import BusBudget, can_frame_bits
+from ..can_adapter import CanAdapter
+from ..configuration import convert
+from ..link import CanFrame, CanLink
+from .codec import (
+    CONTROL_MODES,
+    PASSTHROUGH,
+    AxisState,
+    Command,
+    Heartbeat,
+    axis_state_frame,
+    controller_mode_frame,
+    decode_heartbeat,
+    decode_pair,
+    input_frame,
+    plain_frame,
+    request_frame,
+)
+from .configuration import OdriveConfiguration
+from .endpoint import CONTROL_MODE, ENABLE_WATCHDOG, INPUT_MODE, WATCHDOG_TIMEOUT, Endpoint, read_endpoints
+
+__all__ = ["OdriveAdapter"]
+
+FAULT_NOT_ENABLED = 0x1_0000_0001
+FAULT_OF_PART = 0x1_0000_0002  # firmware 0.5: motor, encoder or controller report an error of their own
+
+Answer = TypeVar("Answer")
+
+REST_PERIOD_NS = 5_000_000
+SLOW_PERIOD_NS = 100_000_000  # temperatures
+SLOWEST_HEARTBEAT = 0.5
+
+
+class OdriveAdapter(CanAdapter):
+    """ODrives on one CAN bus.
+
+    Args:
+        configuration: Bus and axes.
+        open_link: Makes the link; python-can as configured unless given.
+        clock: Real time unless a simulation brings its own.
+    """
+
+    def __init__(
+        self,
+        configuration: OdriveConfiguration,
+        open_link: Callable[[], CanLink] | None = None,
+        clock: Clock | None = None,
+    ) -> None:
+        super().__init__(configuration, configuration.joints, open_link, clock, parts=2)
+        self._configuration = configuration
+        self._nodes = [joint.id for joint in configuration.joints]
+        self._effort = Command.TORQUES if configuration.minor == 6 else Command.CURRENT
+        self._requests = [
+            request_frame(node, command)
+            for node in self._nodes
+            for command in (Command.ENCODER_ESTIMATES, self._effort)
+        ]
+        self._version, self._endpoints = "", dict[str, Endpoint]()
+        if configuration.endpoints is not None:
+            self._version, self._endpoints = read_endpoints(configuration.endpoints)
+        self._heartbeats: list[Heartbeat | None] = [None] * len(self._nodes)
+        self._answers: list[bytes | None] = [None] * len(self._nodes)
+        self._watchdog: Watchdog | None = None
+        self._mode_in_use: CommandMode = "torque"
+        self._running = False
+        self._rested_ns = self._slow_ns = self._fed_ns = 0
+        self._routes = self._make_routes()
+
+    @classmethod
+    def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
+        """Make the adapter from what stands in the configuration file."""
+        return cls(convert(configuration, OdriveConfiguration))
+
+    # -- receiving ------------------------------------------------------------------------------------------
+
+    def _make_routes(self) -> dict[int, Callable[[bytes], None]]:
+        routes: dict[int, Callable[[bytes], None]] = {}
+        for joint, node in enumerate(self._nodes):
+            for command, route in (
+                (Command.HEARTBEAT, self._take_heartbeat),
+                (Command.ENCODER_ESTIMATES, self._take_estimates),
+                (self._effort, self._take_effort),
+                (Command.TEMPERATURE, self._take_temperature),
+                (Command.ENDPOINT_ANSWER, self._take_answer),
+                (Command.VERSION, self._take_answer),
+            ):
+                routes[node << 5 | command] = partial(route, joint)
+        return routes
+
+    def _on_frame(self, frame: CanFrame) -> None:
+        route = None if frame.extended else self._routes.get(frame.identifier)
+        if route is not None:
+            route(frame.data)
+
+    def _take_heartbeat(self, joint: int, data: bytes) -> None:
+        heartbeat = decode_heartbeat(data, self._configuration.minor)
+        if heartbeat is None:
+            self.n_damaged += 1
+            return
+        self._heartbeats[joint] = heartbeat
+        self._reported.fault[joint] = self._find_fault(heartbeat)
+
+    def _find_fault(self, heartbeat: Heartbeat) -> int:
+        if heartbeat.error:
+            return heartbeat.error
+        if heartbeat.flags:
+            return FAULT_OF_PART
+        return FAULT_NOT_ENABLED if self._running and heartbeat.state != AxisState.CLOSED_LOOP else 0
+
+    def _take_estimates(self, joint: int, data: bytes) -> None:
+        pair = decode_pair(data)
+        if pair is None:
+            self.n_damaged += 1
+            return
+        self._reported.position[joint], self._reported.velocity[joint] = pair[0] * tau, pair[1] * tau
+        self._arrivals.mark(2 * joint)
+
+    def _take_effort(self, joint: int, data: bytes) -> None:
+        pair = decode_pair(data)
+        if pair is None:
+            self.n_damaged += 1
+            return
+        if self._configuration.minor == 6:
+            self._reported.torque[joint] = pair[1]
+        else:
+            self._reported.current[joint] = pair[1]
+            self._reported.torque[joint] = pair[1] * (self._configuration.joints[joint].torque_constant or 0.0)
+        self._arrivals.mark(2 * joint + 1)
+
+    def _take_temperature(self, joint: int, data: bytes) -> None:
+        pair = decode_pair(data)
+        if pair is not None:
+            self._reported.temperature[joint] = max(pair)
+
+    def _take_answer(self, joint: int, data: bytes) -> None:
+        self._answers[joint] = data
+
+    # -- opening and configuring ------------------------------------------------------------------------------
+
+    def _open(self) -> Capabilities:
+        self._watchdog = None
+        self._heartbeats = [None] * len(self._nodes)
+        self._connect()
+        self._send(self._requests)
+        timeout = self._configuration.response_timeout
+        self._wait(self._arrivals.take, timeout, f"not all of nodes {self._nodes} answered with their estimates")
+        self._check_version()
+        joints = tuple(JointCapabilities(joint.name) for joint in self._configuration.joints)
+        return Capabilities(joints, ("torque", "velocity", "position"), self._highest_rate(), self._watchdog)
+
+    def _check_version(self) -> None:
+        """The numbers of endpoints hold for one firmware only: another would be written somewhere else."""
+        if not self._endpoints:
+            return
+        for joint, node in enumerate(self._nodes):
+            answer = self._ask(
+                joint, request_frame(node, Command.VERSION), lambda data: data if len(data) == 8 else None
+            )
+            found = ".".join(str(part) for part in answer[4:7])
+            if found != self._version.lstrip("v").partition("-")[0]:
+                raise AdapterConfigurationError(
+                    f"node {node} runs firmware {found}, {self._configuration.endpoints} is of {self._version}: "
+                    f"get the file of the node's own firmware"
+                )
+
+    def _highest_rate(self) -> float:
+        bitrate, n_joints = self._configuration.bus.bitrate, len(self._nodes)
+        bits = can_frame_bits(8) + 2 * (can_frame_bits(0) + can_frame_bits(8))
+        slow = n_joints * (can_frame_bits(0) + can_frame_bits(8)) * 1e9 / SLOW_PERIOD_NS
+        heartbeats = n_joints * can_frame_bits(8) * 10.0
+        return BusBudget([bits / bitrate] * n_joints, (slow + heartbeats) / bitrate).highest_rate
+
+    def _ask(self, joint: int, request: CanFrame, decode: Callable[[bytes], Answer | None]) -> Answer:
+        """Send a request and wait for an answer that `decode` accepts."""
+        found: list[Answer] = []
+
+        def answered() -> bool:
+            data, self._answers[joint] = self._answers[joint], None
+            value = None if data is None else decode(data)
+            if value is not None:
+                found.append(value)
+            return bool(found)
+
+        self._answers[joint] = None
+        self._send([request])
+        complaint = f"node {self._nodes[joint]} did not answer"
+        self._wait(answered, self._configuration.response_timeout, complaint)
+        return found[0]
+
+    def _set_endpoint(self, joint: int, name: str, value: float) -> bool:
+        """Write an endpoint and read it back; whether it kept the value."""
+        endpoint = self._endpoints[name]
+        node = self._nodes[joint]
+        self._send([plain_frame(node, Command.WRITE_ENDPOINT, endpoint.write_request(value))])
+        return isclose(self._read_endpoint(joint, endpoint), value, rel_tol=1e-6)
+
+    def _read_endpoint(self, joint: int, endpoint: Endpoint) -> float:
+        request = plain_frame(self._nodes[joint], Command.WRITE_ENDPOINT, endpoint.read_request())
+        return self._ask(joint, request, endpoint.decode)
+
+    def _configure(self, mode: CommandMode, period: float) -> None:
+        self._mode_in_use, self._running = mode, False
+        confirmed = bool(self._endpoints)
+        for joint, node in enumerate(self._nodes):
+            self._send([controller_mode_frame(node, mode)])
+            self._check_mode(joint, mode)
+            confirmed = confirmed and self._set_watchdog(joint)
+        self._watchdog = Watchdog(self._configuration.watchdog, confirmed) if confirmed else None
+        self._await_heartbeats()
+
+    def _check_mode(self, joint: int, mode: CommandMode) -> None:
+        for name, wanted in ((CONTROL_MODE, CONTROL_MODES[mode]), (INPUT_MODE, PASSTHROUGH)):
+            if name in self._endpoints:
+                found = self._read_endpoint(joint, self._endpoints[name])
+                if found != wanted:
+                    raise AdapterConfigurationError(
+                        f"node {self._nodes[joint]} has {name} = {found:g} where {wanted} was written"
+                    )
+
+    def _set_watchdog(self, joint: int) -> bool:
+        missing = [name for name in (ENABLE_WATCHDOG, WATCHDOG_TIMEOUT) if name not in self._endpoints]
+        if missing:
+            raise AdapterConfigurationError(f"{self._configuration.endpoints} has no endpoint {missing[0]}")
+        return self._set_endpoint(joint, WATCHDOG_TIMEOUT, self._configuration.watchdog) and self._set_endpoint(
+            joint, ENABLE_WATCHDOG, True
+        )
+
+    def _confirmed_watchdog(self) -> Watchdog | None:
+        return self._watchdog
+
+    def _await_heartbeats(self) -> None:
+        self._heartbeats = [None] * len(self._nodes)
+        self._wait(self._all_heard, SLOWEST_HEARTBEAT, f"not all of nodes {self._nodes} sent a heartbeat")
+
+    def _all_heard(self) -> bool:
+        return all(heartbeat is not None for heartbeat in self._heartbeats)
+
+    # -- moving -----------------------------------------------------------------------------------------------
+
+    def _enable(self) -> None:
+        mode = self._mode_in_use
+        self._raise_on_fault()
+        self._heartbeats = [None] * len(self._nodes)
+        for joint, node in enumerate(self._nodes):
+            rest, state = self._rest_frame(joint), axis_state_frame(node, AxisState.CLOSED_LOOP)
+            self._send([controller_mode_frame(node, mode), rest, state, rest])
+        self._fed_ns = self.clock.now_ns()
+        self._wait(self._all_in_closed_loop, SLOWEST_HEARTBEAT, "not all axes reached closed loop control")
+        self._running = True
+
+    def _all_in_closed_loop(self) -> bool:
+        self._raise_if_stopped()
+        self._raise_on_fault()
+        if self.clock.now_ns() - self._fed_ns > REST_PERIOD_NS:  # heartbeats are slower than a watchdog may be
+            self._fed_ns = self.clock.now_ns()
+            self._send([self._rest_frame(joint) for joint in range(len(self._nodes))])
+        states = [heartbeat.state if heartbeat else None for heartbeat in self._heartbeats]
+        return all(state == AxisState.CLOSED_LOOP for state in states)
+
+    def _rest_frame(self, joint: int) -> CanFrame:
+        mode = self._mode_in_use
+        position = self._reported.position[joint] if mode == "position" else 0.0
+        return input_frame(self._nodes[joint], mode, 0.0, 0.0, position)
+
+    def _raise_on_fault(self) -> None:
+        if any(self._reported.fault):
+            codes = ", ".join(f"{code:#x}" for code in self._reported.fault)
+            raise DriveFault(f"the axes report errors {codes}: clear_faults() once the cause is gone")
+
+    def _write(self, command: JointCommand, mode: CommandMode) -> None:
+        torque, velocity, position = command.torque, command.velocity, command.position
+        frames = [
+            input_frame(node, mode, torque[joint], velocity[joint], position[joint])
+            for joint, node in enumerate(self._nodes)
+        ]
+        frames += self._requests
+        now = self.clock.now_ns()
+        if self._configuration.minor == 6 and now - self._slow_ns > SLOW_PERIOD_NS:  # 0.5 does not tell temperatures
+            self._slow_ns = now
+            frames += [request_frame(node, Command.TEMPERATURE) for node in self._nodes]
+        self._send(frames)
+
+    def _read_into(self, feedback: JointFeedback) -> bool:
+        now = self.clock.now_ns()
+        if not self.enabled and now - self._rested_ns > REST_PERIOD_NS:
+            self._rested_ns = now
+            self._send(self._requests)
+        self._pump()
+        return self._take_reported(feedback)
+
+    # -- stopping -----------------------------------------------------------------------------------------------
+
+    def _stop(self) -> None:
+        self._running = False
+        self._discard_output()
+        self._send([input_frame(node, "torque", 0.0, 0.0, 0.0) for node in self._nodes])
+        self._send([axis_state_frame(node, AxisState.IDLE) for node in self._nodes])
+
+    def _clear_faults(self) -> None:
+        data = b"\0" if self._configuration.minor == 6 else b""
+        self._send([plain_frame(node, Command.CLEAR_ERRORS, data) for node in self._nodes])
+        self._pump()
+        self._reported.fault[:] = [0] * len(self._nodes)
+        self._await_heartbeats()
+        self._raise_on_fault()
+
+    def _health(self) -> dict[str, float | str]:
+        health: dict[str, float | str] = {"damaged_frames": float(self.n_damaged)}
+        for joint, heartbeat in zip(self._configuration.joints, self._heartbeats, strict=True):
+            if heartbeat is not None:
+                health[f"{joint.name}: state"] = float(heartbeat.state)
+                health[f"{joint.name}: error"] = f"{heartbeat.error:#x}"
+        return health

@@ -1,0 +1,62 @@
+"""Velocity and position references on their way to a drive: finite, inside the limits, without jumps."""
+
+from __future__ import annotations
+
+from collections.abc import MutableSequence, Sequence
+from math import inf, isfinite
+
+from fricomp.control import JointLimits
+from fricomp.joint import CommandMode, JointCommand
+
+__all__ = ["ReferenceLimiter"]
+
+
+class ReferenceLimiter:
+    """Keeps references inside the limits; a position reference moves no faster than the velocity limit.
+
+    Args:
+        limits: One for each joint, joint side.
+        period: Control period [s].
+    """
+
+    def __init__(self, limits: Sequence[JointLimits], period: float) -> None:
+        self._speeds = [limit.velocity for limit in limits]
+        self._steps = [limit.velocity * period for limit in limits]
+        self._ranges = [limit.position or (-inf, inf) for limit in limits]
+        self._held = [0.0] * len(limits)
+
+    def start_at(self, position: Sequence[float]) -> bool:
+        """Begin from the measured positions [rad] or [m]; False if one is not known."""
+        self._held[:] = position
+        return all(map(isfinite, position))
+
+    def limit(self, command: JointCommand, mode: CommandMode, out: JointCommand) -> str | None:
+        """Fill the references of `out` that `mode` uses; what is wrong with them in words, or None.
+
+        Nothing is filled in unless all entries are finite.
+        """
+        wanted = command.velocity if mode == "velocity" else command.position
+        if len(wanted) != len(self._held):
+            return f"{len(wanted)} {mode} references for {len(self._held)} joints"
+        try:
+            well = all(map(isfinite, wanted))
+        except (TypeError, OverflowError) as error:
+            return f"{mode} reference {list(wanted)}: {error}"
+        if not well:
+            return f"{mode} reference is not finite: {list(wanted)}"
+        if mode == "velocity":
+            for joint, speed in enumerate(self._speeds):
+                out.velocity[joint] = _clamp(wanted[joint], -speed, speed)
+        else:
+            self._step(wanted, out.position)
+        return None
+
+    def _step(self, wanted: Sequence[float], out: MutableSequence[float]) -> None:
+        held = self._held
+        for joint, step in enumerate(self._steps):
+            target = _clamp(wanted[joint], *self._ranges[joint])
+            held[joint] = out[joint] = _clamp(target, held[joint] - step, held[joint] + step)
+
+
+def _clamp(value: float, low: float, high: float) -> float:
+    return low if value < low else high if value > high else value

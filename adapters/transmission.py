@@ -1,0 +1,86 @@
+"""From motor to joint: gear ratio, sign and zero, applied once, in one place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import isfinite
+
+from fricomp.errors import AdapterConfigurationError
+from fricomp.joint import JointCapabilities
+
+__all__ = ["Transmission"]
+
+
+@dataclass(frozen=True)
+class Transmission:
+    """Gear between a drive and its joint: q_joint = sign q_drive / ratio - zero, tau_joint = sign ratio tau_drive.
+
+    Attributes:
+        gear_ratio: Drive turns for one joint turn, positive [1], or [rad/m] where the joint is linear.
+        sign: +1, or -1 where the drive counts the other way.
+        zero: Joint position at which q_joint is to read 0 [rad] or [m].
+
+    Raises:
+        AdapterConfigurationError: The ratio is not positive or the sign not +1 or -1.
+    """
+
+    gear_ratio: float = 1.0
+    sign: int = 1
+    zero: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (isfinite(self.gear_ratio) and self.gear_ratio > 0.0):
+            raise AdapterConfigurationError(
+                f"gear_ratio must be positive, got {self.gear_ratio!r}: put a reversal into sign"
+            )
+        if self.sign not in (1, -1):
+            raise AdapterConfigurationError(f"sign must be 1 or -1, got {self.sign!r}")
+        if not isfinite(self.zero):
+            raise AdapterConfigurationError(f"zero must be finite, got {self.zero!r}")
+
+    @property
+    def is_identity(self) -> bool:
+        """Whether drive side and joint side are the same."""
+        return self.gear_ratio == 1.0 and self.sign == 1 and self.zero == 0.0
+
+    def position_to_joint(self, position: float) -> float:
+        """Joint position [rad] or [m] of a drive position [rad]."""
+        return self.sign * position / self.gear_ratio - self.zero
+
+    def position_to_drive(self, position: float) -> float:
+        """Drive position [rad] of a joint position [rad] or [m]."""
+        return self.sign * (position + self.zero) * self.gear_ratio
+
+    def velocity_to_joint(self, velocity: float) -> float:
+        """Joint velocity [rad/s] or [m/s] of a drive velocity [rad/s]."""
+        return self.sign * velocity / self.gear_ratio
+
+    def velocity_to_drive(self, velocity: float) -> float:
+        """Drive velocity [rad/s] of a joint velocity [rad/s] or [m/s]."""
+        return self.sign * velocity * self.gear_ratio
+
+    def torque_to_joint(self, torque: float) -> float:
+        """Joint torque [N·m] or [N] of a drive torque [N·m]."""
+        return self.sign * torque * self.gear_ratio
+
+    def torque_to_drive(self, torque: float) -> float:
+        """Drive torque [N·m] of a joint torque [N·m] or [N]."""
+        return self.sign * torque / self.gear_ratio
+
+    def capabilities_to_joint(self, drive: JointCapabilities) -> JointCapabilities:
+        """What the drive declares, seen from the joint."""
+        if self.is_identity:
+            return drive
+        limits = drive.position_limits
+        if limits is not None:
+            low, high = sorted(self.position_to_joint(edge) for edge in limits)
+            limits = (low, high)
+        return replace(
+            drive,
+            position_quantum=drive.position_quantum / self.gear_ratio,
+            velocity_quantum=drive.velocity_quantum / self.gear_ratio,
+            velocity_limit=drive.velocity_limit / self.gear_ratio,
+            torque_quantum=drive.torque_quantum * self.gear_ratio,
+            torque_limit=drive.torque_limit * self.gear_ratio,
+            position_limits=limits,
+        )

@@ -1,0 +1,1 @@
+"""The paper's comparison, recomputed: data, competing methods, statistics, tables."""

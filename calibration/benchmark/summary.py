@@ -1,0 +1,224 @@
+"""Figures from the ledger of finished draws."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.stats import t as student
+
+from fricomp.laws import FloatArray
+
+from .batch import batch_optima
+from .problem import PaperProblem, Reading
+from .study import Ledger
+
+__all__ = ["OutlierFigures", "SearchFigures", "StatisticsFigures", "summarise_noise_free",
+           "summarise_outliers", "summarise_searches", "summarise_statistics"]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class StatisticsFigures:
+    """Our PINN over many draws of one noise reading; lists follow the paper's order of parameters.
+
+    Attributes:
+        draws: How many.
+        converged: How many reported so.
+        rms_over_bound: Root mean square error over the Cramér-Rao bound.
+        rms_error: Monte-Carlo standard error of each of these.
+        coverage: Share of 95 % intervals that hold the true value.
+        coverage_error: Monte-Carlo standard error of each.
+        largest_distance: Largest distance of any parameter in any draw to the oracle's optimum [CRB deviations].
+        typical_distance: Root mean square of that distance.
+        largest_excess: Largest negative log-likelihood above the oracle's [nats].
+        mean_error: Mean |error| over all parameters and draws [%].
+        error_spread: Smallest and largest mean |error| of a single draw [%].
+        seconds: Median time of a fit [s].
+    """
+
+    draws: int
+    converged: int
+    rms_over_bound: list[float]
+    rms_error: float
+    coverage: list[float]
+    coverage_error: float
+    largest_distance: float
+    typical_distance: float
+    largest_excess: float
+    mean_error: float
+    error_spread: tuple[float, float]
+    seconds: float
+
+
+def summarise_statistics(ledger: Ledger, reading: Reading) -> StatisticsFigures | None:
+    """None where there are no draws yet."""
+    rows = ledger.rows(study="statistics", reading=reading)
+    if not rows:
+        return None
+    problem = PaperProblem()
+    bound, true = problem.cramer_rao(reading), np.array(problem.true_values)
+    values, oracle, deviations = (_column(rows, name) for name in ("values", "oracle", "deviations"))
+    reach = float(student.ppf(0.975, 192)) * deviations
+    covered = np.abs(values - true) <= reach
+    apart = np.abs(values - oracle) / bound
+    percent = 100.0 * np.abs(values - true) / true
+    n = len(rows)
+    return StatisticsFigures(
+        draws=n,
+        converged=sum(row["status"] == "converged" for row in rows),
+        rms_over_bound=(np.sqrt(np.mean((values - true) ** 2, axis=0)) / bound).tolist(),
+        rms_error=float(1.0 / np.sqrt(2.0 * n)),
+        coverage=np.mean(covered, axis=0).tolist(),
+        coverage_error=float(np.sqrt(0.95 * 0.05 / n)),
+        largest_distance=float(apart.max()),
+        typical_distance=float(np.sqrt(np.mean(apart**2))),
+        largest_excess=float(max(row["nll"] - row["oracle_nll"] for row in rows)),
+        mean_error=float(np.mean(percent)),
+        error_spread=(float(percent.mean(axis=1).min()), float(percent.mean(axis=1).max())),
+        seconds=float(np.median([row["seconds"] for row in rows])),
+    )
+
+
+def _column(rows: list[dict[str, Any]], name: str) -> FloatArray:
+    return np.array([row[name] for row in rows])
+
+
+@dataclass(frozen=True)
+class BatchFigures:
+    """The likelihood optimum over many draws of one noise reading; lists follow the paper's order of parameters.
+
+    Attributes:
+        draws: How many.
+        rms_over_bound: Root mean square error over the Cramér-Rao bound.
+        coverage: Share of 95 % intervals that hold the true value.
+    """
+
+    draws: int
+    rms_over_bound: list[float]
+    coverage: list[float]
+
+
+def summarise_batch(reading: Reading, draws: int) -> BatchFigures:
+    """Computed anew; thousands of draws take a minute."""
+    optima, problem = batch_optima(reading, draws), PaperProblem()
+    error = optima.values - np.array(problem.true_values)
+    covered = np.abs(error) <= float(student.ppf(0.975, 192)) * optima.deviations
+    ratio = np.sqrt(np.mean(error**2, axis=0)) / problem.cramer_rao(reading)
+    return BatchFigures(draws, ratio.tolist(), np.mean(covered, axis=0).tolist())
+
+
+def summarise_noise_free(ledger: Ledger) -> dict[str, float]:
+    """The paper's 41 points: starts, largest mean error [%], median time [s]."""
+    rows = ledger.rows(study="noise_free")
+    if not rows:
+        return {}
+    errors = [float(np.mean(PaperProblem().error_percent(np.array(row["values"])))) for row in rows]
+    return {
+        "starts": float(len(rows)),
+        "converged": float(sum(row["status"] == "converged" for row in rows)),
+        "largest_mean_error_percent": max(errors),
+        "median_mean_error_percent": float(np.median(errors)),
+        "seconds": float(np.median([row["seconds"] for row in rows])),
+    }
+
+
+@dataclass(frozen=True)
+class OutlierFigures:
+    """Robust fits with a tenth of the points off by ten deviations.
+
+    Attributes:
+        draws: How many.
+        flagged: How many did not report `converged`.
+        rms_over_bound: Root mean square error over the bound of the clean points, all draws.
+        rms_of_converged: The same over the draws that reported `converged`.
+        wrong_basins: Draws with an error above five deviations.
+        silent_wrong_basins: Those of them that reported `converged`.
+        seconds: Median time of a fit [s].
+    """
+
+    draws: int
+    flagged: int
+    rms_over_bound: list[float]
+    rms_of_converged: list[float]
+    wrong_basins: int
+    silent_wrong_basins: int
+    seconds: float
+
+
+def summarise_outliers(ledger: Ledger, reading: Reading) -> OutlierFigures | None:
+    """None where there are no draws yet."""
+    rows = ledger.rows(study="outliers", reading=reading)
+    if not rows:
+        return None
+    scaled = (_column(rows, "values") - np.array(PaperProblem().true_values)) / _column(rows, "limit")
+    good = np.array([row["status"] == "converged" for row in rows])
+    wrong = np.max(np.abs(scaled), axis=1) > 5.0
+    return OutlierFigures(
+        draws=len(rows),
+        flagged=int(np.sum(~good)),
+        rms_over_bound=np.sqrt(np.mean(scaled**2, axis=0)).tolist(),
+        rms_of_converged=np.sqrt(np.mean(scaled[good] ** 2, axis=0)).tolist() if np.any(good) else [],
+        wrong_basins=int(np.sum(wrong)),
+        silent_wrong_basins=int(np.sum(wrong & good)),
+        seconds=float(np.median([row["seconds"] for row in rows])),
+    )
+
+
+@dataclass(frozen=True)
+class SearchFigures:
+    """One competing method beside ours on the same draws.
+
+    Attributes:
+        method: Its name.
+        iterations: Its length; evaluations for CMA-ES.
+        draws: How many draws of this noise reading both have.
+        mean_error: Its mean |error| [%].
+        our_mean_error: Ours on the same draws [%].
+        excess: Median and largest negative log-likelihood above ours [nats].
+        our_largest_excess: Ours above theirs, largest [nats].
+        missed: Draws on which it ended more than 0.01 nats above ours.
+        seconds: Its median time [s].
+        our_seconds: Ours [s].
+    """
+
+    method: str
+    iterations: int
+    draws: int
+    mean_error: float
+    our_mean_error: float
+    excess: tuple[float, float]
+    our_largest_excess: float
+    missed: int
+    seconds: float
+    our_seconds: float
+
+
+def summarise_searches(ledger: Ledger, reading: Reading) -> list[SearchFigures]:
+    """Every competing method and length in the ledger."""
+    ours = {row["seed"]: row for row in ledger.rows(study="statistics", reading=reading)}
+    rows = ledger.rows(study="search", reading=reading) + ledger.rows(study="adam", reading=reading)
+    kinds = sorted({(row["method"], row["iterations"]) for row in rows})
+    found = []
+    for method, iterations in kinds:
+        theirs = [r for r in rows if (r["method"], r["iterations"]) == (method, iterations) and r["seed"] in ours]
+        if theirs:
+            found.append(_search(method, iterations, theirs, [ours[r["seed"]] for r in theirs]))
+    return found
+
+
+def _search(method: str, iterations: int, rows: list[dict[str, Any]], ours: list[dict[str, Any]]) -> SearchFigures:
+    problem = PaperProblem()
+    excess = np.array([a["nll"] - b["nll"] for a, b in zip(rows, ours, strict=True)])
+    return SearchFigures(
+        method=method,
+        iterations=iterations,
+        draws=len(rows),
+        mean_error=float(np.mean([problem.error_percent(np.array(r["values"])) for r in rows])),
+        our_mean_error=float(np.mean([problem.error_percent(np.array(r["values"])) for r in ours])),
+        excess=(float(np.median(excess)), float(excess.max())),
+        our_largest_excess=float(np.max(-excess)),
+        missed=int(np.sum(excess > 0.01)),
+        seconds=float(np.median([r["seconds"] for r in rows])),
+        our_seconds=float(np.median([r["seconds"] for r in ours])),
+    )

@@ -1,0 +1,31 @@
+"""Identification of friction laws at the statistical limit."""
+
+from .design import SpeedPlan, expected_deviation, plan_informative_speeds
+from .dynamic import DynamicIdentification, identify_dynamic
+from .files import ModelFiles, save_identification
+from .identify import IdentificationOptions, identify
+from .result import IdentificationResult, Interval, NoiseEstimate, Status
+from .selection import LawChoice, choose_law
+from .uncertainty import BootstrapSample, block_bootstrap, profile_interval, profile_likelihood
+
+__all__ = [
+    "BootstrapSample",
+    "DynamicIdentification",
+    "IdentificationOptions",
+    "IdentificationResult",
+    "Interval",
+    "LawChoice",
+    "ModelFiles",
+    "NoiseEstimate",
+    "SpeedPlan",
+    "Status",
+    "block_bootstrap",
+    "choose_law",
+    "expected_deviation",
+    "identify",
+    "identify_dynamic",
+    "plan_informative_speeds",
+    "profile_interval",
+    "profile_likelihood",
+    "save_identification",
+]

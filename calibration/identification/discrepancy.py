@@ -1,0 +1,171 @@
+"""Where the data depart from the law: a network between the closed form and the data, as far as held-out points ask.
+
+The network starts as the closed form and is trained on the data and, at points of its own over a wider range, on the
+closed form with a weight. A large weight gives the closed form, none a purely data-driven network; cross-validation
+chooses. Outside the data the closed form stays what holds it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from fricomp.errors import IdentificationError
+from fricomp.laws import FloatArray
+
+from ..network import TanhNetwork
+from ..network.training import TrainingLimits, train_network
+from .likelihood import Noise
+from .observation import Observations
+from .optimum import Optimum, fit_likelihood
+from .result import IdentificationResult
+
+__all__ = ["DATA_DRIVEN", "WEIGHTS", "DiscrepancyNetwork", "fit_discrepancy", "train_towards"]
+
+DATA_DRIVEN = 1e-8
+"""Weight of the closed form in a network that is purely data-driven; not zero, to keep the training well posed."""
+WEIGHTS = (np.inf, 100.0, 10.0, 1.0, 0.1, DATA_DRIVEN)
+"""Weights of the closed form that are compared, in the order in which the network is trained through them."""
+_FOLDS = 4
+_ITERATIONS = 30
+_PER_SIDE = 50
+_WIDER = 1.5
+"""The closed form holds the network up to this multiple of the fastest speed measured."""
+
+
+@dataclass(frozen=True)
+class DiscrepancyNetwork:
+    """A network that follows the data where they depart from the law.
+
+    Attributes:
+        network: The network of the chosen weight; the closed form's own where nothing else predicts better.
+        weight: Weight of the closed form against the data; infinite for the closed form.
+        held_out: Root mean square error on held-out points in units of their noise, by weight.
+        message: What was chosen and why.
+    """
+
+    network: TanhNetwork
+    weight: float
+    held_out: dict[float, float]
+    message: str
+
+
+class _Anchor(NamedTuple):
+    """Where the closed form holds the network."""
+
+    velocity: FloatArray
+    normal_load: FloatArray | None
+    torque: FloatArray
+
+
+def fit_discrepancy(result: IdentificationResult, *, seed: int = 0) -> DiscrepancyNetwork:
+    """Let the exported network depart from the closed form if held-out points are predicted better.
+
+    The closed form is kept unless another weight is better by more than the standard error of the difference.
+
+    Args:
+        result: An identification.
+        seed: Seed of the folds.
+
+    Raises:
+        IdentificationError: Fewer than 20 points.
+    """
+    points = result.observations
+    if points.size < 20:
+        raise IdentificationError(f"comparing networks needs at least 20 points, got {points.size}")
+    fold = np.random.default_rng(seed).permutation(points.size) % _FOLDS
+    squared = {weight: np.empty(points.size) for weight in WEIGHTS}
+    for k in range(_FOLDS):
+        inside, outside = points.select(np.flatnonzero(fold != k)), points.select(np.flatnonzero(fold == k))
+        closed = fit_likelihood(result.form, inside, _noise(result, fold != k))
+        network = result.network
+        for weight in WEIGHTS:
+            network = network if weight == np.inf else train_towards(network, result, closed, inside, weight)
+            if weight == np.inf:
+                predicted, _ = result.form.evaluate(closed.logs, outside)
+            else:
+                predicted = outside.sign * np.asarray(network.torque(outside.velocity, outside.normal_load))
+            squared[weight][fold == k] = (outside.magnitude - predicted) ** 2
+    scale = 1.0 / _deviation(result) ** 2
+    scores = {weight: values * scale for weight, values in squared.items()}
+    chosen = _choose(scores)
+    network = result.network
+    for weight in WEIGHTS[1 : WEIGHTS.index(chosen) + 1]:
+        network = train_towards(network, result, result.optimum, points, weight)
+    held_out = {weight: float(np.sqrt(np.mean(values))) for weight, values in scores.items()}
+    return DiscrepancyNetwork(network, chosen, held_out, _message(chosen, held_out))
+
+
+def _noise(result: IdentificationResult, rows: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> Noise:
+    noise = result.optimum.noise
+    return noise if noise.deviation is None else Noise(noise.kind, noise.deviation[rows])
+
+
+def _deviation(result: IdentificationResult) -> FloatArray:
+    """Standard deviation of each point [N·m] or [N]. Shape (n_points,)."""
+    spread = np.sqrt(result.optimum.noise.variance(result.optimum.whitened.residual, len(result.parameter_names)))
+    return np.asarray(spread / result.optimum.whitened.weight)
+
+
+def _choose(scores: dict[float, FloatArray]) -> float:
+    best = min(scores, key=lambda weight: float(np.mean(scores[weight])))
+    for weight in sorted(scores, reverse=True):
+        behind = scores[weight] - scores[best]
+        if np.mean(behind) <= np.std(behind) / np.sqrt(len(behind)):
+            return weight
+    return best
+
+
+def _message(chosen: float, held_out: dict[float, float]) -> str:
+    closed, driven = held_out[np.inf], held_out[DATA_DRIVEN]
+    if chosen == np.inf:
+        return (
+            f"the closed form is kept: held-out error {closed:.3g} noise deviations, {driven:.3g} for a purely "
+            "data-driven network"
+        )
+    return (
+        f"the data depart from the law: held-out error {held_out[chosen]:.3g} noise deviations with the network, "
+        f"{closed:.3g} with the closed form, {driven:.3g} with a purely data-driven network"
+    )
+
+
+def train_towards(
+    network: TanhNetwork, result: IdentificationResult, closed: Optimum, points: Observations, weight: float
+) -> TanhNetwork:
+    """Train from `network` on the data and, `weight` times, on the closed form over a wider range.
+
+    Args:
+        network: Where to start.
+        result: The identification, for scales and the form.
+        closed: The closed form that holds the network.
+        points: The data.
+        weight: Weight of a closed-form point against a data point.
+    """
+    anchor = _anchor(result, closed)
+    typical = float(np.median(_deviation(result)))
+    velocity = np.concatenate([points.velocity, anchor.velocity])
+    load = None
+    if points.normal_load is not None and anchor.normal_load is not None:
+        load = np.concatenate([points.normal_load, anchor.normal_load])
+    target = np.concatenate([points.sign * points.magnitude, anchor.torque]) / network.torque_scale
+    importance = np.concatenate([np.ones(points.size), np.full(len(anchor.velocity), np.sqrt(weight))])
+    importance *= network.torque_scale / typical
+    inputs = network.inputs(velocity, load)
+    return train_network(network, inputs, target, importance, TrainingLimits(_ITERATIONS, gain=1e-4, damping=1.0))
+
+
+def _anchor(result: IdentificationResult, closed: Optimum) -> _Anchor:
+    points = result.observations
+    side = np.geomspace(points.speed.min(), _WIDER * points.speed.max(), _PER_SIDE)
+    velocity = np.concatenate([-side[::-1], side])
+    loads = None
+    if points.normal_load is not None:
+        levels = np.unique(np.quantile(points.normal_load, [0.0, 0.5, 1.0]))
+        velocity, loads = np.tile(velocity, len(levels)), np.repeat(levels, len(velocity))
+    there = Observations(
+        np.abs(velocity), velocity > 0.0, np.ones_like(velocity), loads, np.arange(len(velocity), dtype=np.intp)
+    )
+    magnitude, _ = result.form.evaluate(closed.logs, there)
+    return _Anchor(velocity, loads, np.sign(velocity) * magnitude)

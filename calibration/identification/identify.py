@@ -1,0 +1,242 @@
+"""`identify`: friction points in, a friction model with its uncertainty out."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Literal, overload
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import fricomp
+from fricomp.errors import IdentificationError
+from fricomp.laws import FloatArray, LoadScaling
+from fricomp.model import Covariance, FrictionModel, Motion, Provenance, Validity
+
+from .dynamic import DynamicIdentification, identify_dynamic
+from .form import SeparableLaw, separable_law
+from .likelihood import Noise, parse_noise
+from .observation import Observations, observe
+from .optimum import Optimum, fit_likelihood, optimum_at
+from .pinn import TrainedPinn, train_pinn
+from .result import IdentificationResult, NoiseEstimate
+from .robust import fit_robust
+from .verdict import BASIN_GAP, covariance_of, judge
+
+__all__ = ["IdentificationOptions", "Loss", "Method", "identify", "require_choice"]
+
+Method = Literal["pinn", "least_squares"]
+Loss = Literal["gaussian", "robust"]
+DynamicLaw = Literal["lugre", "dahl"]
+_SENSITIVITY_EVIDENCE = 3.84
+"""Twice the gain in likelihood (95 % of chi-square) that a load sensitivity other than 1 must bring."""
+
+
+@dataclass(frozen=True)
+class IdentificationOptions:
+    """Rarely changed settings of `identify`.
+
+    Attributes:
+        start: Parameters by dotted name from which training starts instead of variable projection.
+        reference_load: Normal load at which the parameters hold. By default 1 where dry friction is proportional
+            to the load (then it does not matter), else the mean load.
+        joint: Name of the joint.
+        motion: `rotary` or `linear`.
+        torque_unit: Unit of the torque.
+    """
+
+    start: Mapping[str, float] | None = None
+    reference_load: float | None = None
+    joint: str = "joint"
+    motion: Motion = "rotary"
+    torque_unit: str = "N·m"
+
+
+_DEFAULTS = IdentificationOptions()
+
+
+@overload
+def identify(
+    velocity: ArrayLike,
+    torque: ArrayLike,
+    normal_load: ArrayLike | None = None,
+    method: Method = "pinn",
+    noise: str | ArrayLike = "auto",
+    seed: int = 0,
+    *,
+    law: str = "stribeck",
+    loss: Loss = "gaussian",
+    options: IdentificationOptions = _DEFAULTS,
+) -> IdentificationResult: ...
+
+
+@overload
+def identify(velocity: ArrayLike, torque: ArrayLike, *, law: DynamicLaw, time: ArrayLike) -> DynamicIdentification: ...
+
+
+def identify(
+    velocity: ArrayLike,
+    torque: ArrayLike,
+    normal_load: ArrayLike | None = None,
+    method: Method = "pinn",
+    noise: str | ArrayLike = "auto",
+    seed: int = 0,
+    *,
+    law: str = "stribeck",
+    loss: Loss = "gaussian",
+    time: ArrayLike | None = None,
+    options: IdentificationOptions = _DEFAULTS,
+) -> IdentificationResult | DynamicIdentification:
+    """Identify a static friction law from friction points.
+
+    Args:
+        velocity: [rad/s] or [m/s]. Shape (n,).
+        torque: Friction torque, with the sign of the velocity [N·m] or [N]. Shape (n,).
+        normal_load: Normal load of each point or of all, where dry friction depends on it.
+        method: `pinn` trains the paper's network and the parameters together; `least_squares` maximises the
+            likelihood of the closed form alone, which has the same optimum.
+        noise: `relative` to the model's torque, `absolute`, `auto` (decided by likelihood), or one standard
+            deviation a point [N·m] or [N].
+        seed: Seed of the network's first weights.
+        law: `stribeck` (eight parameters), `symmetric_stribeck`, `coulomb`, `coulomb_viscous`, `tanh`, `arctan`;
+            or `lugre`, `dahl` from a time series with reversals. These have a state, which a network of velocity
+            and load has not: they are fitted by output error, and only `time` applies beside the data.
+        loss: `gaussian`, or `robust` against outliers.
+        time: Evenly spaced time of the samples [s], for `lugre` and `dahl`. Shape (n,).
+        options: Further settings.
+
+    Raises:
+        IdentificationError: The data or an argument cannot be used; the message says why.
+    """
+    if law in ("lugre", "dahl"):
+        if time is None:
+            raise IdentificationError(f"{law} has a state: pass time=... and a record that reverses")
+        return identify_dynamic(time, velocity, torque, law)
+    require_choice("method", method, ("pinn", "least_squares"))
+    require_choice("loss", loss, ("gaussian", "robust"))
+    points = observe(velocity, torque, normal_load)
+    candidates = parse_noise(noise, points.kept, np.size(velocity))
+    form, fits = _fit_forms(law, points, candidates, loss, options.reference_load)
+    kind = min(fits, key=lambda k: fits[k].negative_log_likelihood)
+    reference = fits[kind]
+    trained = _train(form, points, reference, options, seed) if method == "pinn" else None
+    found = trained.optimum if trained else reference
+    covariance = covariance_of(found)
+    verdict = judge(found, reference, covariance, form.names, converged=trained is None or trained.converged)
+    estimate = NoiseEstimate(
+        kind, _noise_level(kind, found, points), {k: fit.negative_log_likelihood for k, fit in fits.items()}
+    )
+    return IdentificationResult(
+        model=_model(form, found, covariance, points, options, _provenance(points, method, estimate, seed)),
+        status=verdict.status,
+        message=verdict.message,
+        method=method,
+        parameter_names=form.names,
+        covariance=covariance,
+        noise=estimate,
+        negative_log_likelihood=found.negative_log_likelihood,
+        distance_to_optimum=verdict.distance,
+        traces=trained.traces if trained else None,
+        identifying_network=trained.network if trained else None,
+        observations=points,
+        form=form,
+        optimum=found,
+        seed=seed,
+    )
+
+
+def require_choice(what: str, value: object, choices: tuple[str, ...]) -> None:
+    """Raise `IdentificationError` unless `value` is one of `choices`."""
+    if value not in choices:
+        raise IdentificationError(f"unknown {what} {value!r}; use {', '.join(choices)}")
+
+
+def _fit_forms(
+    law: str, points: Observations, candidates: Sequence[Noise], loss: Loss, reference_load: float | None
+) -> tuple[SeparableLaw, dict[str, Optimum]]:
+    """The law's form, load sensitivity free only where the data ask for it, and its optimum by noise model."""
+
+    def fit(form: SeparableLaw) -> dict[str, Optimum]:
+        solve = fit_robust if loss == "robust" else fit_likelihood
+        return {noise.kind: solve(form, points, noise) for noise in candidates}
+
+    form = separable_law(law, LoadScaling(1.0, reference_load or 1.0))
+    fits = fit(form)
+    if points.normal_load is None or np.ptp(points.normal_load) == 0.0:
+        return form, fits
+    reference = reference_load or float(np.mean(points.normal_load))
+    free = separable_law(law, LoadScaling(1.0, reference), free_sensitivity=True)
+    free_fits = fit(free)
+    gain = _least(fits) - _least(free_fits)
+    return (free, free_fits) if 2.0 * gain > _SENSITIVITY_EVIDENCE else (form, fits)
+
+
+def _least(fits: Mapping[str, Optimum]) -> float:
+    return min(fit.negative_log_likelihood for fit in fits.values())
+
+
+def _train(
+    form: SeparableLaw, points: Observations, reference: Optimum, options: IdentificationOptions, seed: int
+) -> TrainedPinn:
+    """Train from the start that was given, and once more from the projection if that ends in a worse basin."""
+    if options.start is None:
+        return train_pinn(form, points, reference, seed=seed)
+    unknown = sorted(set(form.names) ^ set(options.start))
+    if unknown or min(options.start.values()) <= 0.0:
+        raise IdentificationError(f"start must give a positive value for each of {', '.join(form.names)}")
+    logs = np.log([options.start[name] for name in form.names])
+    trained = train_pinn(form, points, optimum_at(logs, form, points, reference.noise), seed=seed)
+    gap = trained.optimum.negative_log_likelihood - reference.negative_log_likelihood
+    return trained if trained.converged and gap < BASIN_GAP else train_pinn(form, points, reference, seed=seed)
+
+
+def _noise_level(kind: str, found: Optimum, points: Observations) -> float:
+    error = points.magnitude - found.magnitude
+    if kind == "relative":
+        error = error / found.magnitude
+    elif found.noise.kind == "given" and kind == "given":
+        error = found.whitened.residual
+    if found.noise.kind == "given" and kind != "given":
+        return float(np.median(np.abs(error)) / 0.6745)
+    return float(np.sqrt(np.sum(error**2) / max(len(error) - len(found.logs), 1)))
+
+
+def _model(
+    form: SeparableLaw,
+    found: Optimum,
+    covariance: FloatArray,
+    points: Observations,
+    options: IdentificationOptions,
+    provenance: Provenance,
+) -> FrictionModel:
+    velocity, load = points.velocity, points.normal_load
+    return FrictionModel(
+        law=form.law(dict(zip(form.names, np.exp(found.logs).tolist(), strict=True))),
+        joint=options.joint,
+        motion=options.motion,
+        torque_unit=options.torque_unit,
+        validity=Validity(
+            velocity=(float(velocity.min()), float(velocity.max())),
+            normal_load=None if load is None else (float(load.min()), float(load.max())),
+        ),
+        covariance=Covariance(form.names, covariance),
+        provenance=provenance,
+    )
+
+
+def _provenance(points: Observations, method: str, noise: NoiseEstimate, seed: int) -> Provenance:
+    digest = hashlib.sha256()
+    for array in (points.velocity, points.magnitude, points.normal_load):
+        if array is not None:
+            digest.update(np.ascontiguousarray(array, dtype="<f8").tobytes())
+    return Provenance(
+        method=method,
+        data_sha256=digest.hexdigest(),
+        created=datetime.now(UTC).isoformat(timespec="seconds"),
+        fricomp_version=fricomp.__version__,
+        seed=seed,
+        notes={"noise": noise.kind, "noise_level": f"{noise.level:.6g}", "points": str(points.size)},
+    )

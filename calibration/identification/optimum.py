@@ -1,0 +1,126 @@
+"""The maximum-likelihood optimum of the closed form, every basin tried."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from fricomp.laws import FloatArray
+
+from .form import SeparableLaw
+from .likelihood import Noise, Whitened
+from .observation import Observations
+from .start import starting_points
+
+__all__ = ["Optimum", "fit_likelihood", "optimum_at", "refine"]
+
+_LARGEST_LOG = 60.0
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """A point in parameter space with what the likelihood says there.
+
+    Attributes:
+        logs: Logarithms of the parameters. Shape (n_parameters,).
+        noise: Noise model it was evaluated under.
+        whitened: Whitened residuals and their derivative by the logarithms.
+        magnitude: Friction magnitude of the closed form [N·m] or [N]. Shape (n_points,).
+        jacobian: Its derivative by the logarithms. Shape (n_points, n_parameters).
+        negative_log_likelihood: The noise level at its optimum.
+        other_basins: The same of every other basin that was refined, ascending.
+    """
+
+    logs: FloatArray
+    noise: Noise
+    whitened: Whitened
+    magnitude: FloatArray
+    jacobian: FloatArray
+    negative_log_likelihood: float
+    other_basins: tuple[float, ...] = ()
+
+    def score_distance(self) -> float:
+        """Distance to the likelihood's stationary point by its own gradient, in standard deviations.
+
+        Zero at an optimum; 0.01 means that a Newton step would move the parameters by a hundredth of a
+        standard deviation (Mahalanobis).
+        """
+        r, J = self.whitened.residual, self.whitened.jacobian
+        step, *_ = np.linalg.lstsq(J, r, rcond=1e-12)
+        spread = self.noise.variance(r, J.shape[1])
+        return float(np.linalg.norm(J @ step) / np.sqrt(max(spread, 1e-300)))
+
+    def spread(self) -> float:
+        """Root mean square of the whitened residuals."""
+        return float(np.sqrt(np.mean(self.whitened.residual**2)))
+
+
+def optimum_at(logs: FloatArray, law: SeparableLaw, observations: Observations, noise: Noise) -> Optimum:
+    """The likelihood at `logs`."""
+    magnitude, jacobian = law.evaluate(logs, observations)
+    whitened = noise.whiten(observations.magnitude, magnitude, jacobian)
+    nll = noise.negative_log_likelihood(whitened.residual, observations.torque_scale)
+    return Optimum(logs, noise, whitened, magnitude, jacobian, nll)
+
+
+def fit_likelihood(
+    law: SeparableLaw, observations: Observations, noise: Noise, start: FloatArray | None = None
+) -> Optimum:
+    """Maximise the likelihood from every basin of the projection, and from `start` where given.
+
+    Raises:
+        IdentificationError: Too few points for the law.
+    """
+    starts = starting_points(law, observations, noise, robust=False)
+    if start is not None:
+        starts.append(start)
+    fits = sorted((refine(s, law, observations, noise) for s in starts), key=lambda fit: fit.negative_log_likelihood)
+    return replace(fits[0], other_basins=tuple(fit.negative_log_likelihood for fit in fits[1:]))
+
+
+def refine(
+    start: FloatArray, law: SeparableLaw, observations: Observations, noise: Noise, evaluations: int = 400
+) -> Optimum:
+    """The local optimum that Levenberg-Marquardt reaches from `start`."""
+    evaluate = _Memo(law, observations, noise)
+    fit = least_squares(
+        evaluate.residual,
+        start,
+        evaluate.jacobian,
+        method="lm",
+        x_scale="jac",
+        xtol=1e-10,
+        ftol=1e-13,
+        gtol=1e-14,
+        max_nfev=evaluations,
+    )
+    return optimum_at(_bounded(fit.x), law, observations, noise)
+
+
+class _Memo:
+    """Residual and derivative from one evaluation, for a solver that asks for them one after the other."""
+
+    def __init__(self, law: SeparableLaw, observations: Observations, noise: Noise) -> None:
+        self._problem, self._at = (law, observations, noise), np.empty(0)
+        self._whitened: Whitened | None = None
+
+    def _evaluate(self, logs: FloatArray) -> Whitened:
+        if self._whitened is None or not np.array_equal(logs, self._at):
+            law, observations, noise = self._problem
+            magnitude, jacobian = law.evaluate(_bounded(logs), observations)
+            self._at = np.array(logs)
+            self._whitened = noise.whiten(observations.magnitude, magnitude, jacobian)
+        return self._whitened
+
+    def residual(self, logs: FloatArray) -> FloatArray:
+        return self._evaluate(logs).residual
+
+    def jacobian(self, logs: FloatArray) -> FloatArray:
+        return self._evaluate(logs).jacobian
+
+
+def _bounded(logs: FloatArray) -> FloatArray:
+    """Keep the exponential finite; no friction parameter lies beyond e^60."""
+    return np.clip(logs, -_LARGEST_LOG, _LARGEST_LOG)

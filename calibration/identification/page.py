@@ -1,0 +1,161 @@
+"""The report of an identification: curve, residuals, parameters, training, and what to make of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from fricomp.laws import FloatArray
+from fricomp.report import Band, Chart, Check, Line, Panel, Points, ReportPage, Section, Table, draw_png, write_report
+
+from .result import IdentificationResult, Status
+from .uncertainty import profile_interval
+
+__all__ = ["identification_charts", "parameter_rows", "write_identification_report"]
+
+_REACH = 1.96
+"""Half width of a 95 % interval in standard deviations."""
+
+
+def write_identification_report(
+    result: IdentificationResult, folder: Path, notes: Sequence[str] = (), facts: dict[str, str] | None = None
+) -> Path:
+    """Write `report.html` and a PNG of each chart into `folder`.
+
+    Args:
+        result: What was identified.
+        folder: Where to write.
+        notes: Further sentences for the summary.
+        facts: Further lines on how it was made.
+    """
+    charts = identification_charts(result)
+    for chart in charts:
+        draw_png(chart, folder / f"{chart.name}.png")
+    heads = ("parameter", "value", "95 % interval", "by profile likelihood", "unit")
+    sections = (
+        Section("Friction curve", (charts[0],)),
+        Section("Parameters", (Table(heads, parameter_rows(result)),)),
+        Section("What was checked", _checks(result)),
+        Section("Residuals", (charts[1],)),
+        *((Section("Training", (charts[2], _network_note(result))),) if len(charts) > 2 else ()),
+        Section("How it was made", (Table(("what", "value"), tuple((facts or {}).items())),), folded=True),
+    )
+    page = ReportPage(
+        title=f"Friction of joint {result.model.joint}",
+        summary=(f"{result.message[0].upper()}{result.message[1:]}.", *notes),
+        sections=sections,
+        facts={"points": str(result.observations.size), "method": result.method, "noise": result.noise.kind},
+    )
+    return write_report(page, folder / "report.html")
+
+
+def parameter_rows(result: IdentificationResult) -> tuple[tuple[str, ...], ...]:
+    """Name, value, interval from the covariance, interval from the profile where it differs in kind, unit."""
+    units, rows = result.model.units(), []
+    for name in result.parameter_names:
+        plain = result.interval(name)
+        profile = "" if not name.endswith("velocity") else _between(*vars(profile_interval(result, name)).values())
+        rows.append((name, f"{result.parameters[name]:.5g}", _between(plain.lower, plain.upper), profile, units[name]))
+    return tuple(rows)
+
+
+def _between(lower: float, upper: float) -> str:
+    return f"{lower:.5g} to {upper:.5g}"
+
+
+def identification_charts(result: IdentificationResult) -> list[Chart]:
+    """Friction curve, residuals and, where a network was trained, its course."""
+    charts = [_curve(result), _residuals(result)]
+    return charts if result.traces is None else [*charts, _training(result)]
+
+
+def _curve(result: IdentificationResult) -> Chart:
+    units, panels = _units(result), []
+    points = result.observations
+    for name, sign in (("forward", 1.0), ("reverse", -1.0)):
+        rows = points.forward if sign > 0.0 else ~points.forward
+        if not np.any(rows):
+            continue
+        load = None if points.normal_load is None else float(np.median(points.normal_load[rows]))
+        speed = np.geomspace(points.speed[rows].min(), points.speed[rows].max(), 300)
+        torque = sign * np.asarray(result.model.torque(sign * speed, normal_load=load))
+        loads = None if load is None else np.full_like(speed, load)
+        reach = _REACH * result.torque_deviation(sign * speed, loads)
+        marks = (
+            Points(points.speed[rows], points.magnitude[rows], "measured", color=6, size=3.0),
+            Band(speed, torque - reach, torque + reach, "95 % interval", color=0),
+            Line(speed, torque, "identified", color=0),
+            Line(speed, _network(result, sign * speed, load) * sign, "exported network", color=1, stroke="dashed"),
+        )
+        panels.append(Panel(marks, f"speed [{units[0]}]", f"friction [{units[1]}]", name, x_scale="log"))
+    return Chart("friction-curve", "Friction over speed", tuple(panels), columns=2)
+
+
+def _network(result: IdentificationResult, velocity: FloatArray, load: float | None) -> FloatArray:
+    loads = None if load is None else np.full_like(velocity, load)
+    return np.asarray(result.network.torque(velocity, loads))
+
+
+def _residuals(result: IdentificationResult) -> Chart:
+    units, points = _units(result), result.observations
+    residual = points.magnitude - result.optimum.magnitude
+    deviation = result.noise.level * (result.optimum.magnitude if result.noise.kind == "relative" else 1.0)
+    scaled = residual / deviation if result.noise.kind != "given" else result.optimum.whitened.residual
+    mark = Points(points.velocity, scaled, "residual", size=3.0)
+    panel = Panel((mark,), f"velocity [{units[0]}]", "residual [standard deviations]")
+    return Chart("residuals", "Residuals", (panel,), caption="No trend should be left in them.")
+
+
+def _training(result: IdentificationResult) -> Chart:
+    traces = result.traces
+    assert traces is not None
+    step = np.arange(1.0, len(traces.data_loss) + 1.0)
+    final = np.exp(result.optimum.logs)
+    relative = tuple(
+        Line(step, traces.parameters[:, k] / final[k], name.partition(".")[2]) for k, name in enumerate(traces.names)
+    )
+    losses = (Line(step, traces.data_loss, "data"), Line(step, traces.model_loss, "closed form"))
+    panels = (
+        Panel(relative, "iteration", "parameter / final value"),
+        Panel(losses, "iteration", "mean squared error", y_scale="log"),
+    )
+    return Chart("training", "Course of the training", panels, columns=2)
+
+
+def _checks(result: IdentificationResult) -> tuple[Check, ...]:
+    good = result.status is Status.CONVERGED
+    choice = (
+        f"{result.noise.kind} noise, level {result.noise.level:.4g}; the next best noise model is less likely by "
+        f"{result.noise.evidence:.2g} nats"
+    )
+    error = result.distillation.largest_error
+    exported = f"the exported network is within {error:.2g} of the largest torque of the closed form"
+    return (
+        Check("Status", "passed" if good else "failed", result.message),
+        Check(
+            "Likelihood optimum",
+            "passed" if result.distance_to_optimum < 0.1 else "warning",
+            f"{result.distance_to_optimum:.2g} standard deviations from what projection and least squares find",
+        ),
+        Check("Noise", "note", choice),
+        Check("Network", "passed" if result.distillation.largest_error < 0.01 else "warning", exported),
+    )
+
+
+def _network_note(result: IdentificationResult) -> str:
+    network = result.identifying_network
+    if network is None:
+        return ""
+    velocity = np.linspace(-1.0, 1.0, 2001) * float(result.observations.speed.max())
+    velocity = velocity[np.abs(velocity) >= result.observations.speed.min()]
+    apart = np.max(np.abs(np.asarray(network.torque(velocity)) - np.asarray(result.network.torque(velocity))))
+    return (
+        "The network that was trained with the parameters follows the noise of its points; between them it is up to "
+        f"{float(apart):.3g} {result.model.torque_unit} from the exported one, which was trained to the closed form."
+    )
+
+
+def _units(result: IdentificationResult) -> tuple[str, str]:
+    return f"{result.model.position_unit}/s", result.model.torque_unit

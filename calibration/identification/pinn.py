@@ -1,0 +1,244 @@
+r"""Joint training of network and friction parameters, second order, in float64.
+
+The loss of [luo2024pinn] at the data points, weighted by the noise model, is
+
+    sum w_i^2 (N_i - y_i)^2 + sum w_i^2 (N_i - S_i(theta))^2
+
+with the network N, the data y and the closed form S. Turning each pair of residuals by 45 degrees gives
+
+    b_i = w_i (y_i - S_i)/sqrt 2,        a_i = sqrt 2 w_i (N_i - (y_i + S_i)/2)
+
+with the same sum of squares: b holds only friction parameters and is the likelihood itself, a is what the
+network has still to learn. A Levenberg-Marquardt step eliminates the network's weights through a system with one
+row a point, then solves for the few friction parameters. It follows that the loss with equal weights has its
+optimum where weighted least squares has it, as soon as the network can follow the closed form's changes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from fricomp.laws import FloatArray
+
+from ..network import TanhNetwork, forward, forward_with_jacobian
+from ..network.training import Damping, damped_kernel, damped_step, initial_layers, solve_output_layer
+from .form import SeparableLaw
+from .likelihood import Noise
+from .observation import Observations
+from .optimum import Optimum, optimum_at
+
+__all__ = ["Traces", "TrainedPinn", "train_pinn"]
+
+_ROOT2 = np.sqrt(2.0)
+_MOST_ROWS = 400
+"""Points that the network sees; of larger data it sees an even selection, the likelihood part all of it."""
+_LONGEST_STEP = 0.5
+"""Largest change of the logarithm of a parameter in one step."""
+_SCORE_TOLERANCE = 5e-3
+"""Converged within this many standard deviations (Mahalanobis) of the likelihood's own optimum."""
+_SLOW_GAIN = 0.05
+"""Training may stop when the loss falls by less than this fraction a step."""
+
+
+@dataclass(frozen=True)
+class Traces:
+    """The course of a training, one row an iteration.
+
+    Attributes:
+        names: Parameter names.
+        parameters: Shape (n_iterations, n_parameters).
+        data_loss: Mean squared error of the network to the data, in the unit of the torque squared.
+        model_loss: Mean squared error of the network to the closed form, likewise.
+    """
+
+    names: tuple[str, ...]
+    parameters: FloatArray
+    data_loss: FloatArray
+    model_loss: FloatArray
+
+
+class TrainedPinn(NamedTuple):
+    """What training gives.
+
+    Attributes:
+        optimum: The likelihood at the trained parameters.
+        network: The network that identified; it follows the noise of the data, see `export_network`.
+        traces: Course of the training.
+        converged: Whether the score came within tolerance.
+        iterations: Steps taken or refused.
+    """
+
+    optimum: Optimum
+    network: TanhNetwork
+    traces: Traces
+    converged: bool
+    iterations: int
+
+
+class _Rows(NamedTuple):
+    """The network part of the residuals, weights of the points as they were at the last step."""
+
+    error: FloatArray
+    by_parameter: FloatArray
+    by_weight: FloatArray
+
+    @property
+    def cost(self) -> float:
+        return float(self.error @ self.error)
+
+
+class _Problem:
+    """The residuals of one training problem, in units of the torque scale."""
+
+    def __init__(self, law: SeparableLaw, observations: Observations, noise: Noise, network: TanhNetwork) -> None:
+        self.law, self.observations, self.noise, self.network = law, observations, noise, network
+        order = np.argsort(observations.velocity, kind="stable")
+        self.stride = max(1, -(-observations.size // _MOST_ROWS))
+        self.rows = np.sort(order[:: self.stride])
+        seen = observations.select(self.rows)
+        self.inputs = network.inputs(seen.velocity, seen.normal_load)
+        self.sign, self.target = seen.sign, seen.magnitude
+
+    def optimum(self, logs: FloatArray) -> Optimum:
+        return optimum_at(logs, self.law, self.observations, self.noise)
+
+    def network_error(self, weights: FloatArray, at: Optimum, weight: FloatArray) -> FloatArray:
+        """a alone. The weights of the points are held: they say what a residual is worth, they are no target."""
+        output = forward(self.network.with_parameters(weights).layers, self.inputs)
+        return self._row_weight(weight) * (output * self._side - self._middle(at))
+
+    def network_rows(self, weights: FloatArray, at: Optimum, weight: FloatArray) -> _Rows:
+        """a and its derivatives."""
+        output, by_weight = forward_with_jacobian(self.network.with_parameters(weights).layers, self.inputs)
+        w = self._row_weight(weight)
+        return _Rows(
+            w * (output * self._side - self._middle(at)),
+            -0.5 * w[:, None] * at.jacobian[self.rows],
+            (w * self._side)[:, None] * by_weight,
+        )
+
+    @property
+    def _side(self) -> FloatArray:
+        return self.sign * self.network.torque_scale
+
+    def _row_weight(self, weight: FloatArray) -> FloatArray:
+        return np.asarray(_ROOT2 * np.sqrt(self.stride) * weight[self.rows])
+
+    def _middle(self, at: Optimum) -> FloatArray:
+        return 0.5 * (self.target + at.magnitude[self.rows])
+
+    def losses(self, weights: FloatArray, at: Optimum) -> tuple[float, float]:
+        network = self.network.with_parameters(weights)
+        seen = self.observations.select(self.rows)
+        torque = self.sign * np.asarray(network.torque(seen.velocity, seen.normal_load))
+        return float(np.mean((torque - self.target) ** 2)), float(np.mean((torque - at.magnitude[self.rows]) ** 2))
+
+
+def train_pinn(
+    law: SeparableLaw, observations: Observations, start: Optimum, *, seed: int = 0, iterations: int = 150
+) -> TrainedPinn:
+    """Train network and parameters together from `start`.
+
+    Args:
+        law: Form of the closed form.
+        observations: The data.
+        start: Where the parameters start, and the noise model.
+        seed: Seed of the network's first weights.
+        iterations: Most steps to try.
+    """
+    network = untrained_network(observations, np.random.default_rng(seed))
+    problem = _Problem(law, observations, start.noise, network)
+    weights, at = network.parameters(), start
+    rows = problem.network_rows(weights, at, _scaled_weight(at, observations))
+    weights = weights + solve_output_layer(rows.by_weight, rows.error)
+    return _descend(problem, weights, at, iterations)
+
+
+def untrained_network(observations: Observations, rng: np.random.Generator) -> TanhNetwork:
+    """A network scaled to the data, its first units spread over the speeds measured."""
+    top, lowest = float(observations.speed.max()), float(observations.speed.min())
+    load = observations.normal_load
+    offset = 1.0 if load is None else float(np.mean(load))
+    half_range = 0.0 if load is None else float(np.ptp(load)) / 2.0
+    nearest = max(lowest / top, 1e-3)
+    layers = initial_layers(rng, min(nearest, 0.2), 0.5 * nearest, uses_load=half_range > 0.0)
+    return TanhNetwork(layers, top, observations.torque_scale, offset, half_range or 1.0)
+
+
+def _scaled_weight(at: Optimum, observations: Observations) -> FloatArray:
+    """Weights such that residuals are of order one, whatever the unit; constant factors change no optimum."""
+    return at.whitened.weight / _residual_unit(at, observations)
+
+
+def _residual_unit(at: Optimum, observations: Observations) -> float:
+    return float(np.median(at.whitened.weight)) * observations.torque_scale
+
+
+def _descend(problem: _Problem, weights: FloatArray, at: Optimum, iterations: int) -> TrainedPinn:
+    unit = _residual_unit(at, problem.observations)
+    damping, course = Damping(), []
+    likelihood = at.whitened.residual / unit / _ROOT2
+    rows = problem.network_rows(weights, at, at.whitened.weight / unit)
+    converged, step_count = False, 0
+    for _ in range(iterations):
+        step_count += 1
+        by_parameter = at.whitened.jacobian / unit / _ROOT2
+        change, weight_change, predicted = _joint_step(likelihood, by_parameter, rows, damping.value)
+        trial = problem.optimum(at.logs + change)
+        trial_likelihood = trial.whitened.residual / unit / _ROOT2
+        trial_error = problem.network_error(weights + weight_change, trial, at.whitened.weight / unit)
+        before = float(likelihood @ likelihood) + rows.cost
+        after = float(trial_likelihood @ trial_likelihood + trial_error @ trial_error)
+        if not after < before:
+            damping.reject()
+            if damping.value > 1e12:
+                break
+            continue
+        damping.accept((before - after) / predicted)
+        weights, at, likelihood = weights + weight_change, trial, trial_likelihood
+        rows = problem.network_rows(weights, at, at.whitened.weight / unit)
+        course.append((np.exp(at.logs), *problem.losses(weights, at)))
+        converged = _has_converged(at, problem.observations)
+        if converged and before - after < _SLOW_GAIN * before:
+            break
+    return TrainedPinn(
+        at, problem.network.with_parameters(weights), _traces(problem.law.names, course), converged, step_count
+    )
+
+
+def _joint_step(
+    likelihood: FloatArray, by_parameter: FloatArray, rows: _Rows, damping: float
+) -> tuple[FloatArray, FloatArray, float]:
+    """Changes of parameters and weights, and the fall of the loss that the linear model promises."""
+    factor = damped_kernel(rows.by_weight, damping)
+    both = np.column_stack([rows.error, rows.by_parameter])
+    reduced = solve_triangular(factor, both, lower=True, check_finite=False)
+    J = np.concatenate([by_parameter, reduced[:, 1:]])
+    r = np.concatenate([likelihood, reduced[:, 0]])
+    normal = J.T @ J
+    normal[np.diag_indices_from(normal)] *= 1.0 + damping
+    normal[np.diag_indices_from(normal)] += 1e-14 * (1.0 + np.trace(normal))
+    change = np.clip(-np.linalg.solve(normal, J.T @ r), -_LONGEST_STEP, _LONGEST_STEP)
+    remaining = rows.error + rows.by_parameter @ change
+    weight_change = damped_step(rows.by_weight, factor, remaining, damping)
+    linear_b = likelihood + by_parameter @ change
+    linear_a = remaining + rows.by_weight @ weight_change
+    predicted = float(likelihood @ likelihood + rows.cost - linear_b @ linear_b - linear_a @ linear_a)
+    return change, weight_change, max(predicted, 1e-300)
+
+
+def _has_converged(at: Optimum, observations: Observations) -> bool:
+    """Whether the score is small, or the closed form meets the data to rounding."""
+    exact = at.spread() < 1e-9 * _residual_unit(at, observations)
+    return exact or at.score_distance() < _SCORE_TOLERANCE
+
+
+def _traces(names: tuple[str, ...], course: list[tuple[FloatArray, float, float]]) -> Traces:
+    if not course:
+        return Traces(names, np.empty((0, len(names))), np.empty(0), np.empty(0))
+    parameters, data, model = zip(*course, strict=True)
+    return Traces(names, np.array(parameters), np.array(data), np.array(model))

@@ -1,0 +1,170 @@
+"""What `identify` returns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+from functools import cached_property
+
+import numpy as np
+from scipy.stats import t as student
+
+from fricomp.errors import IdentificationError
+from fricomp.laws import FloatArray
+from fricomp.model import FrictionModel
+
+from ..network import TanhNetwork
+from ..network.distillation import Distillation, distil
+from .form import SeparableLaw
+from .observation import Observations
+from .optimum import Optimum
+from .pinn import Traces
+
+__all__ = ["IdentificationResult", "Interval", "NoiseEstimate", "Status"]
+
+
+_WIDER = 1.5
+"""The exported network follows the closed form up to this multiple of the fastest speed measured."""
+
+
+class Status(StrEnum):
+    """How an identification ended."""
+
+    CONVERGED = "converged"
+    NOT_CONVERGED = "not_converged"
+    WRONG_BASIN_SUSPECTED = "wrong_basin_suspected"
+    NOT_IDENTIFIABLE = "not_identifiable"
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A confidence interval, in the unit of its parameter."""
+
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
+class NoiseEstimate:
+    """The noise model used and how it was chosen.
+
+    Attributes:
+        kind: `relative`, `absolute` or `given`.
+        level: Standard deviation as a fraction of the model's torque (relative), in [N·m] or [N] (absolute),
+            or as a multiple of what was given.
+        candidates: Negative log-likelihood of every noise model compared; each has one parameter, its level,
+            so the likelihoods compare as they are.
+    """
+
+    kind: str
+    level: float
+    candidates: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def evidence(self) -> float:
+        """By how much the next best noise model is less likely [nats]; infinite without a choice."""
+        ordered = sorted(self.candidates.values())
+        return ordered[1] - ordered[0] if len(ordered) > 1 else np.inf
+
+
+@dataclass(frozen=True)
+class IdentificationResult:
+    """A friction model and everything known about how well it is known.
+
+    Attributes:
+        model: The friction model, closed form.
+        status: Whether it can be trusted; see `message`.
+        message: One sentence on the status.
+        method: `pinn` or `least_squares`.
+        parameter_names: Dotted names, in the order of the covariance.
+        covariance: Of the parameters, inverse of the Fisher information. Shape (n_parameters, n_parameters).
+        noise: Noise model and level.
+        negative_log_likelihood: At the parameters returned.
+        distance_to_optimum: From the likelihood optimum that projection and least squares find, the largest over
+            the parameters, in standard deviations.
+        traces: Course of the training; None for least squares.
+        identifying_network: The network trained together with the parameters; None for least squares.
+        observations: The points used.
+        form: The law's separable form.
+        optimum: The likelihood at the parameters returned.
+        seed: Seed of the network's first weights.
+    """
+
+    model: FrictionModel
+    status: Status
+    message: str
+    method: str
+    parameter_names: tuple[str, ...]
+    covariance: FloatArray
+    noise: NoiseEstimate
+    negative_log_likelihood: float
+    distance_to_optimum: float
+    traces: Traces | None
+    identifying_network: TanhNetwork | None
+    observations: Observations
+    form: SeparableLaw
+    optimum: Optimum
+    seed: int = 0
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Estimated parameters by dotted name, in their own units."""
+        return dict(zip(self.parameter_names, np.exp(self.optimum.logs).tolist(), strict=True))
+
+    @property
+    def standard_deviations(self) -> dict[str, float]:
+        """Standard deviation of each estimated parameter, in its own unit."""
+        return dict(zip(self.parameter_names, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
+
+    def interval(self, name: str, level: float = 0.95) -> Interval:
+        """Confidence interval of a parameter from the covariance; see `profile_interval` where that is too rough.
+
+        Raises:
+            IdentificationError: The law has no such parameter.
+        """
+        if name not in self.parameter_names:
+            raise IdentificationError(f"unknown parameter {name!r}; estimated: {', '.join(self.parameter_names)}")
+        freedom = max(self.observations.size - len(self.parameter_names), 1)
+        reach = float(student.ppf(0.5 + level / 2.0, freedom)) * self.standard_deviations[name]
+        return Interval(self.parameters[name] - reach, self.parameters[name] + reach)
+
+    def torque_deviation(self, velocity: FloatArray, normal_load: FloatArray | None = None) -> FloatArray:
+        """Standard deviation of the closed form's torque [N·m] or [N] at each velocity, from the covariance."""
+        from .observation import observe
+
+        moving = velocity != 0.0
+        sign = np.sign(velocity)
+        points = observe(velocity, sign, normal_load)
+        _, jacobian = self.form.evaluate(self.optimum.logs, points)
+        by_value = jacobian / np.exp(self.optimum.logs)
+        deviation = np.zeros(len(velocity))
+        deviation[moving] = np.sqrt(np.einsum("ij,jk,ik->i", by_value, self.covariance, by_value))
+        return deviation
+
+    @cached_property
+    def distillation(self) -> Distillation:
+        """The exported network and how close it is to the closed form; trained on first use (a second or two).
+
+        It differs from `identifying_network`, which follows the noise of the points it was trained on. This one is
+        trained to the closed form on a grid of its own.
+        """
+        load = self.observations.normal_load
+        several = load is not None and float(np.ptp(load)) > 0.0
+        loads = (float(load.min()), float(load.max())) if several and load is not None else None
+        constant = float(load[0]) if load is not None and not several else None
+        top = _WIDER * float(self.observations.speed.max())
+
+        def torque(velocity: FloatArray, normal_load: FloatArray | None) -> FloatArray:
+            return np.asarray(self.model.torque(velocity, normal_load=constant if loads is None else normal_load))
+
+        return distil(torque, top, loads, bend=self._bend() / top, seed=self.seed)
+
+    @property
+    def network(self) -> TanhNetwork:
+        """The network to export."""
+        return self.distillation.network
+
+    def _bend(self) -> float:
+        """Speed at which the curve starts to bend [rad/s] or [m/s]."""
+        shapes = [v for name, v in self.parameters.items() if name.endswith("_velocity")]
+        return min(shapes) / 8.0 if shapes else 0.05 * float(self.observations.speed.max())

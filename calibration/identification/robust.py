@@ -1,0 +1,178 @@
+"""Identification with outliers: the likelihood of contaminated noise, from starts that part of the data did not see.
+
+Each point is normal with the noise model's deviation, or with probability epsilon an outlier whose deviation is k
+times that; epsilon, k and the level are estimated with the parameters by expectation-maximisation
+[aitkin1980mixture]. This is a likelihood too, so basins can be compared.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from fricomp.laws import FloatArray
+
+from .form import SeparableLaw
+from .likelihood import Noise, Whitened
+from .observation import Observations
+from .optimum import Optimum, refine
+from .start import project, starting_points, with_sensitivity
+
+__all__ = ["fit_robust"]
+
+_SUBSETS = 60
+_SHAPES = 9
+_SHAPE_FACTOR = 2.5
+_KEPT_STARTS = 4
+_APART = 2.0
+"""Two starts are the same basin if their curves are everywhere closer than this many deviations."""
+_REACH = 4.685
+"""Deviations beyond which a point no longer counts in ranking starts: Tukey's constant [maronna2019robust]."""
+_NORMAL_MAD = 0.6745
+"""Median of |x| for a standard normal x."""
+
+
+class _Contamination(NamedTuple):
+    """Deviation of the bulk, share of outliers, and how much wider these spread."""
+
+    deviation: float
+    share: float
+    widening: float
+
+
+class _Candidate(NamedTuple):
+    cost: float
+    logs: FloatArray
+    curve: FloatArray
+
+
+def fit_robust(law: SeparableLaw, observations: Observations, noise: Noise) -> Optimum:
+    """Maximise the likelihood of contaminated noise.
+
+    A few outliers at the lowest speeds can carry the static torque with them and look consistent. So starts also
+    come from random halves of the points, of which some leave those outliers out.
+
+    The result carries `given` noise: each point's deviation by its probability of being an outlier, so that
+    everything that builds on it (network, covariance) gives a point the weight the fit gave it.
+
+    Raises:
+        IdentificationError: Too few points for the law.
+    """
+    first = starting_points(law, observations, noise, robust=True)[0]
+    whitened = _whiten(first, law, observations, noise)
+    deviation = _bulk(whitened.residual, observations.torque_scale).deviation / whitened.weight
+    starts = [first, *_subset_starts(law, observations, first, deviation)]
+    fits = sorted(
+        (_maximise(start, law, observations, noise, 1e-2) for start in starts), key=lambda f: f.negative_log_likelihood
+    )
+    best = _maximise(fits[0].logs, law, observations, noise, 1e-7)
+    rivals = [f for f in fits[1:] if np.max(np.abs(f.magnitude - best.magnitude) / deviation) > 1.0]
+    return replace(best, other_basins=tuple(fit.negative_log_likelihood for fit in rivals))
+
+
+def _whiten(logs: FloatArray, law: SeparableLaw, observations: Observations, noise: Noise) -> Whitened:
+    magnitude, jacobian = law.evaluate(logs, observations)
+    return noise.whiten(observations.magnitude, magnitude, jacobian)
+
+
+def _bulk(residual: FloatArray, torque_scale: float) -> _Contamination:
+    """A first guess from the median."""
+    spread = float(np.median(np.abs(residual))) / _NORMAL_MAD
+    return _Contamination(max(spread, 1e-12 * torque_scale), 0.1, 10.0)
+
+
+def _maximise(
+    start: FloatArray, law: SeparableLaw, observations: Observations, noise: Noise, tolerance: float
+) -> Optimum:
+    logs, state, residual = start, None, np.empty(0)
+    for _ in range(60):
+        whitened = _whiten(logs, law, observations, noise)
+        residual = whitened.residual
+        state = _contamination(residual, state or _bulk(residual, observations.torque_scale))
+        precision = _precision(residual, state)
+        given = Noise("given", 1.0 / (whitened.weight * np.sqrt(precision)))
+        fit = refine(logs, law, observations, given, evaluations=4)
+        moved, logs = float(np.max(np.abs(fit.logs - logs))), fit.logs
+        if moved < tolerance:
+            break
+    assert state is not None
+    outlier, bulk = _densities(residual, state)
+    density = float(np.sum(np.log(outlier + bulk + 1e-300)))
+    units = 0.0 if noise.deviation is None else float(np.sum(np.log(noise.deviation)))
+    return replace(fit, negative_log_likelihood=units - density)
+
+
+def _contamination(residual: FloatArray, state: _Contamination) -> _Contamination:
+    """Expectation-maximisation of the mixture with the residuals held."""
+    least = state.deviation * 1e-6
+    for _ in range(30):
+        outlier, bulk = _densities(residual, state)
+        probability = outlier / (outlier + bulk + 1e-300)
+        deviation = max(float(np.sqrt(np.average(residual**2, weights=1.0 - probability + 1e-9))), least)
+        wide = float(np.sqrt(np.average(residual**2, weights=probability + 1e-9)))
+        share = float(np.clip(np.mean(probability), 1e-3, 0.4))
+        state = _Contamination(deviation, share, float(np.clip(wide / deviation, 3.0, 100.0)))
+    return state
+
+
+def _densities(residual: FloatArray, state: _Contamination) -> tuple[FloatArray, FloatArray]:
+    """Densities of the outliers and of the bulk, each times its share."""
+    narrow, wide = state.deviation, state.deviation * state.widening
+    root = np.sqrt(2.0 * np.pi)
+    outlier = state.share / (wide * root) * np.exp(-0.5 * (residual / wide) ** 2)
+    return outlier, (1.0 - state.share) / (narrow * root) * np.exp(-0.5 * (residual / narrow) ** 2)
+
+
+def _precision(residual: FloatArray, state: _Contamination) -> FloatArray:
+    """Expected inverse variance of each point."""
+    outlier, bulk = _densities(residual, state)
+    probability = outlier / (outlier + bulk + 1e-300)
+    return (1.0 - probability + probability / state.widening**2) / state.deviation**2
+
+
+def _subset_starts(
+    law: SeparableLaw, observations: Observations, first: FloatArray, deviation: FloatArray
+) -> list[FloatArray]:
+    """Starts from random halves: the best of each branch together, then each branch's others beside the best."""
+    rng = np.random.default_rng(0)
+    branches = []
+    for k, rows in enumerate(law.branches(observations)):
+        at = first[k * law.branch_size : (k + 1) * law.branch_size]
+        points = observations.select(np.flatnonzero(rows))
+        branches.append(_branch_starts(law, points, at, 1.0 / deviation[rows], rng))
+    best = [candidates[0].logs for candidates in branches]
+    combinations = [best]
+    for k, candidates in enumerate(branches):
+        combinations += [[*best[:k], other.logs, *best[k + 1 :]] for other in candidates[1:]]
+    return [with_sensitivity(law, np.concatenate(combination)) for combination in combinations]
+
+
+def _branch_starts(
+    law: SeparableLaw, points: Observations, first: FloatArray, weight: FloatArray, rng: np.random.Generator
+) -> list[_Candidate]:
+    shape = float(np.exp(first[law.basis.shape_index])) if law.basis.shape_index is not None else 1.0
+    shapes = shape * np.geomspace(1.0 / _SHAPE_FACTOR, _SHAPE_FACTOR, _SHAPES if law.basis.shape_index else 1)
+    found = []
+    for _ in range(_SUBSETS):
+        half = np.sort(rng.choice(points.size, max(points.size // 2, law.branch_size), replace=False))
+        some = points.select(half)
+        for one in shapes:
+            logs = project(law, some, weight[half], one, robust=False).logs
+            columns = law.basis.columns(points.speed, one) * law.load_factor(points, 1.0)
+            curve = columns @ np.exp(logs[list(law.linear_index)]) * weight
+            inside = np.maximum(1.0 - ((points.magnitude * weight - curve) / _REACH) ** 2, 0.0)
+            found.append(_Candidate(float(np.sum(1.0 - inside**3)), logs, curve))
+    return _distinct(sorted(found, key=lambda candidate: candidate.cost))
+
+
+def _distinct(ranked: list[_Candidate]) -> list[_Candidate]:
+    """The best few whose curves differ."""
+    kept: list[_Candidate] = []
+    for candidate in ranked:
+        if all(np.max(np.abs(candidate.curve - other.curve)) > _APART for other in kept):
+            kept.append(candidate)
+        if len(kept) == _KEPT_STARTS:
+            break
+    return kept

@@ -1,0 +1,110 @@
+"""Where to start: variable projection over a grid of the nonlinear parameter, so that no range is asked of the user.
+
+At a fixed Stribeck velocity the curve is linear in its other parameters, whose best positive values are a small
+linear problem [golub1973variable]. A scan of the velocity then sees every basin there is.
+"""
+
+from __future__ import annotations
+
+import itertools
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import nnls
+
+from fricomp.errors import IdentificationError
+from fricomp.laws import FloatArray
+
+from .form import SeparableLaw
+from .likelihood import Noise
+from .observation import Observations
+
+__all__ = ["project", "starting_points", "with_sensitivity"]
+
+_GRID = 48
+_BASINS = 2
+_STARTS = 3
+_SMALLEST = 1e-3
+"""A linear parameter that projection puts at zero starts at this fraction of its column's scale."""
+
+
+class _Candidate(NamedTuple):
+    cost: float
+    logs: FloatArray
+
+
+def starting_points(law: SeparableLaw, observations: Observations, noise: Noise, *, robust: bool) -> list[FloatArray]:
+    """Logarithms of the parameters in each basin that the projection sees, the most promising first.
+
+    Raises:
+        IdentificationError: A direction has fewer points than parameters.
+    """
+    weight = _plain_weight(observations, noise)
+    for _ in range(2 if noise.kind == "relative" else 1):
+        branches = [
+            _scan(law, observations.select(np.flatnonzero(rows)), weight[rows], robust=robust, branch=k)
+            for k, rows in enumerate(law.branches(observations))
+        ]
+        best = np.concatenate([candidates[0].logs for candidates in branches])
+        if noise.kind == "relative":
+            magnitude, _ = law.evaluate(with_sensitivity(law, best), observations)
+            weight = 1.0 / np.maximum(magnitude, 1e-3 * observations.torque_scale)
+    combinations = sorted(itertools.product(*branches), key=lambda c: sum(candidate.cost for candidate in c))
+    logs = [np.concatenate([candidate.logs for candidate in c]) for c in combinations[:_STARTS]]
+    return [with_sensitivity(law, one) for one in logs]
+
+
+def _plain_weight(observations: Observations, noise: Noise) -> FloatArray:
+    return np.ones(observations.size) if noise.deviation is None else 1.0 / noise.deviation
+
+
+def with_sensitivity(law: SeparableLaw, logs: FloatArray) -> FloatArray:
+    """`logs` of the branches with a load sensitivity of 1 where it is estimated."""
+    return np.append(logs, 0.0) if law.sensitivity_name else logs
+
+
+def _scan(
+    law: SeparableLaw, points: Observations, weight: FloatArray, *, robust: bool, branch: int
+) -> list[_Candidate]:
+    """Basins of one branch, best first."""
+    if points.size < law.branch_size:
+        direction = ("forward", "reverse")[branch] if law.bidirectional else "any"
+        raise IdentificationError(
+            f"the law {law.name!r} has {law.branch_size} parameters in {direction} direction and there are "
+            f"{points.size} points; measure more speeds, or use a law with fewer parameters"
+        )
+    if law.basis.shape_index is None:
+        return [project(law, points, weight, 1.0, robust=robust)]
+    grid = np.geomspace(points.speed.min() / 3.0, points.speed.max() * 2.0, _GRID)
+    candidates = [project(law, points, weight, shape, robust=robust) for shape in grid]
+    costs = np.array([candidate.cost for candidate in candidates])
+    padded = np.concatenate([[np.inf], costs, [np.inf]])
+    valleys = np.flatnonzero((costs <= padded[:-2]) & (costs <= padded[2:]))
+    return [candidates[i] for i in valleys[np.argsort(costs[valleys])][:_BASINS]]
+
+
+def project(law: SeparableLaw, points: Observations, weight: FloatArray, shape: float, *, robust: bool) -> _Candidate:
+    """Best positive linear parameters at a fixed shape, in least squares or least absolute values."""
+    columns = law.basis.columns(points.speed, shape) * law.load_factor(points, 1.0) * weight[:, None]
+    target = points.magnitude * weight
+    scale = np.maximum(np.linalg.norm(columns, axis=0), 1e-12)
+    linear, cost = nnls(columns / scale, target)
+    if robust:
+        linear, cost = _least_absolute(columns / scale, target, linear)
+    floor = _SMALLEST * np.linalg.norm(target) + 1e-12
+    values = np.empty(law.branch_size)
+    values[list(law.linear_index)] = np.maximum(linear, floor) / scale
+    if law.basis.shape_index is not None:
+        values[law.basis.shape_index] = shape
+    return _Candidate(float(cost), np.log(values))
+
+
+def _least_absolute(columns: FloatArray, target: FloatArray, linear: FloatArray) -> tuple[FloatArray, float]:
+    """Least absolute values by reweighting: an outlier pulls no harder than any other point."""
+    error = target - columns @ linear
+    for _ in range(12):
+        spread = max(float(np.median(np.abs(error))), 1e-12)
+        root = 1.0 / np.sqrt(np.maximum(np.abs(error), 0.05 * spread))
+        linear, _ = nnls(columns * root[:, None], target * root)
+        error = target - columns @ linear
+    return linear, float(np.sum(np.abs(error)))

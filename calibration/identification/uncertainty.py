@@ -1,0 +1,140 @@
+"""Uncertainty where the covariance is not enough: profile likelihood and block bootstrap."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq, least_squares
+from scipy.stats import chi2
+
+from fricomp.errors import IdentificationError
+from fricomp.laws import FloatArray
+
+from .optimum import refine
+from .result import IdentificationResult, Interval
+
+__all__ = ["BootstrapSample", "block_bootstrap", "profile_interval", "profile_likelihood"]
+
+_FARTHEST = 8.0
+"""Search an interval's ends up to this many standard deviations of the logarithm."""
+
+
+@dataclass(frozen=True)
+class BootstrapSample:
+    """Refits to resampled data.
+
+    Attributes:
+        names: Parameter names.
+        parameters: Shape (n_samples, n_parameters).
+    """
+
+    names: tuple[str, ...]
+    parameters: FloatArray
+
+    def standard_deviations(self) -> dict[str, float]:
+        """Of each parameter, in its own unit."""
+        return dict(zip(self.names, self.parameters.std(axis=0, ddof=1).tolist(), strict=True))
+
+    def interval(self, name: str, level: float = 0.95) -> Interval:
+        """Between the quantiles of the sample."""
+        column = self.parameters[:, self.names.index(name)]
+        lower, upper = np.quantile(column, [0.5 - level / 2.0, 0.5 + level / 2.0])
+        return Interval(float(lower), float(upper))
+
+
+def profile_likelihood(result: IdentificationResult, name: str, values: FloatArray) -> FloatArray:
+    """Negative log-likelihood above its minimum, all other parameters at their best.
+
+    Args:
+        result: An identification.
+        name: The parameter to hold.
+        values: Where to hold it, in its own unit. Shape (n,).
+
+    Raises:
+        IdentificationError: The law has no such parameter.
+    """
+    index = _index(result, name)
+    return np.array([_held(result, index, float(np.log(value))) for value in values])
+
+
+def profile_interval(result: IdentificationResult, name: str, level: float = 0.95) -> Interval:
+    """Where the profile rises by half the quantile of chi-square; it need not be symmetric.
+
+    An end that the data do not bound is 0 or infinite.
+
+    Raises:
+        IdentificationError: The law has no such parameter.
+    """
+    index = _index(result, name)
+    rise = 0.5 * float(chi2.ppf(level, 1))
+    centre = float(result.optimum.logs[index])
+    step = min(result.standard_deviations[name] / result.parameters[name], 1.0)
+
+    def excess(log_value: float) -> float:
+        return _held(result, index, log_value) - rise
+
+    ends = []
+    for side in (-1.0, 1.0):
+        outer = centre + side * step * np.array([2.0, 4.0, _FARTHEST])
+        beyond = next((float(x) for x in outer if excess(float(x)) > 0.0), None)
+        ends.append(side * np.inf if beyond is None else brentq(excess, *sorted((centre, beyond)), xtol=1e-4 * step))
+    return Interval(float(np.exp(ends[0])), float(np.exp(ends[1])))
+
+
+def _index(result: IdentificationResult, name: str) -> int:
+    if name not in result.parameter_names:
+        raise IdentificationError(f"unknown parameter {name!r}; estimated: {', '.join(result.parameter_names)}")
+    return result.parameter_names.index(name)
+
+
+def _held(result: IdentificationResult, index: int, log_value: float) -> float:
+    """Negative log-likelihood above the optimum with one logarithm held."""
+    form, points, noise = result.form, result.observations, result.optimum.noise
+    free = np.arange(len(form.names)) != index
+    logs = result.optimum.logs.copy()
+    logs[index] = log_value
+
+    def whitened(some: FloatArray) -> tuple[FloatArray, FloatArray]:
+        logs[free] = some
+        magnitude, jacobian = form.evaluate(logs, points)
+        white = noise.whiten(points.magnitude, magnitude, jacobian)
+        return white.residual, white.jacobian[:, free]
+
+    fit = least_squares(
+        lambda x: whitened(x)[0], logs[free], lambda x: whitened(x)[1], method="lm", x_scale="jac", xtol=1e-9
+    )
+    held = noise.negative_log_likelihood(whitened(fit.x)[0], points.torque_scale)
+    best = noise.negative_log_likelihood(result.optimum.whitened.residual, points.torque_scale)
+    return held - best
+
+
+def block_bootstrap(
+    result: IdentificationResult, block_length: int, samples: int = 200, seed: int = 0
+) -> BootstrapSample:
+    """Refit to residuals resampled in blocks, which keeps their correlation within a block [kunsch1989bootstrap].
+
+    Args:
+        result: An identification of points in the order they were recorded.
+        block_length: Points a block; longer than the correlation of the residuals.
+        samples: Refits.
+        seed: Seed of the resampling.
+
+    Raises:
+        IdentificationError: Blocks longer than half the data.
+    """
+    points, noise = result.observations, result.optimum.noise
+    n = points.size
+    if not 1 <= block_length <= n // 2:
+        raise IdentificationError(f"block_length must lie between 1 and half of the {n} points, got {block_length}")
+    rng = np.random.default_rng(seed)
+    weight = result.optimum.whitened.weight
+    residual = weight * (points.magnitude - result.optimum.magnitude)
+    residual = (residual - residual.mean()) * np.sqrt(n / max(n - len(result.parameter_names), 1))
+    refits = []
+    for _ in range(samples):
+        begin = rng.integers(0, n - block_length + 1, -(-n // block_length))
+        index = (begin[:, None] + np.arange(block_length)).ravel()[:n]
+        data = points.with_magnitude(result.optimum.magnitude + residual[index] / weight)
+        refits.append(np.exp(refine(result.optimum.logs, result.form, data, noise).logs))
+    return BootstrapSample(result.parameter_names, np.array(refits))

@@ -1,0 +1,45 @@
+"""The bidirectional sweep: plan, motion, plateaus, breakaway, friction points, and the model identified from them."""
+
+from .accuracy import Assumption, assume_friction, expected_deviations
+from .analysis import SweepAnalysis, analyse_sweep
+from .block import SweepData, load_sweep
+from .calibrate import Calibration, calibrate, channels_of, mean_relative_deviation
+from .estimate import Estimate, IdentificationSettings, estimate_friction
+from .motion_file import read_motion, record_motion
+from .plan import SweepPlan, default_speeds, plan_plateaus, travel_of
+from .request import CalibrationOptions, CalibrationRequest
+from .rigid_body import RigidBody
+from .run_folder import RunFolder
+from .settings import SweepSettings
+from .sweep import Sweep, SweepContext, loop_period
+
+__all__ = [
+    "Assumption",
+    "Calibration",
+    "CalibrationOptions",
+    "CalibrationRequest",
+    "Estimate",
+    "IdentificationSettings",
+    "RigidBody",
+    "RunFolder",
+    "Sweep",
+    "SweepAnalysis",
+    "SweepContext",
+    "SweepData",
+    "SweepPlan",
+    "SweepSettings",
+    "analyse_sweep",
+    "assume_friction",
+    "calibrate",
+    "channels_of",
+    "default_speeds",
+    "estimate_friction",
+    "expected_deviations",
+    "load_sweep",
+    "loop_period",
+    "mean_relative_deviation",
+    "plan_plateaus",
+    "read_motion",
+    "record_motion",
+    "travel_of",
+]

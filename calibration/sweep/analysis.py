@@ -1,0 +1,206 @@
+"""From the blocks of a sweep to friction points, with everything that had to be taken off and checked on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final, Literal
+
+import numpy as np
+
+from fricomp.errors import IdentificationError, ParameterError
+from fricomp.recording import Recording, RecordingMetadata
+
+from .block import Kind, SweepData
+from .breakaway import Breakaway, measure_breakaway
+from .point import FrictionPoint, half_differences, match_windows, measure_points
+from .rigid_body_fit import RigidBodyFit, fit_rigid_body
+from .steadiness import Mean, mean_of
+
+__all__ = ["HALF_DIFFERENCE", "Drift", "SweepAnalysis", "TorqueSource", "analyse_sweep"]
+
+HALF_DIFFERENCE: Final = "half difference of both directions"
+TorqueSource = Literal[
+    "measured torque", "measured torque less the rigid-body torque", "half difference of both directions"
+]
+"""How friction was made out of the measured torque."""
+FAST_KINDS: tuple[Kind, ...] = ("warm_up", "plateau")
+
+
+@dataclass(frozen=True)
+class Drift:
+    """The first speed visited again at the end.
+
+    Attributes:
+        velocity: Signed [rad/s] or [m/s].
+        change: Friction at the end less friction at the start, in the direction of motion [N·m] or [N].
+        deviation: Standard error of `change` [N·m] or [N].
+        elapsed: Time between the two [s].
+    """
+
+    velocity: float
+    change: float
+    deviation: float
+    elapsed: float
+
+
+@dataclass(frozen=True)
+class SweepAnalysis:
+    """What a sweep has measured.
+
+    Attributes:
+        points: One a plateau, used or not, in order of time.
+        breakaways: Static torques.
+        offset: Zero of the torque sensor [N·m] or [N].
+        rigid_body: What fast motions say about the torque signal and the model.
+        torque_source: How friction was made out of torque.
+        load_source: Where the normal load comes from, in words.
+        drift: Of each direction.
+        assistance: Torque that the drive itself adds in the direction of motion [N·m] or [N]; None where it cannot
+            be seen because the drive closes the loop.
+        metadata: Of the recording.
+    """
+
+    points: tuple[FrictionPoint, ...]
+    breakaways: tuple[Breakaway, ...]
+    offset: Mean
+    rigid_body: RigidBodyFit
+    torque_source: TorqueSource
+    load_source: str
+    drift: tuple[Drift, ...]
+    assistance: Mean | None
+    metadata: RecordingMetadata
+
+    @property
+    def steady(self) -> tuple[FrictionPoint, ...]:
+        """The points that are used."""
+        return tuple(point for point in self.points if point.verdict == "steady")
+
+    @property
+    def rejected(self) -> tuple[FrictionPoint, ...]:
+        """The points that are not."""
+        return tuple(point for point in self.points if point.verdict != "steady")
+
+    @property
+    def mean_load(self) -> float | None:
+        """Mean normal load of the points that are used; None where it is not known."""
+        loads = [point.normal_load for point in self.steady if point.normal_load is not None]
+        return float(np.mean(loads)) if loads else None
+
+    def static_torque(self, direction: int) -> Mean | None:
+        """Breakaway torque of one direction: mean over the positions, and its standard error; None if unmeasured."""
+        values = np.array([b.torque for b in self.breakaways if b.direction == direction])
+        if not len(values):
+            return None
+        spread = float(np.std(values, ddof=1)) if len(values) > 1 else 0.0
+        return Mean(float(values.mean()), spread / float(np.sqrt(len(values))))
+
+
+def analyse_sweep(data: SweepData, *, normal_load: str = "none", gravity_unknown: bool = False) -> SweepAnalysis:
+    """Friction points of a sweep.
+
+    Args:
+        data: Its blocks.
+        normal_load: `none`, `transmitted` (the size of the rigid-body torque), `column` (as recorded), or a number.
+        gravity_unknown: Take the half difference of both directions, because no model says what gravity is.
+
+    Raises:
+        IdentificationError: There is no plateau.
+        ParameterError: The normal load is none of these, or not to be had.
+    """
+    parts = data.settled_parts()
+    if not parts:
+        raise IdentificationError("the recording holds no plateau: run the sweep first, or resume it")
+    if gravity_unknown:
+        parts = match_windows(parts)
+        if not parts:
+            raise IdentificationError(
+                "no forward and reverse plateau have settled over the same positions: stay longer on each (--dwell)"
+            )
+    metadata = parts[0].samples.metadata
+    quantum = metadata.encoder_resolution or 0.0
+    offset = _offset(data)
+    fit = fit_rigid_body(samples for kind in FAST_KINDS for _, samples in data.of_kind(kind))
+    points = measure_points(
+        parts,
+        offset=offset.value,
+        lag=fit.lag,
+        quantum=quantum,
+        torque_limit=float(metadata.extra.get("torque_limit", np.inf)),
+    )
+    ramps = [measure_breakaway(r, ramp.direction, offset=offset.value, quantum=quantum) for ramp, r in data.ramps()]
+    loaded, load_source = _with_normal_load(points, normal_load)
+    modelled = parts[0].samples.load_torque is not None
+    return SweepAnalysis(
+        points=half_differences(loaded) if gravity_unknown else loaded,
+        breakaways=tuple(b for b in ramps if b is not None),
+        offset=offset,
+        rigid_body=fit,
+        torque_source=_torque_source(gravity_unknown, modelled),
+        load_source=load_source,
+        drift=_drift(points),
+        assistance=_assistance([part.samples for part in parts], [p.velocity for p in points]),
+        metadata=metadata,
+    )
+
+
+def _torque_source(gravity_unknown: bool, modelled: bool) -> TorqueSource:
+    if gravity_unknown:
+        return HALF_DIFFERENCE
+    return "measured torque less the rigid-body torque" if modelled else "measured torque"
+
+
+def _offset(data: SweepData) -> Mean:
+    """Zero of the torque sensor, from all rests; zero and unknown where there is none."""
+    rests = [mean_of(samples.torque) for _, samples in data.of_kind("tare")]
+    if not rests:
+        return Mean(0.0, 0.0)
+    values, deviations = np.array([r.value for r in rests]), np.array([r.deviation for r in rests])
+    # A zero that has moved between the rests is known no better than half of that.
+    own = float(np.sqrt(np.sum(deviations**2))) / len(rests)
+    moved = 0.5 * float(np.ptp(values))
+    return Mean(float(values.mean()), max(own, moved if moved > 3.0 * own else 0.0))
+
+
+def _with_normal_load(points: Sequence[FrictionPoint], choice: str) -> tuple[tuple[FrictionPoint, ...], str]:
+    if choice == "none":
+        return tuple(replace(p, normal_load=None) for p in points), "unknown, taken as constant"
+    if choice == "transmitted":
+        return tuple(replace(p, normal_load=abs(p.load_torque)) for p in points), "the model's transmitted torque"
+    if choice == "column":
+        if any(p.normal_load is None for p in points):
+            raise ParameterError("the recording has no normal_load column: use transmitted, none or a number")
+        return tuple(points), "a sensor column"
+    try:
+        value = float(choice)
+    except ValueError:
+        raise ParameterError(f"normal load {choice!r} is none of none, transmitted, column or a number") from None
+    return tuple(replace(p, normal_load=value) for p in points), f"given as {value:g}"
+
+
+def _drift(points: Sequence[FrictionPoint]) -> tuple[Drift, ...]:
+    found = []
+    for again in (p for p in points if p.is_first_again):
+        first = next(
+            (p for p in points if not p.is_first_again and np.isclose(p.velocity, again.velocity, rtol=0.05)), None
+        )
+        if first is not None:
+            change = float(np.sign(again.velocity)) * (again.torque - first.torque)
+            error = float(np.hypot(again.deviation, first.deviation))
+            found.append(Drift(again.velocity, change, error, again.time - first.time))
+    return tuple(found)
+
+
+def _assistance(samples: Sequence[Recording], velocities: Sequence[float]) -> Mean | None:
+    """Reported less commanded torque in the direction of motion: what a drive adds that nobody asked for."""
+    excess: dict[int, list[float]] = {1: [], -1: []}
+    for recording, velocity in zip(samples, velocities, strict=True):
+        if recording.torque_command is None:
+            return None
+        direction = 1 if velocity > 0.0 else -1
+        excess[direction].append(float(np.mean(recording.torque - recording.torque_command)))
+    if not (excess[1] and excess[-1]):
+        return None
+    forward, reverse = np.array(excess[1]), np.array(excess[-1])
+    error = 0.5 * float(np.hypot(np.std(forward) / np.sqrt(len(forward)), np.std(reverse) / np.sqrt(len(reverse))))
+    return Mean(0.5 * float(forward.mean() - reverse.mean()), error)

@@ -1,0 +1,146 @@
+"""The whole way: sweep, friction points, identification."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fricomp.errors import IdentificationError, ParameterError
+from fricomp.joint import JointCapabilities
+
+from ..identification import identify
+from ..identification.design import plan_informative_speeds
+from .analysis import HALF_DIFFERENCE, SweepAnalysis, analyse_sweep
+from .block import SweepData
+from .estimate import Estimate, IdentificationSettings, estimate_friction
+from .plan import first_again, plan_plateaus, plan_velocities, top_speed
+from .request import CalibrationOptions
+from .run_folder import RunFolder
+from .sign_check import SignCheck
+from .speed import FALLING_BRANCH, dense_around
+from .sweep import Progress, Sweep, SweepContext
+
+__all__ = ["Calibration", "calibrate", "channels_of", "mean_relative_deviation", "stribeck_velocity"]
+
+# Plateaus of one round of an adaptive sweep, and the most rounds.
+ROUND = 16
+ROUNDS = 6
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """The outcome of a calibration.
+
+    Attributes:
+        data: Blocks of the recording.
+        analysis: Friction points and checks.
+        estimate: The identified friction.
+        late_cycles: Cycles of the loop that were missed.
+        signs: What a low torque did; None where the drive takes none.
+    """
+
+    data: SweepData
+    analysis: SweepAnalysis
+    estimate: Estimate
+    late_cycles: int
+    signs: SignCheck | None
+
+
+def calibrate(
+    context: SweepContext,
+    folder: RunFolder,
+    options: CalibrationOptions,
+    report: Progress = lambda text, done: None,
+) -> Calibration:
+    """Sweep a joint and identify its friction; the recording grows in the run's folder.
+
+    Raises:
+        FricompError: See `Sweep`, `analyse_sweep` and `estimate_friction`; what was recorded stays.
+    """
+    if options.adaptive and options.gravity_unknown:
+        raise ParameterError("an adaptive sweep needs the gravity torque: give a model, or leave out --adaptive")
+    data = folder.load_data()
+    with folder.open_writer(context.metadata(), channels_of(context)) as writer:
+        sweep = Sweep(context, writer, data, report)
+        sweep.prepare()
+        sweep.warm_up()
+        first = sweep.plan_first_pass()
+        sweep.run_plan(first)
+        number = _refine(sweep, options, len(first.plateaus))
+        sweep.run_plan(first_again(first, number), "first speed again")
+        sweep.measure_breakaways(float(first.speeds[0]))
+        sweep.finish()
+    folder.note("recorded")
+    report("identifying", 0.0)
+    analysis = _analyse(sweep.data, options)
+    estimate = estimate_friction(analysis, options.identification)
+    return Calibration(sweep.data, analysis, estimate, sweep.runner.late_cycles, sweep.sign_check)
+
+
+def channels_of(context: SweepContext) -> tuple[str, ...]:
+    """Columns of the recording: what the joint reports and what was asked of it."""
+    declared: JointCapabilities = context.adapter.capabilities.joints[context.joint]
+    reported = ("velocity",) if declared.velocity_quantum >= 0.0 else ()
+    command = ("torque_command",) if context.choose_mode() == "torque" else ()
+    load = ("load_torque",) if context.body is not None else ()
+    return ("time", "position", "torque", *reported, "velocity_reference", *command, *load)
+
+
+def _analyse(data: SweepData, options: CalibrationOptions) -> SweepAnalysis:
+    return analyse_sweep(data, normal_load=options.normal_load, gravity_unknown=options.gravity_unknown)
+
+
+def _refine(sweep: Sweep, options: CalibrationOptions, number: int) -> int:
+    """Further plateaus where the first pass says they tell most; returns the number of the next."""
+    if options.adaptive:
+        return _adapt(sweep, options, number)
+    settings = sweep.context.settings
+    if not settings.dense_count or settings.speeds:
+        return number
+    bend = stribeck_velocity(_analyse(sweep.data, options))
+    if bend is None:
+        return number
+    low, high = (edge * bend for edge in FALLING_BRANCH)
+    if high <= top_speed(sweep.travel, settings):
+        plan = plan_plateaus(dense_around(bend, settings.dense_count), sweep.travel, settings, first=number)
+        sweep.run_plan(plan, f"denser from {low:.3g} to {high:.3g}")
+        number += len(plan.plateaus)
+    return number
+
+
+def stribeck_velocity(analysis: SweepAnalysis) -> float | None:
+    """Where the curve bends, roughly [rad/s] or [m/s]; None if the first pass does not show it."""
+    points = analysis.steady
+    law = "symmetric_stribeck" if analysis.torque_source == HALF_DIFFERENCE else "stribeck"
+    try:
+        result = identify([p.velocity for p in points], [p.torque for p in points], method="least_squares", law=law)
+    except IdentificationError:
+        return None
+    found = [v for name, v in result.parameters.items() if name.endswith("stribeck_velocity")]
+    slowest, fastest = min(abs(p.velocity) for p in points), max(abs(p.velocity) for p in points)
+    bend = float(np.exp(np.mean(np.log(found))))
+    return bend if slowest < bend < 0.3 * fastest else None
+
+
+def _adapt(sweep: Sweep, options: CalibrationOptions, number: int) -> int:
+    """Rounds of plateaus at the speeds that shrink the covariance most, until it is small enough."""
+    settings, top = sweep.context.settings, top_speed(sweep.travel, sweep.context.settings)
+    slowest = float(sweep.plan_first_pass().speeds[0])
+    quick = IdentificationSettings(method="least_squares", noise=options.identification.noise)
+    for _ in range(ROUNDS):
+        estimate = estimate_friction(_analyse(sweep.data, options), quick)
+        if mean_relative_deviation(estimate) <= options.accuracy:
+            break
+        design = plan_informative_speeds(estimate.result.model, top, ROUND, "absolute", slowest=slowest)
+        velocities = np.repeat(design.velocity, design.plateaus)
+        plan = plan_velocities(velocities, sweep.travel, settings, first=number)
+        sweep.run_plan(plan, f"adaptive, now {100.0 * mean_relative_deviation(estimate):.2g} %")
+        number += len(plan.plateaus)
+    return number
+
+
+def mean_relative_deviation(estimate: Estimate) -> float:
+    """Mean over the parameters of standard deviation over value [1]."""
+    result = estimate.result
+    return float(np.mean([result.standard_deviations[n] / result.parameters[n] for n in result.parameter_names]))

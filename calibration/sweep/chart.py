@@ -1,0 +1,194 @@
+"""The charts of a calibration, as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fricomp.laws import FloatArray
+from fricomp.report import PALETTE, Band, Chart, HeatMap, Line, Mark, Panel, Points, Rule
+
+from .calibrate import Calibration
+from .point import FrictionPoint
+
+__all__ = ["calibration_charts"]
+
+# Half width of a 95 % interval in standard deviations.
+REACH = 1.96
+# Positions in the palette: measured, model, network, rejected.
+MEASURED, MODEL, NETWORK, REJECTED = 1, 0, 2, 6
+_NAMES = {
+    "coulomb_torque": "Coulomb torque",
+    "static_torque": "static torque",
+    "stribeck_velocity": "Stribeck velocity",
+    "viscous_coefficient": "viscous coefficient",
+}
+
+
+def calibration_charts(calibration: Calibration) -> dict[str, Chart]:
+    """All charts by name, in reading order."""
+    charts = [
+        friction_curve(calibration),
+        acquisition(calibration),
+        residuals(calibration),
+        correlations(calibration),
+    ]
+    traces = training(calibration)
+    return {chart.name: chart for chart in (*charts, *([traces] if traces else []))}
+
+
+def words(name: str) -> str:
+    """A parameter's name in words: `stribeck.forward.coulomb_torque` is `Coulomb torque, forward`."""
+    *group, last = name.split(".")
+    side = f", {group[-1]}" if group and group[-1] in ("forward", "reverse") else ""
+    return _NAMES.get(last, last.replace("_", " ")) + side
+
+
+def friction_curve(calibration: Calibration) -> Chart:
+    """Friction over speed, both directions, with points, band and exported network."""
+    unit = _units(calibration)
+    panels = tuple(_direction(calibration, sign, unit) for sign in (1, -1))
+    return Chart(
+        "friction-curve",
+        "Friction over speed",
+        panels,
+        columns=2,
+        panel_height=380,
+        caption="Each point is the mean of one plateau; the band is the 95 % interval of the identified curve "
+        "(where it is thinner than the line, the curve is known better than the eye can see). The torque of the "
+        "reverse direction is shown as a positive number.",
+    )
+
+
+def _direction(calibration: Calibration, sign: int, unit: tuple[str, str]) -> Panel:
+    analysis, result = calibration.analysis, calibration.estimate.result
+    points = [p for p in analysis.steady if p.velocity * sign > 0.0]
+    rejected = [p for p in analysis.rejected if p.velocity * sign > 0.0]
+    speeds = [abs(p.velocity) for p in (*points, *rejected)]
+    speed = np.geomspace(0.5 * min(speeds), 1.1 * max(speeds), 300)
+    load = analysis.mean_load
+    torque = sign * np.asarray(result.model.torque(sign * speed, normal_load=load))
+    reach = REACH * result.torque_deviation(sign * speed, None if load is None else np.full_like(speed, load))
+    network = sign * np.asarray(result.network.torque(sign * speed, load))
+    marks: list[Mark] = [
+        Band(speed, torque - reach, torque + reach, "95 % interval", color=MODEL),
+        Line(speed, torque, "identified", color=MODEL),
+        Line(speed, network, "exported network", color=NETWORK, stroke="dashed", width=1.2),
+        _points(points, sign, "plateaus", MEASURED),
+    ]
+    if rejected:
+        marks.append(_points(rejected, sign, "rejected", REJECTED, hollow=True))
+    static = analysis.static_torque(sign)
+    if static is not None:
+        marks.append(Rule(static.value, "y", "breakaway", color=3))
+    title = "Forward" if sign > 0 else "Reverse"
+    return Panel(tuple(marks), f"speed [{unit[0]}/s]", f"friction [{unit[1]}]", title, x_scale="log")
+
+
+def _points(points: Sequence[FrictionPoint], sign: int, label: str, color: int, *, hollow: bool = False) -> Points:
+    return Points(
+        np.array([abs(p.velocity) for p in points]),
+        np.array([sign * p.torque for p in points]),
+        label,
+        color=color,
+        hollow=hollow,
+    )
+
+
+def acquisition(calibration: Calibration) -> Chart:
+    """Position, velocity and torque over the whole run."""
+    unit, blocks = _units(calibration), calibration.data.blocks
+    time = _joined([samples.time for _, samples in blocks])
+    position = _joined([samples.position for _, samples in blocks])
+    torque = _joined([samples.torque for _, samples in blocks])
+    reference = _joined([np.zeros(len(s)) if s.velocity_reference is None else s.velocity_reference for _, s in blocks])
+    panels = (
+        Panel((Line(time, position, width=1.0),), "time [s]", f"position [{unit[0]}]", "Position"),
+        Panel(
+            (Line(time, reference, color=2, width=1.0),), "time [s]", f"velocity [{unit[0]}/s]", "Velocity reference"
+        ),
+        Panel(
+            (Line(time, torque, "torque", color=5, width=0.8), _friction_over_time(calibration)),
+            "time [s]",
+            f"torque [{unit[1]}]",
+            "Torque, and the friction of each plateau",
+        ),
+    )
+    caption = "The whole run: zero of the torque sensor, sign check, warm-up, plateaus in shuffled order, breakaways."
+    return Chart("acquisition", "Data acquisition over time", panels, caption=caption, panel_height=210, share_x=True)
+
+
+def _friction_over_time(calibration: Calibration) -> Points:
+    points = calibration.analysis.steady
+    return Points(
+        np.array([p.time for p in points]), np.array([p.torque for p in points]), "friction", color=MEASURED, size=4.0
+    )
+
+
+def residuals(calibration: Calibration) -> Chart:
+    """What the identified curve leaves of the points, over speed and over time."""
+    unit, points = _units(calibration), calibration.analysis.steady
+    model = calibration.estimate.result.model
+    left = 1e3 * np.array([p.torque - float(model.torque(p.velocity, normal_load=p.normal_load)) for p in points])
+    reach = REACH * 1e3 * float(np.median(calibration.estimate.deviation[: len(points)]))
+    forward = np.array([p.velocity > 0.0 for p in points])
+    label = f"residual [10⁻³ {unit[1]}]"
+
+    def panel(x: FloatArray, x_label: str, title: str, *, log: bool) -> Panel:
+        marks = (
+            Rule(reach, "y", "95 % of the scatter"),
+            Rule(-reach),
+            Points(x[forward], left[forward], "forward", color=0),
+            Points(x[~forward], left[~forward], "reverse", color=1),
+        )
+        return Panel(marks, x_label, label, title, x_scale="log" if log else "linear")
+
+    speed, time = np.array([abs(p.velocity) for p in points]), np.array([p.time for p in points])
+    panels = (
+        panel(speed, f"speed [{unit[0]}/s]", "Over speed", log=True),
+        panel(time, "time [s]", "Over time", log=False),
+    )
+    caption = "A bow over speed would be friction that the law cannot follow; a slope over time would be drift."
+    return Chart("residuals", "Residuals", panels, columns=2, caption=caption)
+
+
+def correlations(calibration: Calibration) -> Chart:
+    """How the errors of the parameters go together."""
+    result = calibration.estimate.result
+    names = tuple(words(name) for name in result.parameter_names)
+    deviation = np.sqrt(np.diag(result.covariance))
+    place = np.arange(float(len(names)))
+    grid = HeatMap(place, place, result.covariance / np.outer(deviation, deviation), "correlation", True, names, names)
+    return Chart("correlation", "Correlation of the parameters", (Panel((grid,), "", ""),), panel_height=420)
+
+
+def training(calibration: Calibration) -> Chart | None:
+    """The parameters and losses over the iterations; None where no network was trained."""
+    traces = calibration.estimate.result.traces
+    if traces is None or len(traces.data_loss) < 2:
+        return None
+    steps = np.arange(float(len(traces.data_loss)))
+    final = np.abs(traces.parameters[-1])
+    lines = tuple(
+        Line(steps, traces.parameters[:, i] / final[i], words(name), color=i % len(PALETTE))
+        for i, name in enumerate(traces.names)
+    )
+    unit = _units(calibration)[1]
+    losses = (Line(steps, traces.data_loss, "data"), Line(steps, traces.model_loss, "Stribeck model"))
+    panels = (
+        Panel(lines, "iteration", "parameter / final value [1]", "Parameters"),
+        Panel(losses, "iteration", f"mean squared error [({unit})²]", "Losses", y_scale="log"),
+    )
+    caption = "Network and parameters are trained together, from a start by variable projection."
+    return Chart("training", "Training of network and parameters", panels, caption=caption, panel_height=260)
+
+
+def _joined(columns: Sequence[FloatArray]) -> FloatArray:
+    """Blocks one after the other with a gap between them. Shape (n_samples + n_blocks,)."""
+    return np.concatenate([np.append(column, np.nan) for column in columns])
+
+
+def _units(calibration: Calibration) -> tuple[str, str]:
+    metadata = calibration.analysis.metadata
+    return metadata.position_unit, metadata.torque_unit

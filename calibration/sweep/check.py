@@ -1,0 +1,174 @@
+"""What was checked on the way, with a verdict each."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+
+from fricomp.report import Check, Outcome
+
+from ..identification import Status
+from .analysis import SweepAnalysis
+from .calibrate import Calibration
+from .sign_check import SignCheck
+
+__all__ = ["calibration_checks", "compensation_check"]
+
+# Share of the plateaus that may be rejected without a warning [1].
+MANY_REJECTED = 0.2
+# Standard errors beyond which a change is one, and the fraction of the friction below which it does not matter.
+SIGNIFICANT = 3.0
+NEGLIGIBLE = 0.01
+# Friction in motion below this fraction of the breakaway torque is hardly a joint's own [1].
+COMPENSATED = 0.08
+# Torque that a drive adds in the direction of motion, as a fraction of friction, that is more than a scale error [1].
+ASSISTED = 0.1
+BREAKAWAY_AGREES = 0.05
+MODEL_AGREES = 0.03
+# Half width of a 95 % interval in standard deviations.
+REACH = 1.96
+# Why a plateau was rejected, in words.
+_REASONS = {
+    "stick_slip": "sticking and slipping",
+    "unsettled": "not settled",
+    "saturated": "torque at its limit",
+    "short": "too short",
+}
+
+
+def calibration_checks(calibration: Calibration) -> tuple[Check, ...]:
+    """All checks of a calibration."""
+    analysis = calibration.analysis
+    checks = [
+        _signs(calibration.signs),
+        _offset(analysis),
+        _plateaus(analysis),
+        _drift(analysis),
+        *_breakaway(calibration),
+        compensation_check(analysis),
+        _rigid_body(analysis),
+        _convergence(calibration),
+        _fit(calibration),
+        _timing(calibration),
+    ]
+    return tuple(check for check in checks if check is not None)
+
+
+def _signs(signs: SignCheck | None) -> Check:
+    if signs is None:
+        return Check("Signs and scales", "note", "not checked: the drive takes no torque commands")
+    ratios = [
+        f"{what} reads {ratio:.3g} of what it should"
+        for what, ratio in (("velocity", signs.velocity_ratio), ("torque", signs.torque_ratio))
+        if ratio is not None
+    ]
+    said = "; ".join((f"moved {signs.moved:+.3g} under {signs.torque:+.3g}", *ratios))
+    return Check("Signs and scales", "passed", said)
+
+
+def _offset(analysis: SweepAnalysis) -> Check:
+    offset, unit = analysis.offset, analysis.metadata.torque_unit
+    if offset.deviation == 0.0:
+        return Check(
+            "Zero of the torque sensor", "warning", "not measured: an offset shifts both directions oppositely"
+        )
+    return Check(
+        "Zero of the torque sensor", "passed", f"{offset.value:+.3g} ± {REACH * offset.deviation:.1g} {unit}, taken off"
+    )
+
+
+def _plateaus(analysis: SweepAnalysis) -> Check:
+    rejected, total = analysis.rejected, len(analysis.points)
+    if not rejected:
+        return Check("Plateaus", "passed", f"all {total} settled and slid steadily")
+    why = Counter(_REASONS[p.verdict] for p in rejected)
+    reasons = ", ".join(f"{count} {reason}" for reason, count in why.most_common())
+    speeds = ", ".join(f"{v:.3g}" for v in sorted({round(p.velocity, 6) for p in rejected}))
+    outcome: Outcome = "warning" if len(rejected) > MANY_REJECTED * total else "note"
+    return Check("Plateaus", outcome, f"{len(rejected)} of {total} rejected ({reasons}), at {speeds}")
+
+
+def _drift(analysis: SweepAnalysis) -> Check | None:
+    if not analysis.drift:
+        return None
+    level = float(np.median([abs(p.torque) for p in analysis.steady])) if analysis.steady else 1.0
+    worst = max(analysis.drift, key=lambda d: abs(d.change))
+    said = f"first speed again after {worst.elapsed:.0f} s: {worst.change:+.2g} ± {REACH * worst.deviation:.1g} "
+    said += analysis.metadata.torque_unit
+    moved = abs(worst.change) > max(SIGNIFICANT * worst.deviation, NEGLIGIBLE * level)
+    return Check("Drift", "warning" if moved else "passed", said + (": warm up longer" if moved else ""))
+
+
+def _breakaway(calibration: Calibration) -> list[Check]:
+    found, analysis, model = [], calibration.analysis, calibration.estimate.result.model
+    for direction, name in ((1, "forward"), (-1, "reverse")):
+        static = analysis.static_torque(direction)
+        if static is None or not analysis.steady:
+            continue
+        slowest = min(abs(p.velocity) for p in analysis.steady)
+        curve = abs(float(model.torque(direction * 1e-3 * slowest, normal_load=analysis.mean_load)))
+        gap = static.value / curve - 1.0
+        said = f"{static.value:.4g} {analysis.metadata.torque_unit} measured, {curve:.4g} from the sweep ({gap:+.1%})"
+        found.append(Check(f"Breakaway, {name}", "passed" if abs(gap) < BREAKAWAY_AGREES else "warning", said))
+    return found
+
+
+def compensation_check(analysis: SweepAnalysis) -> Check | None:
+    """Whether the drive already compensates friction, which would then be done twice."""
+    name, steady = "Compensation in the drive", analysis.steady
+    if not steady:
+        return None
+    friction = float(np.median([p.torque * np.sign(p.velocity) for p in steady]))
+    assistance = analysis.assistance
+    if assistance is not None and abs(assistance.value) > max(ASSISTED * abs(friction), 3.0 * assistance.deviation):
+        return Check(
+            name,
+            "warning",
+            f"the drive adds {assistance.value:+.3g} {analysis.metadata.torque_unit} in the direction of motion to "
+            "what it is told: switch its own friction compensation off and calibrate again, or friction is "
+            "compensated twice",
+        )
+    static = max((s.value for d in (1, -1) if (s := analysis.static_torque(d)) is not None), default=0.0)
+    if friction < COMPENSATED * static or friction <= 0.0:
+        return Check(
+            name,
+            "warning",
+            f"friction in motion ({friction:.3g}) is next to nothing beside breakaway ({static:.3g}): the drive seems "
+            "to compensate friction already; switch that off and calibrate again",
+        )
+    seen = "nothing added to the command" if assistance is not None else "no sign of it"
+    return Check(name, "passed", seen)
+
+
+def _rigid_body(analysis: SweepAnalysis) -> Check | None:
+    fit = analysis.rigid_body
+    if not fit.motions:
+        return None
+    said = (
+        f"measured over modelled torque {fit.scale:.3f} ± {REACH * fit.scale_deviation:.1g} in {fit.motions} fast "
+        f"motions; torque signal {1e3 * fit.lag:.2g} ms behind the position, taken off"
+    )
+    wrong = abs(fit.scale - 1.0) > max(MODEL_AGREES, SIGNIFICANT * fit.scale_deviation)
+    return Check("Rigid-body model", "warning" if wrong else "passed", said)
+
+
+def _convergence(calibration: Calibration) -> Check:
+    result = calibration.estimate.result
+    outcome: Outcome = "passed" if result.status == Status.CONVERGED else "failed"
+    said = f"{result.message}; {result.distance_to_optimum:.2g} standard deviations from the likelihood optimum"
+    return Check("Identification", outcome, said)
+
+
+def _fit(calibration: Calibration) -> Check:
+    estimate = calibration.estimate
+    level = float(np.median(estimate.deviation))
+    scale = float(np.max(np.abs([p.torque for p in estimate.used])))
+    unit = calibration.analysis.metadata.torque_unit
+    outcome: Outcome = "passed" if level < 0.05 * scale else "warning"
+    return Check("Scatter about the curve", outcome, f"{level:.2g} {unit}, {level / scale:.2%} of the largest friction")
+
+
+def _timing(calibration: Calibration) -> Check:
+    late = calibration.late_cycles
+    return Check("Timing", "passed" if late == 0 else "note", f"{late} cycles of the loop missed")

@@ -1,0 +1,206 @@
+"""From friction points to the friction model, with an uncertainty that holds what the points share.
+
+Points scatter independently; their level is estimated from the scatter itself. The zero of the torque sensor is
+different: an error in it raises friction in one direction and lowers it in the other at every speed, so that it can
+be told from friction only where the torque is known to be zero. It is measured there, with the joint at rest and not
+energised, and what stays unknown of it enters the covariance through the parameters' sensitivity to it. So does the
+ripple of the speed that the encoder hides: over the bends of the curve it shifts the mean torque of every plateau.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fricomp.errors import IdentificationError
+from fricomp.laws import FloatArray
+from fricomp.model import Covariance
+
+from ..identification import IdentificationOptions, IdentificationResult, identify
+from ..identification.identify import Method
+from .analysis import HALF_DIFFERENCE, SweepAnalysis
+from .point import FrictionPoint
+from .sweep import CREEP_RATIO
+
+__all__ = ["Estimate", "IdentificationSettings", "estimate_friction"]
+
+# A breakaway torque is known to this fraction at best: see `measure_breakaway` for what the encoder hides, and it
+# depends on how long the joint rested and how fast the torque rose [1].
+BREAKAWAY_ACCURACY = 0.01
+# A sweep that goes below this fraction of the Stribeck velocity shows the static torque itself, and better [1].
+REACHES_STATIC = 0.5
+# Two more than the parameters of the bidirectional law leave something to tell the noise from.
+FEWEST_POINTS = 10
+# Between two counts the loop does not see the joint, whose speed ripples by about this many counts a second: 0.4 to
+# 1.3 mrad/s were measured on the stand-in, whose count is 24 µrad [1/s].
+RIPPLE_RATE = 30.0
+# Scatter below this fraction of the largest torque is rounding [1].
+LEAST_LEVEL = 1e-9
+
+
+@dataclass(frozen=True)
+class IdentificationSettings:
+    """How friction is identified from the points.
+
+    Attributes:
+        method: `pinn` or `least_squares`.
+        law: As `identify` names it; empty for the bidirectional Stribeck law, or the symmetric one where both
+            directions cannot be told apart.
+        noise: `auto`, `relative` or `absolute`.
+        use_breakaway: Whether measured static torques take part where the sweep does not go slow enough.
+        seed: Of the network's first weights.
+    """
+
+    method: Method = "pinn"
+    law: str = ""
+    noise: str = "auto"
+    use_breakaway: bool = True
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """The identified friction.
+
+    Attributes:
+        result: With the whole covariance.
+        statistical: Standard deviation of each parameter from the scatter of the points alone.
+        deviation: Standard deviation that each point was given [N·m] or [N]. Shape (n_points,).
+        used: The points, plateaus first, then static torques.
+    """
+
+    result: IdentificationResult
+    statistical: dict[str, float]
+    deviation: FloatArray
+    used: tuple[FrictionPoint, ...]
+
+
+def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings) -> Estimate:
+    """Identify the friction law of a sweep.
+
+    Raises:
+        IdentificationError: There are too few steady plateaus.
+    """
+    points = analysis.steady
+    if len(points) < FEWEST_POINTS:
+        raise IdentificationError(
+            f"{len(points)} of {len(analysis.points)} plateaus were steady, at least {FEWEST_POINTS} are needed: see "
+            "the reasons in the report; sticking and slipping ends with more damping or at higher speeds"
+        )
+    both_alike = analysis.torque_source == HALF_DIFFERENCE
+    law = settings.law or ("symmetric_stribeck" if both_alike else "stribeck")
+    first = identify(
+        [p.velocity for p in points],
+        [p.torque for p in points],
+        _loads(points),
+        "least_squares",
+        settings.noise,
+        law=law,
+    )
+    static = _static_points(analysis, points, _bend(first)) if settings.use_breakaway else ()
+    used = (*points, *static)
+    deviation = np.concatenate([_scatter(points, first), [point.deviation for point in static]])
+    metadata = analysis.metadata
+    result = identify(
+        [point.velocity for point in used],
+        [point.torque for point in used],
+        _loads(used),
+        method=settings.method,
+        noise=deviation,
+        seed=settings.seed,
+        law=law,
+        options=IdentificationOptions(
+            reference_load=analysis.mean_load,
+            joint=metadata.joint,
+            motion=metadata.motion,
+            torque_unit=metadata.torque_unit,
+        ),
+    )
+    statistical = result.standard_deviations
+    shared = [_sensitivity(result, _ripple_shift(result, metadata.encoder_resolution or 0.0))]
+    if not both_alike:
+        shared.append(_sensitivity(result, analysis.offset.deviation * result.observations.sign))
+    covariance = result.covariance + sum(np.outer(change, change) for change in shared)
+    result = _with_covariance(result, covariance)
+    return Estimate(_with_notes(result, analysis), statistical, deviation, used)
+
+
+def _scatter(points: Sequence[FrictionPoint], first: IdentificationResult) -> FloatArray:
+    """Standard deviation of each point [N·m] or [N] from the scatter about a first fit. Shape (n_points,).
+
+    A plateau that lasts longer scatters less, with the root of its duration.
+    """
+    duration = np.array([p.duration for p in points])
+    shape = np.sqrt(np.median(duration) / duration)
+    if first.noise.kind == "relative":
+        shape = shape * first.optimum.magnitude
+    error = (first.observations.magnitude - first.optimum.magnitude) / shape
+    freedom = max(len(points) - len(first.parameter_names), 1)
+    level = float(np.sqrt(np.sum(error**2) / freedom))
+    return np.asarray(np.maximum(level, LEAST_LEVEL * float(np.max(first.optimum.magnitude))) * shape)
+
+
+def _static_points(analysis: SweepAnalysis, points: Sequence[FrictionPoint], bend: float) -> tuple[FrictionPoint, ...]:
+    """One point a direction from the breakaway torques, where the slowest plateau is not slow enough to show it."""
+    slowest = min(abs(p.velocity) for p in points)
+    if slowest < REACHES_STATIC * bend or analysis.torque_source == HALF_DIFFERENCE:
+        return ()
+    found = []
+    for direction in (1, -1):
+        static = analysis.static_torque(direction)
+        if static is not None:
+            deviation = float(np.hypot(static.deviation, BREAKAWAY_ACCURACY * static.value))
+            velocity = direction * CREEP_RATIO * slowest
+            point = FrictionPoint(-1, 0.0, velocity, direction * static.value, deviation, 0.0, "steady")
+            found.append(replace(point, normal_load=analysis.mean_load))
+    return tuple(found)
+
+
+def _bend(first: IdentificationResult) -> float:
+    """The lowest Stribeck velocity [rad/s] or [m/s]; 0 where the law has none."""
+    return min((v for name, v in first.parameters.items() if name.endswith("stribeck_velocity")), default=0.0)
+
+
+def _loads(points: Sequence[FrictionPoint]) -> ArrayLike | None:
+    loads = [point.normal_load for point in points if point.normal_load is not None]
+    return loads if len(loads) == len(points) else None
+
+
+def _ripple_shift(result: IdentificationResult, count: float) -> FloatArray:
+    """Shift of the mean friction magnitude by a speed that swings by what `count` [rad] or [m] hides. Shape (n,)."""
+    speed, ripple = result.observations.speed, RIPPLE_RATE * count
+    points = result.observations
+
+    def level(change: float) -> FloatArray:
+        velocity = points.sign * np.maximum(speed + change, 0.5 * speed)
+        return np.abs(result.model.torque(velocity, normal_load=points.normal_load))
+
+    return np.asarray(0.5 * (level(-ripple) + level(ripple)) - level(0.0))
+
+
+def _sensitivity(result: IdentificationResult, shift: FloatArray) -> FloatArray:
+    """Change of each parameter by a `shift` of the points' friction magnitude. Shape (n_parameters,)."""
+    optimum = result.optimum
+    weighted = optimum.whitened.weight[:, None] * optimum.jacobian
+    by_logarithm, *_ = np.linalg.lstsq(weighted, optimum.whitened.weight * shift, rcond=1e-12)
+    return np.asarray(by_logarithm * np.exp(optimum.logs))
+
+
+def _with_covariance(result: IdentificationResult, covariance: FloatArray) -> IdentificationResult:
+    model = replace(result.model, covariance=Covariance(result.parameter_names, covariance))
+    return replace(result, covariance=covariance, model=model)
+
+
+def _with_notes(result: IdentificationResult, analysis: SweepAnalysis) -> IdentificationResult:
+    provenance = result.model.provenance
+    notes = {
+        "torque_source": analysis.torque_source,
+        "normal_load": analysis.load_source,
+        "torque_offset": f"{analysis.offset.value:.6g} +- {analysis.offset.deviation:.2g}",
+        "torque_kind": analysis.metadata.torque_kind,
+    }
+    noted = replace(provenance, notes={**provenance.notes, **notes})
+    return replace(result, model=replace(result.model, provenance=noted))

@@ -1,0 +1,170 @@
+"""Runs motions on a joint through an adapter, cycle by cycle, and stops when anything is outside its limits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import isfinite
+
+from fricomp.adapters import JointAdapter
+from fricomp.errors import AdapterError, SweepAborted
+from fricomp.joint import JointCommand, JointFeedback
+
+from .log import CycleLog
+from .profile import move_profile
+from .velocity_loop import VelocityLoop
+
+__all__ = ["FIRST_FEEDBACK", "MotionRunner"]
+
+# Longest wait for the first feedback of a drive [s].
+FIRST_FEEDBACK = 1.0
+
+Reference = Callable[[float], float | None]
+"""Velocity over the time since the start of the motion [rad/s] or [m/s]; None ends it."""
+
+
+class MotionRunner:
+    """One joint of an open adapter, in lock step with its clock.
+
+    Args:
+        adapter: Open; `start` configures and enables it.
+        joint: Index of the joint.
+        period: Of the loop [s].
+    """
+
+    def __init__(self, adapter: JointAdapter, joint: int, period: float) -> None:
+        n_joints = len(adapter.capabilities.joints)
+        self._adapter, self.joint, self.period = adapter, joint, period
+        self._clock = adapter.clock
+        self._loop: VelocityLoop | None = None
+        self.feedback = JointFeedback(n_joints)
+        self._command = JointCommand(n_joints)
+        self._period_ns = round(period * 1e9)
+        self._next_ns = 0
+        self.late_cycles = 0
+
+    @property
+    def position(self) -> float:
+        """Newest position of the joint [rad] or [m]."""
+        return self.feedback.position[self.joint]
+
+    @property
+    def now_ns(self) -> int:
+        """The adapter's clock [ns]."""
+        return self._clock.now_ns()
+
+    def start(self, loop: VelocityLoop) -> None:
+        """Configure for `loop`, enable, and hold.
+
+        Raises:
+            AdapterError: The drive does not take the mode or does not enable.
+        """
+        adapter = self._adapter
+        if adapter.enabled:
+            adapter.safe_stop("changing the mode")
+            adapter.clear_faults()
+        adapter.configure(loop.mode, self.period)
+        self.await_feedback()
+        adapter.enable()
+        loop.start(self.feedback)
+        self._loop, self._next_ns = loop, self._clock.now_ns()
+
+    def stop(self) -> None:
+        """Zero torque."""
+        self._adapter.safe_stop("end of the motion")
+        self._adapter.clear_faults()
+
+    def await_feedback(self) -> None:
+        """Wait until the drive has reported a position.
+
+        Raises:
+            AdapterError: It did not in time.
+        """
+        deadline = self._clock.now_ns() + round(FIRST_FEEDBACK * 1e9)
+        while not (self._adapter.read_into(self.feedback) and isfinite(self.position)):
+            if self._clock.now_ns() > deadline:
+                raise AdapterError(f"no feedback within {FIRST_FEEDBACK:g} s: check wiring, power and node ids")
+            self._clock.sleep_until(self._clock.now_ns() + self._period_ns)
+
+    def follow(self, reference: Reference) -> CycleLog:
+        """Follow a velocity until it is None.
+
+        Raises:
+            SweepAborted: The safety gate has tripped.
+            AdapterError: The bus failed.
+        """
+        loop = self._loop
+        if loop is None:
+            raise AdapterError("the motion has not been started: call start() first")
+        log, start = CycleLog(self.joint), self._next_ns
+        while (velocity := reference((self._next_ns - start) * 1e-9)) is not None:
+            fresh = self._adapter.read_into(self.feedback)
+            loop.command(self.joint, velocity, self.feedback, self._command)
+            if fresh:
+                self._note(log, velocity, loop)
+            self._send()
+        return log
+
+    def apply_torque(self, torque: Reference) -> CycleLog:
+        """Command an open-loop torque over time [N·m] or [N] until it is None; the loop holds the other joints.
+
+        Raises:
+            SweepAborted: The safety gate has tripped.
+            AdapterError: The bus failed.
+        """
+        loop = self._loop
+        if loop is None or loop.mode != "torque":
+            raise AdapterError("an open-loop torque needs a loop in torque mode: start() one first")
+        log, start = CycleLog(self.joint), self._next_ns
+        while (wanted := torque((self._next_ns - start) * 1e-9)) is not None:
+            fresh = self._adapter.read_into(self.feedback)
+            loop.command(self.joint, 0.0, self.feedback, self._command)
+            self._command.torque[self.joint] = wanted
+            if fresh:
+                self._note(log, 0.0, loop)
+            self._send()
+        return log
+
+    def move_to(self, position: float, speed: float, ramp: float) -> CycleLog:
+        """Go to a position [rad] or [m] at `speed` at most and come to rest."""
+        profile = move_profile(position - self.position, speed, ramp)
+        total = profile.duration + 0.5 * ramp
+        return self.follow(lambda time: profile.velocity_at(time) if time < total else None)
+
+    def watch(self, duration: float) -> CycleLog:
+        """Record for `duration` [s] without commanding anything; the joint is not energised."""
+        log, start = CycleLog(self.joint), self._clock.now_ns()
+        self._next_ns = start
+        while self._next_ns - start < duration * 1e9:
+            if self._adapter.read_into(self.feedback):
+                self._note(log, 0.0, None)
+            self._wait()
+        return log
+
+    def _send(self) -> None:
+        if not self._adapter.write(self._command):
+            raise SweepAborted(f"stopped by the safety gate: {self._adapter.gate.trip_record}")
+        self._wait()
+
+    def _wait(self) -> None:
+        """Until the next cycle; a cycle that is missed is skipped, never made up for."""
+        self._next_ns += self._period_ns
+        now = self._clock.now_ns()
+        if now > self._next_ns:
+            missed = (now - self._next_ns) // self._period_ns
+            self.late_cycles += missed
+            self._next_ns += missed * self._period_ns
+        self._clock.sleep_until(self._next_ns)
+
+    def _note(self, log: CycleLog, reference: float, loop: VelocityLoop | None) -> None:
+        feedback, joint = self.feedback, self.joint
+        log.time_ns.append(feedback.time_ns)
+        log.position.append(feedback.position[joint])
+        log.velocity.append(feedback.velocity[joint])
+        log.torque.append(feedback.torque[joint])
+        log.temperature.append(feedback.temperature[joint])
+        log.reference.append(reference)
+        if loop is None:
+            log.command.append(0.0)  # not energised
+        else:
+            log.command.append(self._command.torque[joint] if loop.mode == "torque" else float("nan"))
+        log.all_positions.append(tuple(feedback.position))

@@ -1,0 +1,140 @@
+"""The folder of one run: what was asked for, what was recorded, how far it came; a kill does it no harm."""
+
+from __future__ import annotations
+
+import os
+import platform
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any, Self
+
+import msgspec
+
+import fricomp
+from fricomp.errors import ParameterError, RecordingError, SweepAborted
+from fricomp.recording import RecordingMetadata, RecordingWriter, read_blocks
+
+from .block import SweepData, load_sweep
+from .request import CalibrationRequest
+
+__all__ = ["RunFolder"]
+
+SCHEMA = "fricomp.run/1"
+_PACKAGES = ("numpy", "scipy", "torch", "mujoco", "onnx", "msgspec")
+
+
+class _Run(msgspec.Struct):
+    """What stands in run.json."""
+
+    schema: str
+    status: str
+    created: str
+    request: CalibrationRequest
+    versions: dict[str, str]
+    results: dict[str, Any] = {}
+
+
+class RunFolder:
+    """A run's folder: `run.json`, `recording.csv`, and what is made of them. See `create` and `resume`."""
+
+    def __init__(self, path: Path, run: _Run) -> None:
+        self.path, self._run = path, run
+
+    @classmethod
+    def create(cls, path: str | os.PathLike[str], request: CalibrationRequest, *, overwrite: bool = False) -> Self:
+        """Begin a run in a folder, which is made if absent.
+
+        Args:
+            path: The folder.
+            request: What was asked for.
+            overwrite: Throw away the recording of an earlier run there.
+
+        Raises:
+            SweepAborted: The folder cannot be written, or holds a run already.
+        """
+        folder = cls(Path(path), _Run(SCHEMA, "started", _now(), request, _versions()))
+        try:
+            folder.path.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise SweepAborted(f"cannot make the folder {folder.path}: {error.strerror or error}") from error
+        if not overwrite and folder.recording.exists() and read_blocks(folder.recording):
+            raise SweepAborted(
+                f"{folder.path} holds a run already: go on with it (--resume), replace it (--overwrite), or choose "
+                "another folder (--out)"
+            )
+        folder.recording.unlink(missing_ok=True)
+        folder._save()
+        return folder
+
+    @classmethod
+    def resume(cls, path: str | os.PathLike[str]) -> Self:
+        """Go on with a run that was interrupted, as it was asked for.
+
+        Raises:
+            SweepAborted: There is none.
+            RecordingError: Its `run.json` is damaged.
+        """
+        file = Path(path) / "run.json"
+        try:
+            return cls(Path(path), msgspec.json.decode(file.read_bytes(), type=_Run))
+        except OSError as error:
+            raise SweepAborted(f"nothing to resume in {path}: {error.strerror or error}") from error
+        except (msgspec.DecodeError, ParameterError) as error:
+            raise RecordingError(f"{file} is damaged: {error}") from error
+
+    @property
+    def recording(self) -> Path:
+        """The recording's file."""
+        return self.path / "recording.csv"
+
+    @property
+    def request(self) -> CalibrationRequest:
+        """What was asked for."""
+        return self._run.request
+
+    @property
+    def versions(self) -> dict[str, str]:
+        """Of fricomp, Python and the packages used."""
+        return self._run.versions
+
+    def open_writer(self, metadata: RecordingMetadata, channels: tuple[str, ...]) -> RecordingWriter:
+        """A writer that goes on after what is on disk."""
+        return RecordingWriter(self.recording, metadata, channels, resume=self.recording.exists())
+
+    def load_data(self) -> SweepData:
+        """What is on disk."""
+        return load_sweep(self.recording) if self.recording.exists() else SweepData()
+
+    def note(self, status: str, **results: Any) -> None:
+        """Write how far the run has come, and figures of it, into run.json.
+
+        Raises:
+            SweepAborted: The file cannot be written.
+        """
+        self._run.status = status
+        self._run.results = {**self._run.results, **results}
+        self._save()
+
+    def _save(self) -> None:
+        text = msgspec.json.format(msgspec.json.encode(self._run), indent=2)
+        target, part = self.path / "run.json", self.path / "run.json.part"
+        try:
+            part.write_bytes(text + b"\n")
+            part.replace(target)
+        except OSError as error:
+            raise SweepAborted(f"cannot write {target}: {error.strerror or error}") from error
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def _versions() -> dict[str, str]:
+    found = {"fricomp": fricomp.__version__, "python": platform.python_version()}
+    for package in _PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return found

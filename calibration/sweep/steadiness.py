@@ -1,0 +1,80 @@
+"""Judges a plateau: did it settle, slide steadily, and stay inside the drive's torque?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from fricomp.laws import FloatArray
+
+__all__ = ["BATCHES", "Mean", "Verdict", "judge_plateau", "mean_of"]
+
+Verdict = Literal["steady", "unsettled", "stick_slip", "saturated", "short"]
+
+# Batches for the standard error of a mean of correlated samples.
+BATCHES = 16
+# A window that moves at less than this fraction of the speed has stuck; more spread than that is not steady.
+STUCK = 0.3
+SPREAD = 0.35
+# Encoder counts that a window must hold, so that quantisation is not taken for sticking.
+COUNTS = 12
+SHORTEST_WINDOW = 0.01
+# Fraction of the torque limit at which the drive may be saturated.
+SATURATED = 0.98
+
+
+@dataclass(frozen=True)
+class Mean:
+    """The mean of correlated samples.
+
+    Attributes:
+        value: The mean.
+        deviation: Its standard error, from the means of batches.
+    """
+
+    value: float
+    deviation: float
+
+
+def mean_of(samples: FloatArray) -> Mean:
+    """Mean and standard error of samples in order of time. Shape (n,)."""
+    batches = np.array([batch.mean() for batch in np.array_split(samples, min(BATCHES, len(samples)))])
+    spread = float(np.std(batches, ddof=1)) if len(batches) > 1 else 0.0
+    return Mean(float(samples.mean()), spread / np.sqrt(len(batches)))
+
+
+def judge_plateau(
+    time: FloatArray, position: FloatArray, torque: FloatArray, velocity: float, *, quantum: float, torque_limit: float
+) -> Verdict:
+    """What the settled part of a plateau is worth.
+
+    Args:
+        time: [s]. Shape (n,).
+        position: [rad] or [m]. Shape (n,).
+        torque: Measured [N·m] or [N]. Shape (n,).
+        velocity: What was asked for [rad/s] or [m/s].
+        quantum: Step of the encoder [rad] or [m].
+        torque_limit: Of the drive [N·m] or [N].
+    """
+    if len(time) < 4 * BATCHES:
+        return "short"
+    if np.mean(np.abs(torque) >= SATURATED * torque_limit) > 0.01:
+        return "saturated"
+    speeds = _window_speeds(time, position, velocity, quantum)
+    if len(speeds) < 3:
+        return "short"
+    if np.min(speeds) < STUCK or np.std(speeds) > SPREAD:
+        return "stick_slip"
+    if abs(float(np.mean(speeds)) - 1.0) > 0.05:
+        return "unsettled"
+    return "steady"
+
+
+def _window_speeds(time: FloatArray, position: FloatArray, velocity: float, quantum: float) -> FloatArray:
+    """Mean speed of windows as a fraction of the speed asked for. Shape (n_windows,)."""
+    window = max(SHORTEST_WINDOW, COUNTS * quantum / abs(velocity))
+    edges = np.searchsorted(time, np.arange(time[0], time[-1], window))
+    edges = np.unique(np.minimum(edges, len(time) - 1))
+    return np.asarray(np.diff(position[edges]) / np.diff(time[edges]) / velocity)

@@ -1,0 +1,83 @@
+"""A table of friction points: velocity, torque and, where known, the normal load."""
+
+from __future__ import annotations
+
+import csv
+import os
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from fricomp.errors import RecordingError
+from fricomp.laws import FloatArray
+
+__all__ = ["FrictionTable", "is_friction_table", "read_friction_table"]
+
+_REQUIRED = ("velocity", "torque")
+
+
+class FrictionTable(NamedTuple):
+    """Friction points.
+
+    Attributes:
+        velocity: [rad/s] or [m/s]. Shape (n,).
+        torque: [N·m] or [N]. Shape (n,).
+        normal_load: Shape (n,), or None.
+    """
+
+    velocity: FloatArray
+    torque: FloatArray
+    normal_load: FloatArray | None
+
+
+def is_friction_table(path: str | os.PathLike[str]) -> bool:
+    """Whether the file is a CSV whose header names velocity and torque, and no time.
+
+    Raises:
+        RecordingError: The file cannot be read.
+    """
+    if Path(path).suffix.lower() not in (".csv", ".txt"):
+        return False
+    columns = _rows(path)[0]
+    return "time" not in columns and set(_REQUIRED) <= set(columns)
+
+
+def read_friction_table(path: str | os.PathLike[str]) -> FrictionTable:
+    """Read a table; lines that begin with # are comments.
+
+    Raises:
+        RecordingError: A column is missing, a row is too short, or a cell is not a finite number.
+    """
+    header, *rows = _rows(path)
+    missing = [name for name in _REQUIRED if name not in header]
+    if missing or not rows:
+        raise RecordingError(f"{path} needs the columns velocity and torque and at least one row; it has {header}")
+    values = {name: _column(path, rows, header, name) for name in (*_REQUIRED, "normal_load") if name in header}
+    return FrictionTable(values["velocity"], values["torque"], values.get("normal_load"))
+
+
+def _rows(path: str | os.PathLike[str]) -> list[list[str]]:
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise RecordingError(f"cannot read {path}: {getattr(error, 'strerror', None) or error}") from error
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    if not lines:
+        raise RecordingError(f"{path} is empty")
+    return [[cell.strip() for cell in row] for row in csv.reader(lines)]
+
+
+def _column(path: str | os.PathLike[str], rows: list[list[str]], header: list[str], name: str) -> FloatArray:
+    at, values = header.index(name), np.empty(len(rows))
+    for k, row in enumerate(rows):
+        try:
+            values[k] = float(row[at])
+        except (ValueError, IndexError):
+            values[k] = np.nan
+        if not np.isfinite(values[k]):
+            cell = row[at] if at < len(row) else "missing"
+            raise RecordingError(
+                f"{path}: row {k + 1}, column {name} is {cell!r}, not a finite number; repair or remove it"
+            )
+    return values

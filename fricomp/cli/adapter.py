@@ -1,0 +1,59 @@
+"""`fricomp adapter check`: a careful first trial of a real drive."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+__all__ = ["app"]
+
+app = typer.Typer()
+
+MARKS = {True: "[green]ok[/green]", False: "[red]failed[/red]", None: "[yellow]open[/yellow]"}
+
+
+@app.callback()
+def adapter() -> None:
+    """Try a real drive, carefully, and say what was found."""
+
+
+@app.command(epilog="fricomp adapter check arm.toml --share 0.02\n\nfricomp adapter check arm.toml --listen-only")
+def check(
+    configuration: Annotated[Path, typer.Argument(help="Configuration file: bus, joints, limits.")],
+    share: Annotated[float, typer.Option(help="Largest torque, as a share of the limit; 0.05 or less.")] = 0.05,
+    rate: Annotated[float, typer.Option(help="Rate of the control loop \\[Hz].")] = 200.0,
+    motion: Annotated[float, typer.Option(help="Motion that ends a push \\[rad] or \\[m].")] = 0.05,
+    listen_only: Annotated[bool, typer.Option("--listen-only", help="Energise nothing.")] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask before energising.")] = False,
+) -> None:
+    """Open a drive, read what it says, energise it at zero torque, push it gently both ways, and stop it.
+
+    The gate itself is cut down to the share, so that nothing above it can be commanded. Exit status 1 if a step fails.
+    """
+    from fricomp.adapters import open_adapter
+    from fricomp.adapters.configuration import read_configuration
+    from fricomp.adapters.trial import TrialSettings, try_drive
+    from fricomp.cli.terminal import console
+    from fricomp.errors import ParameterError
+
+    if not rate > 0.0:
+        raise ParameterError(f"the rate must be positive [Hz], got {rate!r}")
+    settings = TrialSettings(period=1.0 / rate, share=share, largest_motion=motion)
+    content = read_configuration(configuration)
+    tried = open_adapter(content["backend"], content)
+    screen = console()
+
+    def may_energise() -> bool:
+        if listen_only:
+            return False
+        question = f"Energise the joints, at most {share:.0%} of their torque limits? They may move."
+        return yes or typer.confirm(question)
+
+    failed = False
+    for step in try_drive(tried, settings, may_energise):
+        failed = failed or step.passed is False
+        screen.print(f"{MARKS[step.passed]:<22} {step.name}: {step.detail}", soft_wrap=True)
+    if failed:
+        raise typer.Exit(1)

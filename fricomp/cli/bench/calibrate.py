@@ -1,0 +1,51 @@
+"""`fricomp bench calibrate`: the whole calibration on the default stand-in joint, over several seeds."""
+
+from __future__ import annotations
+
+import platform
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer()
+
+
+@app.command(epilog="fricomp bench calibrate --out runs/bench-calibrate")
+def calibrate(
+    out: Annotated[Path, typer.Option(help="Folder of the results and of one run a seed.")] = Path("runs/bench"),
+    seeds: Annotated[int, typer.Option(help="Number of seeds.")] = 10,
+    first_seed: Annotated[int, typer.Option(help="First seed.")] = 0,
+    quick: Annotated[bool, typer.Option("--quick", help="Two seeds.")] = False,
+) -> None:
+    """Calibrate the default stand-in joint once a seed: error, error in standard deviations, coverage."""
+    import msgspec
+    from rich.table import Table
+
+    from fricomp.calibration.sweep.benchmark import study_seeds
+    from fricomp.cli.terminal import console, progress
+    from fricomp.report import draw_png
+    from fricomp.sim_bench.stand_in import DEFAULT_LAW, SimulatedJointAdapter, default_joint
+
+    with progress() as bar:
+        task = bar.add_task("starting", total=1.0)
+        study = study_seeds(
+            lambda seed: SimulatedJointAdapter(default_joint(seed=seed)),
+            DEFAULT_LAW,
+            range(first_seed, first_seed + (2 if quick else seeds)),
+            out,
+            lambda text, done: bar.update(task, description=text, completed=done),
+        )
+    table = Table(title=f"{len(study.statuses)} seeds, default joint", title_justify="left")
+    for heading in ("parameter", "mean |error|", "RMS error / sd", "in 95 % interval"):
+        table.add_column(heading, justify="left" if heading == "parameter" else "right")
+    for name in study.names:
+        scores = study.of(name)
+        held = f"{sum(s.covered for s in scores)} of {len(scores)}"
+        short, spread = name.removeprefix("stribeck."), f"{study.root_mean_square(name):.2f}"
+        table.add_row(short, f"{study.mean_error(name):.3%}", spread, held)
+    console().print(table)
+    console().print(f"Coverage {study.coverage():.1%}; identifications: {', '.join(sorted(set(study.statuses)))}")
+    record = study.to_builtins() | {"machine": platform.platform(), "python": platform.python_version()}
+    (out / "bench-calibrate.json").write_bytes(msgspec.json.format(msgspec.json.encode(record), indent=2))
+    draw_png(study.chart(), out / "bench-calibrate.png")

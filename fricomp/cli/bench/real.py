@@ -1,0 +1,56 @@
+"""`fricomp bench real`: the diagnosis on public recordings of real joints."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer()
+
+_EPILOG = """fricomp bench real --page docs/real.md --out runs/real
+
+fricomp bench real --only ur10e-joint-2 --out runs/real"""
+
+
+@app.command(epilog=_EPILOG)
+def real(
+    out: Annotated[Path, typer.Option(help="Folder for the diagnoses, one each.")],
+    only: Annotated[list[str] | None, typer.Option(help="Name of a case; all without it.")] = None,
+    page: Annotated[Path | None, typer.Option(help="Write this page, such as docs/real.md.")] = None,
+    executor: Annotated[str, typer.Option(help="processes://N, serial or dask://host:port.")] = "processes",
+    seed: Annotated[int, typer.Option(help="Of the diagnoses.")] = 0,
+    resume: Annotated[bool, typer.Option("--resume", help="Keep the cases that are in OUT already.")] = False,
+) -> None:
+    """Diagnose recordings that nobody here made, and compare with what is known about them."""
+    from rich.table import Table
+
+    from fricomp.cli.terminal import console, progress
+    from fricomp.errors import DiagnosisError
+    from fricomp.sim_bench.proof import open_executor
+    from fricomp.sim_bench.real import REAL_CASES, run_case, write_real_page
+
+    known = {case.name: case for case in REAL_CASES}
+    unknown = sorted(set(only or ()) - set(known))
+    if unknown:
+        raise DiagnosisError(f"no case {unknown[0]!r}: valid are {', '.join(known)}")
+    cases = [known[name] for name in only] if only else list(REAL_CASES)
+    out.mkdir(parents=True, exist_ok=True)
+    with progress() as bar, open_executor(executor) as (pool, _):
+        task = bar.add_task("recordings", total=len(cases))
+        futures = []
+        for case in cases:
+            futures.append(pool.submit(run_case, case, out, seed=seed, resume=resume))
+            futures[-1].add_done_callback(lambda _: bar.advance(task))
+        outcomes = [future.result() for future in futures]
+    table = Table("recording", "verdict", "named", "as expected", "time [s]")
+    for one in outcomes:
+        verdict = one.record.verdict if one.record is not None else "no answer"
+        named = ", ".join(effect.name for effect in one.record.effects) if one.record is not None else one.error
+        mark = {True: "yes", False: "no", None: "–"}[one.reached]
+        table.add_row(one.case.name, verdict, named or "–", mark, f"{one.seconds:.0f}")
+    console().print(table)
+    if page is not None:
+        write_real_page(outcomes, page)
+        console().print(f"{page} written", soft_wrap=True)

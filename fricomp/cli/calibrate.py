@@ -1,0 +1,115 @@
+"""`fricomp calibrate`: sweep a joint, identify its friction, write model, network and report."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from fricomp.errors import AdapterConfigurationError
+
+app = typer.Typer()
+
+_EXAMPLES = """[bold]Examples[/bold]
+
+fricomp calibrate --backend sim --out runs/demo
+
+fricomp calibrate --backend sim --model two_link_arm --joint shoulder --out runs/shoulder
+
+fricomp calibrate --backend canopen --config joint.toml --dry-run
+
+fricomp calibrate --backend canopen --config joint.toml --out runs/elbow --adaptive --accuracy 0.5
+
+fricomp calibrate --resume --out runs/elbow
+"""
+
+
+@app.command(epilog=_EXAMPLES)
+def calibrate(
+    backend: Annotated[str, typer.Option(help="Adapter: `fricomp adapters` lists them.")] = "sim",
+    out: Annotated[Path, typer.Option(help="Folder of the run.")] = Path("runs/calibration"),
+    config: Annotated[Path | None, typer.Option(help="Configuration of the adapter (TOML).")] = None,
+    joint: Annotated[str, typer.Option(help="Joint to calibrate; the first if not given.")] = "",
+    model: Annotated[str, typer.Option(help="MJCF of the mechanism, for gravity and inertia.")] = "",
+    gravity_unknown: Annotated[
+        bool, typer.Option(help="No model of the gravity on this joint: half difference of both directions.")
+    ] = False,
+    speeds: Annotated[
+        str, typer.Option(help="log:LOW:HIGH:COUNT, uniform:LOW:HIGH:COUNT or a list; log-spaced if not given.")
+    ] = "",
+    repeats: Annotated[int, typer.Option(help="Visits to each speed in each direction.")] = 2,
+    dwell: Annotated[float, typer.Option(help="Time on a settled plateau \\[s].")] = 1.0,
+    warm_up: Annotated[float, typer.Option(help="Time of moving to and fro before the sweep \\[s].")] = 8.0,
+    positions: Annotated[int, typer.Option(help="Places over the travel at which slow plateaus are centred.")] = 1,
+    loop: Annotated[str, typer.Option(help="Who closes the velocity loop: auto, drive or host.")] = "auto",
+    inertia: Annotated[float, typer.Option(help="About the joint, for the host's loop \\[kg·m²].")] = 0.0,
+    bandwidth: Annotated[float, typer.Option(help="Of the host's loop \\[rad/s].")] = 60.0,
+    check_torque: Annotated[
+        float, typer.Option(help="Sign check gives up at this fraction of the torque limit.")
+    ] = 0.3,
+    normal_load: Annotated[str, typer.Option(help="none, transmitted (from the model), column, or a number.")] = "none",
+    method: Annotated[str, typer.Option(help="pinn or least_squares.")] = "pinn",
+    noise: Annotated[str, typer.Option(help="auto, relative or absolute.")] = "auto",
+    adaptive: Annotated[bool, typer.Option("--adaptive", help="Choose speeds for information.")] = False,
+    accuracy: Annotated[float, typer.Option(help="Mean standard deviation at which --adaptive stops \\[%].")] = 0.5,
+    seed: Annotated[int, typer.Option(help="Of the order, the network's first weights and simulated noise.")] = 0,
+    motion: Annotated[Path | None, typer.Option(help="Record this motion (CSV: time, velocity) instead.")] = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Print the plan and what it can tell; nothing moves.")
+    ] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the run that --out holds already.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in --out.")] = False,
+) -> None:
+    """Sweep a joint, identify its friction, and write model, network and report.
+
+    The joint first moves by a hair at low torque, to see that signs and scales are right. Ctrl-C stops it at zero
+    torque at any time; what was recorded stays, and --resume goes on.
+    """
+    from fricomp.calibration.sweep import CalibrationOptions, CalibrationRequest, IdentificationSettings, SweepSettings
+    from fricomp.cli.calibration import dry_run_plan, record_file, resume_run, start_run
+
+    if resume:
+        resume_run(out)
+        return
+    settings = SweepSettings(
+        speeds=speeds, repeats=repeats, dwell=dwell, warm_up=warm_up, positions=positions,
+        loop=loop, inertia=inertia, bandwidth=bandwidth, check_torque=check_torque, seed=seed,  # type: ignore[arg-type]
+    )  # fmt: skip
+    options = CalibrationOptions(
+        IdentificationSettings(method=method, noise=noise, seed=seed),  # type: ignore[arg-type]
+        normal_load=normal_load, gravity_unknown=gravity_unknown, adaptive=adaptive, accuracy=0.01 * accuracy,
+    )  # fmt: skip
+    configuration, file = adapter_configuration(backend, config, model, seed)
+    mechanism = "" if gravity_unknown else file
+    request = CalibrationRequest(backend, configuration, joint, mechanism, settings, options)
+    if dry_run:
+        dry_run_plan(request)
+    elif motion is not None:
+        record_file(request, motion, out)
+    else:
+        start_run(request, out, overwrite=overwrite)
+
+
+def adapter_configuration(backend: str, file: Path | None, model: str, seed: int) -> tuple[dict[str, Any], str]:
+    """What the adapter is made from, and the MJCF file of the mechanism.
+
+    The simulated joint is its own mechanism: `--model` chooses it, and its file says what gravity and inertia are.
+
+    Raises:
+        AdapterConfigurationError: The file cannot be read.
+    """
+    configuration: dict[str, Any] = {}
+    if file is not None:
+        try:
+            configuration = tomllib.loads(file.read_text(encoding="utf-8"))
+        except (OSError, tomllib.TOMLDecodeError) as error:
+            raise AdapterConfigurationError(f"cannot read the configuration {file}: {error}") from error
+    if backend != "sim":
+        return configuration, model
+    from fricomp.sim_bench.stand_in import PACKAGED_MODELS, packaged_model
+
+    name = model or configuration.get("model", "default_joint")
+    configuration = {"seed": seed, **configuration, "model": name}
+    return configuration, str(packaged_model(name)) if name in PACKAGED_MODELS else name

@@ -1,0 +1,77 @@
+"""`fricomp cases`: make and list concealed cases, to try the diagnosis on joints whose truth is known."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(no_args_is_help=True)
+
+_MAKE = "fricomp cases make --effect cogging --strength 1 --excitation fourier --out runs/cases"
+
+
+@app.command(epilog=_MAKE)
+def make(
+    out: Annotated[Path, typer.Option(help="Folder for the case; the answer goes into OUT.answers.")],
+    effect: Annotated[list[str] | None, typer.Option(help="Repeat for several; leave out for none.")] = None,
+    seed: Annotated[int, typer.Option(help="Draws joint, motion, sensors and effect.")] = 1,
+    strength: Annotated[str, typer.Option(help="Effect-to-noise ratio after a base refit, or clear.")] = "clear",
+    excitation: Annotated[str, typer.Option(help="Motion; `fricomp cases list` has the names.")] = "rich",
+    duration: Annotated[float, typer.Option(help="Length of the recording \\[s].")] = 60.0,
+    noise: Annotated[str | None, typer.Option(help="Kind of torque noise.")] = None,
+    core: Annotated[str | None, typer.Option(help="Friction core.")] = None,
+    family: Annotated[str | None, typer.Option(help="Family of joints.")] = None,
+    form: Annotated[str | None, typer.Option(help="Functional form of the first effect.")] = None,
+    shifted: Annotated[bool, typer.Option("--shifted", help="Believed inertia and gravity are off.")] = False,
+    hidden: Annotated[bool, typer.Option("--hidden", help="Load and temperature are not logged.")] = False,
+    fault: Annotated[str | None, typer.Option(help="Fault of the signal.")] = None,
+) -> None:
+    """Write recording, simulation and controller of a joint that has more physics than its simulation."""
+    from fricomp.cli.terminal import console
+    from fricomp.sim_bench.concealed import CaseSpec, generate, write_answer, write_case
+
+    spec = CaseSpec(
+        seed=seed,
+        effects=tuple(effect or ()),
+        strength=strength,
+        excitation=excitation,
+        duration=duration,
+        noise=noise,
+        core=core,
+        family=family,
+        form=form,
+        shifted=shifted,
+        hidden=hidden,
+        fault=fault,
+    )
+    case = generate(spec)
+    folder = write_case(case, out)
+    answer, digest = write_answer(case, out.with_name(out.name + ".answers"))
+    show = console()
+    show.print(f"{folder}: effect-to-noise ratio {case.enr:.3g} over {case.left.size} rows", soft_wrap=True)
+    show.print(f"answer {answer}, SHA-256 {digest}", soft_wrap=True)
+    given = "--friction " + str(folder / "friction.json") if (folder / "friction.json").exists() else ""
+    show.print(
+        f"try: fricomp diagnose {folder}/recording.parquet --simulation {folder}/joint.xml "
+        f"--controller {folder}/loop.toml {given} --out {folder}/diagnosis".replace("  ", " "),
+        soft_wrap=True,
+    )
+
+
+@app.command("list", epilog="fricomp cases list")
+def list_names() -> None:
+    """List effects with their forms, motions, noises, cores, strengths and faults."""
+    from rich.table import Table
+
+    from fricomp.cli.terminal import console
+    from fricomp.sim_bench.concealed import CHOICES, EFFECTS
+
+    table = Table("effect", "kind", "forms")
+    for effect in EFFECTS.values():
+        table.add_row(effect.name, effect.kind, ", ".join(form.name for form in effect.forms))
+    show = console()
+    show.print(table)
+    for option, names in CHOICES.items():
+        show.print(f"--{option}: {', '.join(names)}", soft_wrap=True)

@@ -1,0 +1,85 @@
+"""`fricomp check-loop`: is this loop safe with this compensation, before it runs on a drive?"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+__all__ = ["app"]
+
+app = typer.Typer()
+
+EPILOG = """fricomp check-loop friction.json --inertia 0.1 --bandwidth 10 --delay 0.004
+
+fricomp check-loop friction.json --inertia 0.1 --stiffness 395 --damping 12.6 --delay 0.004 --gain 1.1"""
+
+
+@app.command(name="check-loop", epilog=EPILOG)
+def check_loop(
+    model: Annotated[Path, typer.Argument(help="Model file of the joint.")],
+    inertia: Annotated[float, typer.Option(help="Inertia at the joint \\[kg·m²] or \\[kg].")],
+    bandwidth: Annotated[float | None, typer.Option(help="Of a critically damped PD loop \\[Hz].")] = None,
+    stiffness: Annotated[float | None, typer.Option(help="Proportional gain \\[N·m/rad] or \\[N/m].")] = None,
+    damping: Annotated[float | None, typer.Option(help="Derivative gain \\[N·m·s/rad] or \\[N·s/m].")] = None,
+    delay: Annotated[float, typer.Option(help="From motion to the torque that answers it \\[s].")] = 0.003,
+    velocity_filter: Annotated[
+        float, typer.Option(help="Time constant of the measured velocity's filter \\[s].")
+    ] = 0.0,
+    gain: Annotated[float | None, typer.Option(help="Of the compensation; chosen from the model if left out.")] = None,
+    source: Annotated[str | None, typer.Option(help="reference, blend or measured; chosen if left out.")] = None,
+    period: Annotated[float, typer.Option(help="Control period \\[s].")] = 1e-3,
+    quantum: Annotated[float, typer.Option(help="Step of the measured velocity \\[rad/s] or \\[m/s].")] = 0.0,
+    out: Annotated[Path | None, typer.Option(help="Folder for the chart.")] = None,
+) -> None:
+    """Margin to the limit cycle, by describing function and by simulation; exit status 1 where it is under 15 %."""
+    from rich.table import Table
+
+    from fricomp.cli.terminal import console
+    from fricomp.control import LoopDynamics, PositionController, choose_settings
+    from fricomp.control import check_loop as check
+    from fricomp.errors import ParameterError
+    from fricomp.model import load_model
+
+    if bandwidth is not None and (stiffness is not None or damping is not None):
+        raise ParameterError("give either --bandwidth, or --stiffness and --damping")
+    if bandwidth is not None:
+        controller = PositionController.from_bandwidth([inertia], bandwidth)
+        stiffness, damping = controller.stiffness[0], controller.damping[0]
+    if stiffness is None or damping is None:
+        raise ParameterError("the loop's gains are needed: --bandwidth, or --stiffness and --damping")
+    friction, loop = load_model(model), LoopDynamics(inertia, stiffness, damping, delay, velocity_filter)
+    given = {name: value for name, value in (("gain", gain), ("source", source)) if value is not None}
+    settings = choose_settings(friction, loop=loop, velocity_quantum=quantum, **given)
+    result = check(friction, loop, settings, period=period, velocity_quantum=quantum)
+    unit = f"{friction.position_unit}/s"
+    table = Table("what", "value", title=f"Loop of joint {friction.joint}")
+    table.add_row("direction from", f"{settings.source}, measured share {settings.measured_share:g}")
+    table.add_row("gain of the compensation", f"{settings.gain:.3f}")
+    table.add_row("smoothing", f"{settings.smoothing:.4g} {unit}")
+    table.add_row("limit cycle starts at gain, predicted", _gain(result.predicted_limit))
+    table.add_row("limit cycle starts at gain, simulated", _gain(result.simulated_limit))
+    margin = "none found up to 2.5 times this gain" if result.margin == float("inf") else f"{result.margin:.0%}"
+    table.add_row("margin", margin)
+    table.add_row("largest gain with 15 % margin", f"{result.safe_gain:.2f}" if result.safe_gain else "none")
+    table.add_row("without compensation", "sticks and slips" if result.sticks_without else "runs smoothly")
+    table.add_row("drift after a stop", f"{result.drift:.2g} {friction.position_unit}")
+    screen = console()
+    screen.print(table)
+    for note in settings.notes:
+        screen.print(f"- {note}")
+    if out is not None:
+        from fricomp.cli.loop_charts import gain_scan_chart
+        from fricomp.report import draw_png
+
+        out.mkdir(parents=True, exist_ok=True)
+        chart = gain_scan_chart(result, f"joint {friction.joint}")
+        screen.print(f"Chart in {draw_png(chart, out / 'gain-scan.png')}")
+    screen.print("Safe." if result.is_safe else "[bold]Not safe:[/bold] less than 15 % margin, or the joint drifts.")
+    if not result.is_safe:
+        raise typer.Exit(1)
+
+
+def _gain(limit: float) -> str:
+    return "none found" if limit == float("inf") else f"{limit:.2f}"

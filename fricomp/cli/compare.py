@@ -1,0 +1,48 @@
+"""`fricomp compare`: has this joint changed, in which parameter, with what significance."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer()
+
+EPILOG = "fricomp compare runs/spring/friction.json runs/autumn/friction.json"
+
+
+@app.command(epilog=EPILOG)
+def compare(
+    old: Annotated[Path, typer.Argument(help="Model file from before.")],
+    new: Annotated[Path, typer.Argument(help="Model file from now.")],
+    significance: Annotated[float, typer.Option(help="Chance to call an unchanged joint changed.")] = 0.05,
+) -> None:
+    """Has this joint changed, in which parameter, and how sure is that?"""
+    from rich.table import Table
+
+    from fricomp.calibration.comparison import compare_models
+    from fricomp.cli.terminal import console
+    from fricomp.model import load_model
+
+    before, after = load_model(old), load_model(new)
+    result = compare_models(before, after, significance)
+    table = Table("parameter", "old", "new", "change", "± sd", "p", "unit")
+    for change in result.changes:
+        style = "bold" if change.p_value < significance else ""
+        share = f"{change.difference / change.old:+.1%}" if change.old else "–"
+        numbers = (f"{change.old:.5g}", f"{change.new:.5g}", share, f"{change.standard_deviation:.2g}")
+        table.add_row(change.name, *numbers, f"{change.p_value:.2g}", change.unit, style=style)
+    out = console()
+    out.print(table)
+    for title, terms in (("New terms", result.added), ("Terms gone", result.removed)):
+        if terms:
+            out.print(f"{title}: {', '.join(terms)}.")
+    where = (
+        f"{result.largest_torque_change:+.3g} {after.torque_unit} at {result.at_velocity:.3g} {after.position_unit}/s"
+    )
+    if not result.changed:
+        out.print(f"No change: p = {result.p_value:.2g} for all parameters together; the curves differ by {where}.")
+        return
+    names = ", ".join(change.name for change in result.significant) or "no single parameter stands out"
+    out.print(f"The joint has changed (p = {result.p_value:.2g}): {names}. The curves differ most by {where}.")

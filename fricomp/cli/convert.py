@@ -1,0 +1,114 @@
+"""`fricomp convert`: recordings of other formats become native ones."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fricomp.errors import RecordingError
+
+if TYPE_CHECKING:
+    from fricomp.recording import Finding, Mapping, NamedRecording
+
+__all__ = ["app", "convert"]
+
+app = typer.Typer()
+
+_EPILOG = """
+fricomp convert DATA_EMPS.mat --mapping emps --out train.csv
+
+fricomp convert log.mcap --mapping my_robot.toml --rate 500 --out elbow.parquet
+
+fricomp convert ur-20_02_19_14harm50sec.csv --mapping ur10e --only joint_2 --out joint_2.csv
+
+docs/recordings.md says what a mapping file holds.
+"""
+
+
+@app.command(epilog=_EPILOG)
+def convert(
+    source: Annotated[Path, typer.Argument(help="MAT, NPZ, NPY, JSON, CSV, text, binary, MCAP or rosbag2.")],
+    out: Annotated[Path, typer.Option(help="CSV or Parquet file; several recordings add their names to it.")],
+    mapping: Annotated[
+        str, typer.Option(help="TOML file, or the name of a mapping in the package; empty for a native recording.")
+    ] = "",
+    only: Annotated[list[str] | None, typer.Option(help="Joint or recording to take; repeat for more.")] = None,
+    rate: Annotated[float | None, typer.Option(help="Resample to this rate \\[Hz].")] = None,
+    skip_bad_rows: Annotated[bool, typer.Option(help="Leave out rows without a number or a later time.")] = False,
+    force: Annotated[bool, typer.Option(help="Write even what the checks call an error.")] = False,
+) -> None:
+    """Bring recordings of other formats into the native one, and check them."""
+    from fricomp.recording import check_recording, raise_errors, write_recording
+
+    found = _select(_read(source, mapping, rate, skip_bad_rows=skip_bad_rows), only or [])
+    findings = {named.name: check_recording(named.recording) for named in found}
+    targets = {named.name: _target(out, named.name, alone=len(found) == 1) for named in found}
+    if not force:
+        for name, noticed in findings.items():
+            raise_errors(noticed, f"{source}, {name}")
+    for named in found:
+        write_recording(named.recording, targets[named.name])
+    _show(found, findings, targets)
+
+
+def _read(source: Path, mapping: str, rate: float | None, *, skip_bad_rows: bool) -> list[NamedRecording]:
+    from fricomp.recording import NamedRecording, convert, read_recording, resample
+
+    if mapping:
+        return list(convert(source, _adjust(mapping, rate, skip_bad_rows=skip_bad_rows)))
+    try:
+        recording = read_recording(source)
+    except RecordingError as error:
+        from fricomp.recording import list_mappings
+
+        known = ", ".join(list_mappings())
+        raise RecordingError(f"{error}; without --mapping only native recordings are read (known: {known})") from error
+    return [NamedRecording(source.stem, resample(recording, rate) if rate else recording)]
+
+
+def _adjust(name: str, rate: float | None, *, skip_bad_rows: bool) -> Mapping:
+    """The mapping, with what the command line asks for on top."""
+    import msgspec
+
+    from fricomp.recording import load_mapping
+
+    mapping = load_mapping(name)
+    return msgspec.structs.replace(
+        mapping,
+        resample_rate=rate or mapping.resample_rate,
+        skip_bad_rows=skip_bad_rows or mapping.skip_bad_rows,
+    )
+
+
+def _select(found: list[NamedRecording], only: list[str]) -> list[NamedRecording]:
+    if not only:
+        return found
+    names = [{named.name, *named.name.split("/"), named.recording.metadata.joint} for named in found]
+    for wanted in only:
+        if not any(wanted in known for known in names):
+            valid = ", ".join(named.name for named in found)
+            raise RecordingError(f"the source has no recording or joint {wanted!r}: valid are {valid}")
+    return [named for named, known in zip(found, names, strict=True) if known & set(only)]
+
+
+def _target(out: Path, name: str, *, alone: bool) -> Path:
+    return out if alone else out.with_stem(f"{out.stem}_{name.replace('/', '_')}")
+
+
+def _show(found: list[NamedRecording], findings: dict[str, tuple[Finding, ...]], targets: dict[str, Path]) -> None:
+    from rich.markup import escape
+
+    from fricomp.cli.terminal import console
+
+    screen = console()
+    for named in found:
+        recording = named.recording
+        channels = ", ".join(name for name in recording.channels if name != "time")
+        rate, unit = 1 / recording.sample_period, recording.metadata.torque_unit
+        facts = f"{len(recording)} samples, {recording.duration:.4g} s at {rate:.5g} Hz, torque in {unit}: {channels}"
+        screen.print(f"[bold]{escape(named.name)}[/bold] → {escape(str(targets[named.name]))}", soft_wrap=True)
+        screen.print(f"  {facts}", soft_wrap=True)
+        for finding in findings[named.name]:
+            screen.print(f"  {finding.severity}: {escape(str(finding))}", soft_wrap=True)

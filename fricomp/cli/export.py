@@ -1,0 +1,119 @@
+"""`fricomp export`: a model as C, ONNX, MJCF, URDF or JSON, each with what it loses."""
+
+from __future__ import annotations
+
+from enum import Enum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+__all__ = ["app"]
+
+app = typer.Typer()
+
+EPILOG = """fricomp export friction.json --to c --out friction.h
+
+fricomp export friction.json --to mjcf --into robot.xml --joint elbow --out robot_with_friction.xml
+
+fricomp export joint1/friction.onnx joint2/friction.onnx --to onnx --out arm.onnx"""
+
+
+class Target(str, Enum):  # noqa: UP042 - typer shows the values of a str enum
+    """Formats."""
+
+    c = "c"
+    onnx = "onnx"
+    mjcf = "mjcf"
+    urdf = "urdf"
+    json = "json"
+
+
+class Way(str, Enum):  # noqa: UP042
+    """Ways to say friction in MJCF."""
+
+    dcmotor = "dcmotor"
+    damping = "damping"
+    frictionloss = "frictionloss"
+
+
+@app.command(epilog=EPILOG)
+def export(
+    models: Annotated[list[Path], typer.Argument(help="Model files; several only for --to onnx.")],
+    to: Annotated[Target, typer.Option(help="Format.")],
+    out: Annotated[Path | None, typer.Option(help="File to write; the terminal for text if left out.")] = None,
+    way: Annotated[Way, typer.Option(help="MJCF: passive motor, damping polynomial, or friction loss.")] = Way.dcmotor,
+    into: Annotated[Path | None, typer.Option(help="MJCF or URDF file to write the friction into.")] = None,
+    joint: Annotated[str | None, typer.Option(help="Joint's name there; the model's own if left out.")] = None,
+    period: Annotated[float, typer.Option(help="C: control period \\[s].")] = 1e-3,
+    prefix: Annotated[str | None, typer.Option(help="C: prefix of every name.")] = None,
+) -> None:
+    """Write a model in another format, and say what that format cannot hold."""
+    from rich.console import Console
+
+    from fricomp.errors import ExportError
+
+    if to is Target.onnx:
+        if out is None:
+            raise ExportError("ONNX is binary: say where with --out")
+        note = _export_onnx(models, out)
+    else:
+        if len(models) != 1:
+            raise ExportError(f"{len(models)} models given; --to {to.value} takes one, only --to onnx joins several")
+        text, note = _render(models[0], to, way, (into, joint), (period, prefix))
+        if out is None:
+            print(text, end="")
+        else:
+            _write(out, text)
+    Console(stderr=True, highlight=False).print(note if out is None else f"{out}: {note}")
+
+
+def _export_onnx(paths: list[Path], out: Path) -> str:
+    from fricomp.errors import ExportError
+    from fricomp.export import closed_form_graph, save_graph, stack_networks
+    from fricomp.model import load_model
+
+    kinds = {path.suffix for path in paths}
+    if kinds == {".onnx"}:
+        save_graph(stack_networks(paths), out)
+        return f"the networks of {len(paths)} joints in one graph; nothing is lost"
+    if ".onnx" in kinds:
+        raise ExportError("networks (.onnx) and closed forms (.json) cannot be mixed in one graph")
+    models = [load_model(path) for path in paths]
+    ranges = [model.validity.velocity for model in models if model.validity.velocity is not None]
+    metadata = {"joint": " ".join(model.joint for model in models), "output": f"torque [{models[0].torque_unit}]"}
+    if ranges:
+        metadata["velocity_range"] = f"{max(r[0] for r in ranges):.9g} {min(r[1] for r in ranges):.9g}"
+    save_graph(closed_form_graph(models), out, metadata)
+    return f"the closed form of {len(models)} joint{'s' if len(models) > 1 else ''}; only rounding to float32 is lost"
+
+
+def _render(
+    path: Path, to: Target, way: Way, target: tuple[Path | None, str | None], c_options: tuple[float, str | None]
+) -> tuple[str, str]:
+    from fricomp import __version__
+    from fricomp.export import apply_to_mjcf, apply_to_urdf, export_mjcf, export_urdf, render_c_header
+    from fricomp.model import encode_model, load_model
+
+    model, (into, joint) = load_model(path), target
+    text = into.read_text() if into is not None else None
+    if to is Target.json:
+        return encode_model(model).decode(), "nothing is lost"
+    if to is Target.c:
+        period, prefix = c_options
+        header = render_c_header(model, period=period, prefix=prefix, version=__version__)
+        return (
+            header,
+            "the same curve, smoothing and limits; double within 1e-12, float within 1e-6 of the largest torque",
+        )
+    if to is Target.mjcf:
+        export = export_mjcf(model, way.value)
+        return apply_to_mjcf(export, text, joint or model.joint), str(export.fidelity)
+    export = export_urdf(model)
+    return apply_to_urdf(export, text, joint or model.joint), str(export.fidelity)
+
+
+def _write(path: Path, text: str) -> None:
+    part = path.with_name(path.name + ".part")
+    part.write_text(text)
+    part.replace(path)

@@ -1,0 +1,140 @@
+"""`fricomp identify`: friction from a recording, or from a table of velocity and torque."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from fricomp.calibration import IdentificationResult
+    from fricomp.calibration.rigid_body import MotionIdentification
+    from fricomp.recording import Finding
+
+__all__ = ["app", "identify"]
+
+app = typer.Typer()
+
+
+@app.command(
+    epilog="fricomp identify points.csv --out runs/joint_1\n\n"
+    "fricomp identify recording.csv --gravity --out runs/shoulder\n\n"
+    "fricomp identify points.csv --noise relative --loss robust --law auto"
+)
+def identify(
+    file: Annotated[Path, typer.Argument(help="Recording, or CSV with the columns velocity, torque\\[, normal_load].")],
+    out: Annotated[Path, typer.Option(help="Folder for friction.json, friction.onnx and report.html.")] = Path(
+        "runs/identify"
+    ),
+    method: Annotated[Literal["pinn", "least_squares"], typer.Option(help="Both have the same optimum.")] = "pinn",
+    noise: Annotated[str, typer.Option(help="auto, relative or absolute.")] = "auto",
+    loss: Annotated[Literal["gaussian", "robust"], typer.Option(help="robust: against outliers.")] = "gaussian",
+    law: Annotated[str, typer.Option(help="stribeck, symmetric_stribeck, coulomb, ... or auto.")] = "stribeck",
+    gravity: Annotated[bool, typer.Option(help="For a recording: gravity acts on the joint.")] = False,
+    seed: Annotated[int, typer.Option(help="Of the network's first weights.")] = 0,
+) -> None:
+    """Identify friction; with a recording, inertia, gravity and offset first."""
+    import numpy as np
+
+    from fricomp.calibration import identify as identify_points
+    from fricomp.calibration.identification.page import write_identification_report
+    from fricomp.calibration.table import is_friction_table, read_friction_table
+    from fricomp.recording.unit_checks import suspect_degrees_per_second
+
+    notes: list[str] = []
+    if is_friction_table(file):
+        table = read_friction_table(file)
+        notes += map(_careful, suspect_degrees_per_second(float(np.max(np.abs(table.velocity)))))
+        law = _choose_law(law, (table.velocity, table.torque, table.normal_load), notes)
+        result = identify_points(
+            table.velocity, table.torque, table.normal_load, method, noise, seed, law=law, loss=loss
+        )  # fmt: skip
+    else:
+        _refuse_point_options(file, method, noise, loss, seed)
+        motion = _identify_recording(file, gravity, law, notes)
+        result = motion.friction
+        notes.insert(0, _rigid_sentence(motion))
+    out.mkdir(parents=True, exist_ok=True)
+    write_identification_report(result, out, notes, {"file": file.name, "seed": str(seed), "loss": loss})
+    _finish(result, out)
+    for note in notes:
+        typer.echo(note)
+
+
+def _careful(finding: Finding) -> str:
+    return f"Careful: {finding.message.rstrip('.')}: {finding.advice}."
+
+
+def _refuse_point_options(file: Path, method: str, noise: str, loss: str, seed: int) -> None:
+    """A recording is identified by filtered regression, which these options do not reach."""
+    from fricomp.errors import IdentificationError
+
+    settings = (
+        ("--method", method, "pinn"),
+        ("--noise", noise, "auto"),
+        ("--loss", loss, "gaussian"),
+        ("--seed", seed, 0),
+    )
+    changed = [option for option, value, default in settings if value != default]
+    if changed:
+        names = ", ".join(changed)
+        raise IdentificationError(
+            f"{names} is for tables of velocity and torque; {file.name} is a recording, whose friction is identified "
+            "together with its rigid body by filtered regression"
+        )
+
+
+def _choose_law(law: str, data: tuple[np.ndarray, np.ndarray, np.ndarray | None], notes: list[str]) -> str:
+    from fricomp.calibration.identification import choose_law
+
+    if law != "auto":
+        return law
+    choice = choose_law(*data)
+    notes.append(f"Law: {choice.reason}.")
+    return choice.law
+
+
+def _identify_recording(file: Path, gravity: bool, law: str, notes: list[str]) -> MotionIdentification:
+    from fricomp.calibration.identification import IdentificationOptions
+    from fricomp.calibration.rigid_body import RegressionSettings, identify_motion, sample_joint
+    from fricomp.recording import raise_errors, read_checked
+
+    recording, findings = read_checked(file)
+    raise_errors(findings, str(file))
+    notes += map(_careful, findings)
+    settings = RegressionSettings(gravity=gravity)
+    meta = recording.metadata
+    options = IdentificationOptions(joint=meta.joint, motion=meta.motion, torque_unit=meta.torque_unit)
+    form = "stribeck" if law == "auto" else law
+    return identify_motion(sample_joint(recording, settings), settings, law=form, options=options)
+
+
+def _rigid_sentence(motion: MotionIdentification) -> str:
+    body = motion.rigid_body
+    return (
+        f"Rigid body: inertia {body.inertia:.5g}, offset {body.offset:.4g}, gravity {body.gravity[0]:.4g} cos q + "
+        f"{body.gravity[1]:.4g} sin q; symmetric friction beside it: Coulomb {body.coulomb_torque:.5g}, viscous "
+        f"{body.viscous_coefficient:.5g}. Samples of a motion are correlated, so intervals from the covariance are too "
+        "narrow; see block_bootstrap."
+    )
+
+
+def _finish(result: IdentificationResult, out: Path) -> None:
+    """Write the model and print the table."""
+    from rich.table import Table
+
+    from fricomp.calibration.identification import save_identification
+    from fricomp.cli.terminal import console
+
+    files = save_identification(result, out)
+    table = Table("parameter", "value", "standard deviation", "unit", box=None, pad_edge=False)
+    units = result.model.units()
+    for name, value in result.parameters.items():
+        table.add_row(name, f"{value:.5g}", f"{result.standard_deviations[name]:.2g}", units[name])
+    screen = console()
+    screen.print(table)
+    screen.print(f"{result.status}: {result.message}")
+    screen.print(f"Model {files.model}, network {files.network}, report {out / 'report.html'}")

@@ -1,0 +1,59 @@
+"""A group of commands whose modules are imported only when one of them is used."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any
+
+import typer
+from typer.core import TyperGroup
+
+__all__ = ["LazyGroup", "lazy_app"]
+
+
+class LazyGroup(TyperGroup):
+    """Lists placeholders, and puts the real command in place of the one that is called."""
+
+    package: str = ""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """The real command that `args` begins with; only its module is imported."""
+        name, placeholder, rest = super().resolve_command(ctx, args)
+        if name is None or placeholder is None:
+            return name, placeholder, rest
+        module = import_module(module_name(self.package, name))
+        command = typer.main.get_command(module.app)
+        command.name = name
+        return name, command, rest
+
+
+def module_name(package: str, command: str) -> str:
+    """The module of a command: `check-loop` lives in `check_loop`."""
+    return f"{package}.{command.replace('-', '_')}"
+
+
+def lazy_app(package: str, commands: Mapping[str, str], **settings: Any) -> typer.Typer:
+    """A typer app of the commands in `package` that are installed.
+
+    Args:
+        package: Package that holds one module a command.
+        commands: Name to the one line that `--help` shows, in the order of the list.
+        settings: Passed to `typer.Typer`.
+    """
+    group = type("Group", (LazyGroup,), {"package": package})
+    app = typer.Typer(cls=group, no_args_is_help=True, **settings)
+    for name, summary in commands.items():
+        if find_spec(module_name(package, name)) is not None:
+            app.command(name, help=summary)(_placeholder)
+    app.callback()(_no_options)  # keeps it a group, however few commands it has
+    return app
+
+
+def _placeholder() -> None:
+    raise AssertionError("replaced by the real command before it is called")
+
+
+def _no_options() -> None:
+    pass

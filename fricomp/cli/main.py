@@ -1,0 +1,98 @@
+"""The command line: a table of commands, and what they share: errors, Ctrl-C, the version.
+
+One command a module, `fricomp/cli/<command>.py` (`check-loop` in `check_loop.py`), named in `COMMANDS`. The
+module has a `typer.Typer` called `app`, with one command or a group of them, and is imported only when the
+command is used; what is heavy is imported inside the functions.
+
+- A `FricompError` becomes one sentence on stderr and exit status 2; so do a file that cannot be written and a
+  package that is not installed. Commands do not catch them.
+- Ctrl-C ends with status 130. A command that moves a joint stops it on the way (`with adapter:` does), and
+  lets `KeyboardInterrupt` go on.
+- Examples stand in the `epilog` of a command, one a paragraph.
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+import typer
+
+from fricomp import __version__
+from fricomp.cli.lazy import lazy_app
+from fricomp.cli.missing import extra_for
+from fricomp.errors import FricompError, MissingExtraError
+
+__all__ = ["COMMANDS", "app", "run"]
+
+COMMANDS = {
+    "calibrate": "Sweep a joint, identify its friction, and write model, network and report.",
+    "identify": "Identify friction from a recording or a table of velocity and torque.",
+    "convert": "Bring recordings of other formats into the native one.",
+    "diagnose": "Find the physics that a simulation leaves out, in recordings of the real joint.",
+    "compare": "Compare two friction models: what has changed, and whether it matters.",
+    "run": "Compensate friction on a joint, in real time.",
+    "check-loop": "Check a compensator in its loop before it runs on a drive.",
+    "export": "Write a model as C, ONNX, MJCF, URDF or JSON.",
+    "adapters": "List the adapters: buses and drives.",
+    "adapter": "Try a real drive, carefully, and say what was found.",
+    "twin": "Start a drive twin: a simulated drive behind a real protocol.",
+    "cases": "Make and list the concealed cases of the diagnosis.",
+    "bench": "Benchmarks: every figure of the documentation, measured again.",
+}
+"""Command to the line that `fricomp --help` shows; each lives in `fricomp/cli/<command>.py`."""
+
+EXIT_ERROR = 2
+EXIT_INTERRUPTED = 130
+
+app = lazy_app(
+    "fricomp.cli",
+    COMMANDS,
+    help="Joint friction: calibrate it, compensate it in real time, find the physics a simulation leaves out.",
+    epilog="Begin with [bold]fricomp calibrate --backend sim --out runs/demo[/bold]: no hardware is needed.",
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        print(f"fricomp {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version and exit.", callback=_print_version, is_eager=True)
+    ] = False,
+) -> None:
+    """Joint friction: calibrate it, compensate it in real time, find the physics a simulation leaves out."""
+
+
+def run() -> None:
+    """Entry point of the `fricomp` command; exits with 0, 2 (error) or 130 (interrupted)."""
+    try:
+        app()
+    except KeyboardInterrupt:
+        sys.exit(EXIT_INTERRUPTED)
+    except FricompError as error:
+        _fail(str(error))
+    except ModuleNotFoundError as error:
+        extra = extra_for(error.name or "")
+        if extra is None:
+            raise
+        _fail(str(MissingExtraError(error.name or "", extra)))
+    except OSError as error:
+        if error.filename is None:
+            raise
+        _fail(f"{error.filename}: {error.strerror}")
+
+
+def _fail(message: str) -> None:
+    print(f"fricomp: {message}", file=sys.stderr)
+    sys.exit(EXIT_ERROR)
+
+
+if __name__ == "__main__":
+    run()

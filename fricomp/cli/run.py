@@ -1,0 +1,205 @@
+"""`fricomp run`: a reference motion on a joint, with and without friction compensation."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from fricomp.adapters import JointAdapter
+    from fricomp.control import Compensator, LoopDynamics, LoopResult
+    from fricomp.model import FrictionModel
+
+__all__ = ["app"]
+
+app = typer.Typer()
+
+_REST = 0.5  # before the motion, while the enable ramp opens [s]
+
+EPILOG = """fricomp run friction.json --out runs/run
+
+fricomp run friction.json --backend canopen --config joints.toml --inertia 0.12 --amplitude 0.2 --out runs/run"""
+
+
+@app.command(epilog=EPILOG)
+def run(
+    models: Annotated[list[Path], typer.Argument(help="Model file of each joint, in the order of the bus.")],
+    backend: Annotated[str, typer.Option(help="Adapter; see `fricomp adapters`.")] = "sim",
+    config: Annotated[Path | None, typer.Option(help="Configuration of bus and joints (TOML).")] = None,
+    inertia: Annotated[list[float], typer.Option(help="At each joint \\[kg·m²] or \\[kg]; once for all.")] = [0.1],  # noqa: B006
+    bandwidth: Annotated[float, typer.Option(help="Of the PD position loop \\[Hz].")] = 5.0,
+    amplitude: Annotated[float, typer.Option(help="Of the sine \\[rad] or \\[m].")] = 0.2,
+    frequency: Annotated[float, typer.Option(help="Of the sine \\[Hz].")] = 0.1,
+    cycles: Annotated[float, typer.Option(help="Cycles of the sine.")] = 2.0,
+    rate: Annotated[float, typer.Option(help="Of the loop \\[Hz].")] = 1000.0,
+    delay: Annotated[float, typer.Option(help="From motion to the torque that answers it \\[s].")] = 0.002,
+    velocity_filter: Annotated[
+        float, typer.Option(help="Time constant of the measured velocity's filter \\[s].")
+    ] = 0.005,
+    gain: Annotated[float | None, typer.Option(help="Of the compensation; chosen from the model if left out.")] = None,
+    priority: Annotated[int, typer.Option(help="FIFO priority on real hardware; 0 for none.")] = 80,
+    out: Annotated[Path, typer.Option(help="Folder for recordings and plots.")] = Path("runs/run"),
+) -> None:
+    """Follow a sine twice, without and with compensation, and show the difference."""
+    import msgspec
+
+    from fricomp.adapters import open_adapter
+    from fricomp.adapters.configuration import read_configuration
+    from fricomp.cli.loop_charts import run_chart, timing_chart
+    from fricomp.cli.terminal import console
+    from fricomp.model import load_model
+    from fricomp.recording import write_recording
+    from fricomp.report import draw_png
+
+    friction = [load_model(path) for path in models]
+    configuration = read_configuration(config) if config is not None else {}
+    configuration.pop("backend", None)
+    out.mkdir(parents=True, exist_ok=True)
+    motion = (amplitude, frequency, cycles)
+    results: dict[str, LoopResult] = {}
+    for name in ("without", "with"):
+        with open_adapter(backend, configuration) as adapter:
+            loop = _Setup(adapter, friction, inertia, (bandwidth, delay, velocity_filter), 1.0 / rate)
+            compensators = loop.compensators(gain) if name == "with" else None
+            for compensator in compensators or ():
+                console().print(compensator.describe())
+            results[name] = loop.run(motion, compensators, priority)
+            metadata = loop.metadata()
+        for joint, facts in enumerate(metadata):
+            write_recording(results[name].log.recording(joint, facts), out / f"{name}_compensation_{facts.joint}.csv")
+    logs = {f"{name} compensation": result.log for name, result in results.items()}
+    for joint, model in enumerate(friction):
+        chart = run_chart(logs, joint, (model.position_unit, model.torque_unit))
+        draw_png(chart, out / f"{chart.name}.png")
+    draw_png(timing_chart(results["with"].log, 1.0 / rate), out / "timing.png")
+    figures = {name: _figures(result) for name, result in results.items()}
+    (out / "figures.json").write_bytes(msgspec.json.format(msgspec.json.encode(figures)))
+    _print(figures, friction, results["with"])
+    console().print(f"Recordings, plots and figures in {out}")
+
+
+class _Setup:
+    """An open adapter with its loop."""
+
+    def __init__(
+        self,
+        adapter: JointAdapter,
+        models: list[FrictionModel],
+        inertia: list[float],
+        loop: tuple[float, float, float],
+        period: float,
+    ) -> None:
+        from fricomp.control import PositionController
+        from fricomp.errors import ParameterError
+
+        n = len(adapter.capabilities.joints)
+        if len(models) != n or len(inertia) not in (1, n):
+            raise ParameterError(
+                f"the bus has {n} joints: give a model for each (got {len(models)}), and one inertia for all "
+                f"or one for each (got {len(inertia)})"
+            )
+        bandwidth, *self.lags = loop
+        self.adapter, self.models, self.period = adapter, models, period
+        self.controller = PositionController.from_bandwidth(inertia * (n // len(inertia)), bandwidth)
+
+    def compensators(self, gain: float | None) -> list[Compensator]:
+        """One a joint, chosen for its loop."""
+        from fricomp.control import Compensator
+
+        given: dict[str, Any] = {} if gain is None else {"gain": gain}
+        quanta = [joint.velocity_quantum for joint in self.adapter.capabilities.joints]
+        return [
+            Compensator(model, period=self.period, loop=self._loop(joint), velocity_quantum=quantum, **given)
+            for joint, (model, quantum) in enumerate(zip(self.models, quanta, strict=True))
+        ]
+
+    def _loop(self, joint: int) -> LoopDynamics:
+        from fricomp.control import LoopDynamics
+
+        c = self.controller
+        return LoopDynamics(c.inertia[joint], c.stiffness[joint], c.damping[joint], *self.lags)
+
+    def run(
+        self, motion: tuple[float, float, float], compensators: list[Compensator] | None, priority: int
+    ) -> LoopResult:
+        """The sine, from where the joints are, towards the middle of their range."""
+        from fricomp.control import ControlLoop, RealTimeOptions, SineReference
+        from fricomp.joint import JointFeedback
+
+        amplitude, frequency, cycles = motion
+        capabilities = self.adapter.capabilities
+        feedback = JointFeedback(len(capabilities.joints))
+        self.adapter.configure("torque", self.period)
+        self.adapter.read_into(feedback)
+        amplitudes = [
+            -amplitude if joint.position_limits and start > sum(joint.position_limits) / 2.0 else amplitude
+            for joint, start in zip(capabilities.joints, feedback.position, strict=True)
+        ]
+        loop = ControlLoop(
+            self.adapter,
+            SineReference(amplitudes, frequency, list(feedback.position), rest=_REST),
+            self.controller,
+            compensators=compensators,
+            period=self.period,
+            log_capacity=round((cycles / frequency + _REST) / self.period) + 1,
+            options=None if capabilities.simulated else RealTimeOptions(priority=priority, lock_memory=True),
+        )
+        result = loop.run(cycles / frequency + _REST)
+        result.raise_if_tripped()
+        return result
+
+    def metadata(self) -> list[Any]:
+        """Of each joint's recording."""
+        from fricomp.recording import RecordingMetadata
+
+        return [
+            RecordingMetadata(
+                joint=joint.name,
+                motion=joint.motion,
+                torque_unit=joint.torque_unit,
+                torque_kind=joint.torque_kind,
+                position_limits=joint.position_limits,
+            )
+            for joint in self.adapter.capabilities.joints
+        ]
+
+
+def _figures(result: LoopResult) -> dict[str, Any]:
+    import numpy as np
+
+    moving = result.log.time > _REST
+    error = (result.log.signal("position_reference") - result.log.signal("position"))[moving]
+    return {
+        "rms_error": np.sqrt(np.mean(error**2, axis=0)).tolist(),
+        "largest_error": np.max(np.abs(error), axis=0).tolist(),
+        "cycles": result.cycles,
+        "skipped": result.skipped,
+        "rejected": result.rejected,
+        "timing": result.log.timing()._asdict(),
+        "granted": result.real_time.granted,
+        "refused": result.real_time.refused,
+    }
+
+
+def _print(figures: dict[str, dict[str, Any]], models: list[FrictionModel], result: LoopResult) -> None:
+    from rich.table import Table
+
+    from fricomp.cli.terminal import console
+
+    table = Table("joint", "RMS error without", "with compensation", "change")
+    rows = zip(models, figures["without"]["rms_error"], figures["with"]["rms_error"], strict=True)
+    for model, without, compensated in rows:
+        unit = f"m{model.position_unit}"
+        change = f"{compensated / without - 1.0:+.0%}" if without > 0.0 else "–"
+        table.add_row(model.joint, f"{1e3 * without:.3f} {unit}", f"{1e3 * compensated:.3f} {unit}", change)
+    out, timing = console(), result.log.timing()
+    out.print(table)
+    out.print(
+        f"A cycle takes {1e6 * timing.busy_p50:.0f} µs (99.9 %: {1e6 * timing.busy_p999:.0f} µs); "
+        f"lateness {1e6 * timing.lateness_p50:.0f} µs (99.9 %: {1e6 * timing.lateness_p999:.0f} µs); "
+        f"{result.skipped} cycles skipped."
+    )
+    for refused in result.real_time.refused:
+        out.print(f"- {refused}")

@@ -1,0 +1,27 @@
+"""What commands share on the terminal: a console, and a progress bar that is quiet when nobody watches."""
+
+from __future__ import annotations
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+__all__ = ["console", "progress"]
+
+
+def console() -> Console:
+    """Where commands print tables and sentences."""
+    return Console(highlight=False)
+
+
+def progress() -> Progress:
+    """A progress bar with the time left; on stderr, and silent when that is not a terminal."""
+    errors = Console(stderr=True)
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeRemainingColumn(),
+        console=errors,
+        transient=True,
+        disable=not errors.is_terminal,
+    )

@@ -1,0 +1,91 @@
+"""`fricomp twin`: a simulated drive behind a real protocol, to try everything without hardware."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fricomp.errors import ParameterError
+
+if TYPE_CHECKING:
+    from fricomp.sim_bench.twins import DriveTwin
+
+__all__ = ["app", "twin"]
+
+app = typer.Typer()
+
+_EPILOG = """
+fricomp twin canopen --write-config drive.toml
+
+fricomp calibrate --backend canopen --config drive.toml --out runs/twin
+
+fricomp twin moteus --link tcp --tcp-port 4001
+
+docs/twins.md says what a configuration file of a twin holds.
+"""
+
+
+@app.command(epilog=_EPILOG)
+def twin(
+    protocol: Annotated[str, typer.Argument(help="canopen, dynamixel, mit, moteus or odrive.")],
+    config: Annotated[Path | None, typer.Option(help="TOML file: link, drives, joints.")] = None,
+    link: Annotated[str, typer.Option(help="pty, tcp or can; over what the configuration says.")] = "",
+    tcp_port: Annotated[int, typer.Option(help="TCP port; 0 for any free one.")] = 0,
+    write_config: Annotated[Path | None, typer.Option(help="Write an adapter configuration that reaches it.")] = None,
+) -> None:
+    """Serve a drive with a simulated joint behind it in real time, until Ctrl-C."""
+    from fricomp.cli.terminal import console
+    from fricomp.sim_bench.twins import TwinServer
+    from fricomp.sim_bench.twins.configuration import make_twin
+
+    table = _read(config)
+    given = {name: value for name, value in (("kind", link), ("tcp_port", tcp_port)) if value}
+    table["link"] = {**table.get("link", {}), **given}
+    with make_twin(protocol, table) as served, TwinServer(served, real_time=True) as server:
+        screen = console()
+        names = ", ".join(joint.name for joint in served.stand_in.settings.joints)
+        screen.print(f"{protocol} twin of {names}: {_address(protocol, served, table['link'])}", soft_wrap=True)
+        if write_config is not None:
+            _write_config(write_config, protocol, served)
+            screen.print(f"in another terminal: fricomp calibrate --backend {protocol} --config {write_config}")
+        screen.print("Ctrl-C ends it.")
+        server.wait()
+        if server.error is not None:
+            raise server.error
+
+
+def _read(config: Path | None) -> dict[str, Any]:
+    import tomllib
+
+    if config is None:
+        return {}
+    try:
+        return tomllib.loads(config.read_text("utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ParameterError(f"{config} is not a TOML file: {error}") from error
+
+
+def _address(protocol: str, served: DriveTwin, link: dict[str, Any]) -> str:
+    """Where an adapter finds it."""
+    from fricomp.sim_bench.twins.adapter_table import twin_address
+    from fricomp.sim_bench.twins.configuration import CAN_PROTOCOLS
+
+    address = twin_address(served)
+    if address is None:
+        return f"interface {link.get('interface', 'virtual')}, channel {link.get('channel')}"
+    return f"interface slcan-chunked, channel {address}" if protocol in CAN_PROTOCOLS else f"serial port {address}"
+
+
+def _write_config(path: Path, protocol: str, served: DriveTwin) -> None:
+    import json
+
+    from fricomp.sim_bench.twins.adapter_table import adapter_configuration
+
+    endpoints = path.with_suffix(".endpoints.json")
+    if protocol == "odrive":
+        from fricomp.sim_bench.twins.odrive import flat_endpoints
+
+        endpoints.write_text(json.dumps(flat_endpoints(), indent=1), "utf-8")
+    path.write_text(adapter_configuration(protocol, served, str(endpoints.resolve())), "utf-8")

@@ -1,0 +1,165 @@
+"""Online adaptation: dry and viscous friction follow slowly, as temperature changes them; off unless asked for."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from fricomp.control.compensator import Compensator
+from fricomp.control.curve import split_law
+from fricomp.errors import ParameterError
+
+__all__ = ["AdaptationSettings", "OnlineAdaptation"]
+
+_SLIDING_SPEEDS = 4.0  # Stribeck velocities from which the falling branch no longer matters
+_PRIOR_SHARE = 0.01  # information that the identified model always keeps, for what a motion leaves open
+
+
+@dataclass(frozen=True)
+class AdaptationSettings:
+    """How the scales of a compensator may move.
+
+    Attributes:
+        time_constant: Of the adaptation, while it is not frozen [s].
+        dry_bounds: Lowest and highest scale of dry friction; None for the identified 95 % interval [1].
+        viscous_bounds: The same for viscous friction [1].
+        sliding_velocity: Speed from which it adapts; None for four Stribeck velocities [rad/s] or [m/s].
+        settling_time: Time of sliding in one direction before it adapts [s].
+
+    Raises:
+        ParameterError: A value is outside its domain.
+    """
+
+    time_constant: float = 20.0
+    dry_bounds: tuple[float, float] | None = None
+    viscous_bounds: tuple[float, float] | None = None
+    sliding_velocity: float | None = None
+    settling_time: float = 0.2
+
+    def __post_init__(self) -> None:
+        if not (0.0 < self.time_constant < math.inf and self.settling_time >= 0.0):
+            raise ParameterError(
+                f"time_constant must be positive and settling_time not negative, got {self.time_constant!r} and "
+                f"{self.settling_time!r} s"
+            )
+        for bounds in (self.dry_bounds, self.viscous_bounds):
+            if bounds is not None and not 0.0 < bounds[0] <= 1.0 <= bounds[1] < math.inf:
+                raise ParameterError(f"bounds of a scale must be positive and hold 1, got {bounds!r}")
+
+
+class OnlineAdaptation:
+    """Adapts the scales of one compensator by recursive least squares with forgetting on the friction it is shown.
+
+    It moves only while the joint slides fast in one direction, never at reversals or at rest, and only within its
+    bounds, so that a wrong torque can do no more than the identification left open. It starts as if it had seen one
+    time constant of data that agrees with the model.
+
+    Attributes:
+        dry_scale: Present scale of dry friction [1].
+        viscous_scale: Present scale of viscous friction [1].
+
+    Args:
+        compensator: Whose scales move.
+        settings: How.
+
+    Raises:
+        ParameterError: No bounds are given and the model has no covariance to take them from.
+    """
+
+    def __init__(self, compensator: Compensator, settings: AdaptationSettings | None = None) -> None:
+        self._settings = settings or AdaptationSettings()
+        self._compensator = compensator
+        self._curves = split_law(compensator.model.law)
+        self._dry_bounds = self._settings.dry_bounds or _identified(compensator, "coulomb_torque")
+        self._viscous_bounds = self._settings.viscous_bounds or _identified(compensator, "viscous_coefficient")
+        known = self._settings.sliding_velocity
+        self._fast = known if known is not None else _SLIDING_SPEEDS * (self._curves.stribeck_velocity or 0.01)
+        self._rate = compensator.period / self._settings.time_constant
+        self._ahead = True
+        self._start()
+
+    def _start(self) -> None:
+        curve, self._slid = self._curves.forward, 0.0
+        self._own = curve.dry(self._fast) ** 2, max((curve.viscous * self._fast) ** 2, 1e-12)
+        # Information matrix (dry, viscous, cross) and its product with the scales, all means over the time constant.
+        self._information = (*self._own, 0.0)
+        self._product = self._own
+        self.dry_scale = self.viscous_scale = 1.0
+
+    @property
+    def frozen(self) -> bool:
+        """Whether the last update changed nothing: at rest, slow, or just after a reversal."""
+        return self._slid < self._settings.settling_time
+
+    def update(self, velocity: float, friction_torque: float) -> None:
+        """Take one sample, once a period.
+
+        Args:
+            velocity: Measured, or the reference of a joint that follows well [rad/s] or [m/s].
+            friction_torque: Torque applied minus that of the rigid body, in the model's torque unit.
+        """
+        speed, ahead = abs(velocity), velocity >= 0.0
+        if (
+            not (math.isfinite(velocity) and math.isfinite(friction_torque))
+            or speed < self._fast
+            or ahead != self._ahead
+        ):
+            self._slid, self._ahead = 0.0, ahead
+            return
+        self._slid += self._compensator.period
+        if self.frozen:
+            return
+        curve = self._curves.forward if ahead else self._curves.reverse
+        dry, viscous = curve.dry(speed), curve.viscous * speed
+        level = friction_torque if ahead else -friction_torque
+        keep, rate = 1.0 - self._rate, self._rate
+        dd, vv, dv = self._information
+        dd, vv, dv = (
+            keep * dd + rate * dry * dry,
+            keep * vv + rate * viscous * viscous,
+            keep * dv + rate * dry * viscous,
+        )
+        self._information = dd, vv, dv
+        d, v = self._product
+        self._product = keep * d + rate * dry * level, keep * v + rate * viscous * level
+        self._solve()
+
+    def _solve(self) -> None:
+        """Scales from the data and the model's own share of the information."""
+        own_dry, own_viscous = _PRIOR_SHARE * self._own[0], _PRIOR_SHARE * self._own[1]
+        dd, vv, dv = self._information
+        dd, vv = dd + own_dry, vv + own_viscous
+        d, v = self._product[0] + own_dry, self._product[1] + own_viscous
+        determinant = dd * vv - dv * dv  # positive: both own shares are
+        dry_scale = _clip((vv * d - dv * v) / determinant, self._dry_bounds)
+        # Given a scale at its bound the other one is best elsewhere; away from the bounds this changes nothing.
+        self.viscous_scale = _clip((v - dv * dry_scale) / vv, self._viscous_bounds)
+        self.dry_scale = _clip((d - dv * self.viscous_scale) / dd, self._dry_bounds)
+        self._compensator.set_scale(self.dry_scale, self.viscous_scale)
+
+    def reset(self) -> None:
+        """Back to the model as it was identified."""
+        self._start()
+        self._compensator.set_scale(1.0, 1.0)
+
+
+def _identified(compensator: Compensator, parameter: str) -> tuple[float, float]:
+    """Widest relative 95 % interval of the parameters of this name."""
+    model = compensator.model
+    if model.covariance is None:
+        raise ParameterError(
+            f"the model of joint {model.joint!r} has no covariance to bound the adaptation by: give dry_bounds and "
+            "viscous_bounds"
+        )
+    values, deviations = model.law.parameters(), model.covariance.standard_deviations()
+    ratios = [
+        1.96 * deviation / values[name]
+        for name, deviation in deviations.items()
+        if name.endswith(parameter) and values[name] > 0.0
+    ]
+    widest = min(max(ratios, default=0.0), 0.9)
+    return 1.0 - widest, 1.0 + widest
+
+
+def _clip(value: float, bounds: tuple[float, float]) -> float:
+    return min(max(value, bounds[0]), bounds[1])

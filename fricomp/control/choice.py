@@ -1,0 +1,155 @@
+"""Settings chosen from the model and the loop it works in."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+from fricomp.control.confidence import compute_confident_gain
+from fricomp.control.curve import FrictionCurves, split_law
+from fricomp.control.limit_cycle import HIGHEST_GAIN, LIMIT_CYCLE_MARGIN, find_gain_limit
+from fricomp.control.settings import CompensationSettings, LoopDynamics, Source
+from fricomp.errors import ParameterError
+from fricomp.model import FrictionModel
+
+__all__ = ["choose_settings"]
+
+# Above this F_s/F_c the falling branch decides the motion at reversals; with a loop given, its damping decides.
+_STICK_SLIP_RATIO = 2.0
+_SHARES = (1.0, 0.75, 0.5, 0.25)
+_DEFAULT_SHARE = 0.5
+# The describing function was up to a quarter above the simulated limit cycle, so the choice asks for more than 15 %.
+_PREDICTED_MARGIN = 1.25 * LIMIT_CYCLE_MARGIN
+_DEFAULT_GAIN = 0.95
+_HIGHEST_GAIN = 0.98
+
+
+def choose_settings(
+    model: FrictionModel, *, loop: LoopDynamics | None = None, velocity_quantum: float = 0.0, **given: Any
+) -> CompensationSettings:
+    """Settings that fit `model` and `loop`; `given` fields of `CompensationSettings` are taken as they are.
+
+    Args:
+        model: Identified friction.
+        loop: The position loop around the joint; without it the choice rests on the model alone.
+        velocity_quantum: Step of the measured velocity [rad/s] or [m/s].
+        given: Fields that are not to be chosen.
+
+    Raises:
+        ParameterError: A value is outside its domain, or an unknown field is given.
+    """
+    curves = split_law(model.law)
+    velocity_range, range_notes = _velocity_range(model, curves)
+    gain, gain_notes = _gain(model, velocity_range)
+    source, source_notes = _source(curves, loop)
+    source = given.get("source", source)
+    top = max(abs(edge) for edge in velocity_range)
+    smoothing = curves.smoothing or min(0.01 * top, 0.1 * (curves.stribeck_velocity or math.inf))
+    is_measured = source == "measured"
+    chosen = CompensationSettings(
+        source=source,
+        measured_share={"reference": 0.0, "blend": _DEFAULT_SHARE, "measured": 1.0}.get(source, 0.0),
+        smoothing=max(smoothing, 3.0 * velocity_quantum) if is_measured else smoothing,
+        gain=gain,
+        authority=_authority(model, curves, velocity_range),
+        velocity_range=velocity_range,
+        fade_width=0.5 * top,
+        dead_band=1.5 * velocity_quantum if is_measured else 0.0,
+        load_range=model.validity.normal_load,
+    )
+    try:
+        chosen = replace(chosen, **given)
+    except TypeError:
+        known = [name for name in CompensationSettings.__dataclass_fields__ if name != "notes"]
+        raise ParameterError(f"unknown setting in {sorted(given)}; known: {', '.join(known)}") from None
+    notes = [*range_notes, *([] if "source" in given else source_notes), *([] if "gain" in given else gain_notes)]
+    if loop is not None:
+        chosen, margin_notes = _with_margin(curves, loop, chosen, given)
+        notes += margin_notes
+    return replace(chosen, notes=tuple(notes))
+
+
+def _with_margin(
+    curves: FrictionCurves, loop: LoopDynamics, chosen: CompensationSettings, given: dict[str, Any]
+) -> tuple[CompensationSettings, list[str]]:
+    """`chosen`, changed so that it keeps its distance to the limit cycle, where that is possible."""
+    stuck = [f"nothing keeps gain {chosen.gain:g} free of a limit cycle with this loop and its delay: see check-loop"]
+    if chosen.source != "reference":
+        return _keep_margin(curves, loop, chosen, given) or (chosen, stuck)
+    # A reference has no part in the loop, but a late damping may still not hold the falling branch.
+    if "source" in given or curves.steepest_fall == 0.0 or find_gain_limit(curves, loop, chosen) > 0.0:
+        return chosen, []
+    followed = _keep_margin(curves, loop, replace(chosen, source="blend"), given)
+    if followed is None:
+        return chosen, stuck
+    late = (
+        "the loop's damping comes too late to hold the falling branch: part of the speed is taken from the measurement"
+    )
+    return followed[0], [late, *followed[1]]
+
+
+def _keep_margin(
+    curves: FrictionCurves, loop: LoopDynamics, chosen: CompensationSettings, given: dict[str, Any]
+) -> tuple[CompensationSettings, list[str]] | None:
+    """The largest measured share, and if need be a lower gain, that keeps the margin; None if there is none."""
+    shares = (chosen.measured_share,) if {"measured_share", "source"} & set(given) else _SHARES
+    limits = []
+    for share in shares:
+        limits.append(find_gain_limit(curves, loop, replace(chosen, measured_share=share)))
+        if chosen.gain * _PREDICTED_MARGIN <= limits[-1]:
+            found = f"a limit cycle would start at gain {limits[-1]:.2f}"
+            if limits[-1] >= HIGHEST_GAIN:
+                found = f"no limit cycle was found up to gain {HIGHEST_GAIN:g}"
+            return replace(chosen, measured_share=share), [f"measured share {share:g}: {found}"]
+    limit, share = max(zip(limits, shares, strict=True))
+    if limit == 0.0 or "gain" in given:
+        return None
+    lowered = replace(chosen, measured_share=share, gain=limit / _PREDICTED_MARGIN)
+    return lowered, [f"gain lowered to {lowered.gain:.2f}, 15 % below where a limit cycle starts"]
+
+
+def _velocity_range(model: FrictionModel, curves: FrictionCurves) -> tuple[tuple[float, float], list[str]]:
+    if model.validity.velocity is not None:
+        low, high = model.validity.velocity
+        if low < 0.0 < high:
+            return (low, high), []
+        edge = max(abs(low), abs(high))
+        return (-edge, edge), [f"the model was identified from {low:g} to {high:g} only; taken as valid to ±{edge:g}"]
+    edge = 20.0 * (curves.stribeck_velocity or 0.05)
+    return (-edge, edge), [f"the model states no range of velocity; compensation fades beyond ±{edge:g}"]
+
+
+def _source(curves: FrictionCurves, loop: LoopDynamics | None) -> tuple[Source, list[str]]:
+    fall, ratio = curves.steepest_fall, curves.static_ratio
+    if loop is None:
+        risky = ratio > _STICK_SLIP_RATIO and fall > 0.0
+        why = f"static friction is {ratio:.1f} times Coulomb friction"
+    else:
+        risky = fall > loop.damping
+        why = f"friction falls by {fall:.3g} per unit of velocity and the loop damps with {loop.damping:.3g} only"
+    if not risky:
+        return "reference", []
+    note = (
+        f"{why}: following the reference alone would stick and slip, so the direction comes from the reference and "
+        "the speed on the curve in part from the measured velocity; without one, half of the falling branch is used"
+    )
+    return "blend", [note]
+
+
+def _gain(model: FrictionModel, velocity_range: tuple[float, float]) -> tuple[float, list[str]]:
+    gain = compute_confident_gain(model, velocity_range)
+    if gain is None:
+        return _DEFAULT_GAIN, [f"the model has no covariance; gain {_DEFAULT_GAIN:g}"]
+    bounded = min(max(gain, 0.5), _HIGHEST_GAIN)
+    return bounded, [f"gain {bounded:.3f} from the lower 95 % bound of the friction"]
+
+
+def _authority(model: FrictionModel, curves: FrictionCurves, velocity_range: tuple[float, float]) -> float:
+    loads = model.validity.normal_load
+    factor = max((float(curves.load.factor(edge)) for edge in loads), default=1.0) if loads else 1.0
+    largest = curves.largest(velocity_range, max(factor, 1.0))
+    if curves.extra:
+        law = type(model.law)(curves.extra)
+        largest += max(abs(float(law.torque(v))) for v in velocity_range)
+    return largest

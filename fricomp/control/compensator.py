@@ -1,0 +1,139 @@
+"""The compensator: friction torque to add to a command, for one joint or many."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, MutableSequence, Sequence
+from pathlib import Path
+from typing import Any
+
+from fricomp.control.choice import choose_settings
+from fricomp.control.curve import split_law
+from fricomp.control.hot_path import HotPath, TorqueFunction, build_hot_path
+from fricomp.control.settings import CompensationSettings, LoopDynamics
+from fricomp.errors import ParameterError
+from fricomp.model import FrictionModel, load_model
+
+__all__ = ["ArmCompensator", "Compensator"]
+
+ModelSource = FrictionModel | str | os.PathLike[str]
+
+
+class Compensator:
+    """Friction compensation of one joint, a plain function of floats underneath.
+
+    c = Compensator("friction.json", period=1e-3)
+    command = controller_output + c.torque(velocity_reference)
+
+    Attributes:
+        torque: The compensation; see `TorqueFunction` for its arguments. It is kept as a function of its own, so
+            that calling it costs no method lookup.
+        model: What is compensated.
+        settings: How; `settings.notes` says why.
+
+    Args:
+        model: A model or the path of its file (`friction.json`).
+        period: Control period [s].
+        loop: The position loop around the joint, where known; decides whether its damping holds a falling branch.
+        velocity_quantum: Step of the measured velocity [rad/s] or [m/s].
+        settings: All settings at once, instead of choosing them.
+        given: Single fields of `CompensationSettings` that are not to be chosen.
+
+    Raises:
+        ModelFileError: The file cannot be read.
+        ParameterError: A setting or the period is outside its domain.
+    """
+
+    torque: TorqueFunction
+
+    def __init__(
+        self,
+        model: ModelSource,
+        *,
+        period: float = 1e-3,
+        loop: LoopDynamics | None = None,
+        velocity_quantum: float = 0.0,
+        settings: CompensationSettings | None = None,
+        **given: Any,
+    ) -> None:
+        if not 0.0 < period < 10.0:
+            raise ParameterError(f"the period must be positive and below 10 s, got {period!r}")
+        if settings is not None and given:
+            raise ParameterError(f"give either settings or single fields, not both: {sorted(given)}")
+        self.model = _read(model)
+        self.period = period
+        self.settings = settings or choose_settings(self.model, loop=loop, velocity_quantum=velocity_quantum, **given)
+        self._hot: HotPath = build_hot_path(split_law(self.model.law), self.settings, period)
+        self.torque = self._hot.torque
+
+    @property
+    def rejected(self) -> int:
+        """How many inputs so far were not finite and got 0.0."""
+        return self._hot.rejected()
+
+    def reset(self) -> None:
+        """Forget the bristle and the last torque; call it when the loop starts again."""
+        self._hot.reset()
+
+    def set_scale(self, dry: float, viscous: float) -> None:
+        """Multiply dry and viscous friction, as online adaptation does [1]."""
+        self._hot.set_scale(dry, viscous)
+
+    def describe(self) -> str:
+        """What is compensated and why so, in sentences."""
+        s = self.settings
+        source = "measured velocity" if s.source == "measured" else "reference"
+        head = (
+            f"Joint {self.model.joint}: direction from the {source},"
+            f" gain {s.gain:.3f}, smoothing {s.smoothing:.3g}, at most {s.authority:.3g} {self.model.torque_unit}."
+        )
+        return "\n".join([head, *(f"- {note}" for note in s.notes)])
+
+
+class ArmCompensator:
+    """Friction compensation of several joints.
+
+    Args:
+        joints: One compensator a joint, in the order of the command.
+
+    Raises:
+        ParameterError: No joint.
+    """
+
+    def __init__(self, joints: Sequence[Compensator]) -> None:
+        if not joints:
+            raise ParameterError("an arm needs at least one joint")
+        self.joints = tuple(joints)
+        self._torques: list[Callable[..., float]] = [joint.torque for joint in joints]
+
+    def torque_into(
+        self, out: MutableSequence[float], velocity_reference: Sequence[float], velocity: Sequence[float] | None = None
+    ) -> None:
+        """Fill `out` with the compensation of each joint, from reference and measured velocity [rad/s] or [m/s]."""
+        if velocity is None:
+            out[:] = [torque(reference) for torque, reference in zip(self._torques, velocity_reference, strict=True)]
+        else:
+            out[:] = [
+                torque(reference, measured)
+                for torque, reference, measured in zip(self._torques, velocity_reference, velocity, strict=True)
+            ]
+
+    @property
+    def rejected(self) -> int:
+        """How many inputs of any joint so far were not finite."""
+        return sum(joint.rejected for joint in self.joints)
+
+    def reset(self) -> None:
+        """Forget the state of every joint."""
+        for joint in self.joints:
+            joint.reset()
+
+
+def _read(model: ModelSource) -> FrictionModel:
+    if isinstance(model, FrictionModel):
+        return model
+    if Path(model).suffix == ".onnx":
+        raise ParameterError(
+            f"{model} is a network: use NetworkCompensator, or the closed form beside it (friction.json)"
+        )
+    return load_model(Path(model))

@@ -1,0 +1,62 @@
+"""How sure a model is of its friction: the gain that does not compensate more than is there."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fricomp.errors import ParameterError
+from fricomp.laws import FloatArray
+from fricomp.model import FrictionModel
+
+__all__ = ["compute_confident_gain", "compute_friction_deviation"]
+
+_POINTS = 40
+_NORMAL_95 = 1.645  # one-sided 95 % quantile of the normal distribution
+
+
+def compute_friction_deviation(model: FrictionModel, velocity: FloatArray, load: float | None = None) -> FloatArray:
+    """Standard deviation of the modelled friction, from the parameters' covariance to first order.
+
+    Args:
+        model: With a covariance.
+        velocity: Shape (n,) [rad/s] or [m/s].
+        load: Normal load, or None.
+
+    Returns:
+        Shape (n,), in the model's torque unit.
+
+    Raises:
+        ParameterError: The model has no covariance.
+    """
+    if model.covariance is None:
+        raise ParameterError(f"the model of joint {model.joint!r} has no covariance")
+    law, values = model.law, model.law.parameters()
+    base = np.asarray(law.torque(velocity, normal_load=load))
+    columns = []
+    for name in model.covariance.names:
+        step = 1e-6 * max(abs(values[name]), 1e-9)
+        moved = law.replace({name: values[name] + step})
+        columns.append((np.asarray(moved.torque(velocity, normal_load=load)) - base) / step)
+    jacobian = np.column_stack(columns)
+    variance: FloatArray = np.einsum("ij,jk,ik->i", jacobian, model.covariance.matrix, jacobian)
+    return np.sqrt(np.maximum(variance, 0.0))
+
+
+def compute_confident_gain(model: FrictionModel, velocity_range: tuple[float, float]) -> float | None:
+    """Smallest ratio of the lower 95 % bound of friction to friction, over velocities and identified loads.
+
+    Returns:
+        The ratio [1], which may be negative where nothing is known, or None without a covariance.
+    """
+    if model.covariance is None:
+        return None
+    top = min(abs(velocity_range[0]), velocity_range[1])
+    speeds = np.geomspace(1e-3 * top, top, _POINTS)
+    velocity = np.concatenate([speeds, -speeds])
+    ratios = []
+    for load in model.validity.normal_load or (None,):
+        friction = np.abs(np.asarray(model.law.torque(velocity, normal_load=load)))
+        ratios.append(
+            1.0 - _NORMAL_95 * compute_friction_deviation(model, velocity, load) / np.maximum(friction, 1e-300)
+        )
+    return float(np.min(ratios))

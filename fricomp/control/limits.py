@@ -1,0 +1,53 @@
+"""What one joint may be asked to do, and may be seen doing."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from fricomp.errors import ParameterError
+
+__all__ = ["JointLimits"]
+
+
+@dataclass(frozen=True)
+class JointLimits:
+    """Limits of one joint, in the actuator's torque unit and joint-side SI.
+
+    Attributes:
+        torque: Largest commanded torque, either sign [N·m], [N] or [A].
+        torque_rate: Fastest change of the commanded torque [N·m/s], [N/s] or [A/s].
+        velocity: Speed beyond which the gate trips [rad/s] or [m/s].
+        position: Range outside which the gate trips [rad] or [m]; None where the joint turns freely.
+        temperature: Temperature above which the gate trips [°C]; None where it is not watched.
+
+    Raises:
+        ParameterError: A limit is not finite, not positive, or a range is not ascending.
+    """
+
+    torque: float
+    torque_rate: float
+    velocity: float
+    position: tuple[float, float] | None = None
+    temperature: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("torque", "torque_rate", "velocity"):
+            value = getattr(self, name)
+            if not (_is_finite(value) and value > 0.0):
+                raise ParameterError(f"the {name} limit must be finite and positive, got {value!r}")
+            object.__setattr__(self, name, float(value))
+        if self.position is not None:
+            object.__setattr__(self, "position", _range(self.position))
+        if self.temperature is not None and not _is_finite(self.temperature):
+            raise ParameterError(f"the temperature limit must be finite [°C] or None, got {self.temperature!r}")
+
+
+def _is_finite(value: object) -> bool:
+    return isinstance(value, int | float) and math.isfinite(value)
+
+
+def _range(limits: tuple[float, float]) -> tuple[float, float]:
+    if len(limits) != 2 or not all(_is_finite(limit) for limit in limits) or not limits[0] < limits[1]:
+        raise ParameterError(f"the position limits must be two finite ascending numbers or None, got {limits!r}")
+    return float(limits[0]), float(limits[1])

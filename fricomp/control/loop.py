@@ -1,0 +1,236 @@
+"""The control loop: read, control, compensate, gate, write; absolute deadlines, never a burst."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import threading
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import FrameType
+from typing import Any, Protocol
+
+from fricomp.control.compensator import Compensator
+from fricomp.control.gate import SafetyGate, TripRecord
+from fricomp.control.loop_log import LoopLog
+from fricomp.control.position_loop import Controller, Reference, ReferenceState
+from fricomp.control.real_time import RealTimeOptions, RealTimeReport, real_time
+from fricomp.errors import AdapterTimeout, ParameterError, SafetyTrip
+from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, JointFeedback
+
+__all__ = ["ControlLoop", "LoopAdapter", "LoopResult"]
+
+_FIRST_DATA_TIMEOUT_NS = 1_000_000_000
+
+
+class LoopAdapter(Protocol):
+    """What the loop needs of an adapter; `fricomp.adapters.JointAdapter` has it."""
+
+    @property
+    def clock(self) -> Clock: ...
+    @property
+    def capabilities(self) -> Capabilities: ...
+    @property
+    def gate(self) -> SafetyGate: ...
+    def configure(self, mode: CommandMode, period: float) -> None: ...
+    def enable(self) -> None: ...
+    def write(self, command: JointCommand) -> bool: ...
+    def read_into(self, feedback: JointFeedback) -> bool: ...
+    def safe_stop(self, reason: str = "") -> None: ...
+
+
+@dataclass(frozen=True)
+class LoopResult:
+    """How a run of the loop went.
+
+    Attributes:
+        log: Every cycle.
+        cycles: Cycles that ran.
+        skipped: Cycles that were left out because the one before ended too late.
+        rejected: Inputs of the compensators that were not finite.
+        trip: Why the gate latched, or None when the loop ran to its end.
+        real_time: What the system granted.
+    """
+
+    log: LoopLog
+    cycles: int
+    skipped: int
+    rejected: int
+    trip: TripRecord | None
+    real_time: RealTimeReport
+
+    def raise_if_tripped(self) -> None:
+        """Raise what stopped the loop.
+
+        Raises:
+            SafetyTrip: The gate had latched.
+        """
+        if self.trip is not None:
+            raise SafetyTrip(f"the loop stopped after {self.cycles} cycles: {self.trip}")
+
+
+class ControlLoop:
+    """Runs a controller and friction compensation on the joints of an adapter, which is open already.
+
+    The controller sees the reference of the time at which its feedback was taken, the compensation that of the time
+    at which it acts. The joints are stopped on every way out; nothing enables them again.
+
+    Args:
+        adapter: Opened; its gate holds the limits.
+        reference: The motion.
+        controller: The user's controller; None in a mode where the drive closes the loop itself.
+        compensators: One a joint, or None for none.
+        period: Control period [s].
+        mode: `torque`, or `velocity` or `position` with the compensation as torque feed-forward.
+        log_capacity: Rows that the log keeps.
+        options: What to ask of the system; only on a real clock.
+        most_skipped: Cycles skipped at once from which the gate trips.
+
+    Raises:
+        ParameterError: The parts do not fit together.
+    """
+
+    def __init__(
+        self,
+        adapter: LoopAdapter,
+        reference: Reference,
+        controller: Controller | None,
+        *,
+        compensators: Sequence[Compensator] | None = None,
+        period: float = 1e-3,
+        mode: CommandMode = "torque",
+        log_capacity: int = 60_000,
+        options: RealTimeOptions | None = None,
+        most_skipped: int = 10,
+    ) -> None:
+        joints = adapter.capabilities.joints
+        if compensators is not None and len(compensators) != len(joints):
+            raise ParameterError(f"{len(compensators)} compensators given for {len(joints)} joints: give one for each")
+        if (controller is None) is (mode == "torque"):
+            raise ParameterError(f"mode {mode!r} {'needs a' if mode == 'torque' else 'takes no'} controller")
+        for compensator, joint in zip(compensators or (), joints, strict=False):
+            if compensator.model.torque_unit != joint.torque_unit:
+                raise ParameterError(
+                    f"the model of joint {joint.name!r} is in {compensator.model.torque_unit}, "
+                    f"the drive takes {joint.torque_unit}: identify it on this drive"
+                )
+        self.adapter, self.reference, self.controller = adapter, reference, controller
+        self.compensators = tuple(compensators or ())
+        self.period, self.mode = period, mode
+        self.options = options or RealTimeOptions(freeze_garbage=False)
+        self.most_skipped = most_skipped
+        self.log = LoopLog(len(joints), log_capacity)
+        self._n = len(joints)
+        self._stop = threading.Event()
+        self._skipped = 0
+
+    def stop(self) -> None:
+        """End the loop after the cycle that runs. From any thread."""
+        self._stop.set()
+
+    def run(self, duration: float) -> LoopResult:
+        """Configure, enable, run for `duration` [s], stop.
+
+        Raises:
+            AdapterError: The bus or a drive failed; the joints have been stopped.
+            KeyboardInterrupt: Ctrl-C; the joints have been stopped.
+        """
+        adapter, signals = self.adapter, _Signals(self._stop)
+        adapter.configure(self.mode, self.period)
+        for compensator in self.compensators:
+            compensator.reset()
+        cycles = 0
+        with real_time(self.options) as granted, signals:
+            try:
+                feedback = self._first_feedback()
+                adapter.enable()
+                cycles = self._cycle(feedback, duration)
+            except BaseException as error:
+                adapter.gate.trip("exception", f"{type(error).__name__}: {error}")
+                raise
+            finally:
+                trip = adapter.gate.trip_record
+                adapter.safe_stop("end of the loop")
+        signals.raise_interrupt()
+        rejected = sum(compensator.rejected for compensator in self.compensators)
+        return LoopResult(self.log, cycles, self._skipped, rejected, trip, granted)
+
+    def _first_feedback(self) -> JointFeedback:
+        feedback, clock = JointFeedback(self._n), self.adapter.clock
+        deadline = clock.now_ns() + _FIRST_DATA_TIMEOUT_NS
+        while not self.adapter.read_into(feedback):
+            if clock.now_ns() > deadline:
+                raise AdapterTimeout("no joint has reported within 1 s: is it powered and on the bus?")
+            clock.sleep_until(clock.now_ns() + round(self.period * 1e9))
+        return feedback
+
+    def _cycle(self, feedback: JointFeedback, duration: float) -> int:
+        """The cycles themselves; returns their number."""
+        adapter, clock, gate, n = self.adapter, self.adapter.clock, self.adapter.gate, self._n
+        now_ns, sleep_until, read_into, write = clock.now_ns, clock.sleep_until, adapter.read_into, adapter.write
+        sample, counter, append, stop = self.reference.sample, time.perf_counter_ns, self.log.append, self._stop
+        torques = [compensator.torque for compensator in self.compensators]
+        command, goal, seen = JointCommand(n), ReferenceState(n), ReferenceState(n)
+        compensation, wanted, joints = [0.0] * n, [0.0] * n, range(n)
+        period = round(self.period * 1e9)
+        start = deadline = now_ns() + period
+        end, cycles = start + round(duration * 1e9), 0
+        while deadline < end and not stop.is_set():
+            sleep_until(deadline)
+            began, now = counter(), now_ns()
+            read_into(feedback)
+            sample((now - start) * 1e-9, goal)
+            sample(max(feedback.time_ns - start, 0) * 1e-9, seen)
+            if self.controller is not None:
+                self.controller.torque_into(wanted, feedback, seen)
+            for j, torque in enumerate(torques):
+                compensation[j] = torque(
+                    goal.velocity[j],
+                    feedback.velocity[j],
+                    seen.position[j] - feedback.position[j],
+                    position=feedback.position[j],
+                )
+            for j in joints:
+                command.torque[j] = wanted[j] + compensation[j]
+            command.position, command.velocity = goal.position, goal.velocity
+            if not write(command):
+                break
+            cycles += 1
+            row = [(now - start) * 1e-9, (now - deadline) * 1e-9, (counter() - began) * 1e-9]
+            row += feedback.position + feedback.velocity + feedback.torque
+            append(row + goal.position + goal.velocity + compensation + command.torque)
+            deadline += period
+            behind = (now_ns() - deadline) // period + 1
+            if behind > 0:
+                self._skipped += behind
+                deadline += behind * period
+                if behind > self.most_skipped:
+                    gate.trip("overrun", f"{behind} cycles of {self.period * 1e3:g} ms missed at once", now)
+        return cycles
+
+
+class _Signals(contextlib.AbstractContextManager[None]):
+    """SIGINT and SIGTERM end the loop after its cycle: a handler that stopped the drives could meet a held lock."""
+
+    def __init__(self, stop: threading.Event) -> None:
+        self._stop, self._received = stop, 0
+        self._before: dict[int, Any] = {}
+
+    def __enter__(self) -> None:
+        if threading.current_thread() is threading.main_thread():
+            for number in (signal.SIGINT, signal.SIGTERM):
+                self._before[number] = signal.signal(number, self._handle)
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+
+    def _handle(self, number: int, _: FrameType | None) -> None:
+        self._received = number
+        self._stop.set()
+
+    def raise_interrupt(self) -> None:
+        """Hand on what was received, now that the joints are at rest."""
+        if self._received:
+            raise KeyboardInterrupt

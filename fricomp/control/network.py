@@ -1,0 +1,168 @@
+"""Compensation by networks: one ONNX graph for all joints, bound to fixed buffers, one thread, warmed up."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections.abc import MutableSequence, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fricomp.errors import MissingExtraError, ModelFileError, ParameterError
+from fricomp.laws import FloatArray
+
+__all__ = ["NetworkCompensator"]
+
+_WARM_UP, _TIMED = 200, 1000
+_SAMPLES = 101
+
+
+class NetworkCompensator:
+    """Friction compensation from the networks that a calibration exports.
+
+    Close to rest the torque is faded with tanh(v/smoothing), outside the trained range of velocity it goes to zero.
+
+    Attributes:
+        n_joints: Joints of the graph.
+        authority: Largest compensation of each joint, from its network over its range.
+        tail: Slowest of 1000 timed calls but one [s].
+        rejected: Inputs so far that were not finite and got zeros.
+
+    Args:
+        path: `friction.onnx` of one joint, or several stacked by `fricomp export`.
+        period: Control period [s].
+        gain: Share of the friction that is compensated [1].
+        smoothing: Velocity over which the direction changes [rad/s] or [m/s].
+        velocity_range: Range of validity, the same for all joints; None to take it from the file.
+        largest_share: Share of the period that the slowest call may take [1].
+
+    Raises:
+        MissingExtraError: onnxruntime is not installed.
+        ModelFileError: The file is no friction network.
+        ParameterError: Its calls are too slow for the period.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        period: float = 1e-3,
+        gain: float = 0.95,
+        smoothing: float = 0.005,
+        velocity_range: tuple[float, float] | None = None,
+        largest_share: float = 0.5,
+    ) -> None:
+        if not 0.0 <= gain <= 2.0 or not smoothing > 0.0:
+            raise ParameterError(f"gain must lie from 0 to 2 and smoothing be positive, got {gain!r} and {smoothing!r}")
+        self._session = _open(Path(path))
+        rows = self._session.get_inputs()[0].shape[0]
+        self.n_joints = rows if isinstance(rows, int) else 1
+        self._state = np.zeros((self.n_joints, 2), dtype=np.float32)
+        self._state[:, 1] = 1.0
+        self._torque = np.zeros((self.n_joints, 1), dtype=np.float32)
+        self._run = _bind(self._session, self._state, self._torque)
+        self._gain, self._smoothing, self.rejected = gain, smoothing, 0
+        self._range = velocity_range or self._range_of_file()
+        self.authority: list[float] = self._largest().tolist()
+        self.tail = self._measure_tail()
+        if self.tail > largest_share * period:
+            raise ParameterError(
+                f"the slowest calls of this network take {self.tail * 1e6:.0f} µs, over {largest_share:.0%} of the "
+                f"period of {period * 1e6:.0f} µs: use the closed form (friction.json), or a longer period"
+            )
+
+    def torque_into(
+        self, out: MutableSequence[float], velocity_reference: Sequence[float], load: Sequence[float] | None = None
+    ) -> None:
+        """Fill `out` with the compensation of each joint.
+
+        Args:
+            out: One entry a joint, in the models' torque units.
+            velocity_reference: [rad/s] or [m/s].
+            load: Normal loads; those of the last call, at first 1, where None.
+        """
+        smoothing, low, high = self._smoothing, *self._range
+        try:
+            usable = math.isfinite(sum(velocity_reference)) and (load is None or math.isfinite(sum(load)))
+        except (TypeError, ValueError, OverflowError):
+            usable = False
+        if not usable:
+            self.rejected += 1
+            out[:] = [0.0] * self.n_joints
+            return
+        self._state[:, 0] = [
+            v if v > smoothing or v < -smoothing else smoothing if v >= 0.0 else -smoothing for v in velocity_reference
+        ]
+        if load is not None:
+            self._state[:, 1] = load
+        self._run()
+        tau = self._torque[:, 0].tolist()
+        for joint, v in enumerate(velocity_reference):
+            size = v if v >= 0.0 else -v
+            value = self._gain * tau[joint] * math.tanh(size / smoothing)
+            beyond = size - (high if v >= 0.0 else -low)
+            if beyond > 0.0:
+                value *= max(0.0, 1.0 - 2.0 * beyond / (high - low))
+            limit = self.authority[joint]
+            out[joint] = limit if value > limit else -limit if value < -limit else value if value == value else 0.0
+
+    def run_graph(self) -> None:
+        """Run the graph on the inputs of the last call."""
+        self._run()
+
+    def _range_of_file(self) -> tuple[float, float]:
+        words = self._session.get_modelmeta().custom_metadata_map.get("velocity_range", "").split()
+        if len(words) != 2:
+            raise ParameterError("the network's file states no range of velocity: give velocity_range=(low, high)")
+        return float(words[0]), float(words[1])
+
+    def _largest(self) -> FloatArray:
+        """Largest torque of each network over the range. Shape (n_joints,)."""
+        found = np.zeros(self.n_joints)
+        for v in np.linspace(*self._range, _SAMPLES):
+            self._state[:, 0] = v
+            self._run()
+            found = np.maximum(found, np.abs(self._torque[:, 0]))
+        if not np.all(np.isfinite(found)) or not np.all(found > 0.0):
+            raise ModelFileError(f"the network gives {found.tolist()} as its largest torques: it is damaged")
+        return found
+
+    def _measure_tail(self) -> float:
+        for _ in range(_WARM_UP):
+            self._run()
+        took = []
+        for _ in range(_TIMED):
+            start = time.perf_counter()
+            self._run()
+            took.append(time.perf_counter() - start)
+        return sorted(took)[-2]
+
+
+def _open(path: Path) -> Any:
+    try:
+        import onnxruntime
+    except ImportError:
+        raise MissingExtraError("onnxruntime", "onnx") from None
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = options.inter_op_num_threads = 1
+    options.execution_mode = onnxruntime.ExecutionMode.ORT_SEQUENTIAL
+    options.log_severity_level = 3
+    try:
+        session = onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
+    except Exception as error:  # the runtime raises its own kinds, and bare ones
+        raise ModelFileError(f"cannot read the network {path}: {error}") from error
+    shapes = [tuple(item.shape[1:]) for item in (*session.get_inputs(), *session.get_outputs())]
+    if [item.name for item in session.get_inputs()] != ["state"] or shapes != [(2,), (1,)]:
+        raise ModelFileError(f"{path} is no friction network: it must take `state` (n, 2) and give `torque` (n, 1)")
+    return session
+
+
+def _bind(session: Any, state: Any, torque: Any) -> Any:
+    binding = session.io_binding()
+    binding.bind_input("state", "cpu", 0, np.float32, state.shape, state.ctypes.data)
+    binding.bind_output(session.get_outputs()[0].name, "cpu", 0, np.float32, torque.shape, torque.ctypes.data)
+    run = session.run_with_iobinding
+    return lambda: run(binding)

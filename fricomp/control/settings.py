@@ -1,0 +1,105 @@
+"""How a compensator works, and the loop it works in."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from fricomp.errors import ParameterError
+
+__all__ = ["CompensationSettings", "LoopDynamics", "Source"]
+
+Source = Literal["reference", "blend", "measured"]
+
+
+@dataclass(frozen=True)
+class LoopDynamics:
+    """The position loop that a compensation works in: u = stiffness (q_r - q) + damping (v_r - v).
+
+    Attributes:
+        inertia: J [kg·m²] or [kg].
+        stiffness: Proportional gain [N·m/rad] or [N/m].
+        damping: Derivative gain [N·m·s/rad] or [N·s/m].
+        delay: From the joint's motion to the torque that answers it, without the velocity's filter [s].
+        velocity_filter: Time constant of the low pass on the measured velocity [s].
+
+    Raises:
+        ParameterError: A value is not finite, negative, or the inertia is zero.
+    """
+
+    inertia: float
+    stiffness: float
+    damping: float
+    delay: float = 0.0
+    velocity_filter: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("inertia", "stiffness", "damping", "delay", "velocity_filter"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise ParameterError(f"{name} of the loop must be finite and not negative, got {value!r}")
+        if self.inertia == 0.0:
+            raise ParameterError("the inertia of the loop must be positive")
+
+
+@dataclass(frozen=True)
+class CompensationSettings:
+    """How a static compensation is formed; see `choose_settings` for values that fit a model.
+
+    With x = v_r, or the measured velocity beyond its dead band where that is the source,
+
+    tau = gain (tanh((x + k e)/smoothing) dry(s) + viscous v),  s = max(0, sgn(x) ((1-w) v_r + w v_measured))
+
+    Attributes:
+        source: What decides the direction. `blend` takes the direction from the reference and the speed on the
+            curve from the measurement, which follows a falling branch as it is met.
+        measured_share: w; 0 for `reference`, 1 for `measured` [1].
+        smoothing: Velocity over which the direction changes [rad/s] or [m/s].
+        dead_band: Measured velocity that counts as rest; `measured` only [rad/s] or [m/s].
+        gain: Share of the modelled friction that is compensated [1].
+        authority: Largest compensation, in the model's torque unit.
+        torque_rate: Fastest change of the compensation, per second.
+        rest_velocity: Below it a measured joint counts as resting and gets the breakaway torque; 0 for no assistance.
+        error_rate: k: direction that a position error gives to a resting reference; 0 for none [1/s].
+        error_band: Position error that gives none [rad] or [m].
+        velocity_range: Range of validity; outside it the compensation fades [rad/s] or [m/s].
+        fade_width: Width over which it fades to zero [rad/s] or [m/s].
+        load_range: Loads beyond it count as its ends; None for no bound.
+        notes: Why it is so, in sentences.
+
+    Raises:
+        ParameterError: A value is outside its domain.
+    """
+
+    source: Source
+    measured_share: float
+    smoothing: float
+    gain: float
+    authority: float
+    velocity_range: tuple[float, float]
+    fade_width: float
+    dead_band: float = 0.0
+    torque_rate: float = math.inf
+    rest_velocity: float = 0.0
+    error_rate: float = 0.0
+    error_band: float = 0.0
+    load_range: tuple[float, float] | None = None
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.source not in ("reference", "blend", "measured"):
+            raise ParameterError(f"source must be 'reference', 'blend' or 'measured', got {self.source!r}")
+        for name in ("smoothing", "authority", "fade_width", "torque_rate"):
+            if not getattr(self, name) > 0.0:
+                raise ParameterError(f"{name} must be positive, got {getattr(self, name)!r}")
+        for name in ("dead_band", "rest_velocity", "error_rate", "error_band"):
+            if not 0.0 <= getattr(self, name) < math.inf:
+                raise ParameterError(f"{name} must be finite and not negative, got {getattr(self, name)!r}")
+        for name in ("smoothing", "authority"):
+            if getattr(self, name) == math.inf:
+                raise ParameterError(f"{name} must be finite")
+        if not 0.0 <= self.measured_share <= 1.0:
+            raise ParameterError(f"measured_share must lie from 0 to 1, got {self.measured_share!r}")
+        if not 0.0 <= self.gain <= 2.0:
+            raise ParameterError(f"gain must lie from 0 to 2 (below 1 to under-compensate), got {self.gain!r}")

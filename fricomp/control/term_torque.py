@@ -1,0 +1,62 @@
+"""The parts of a compensation that not every law has: the bristle, and terms that fit no curve."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import exp, tanh
+
+import numpy as np
+
+from fricomp.control.curve import FrictionCurves
+from fricomp.control.settings import CompensationSettings
+from fricomp.laws import OperatingPoint
+
+__all__ = ["FALLING_SHARE_WITHOUT_VELOCITY", "build_bristle", "build_extra"]
+
+FALLING_SHARE_WITHOUT_VELOCITY = 0.5
+"""Share of F_s - F_c that `blend` uses while no velocity is measured: half way between sticking and overshooting."""
+
+
+def build_bristle(curves: FrictionCurves, period: float) -> tuple[Callable[[float, float], float], Callable[[], None]]:
+    """Bristle torque driven by the reference velocity, advanced exactly as `fricomp.laws.LuGre.advance`."""
+    assert curves.bristle is not None
+    forward, reverse = curves.forward, curves.reverse
+    sigma_0, damping = curves.bristle.sigma_0, curves.bristle.sigma_1 / period
+    z = 0.0
+
+    def bristle(velocity: float, factor: float) -> float:
+        nonlocal z
+        coulomb, rise, stribeck_velocity, exponent, _ = forward if velocity >= 0.0 else reverse
+        speed = velocity if velocity >= 0.0 else -velocity
+        steady = factor * (coulomb + rise * exp(-((speed / stribeck_velocity) ** exponent))) / sigma_0
+        if not steady > 0.0:
+            z = 0.0
+            return 0.0
+        target = steady if velocity >= 0.0 else -steady
+        after = target + (z - target) * exp(-speed * period / steady)
+        tau = sigma_0 * after + damping * (after - z)
+        z = after
+        return tau
+
+    def reset() -> None:
+        nonlocal z
+        z = 0.0
+
+    return bristle, reset
+
+
+def build_extra(curves: FrictionCurves, settings: CompensationSettings) -> Callable[..., float]:
+    """Terms that fit no curve, evaluated in both directions and blended over the change of direction."""
+    terms, smoothing, gain = curves.extra, settings.smoothing, settings.gain
+    low, high = settings.velocity_range
+
+    def extra(drive: float, position: float, load_torque: float, temperature: float | None) -> float:
+        speed = min(abs(drive), high if drive >= 0.0 else -low)
+        point = OperatingPoint(
+            np.array([speed, -speed]), position=position, load_torque=load_torque, temperature=temperature
+        )
+        both = sum((np.broadcast_to(np.asarray(term.torque(point)), 2) for term in terms), np.zeros(2))
+        ahead, back = both.tolist()
+        return float(gain * 0.5 * (ahead + back + tanh(drive / smoothing) * (ahead - back)))
+
+    return extra

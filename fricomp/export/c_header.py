@@ -1,0 +1,173 @@
+"""A compensator as one C header: the same equation, smoothing and limits as in Python."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import re
+from collections.abc import Callable
+from string import Template
+
+import fricomp.export.c_template as template
+from fricomp.control import (
+    FALLING_SHARE_WITHOUT_VELOCITY,
+    CompensationSettings,
+    FrictionCurves,
+    choose_settings,
+    split_law,
+)
+from fricomp.errors import ExportError
+from fricomp.model import FrictionModel, encode_model
+
+__all__ = ["render_c_header"]
+
+Literal = Callable[[float], str]
+
+
+def render_c_header(
+    model: FrictionModel,
+    settings: CompensationSettings | None = None,
+    *,
+    period: float = 1e-3,
+    prefix: str | None = None,
+    version: str = "",
+) -> str:
+    """The header for `model`, in double and in single precision.
+
+    Args:
+        model: What is compensated.
+        settings: How; those that fit the model if None.
+        period: Control period, which limits of rate and the bristle need [s].
+        prefix: Of every name in the header; made from the joint's name if None.
+        version: Of fricomp, for the comment on top.
+
+    Raises:
+        ExportError: The prefix is no C name, or the law has a term that the header cannot express.
+    """
+    curves = split_law(model.law)
+    if curves.extra:
+        unknown = ", ".join(sorted(getattr(term, "name", "?") for term in curves.extra))
+        raise ExportError(
+            f"a C header holds Coulomb, viscous, Stribeck, Dahl and LuGre friction; this law has {unknown}"
+        )
+    chosen = settings or choose_settings(model)
+    name = prefix if prefix is not None else "friction_" + re.sub(r"\W+", "_", model.joint.lower()).strip("_")
+    if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
+        raise ExportError(f"prefix {name!r} is not a C name: letters, digits and underscores, no digit first")
+    functions = "\n".join(
+        _functions(curves, chosen, (model.position_unit, name), period, is_float) for is_float in (False, True)
+    )
+    return template.HEADER.substitute(
+        joint=_comment(model.joint),
+        version=version,
+        digest=hashlib.sha256(encode_model(model)).hexdigest(),
+        torque_unit=_comment(model.torque_unit),
+        position_unit=model.position_unit,
+        prefix=name,
+        guard=f"{name.upper()}_H",
+        period=f"{period:g}",
+        functions=functions,
+    )
+
+
+def _comment(text: str) -> str:
+    """`text` without what would end a comment, or leave ASCII."""
+    return text.replace("·", "*").replace("*/", "").encode("ascii", "replace").decode()
+
+
+def _functions(
+    curves: FrictionCurves, settings: CompensationSettings, names: tuple[str, str], period: float, is_float: bool
+) -> str:
+    def literal(value: float) -> str:
+        text = repr(float(value))
+        text = text if "e" in text or "." in text else f"{text}.0"
+        return f"{text}F" if is_float else text
+
+    low, high = settings.velocity_range
+    values = {
+        "zero": 0.0,
+        "one": 1.0,
+        "keep": 1.0 - settings.measured_share,
+        "share": settings.measured_share,
+        "error_band": settings.error_band,
+        "error_rate": settings.error_rate,
+        "gain": settings.gain,
+        "fade_width": settings.fade_width,
+        "authority": settings.authority,
+        "load_sensitivity": curves.load.load_sensitivity,
+        "reference_load": curves.load.reference_load,
+    }
+    for side, curve, edge in (("forward", curves.forward, high), ("reverse", curves.reverse, -low)):
+        values |= {f"{side}_edge": edge, f"{side}_coulomb": curve.coulomb, f"{side}_rise": curve.rise}
+        values |= {f"{side}_stribeck_velocity": curve.stribeck_velocity, f"{side}_viscous": curve.viscous}
+    suffix = "f" if is_float else ""
+    names_and_types = {"real": "float" if is_float else "double", "f": suffix, "prefix": names[1]}
+    constants = names_and_types | {name: literal(value) for name, value in values.items()}
+    dry = _static(curves, settings, literal) if curves.bristle is None else _bristle(curves, period, literal)
+    return template.FUNCTIONS.substitute(
+        constants,
+        position_unit=names[0],
+        load_bounds=_load_bounds(settings, literal),
+        drive_from_measurement=_measured(settings, literal),
+        dry=Template(dry.safe_substitute(constants)).substitute(constants),
+        rate_limit=_rate_limit(settings, period, literal),
+    )
+
+
+def _load_bounds(settings: CompensationSettings, literal: Literal) -> str:
+    if settings.load_range is None:
+        return ""
+    low, high = (literal(edge) for edge in settings.load_range)
+    return f"        load = (load < {low}) ? {low} : ((load > {high}) ? {high} : load);\n"
+
+
+def _measured(settings: CompensationSettings, literal: Literal) -> str:
+    if settings.source != "measured":
+        return ""
+    band, zero = literal(settings.dead_band), literal(0.0)
+    return (
+        f"        drive = (input->velocity > {band}) ? (input->velocity - {band})\n"
+        f"              : ((input->velocity < -{band}) ? (input->velocity + {band}) : {zero});\n"
+    )
+
+
+def _falling(curves: FrictionCurves, speed: str, literal: Literal) -> str:
+    """The exponential of the curve as C; the usual exponent 2 needs no power."""
+    ratio = f"({speed} / stribeck_velocity)"
+    forward, reverse = curves.forward.exponent, curves.reverse.exponent
+    if forward == reverse == 2.0:
+        return f"exp$f(-({ratio} * {ratio}))"
+    return f"exp$f(-pow$f({ratio}, (direction >= $zero) ? {literal(forward)} : {literal(reverse)}))"
+
+
+def _static(curves: FrictionCurves, settings: CompensationSettings, literal: Literal) -> Template:
+    share_at_rest, width = "$zero", literal(settings.rest_velocity)
+    if settings.rest_velocity > 0.0:
+        size = "fabs$f(input->velocity)"
+        share_at_rest = f"({size} < {width}) ? ($one - ({size} / {width})) : $zero"
+    return Template(
+        template.STATIC.safe_substitute(
+            falling=_falling(curves, "blended", literal),
+            share_at_rest=share_at_rest,
+            unseen=literal(FALLING_SHARE_WITHOUT_VELOCITY if settings.source == "blend" else 1.0),
+            smoothing=literal(settings.smoothing),
+        )
+    )
+
+
+def _bristle(curves: FrictionCurves, period: float, literal: Literal) -> Template:
+    assert curves.bristle is not None
+    return Template(
+        template.BRISTLE.safe_substitute(
+            falling=_falling(curves, "size", literal),
+            sigma_0=literal(curves.bristle.sigma_0),
+            sigma_1_per_period=literal(curves.bristle.sigma_1 / period),
+            period=literal(period),
+        )
+    )
+
+
+def _rate_limit(settings: CompensationSettings, period: float, literal: Literal) -> str:
+    if math.isinf(settings.torque_rate):
+        return "    (void)change; /* the rate is not limited */\n"
+    return template.RATE.substitute(step=literal(settings.torque_rate * period))

@@ -1,0 +1,194 @@
+"""Friction as an ONNX graph: closed forms written out, and several joints' networks stacked into one."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fricomp.control import split_law
+from fricomp.errors import ExportError, MissingExtraError
+from fricomp.laws import FloatArray
+from fricomp.model import FrictionModel
+
+__all__ = ["closed_form_graph", "save_graph", "stack_networks"]
+
+OPSET = 17
+_IR_VERSION = 8
+
+
+def closed_form_graph(models: Sequence[FrictionModel]) -> Any:
+    """The closed forms of `models`: input `state` (velocity, normal load), output `torque`.
+
+    One model takes any number of rows, shape (n, 2) to (n, 1); several take one row each, in their order.
+
+    Raises:
+        ExportError: No model, or a law has a term that the graph cannot express.
+        MissingExtraError: onnx is not installed.
+    """
+    onnx = _onnx()
+    curves = [split_law(model.law) for model in models]
+    for model, curve in zip(models, curves, strict=True):
+        if curve.extra:
+            names = ", ".join(getattr(term, "name", "?") for term in curve.extra)
+            raise ExportError(f"the law of joint {model.joint!r} has {names}, which the ONNX export does not know")
+    if not models:
+        raise ExportError("an ONNX graph needs at least one model")
+    constants: dict[str, FloatArray] = {"zero": np.zeros((1, 1)), "one": np.ones((1, 1))}
+    for side in ("forward", "reverse"):
+        table = np.array([getattr(curve, side) for curve in curves])
+        for column, name in enumerate(("coulomb", "rise", "stribeck_velocity", "exponent", "viscous")):
+            constants[f"{side}_{name}"] = table[:, column : column + 1]
+    constants["sensitivity"] = np.array([[curve.load.load_sensitivity] for curve in curves])
+    constants["reference_load"] = np.array([[curve.load.reference_load] for curve in curves])
+    rows: int | str = "n" if len(models) == 1 else len(models)
+    return _model(onnx, _closed_form_nodes(onnx.helper.make_node), constants, rows)
+
+
+def _closed_form_nodes(node: Any) -> list[Any]:
+    nodes = [
+        node("Split", ["state"], ["velocity", "load"], axis=1),
+        node("Abs", ["velocity"], ["speed"]),
+        node("Div", ["load", "reference_load"], ["load_ratio"]),
+        node("Sub", ["load_ratio", "one"], ["excess"]),
+        node("Mul", ["excess", "sensitivity"], ["share"]),
+        node("Add", ["share", "one"], ["factor"]),
+    ]
+    for side in ("forward", "reverse"):
+        names = ("ratio", "power", "minus", "falling", "risen", "dry", "loaded", "viscous_part", "level")
+        ratio, power, minus, falling, risen, dry, loaded, viscous, level = (f"{side}_{name}_" for name in names)
+        nodes += [
+            node("Div", ["speed", f"{side}_stribeck_velocity"], [ratio]),
+            node("Pow", [ratio, f"{side}_exponent"], [power]),
+            node("Neg", [power], [minus]),
+            node("Exp", [minus], [falling]),
+            node("Mul", [falling, f"{side}_rise"], [risen]),
+            node("Add", [risen, f"{side}_coulomb"], [dry]),
+            node("Mul", [dry, "factor"], [loaded]),
+            node("Mul", ["speed", f"{side}_viscous"], [viscous]),
+            node("Add", [loaded, viscous], [level]),
+        ]
+    return [
+        *nodes,
+        node("Greater", ["velocity", "zero"], ["is_forward"]),
+        node("Where", ["is_forward", "forward_level_", "reverse_level_"], ["size"]),
+        node("Sign", ["velocity"], ["sign"]),
+        node("Mul", ["size", "sign"], ["torque"]),
+    ]
+
+
+def stack_networks(paths: Sequence[str | os.PathLike[str]]) -> Any:
+    """The networks of several joints in one graph: input `state`, shape (n_joints, 2), output (n_joints, 1).
+
+    Their layers are joined into block-diagonal ones and the normalisation is folded into the first and the last:
+    few operators, each for all joints, which is what a call costs.
+
+    Raises:
+        ExportError: No file, a file is no network of this library, or their layers differ in number.
+        MissingExtraError: onnx is not installed.
+    """
+    onnx = _onnx()
+    tables = [_weights(onnx, Path(path)) for path in paths]
+    depths = {sum(name.startswith("weight_") for name in table) for table in tables}
+    if len(depths) != 1:
+        raise ExportError(
+            f"networks of {sorted(depths)} layers cannot be joined: give networks with as many layers each"
+        )
+    n_layers, n_joints = depths.pop(), len(tables)
+    joints = [_folded_layers(table, n_layers) for table in tables]
+    constants: dict[str, FloatArray] = {}
+    node = onnx.helper.make_node
+    nodes = [node("Reshape", ["state", "flat"], ["signal_0"])]
+    for k in range(n_layers):
+        constants[f"weight_{k}"] = _block_diagonal([layers[k][0] for layers in joints])
+        constants[f"bias_{k}"] = np.concatenate([layers[k][1] for layers in joints])
+        nodes.append(node("Gemm", [f"signal_{k}", f"weight_{k}", f"bias_{k}"], [f"affine_{k}"]))
+        if k < n_layers - 1:
+            nodes.append(node("Tanh", [f"affine_{k}"], [f"signal_{k + 1}"]))
+    nodes.append(node("Reshape", [f"affine_{n_layers - 1}", "column"], ["torque"]))
+    shapes = {"flat": np.array([1, 2 * n_joints]), "column": np.array([n_joints, 1])}
+    return _model(onnx, nodes, constants, n_joints, {name: v.astype(np.int64) for name, v in shapes.items()})
+
+
+def _folded_layers(table: dict[str, FloatArray], n_layers: int) -> list[tuple[FloatArray, FloatArray]]:
+    """Weight, shape (n_in, n_out), and bias of each layer, with scaling and offset of input and output inside."""
+    layers = [
+        (table[f"weight_{k}"].T.astype(np.float64), table[f"bias_{k}"].astype(np.float64)) for k in range(n_layers)
+    ]
+    weight, bias = layers[0]
+    weight = weight / table["input_scale"].reshape(-1, 1)
+    layers[0] = weight, bias - table["input_offset"].reshape(-1) @ weight
+    weight, bias = layers[-1]
+    layers[-1] = weight * table["torque_scale"], bias * table["torque_scale"]
+    return layers
+
+
+def _block_diagonal(blocks: Sequence[FloatArray]) -> FloatArray:
+    """The blocks along the diagonal of one matrix, zeros elsewhere."""
+    matrix = np.zeros(tuple(sum(block.shape[axis] for block in blocks) for axis in (0, 1)))
+    row = column = 0
+    for block in blocks:
+        matrix[row : row + block.shape[0], column : column + block.shape[1]] = block
+        row, column = row + block.shape[0], column + block.shape[1]
+    return matrix
+
+
+def save_graph(graph: Any, path: str | os.PathLike[str], metadata: dict[str, str] | None = None) -> None:
+    """Check and write a graph, whole or not at all.
+
+    Raises:
+        ExportError: The file cannot be written.
+    """
+    for key, value in sorted(({"opset": str(OPSET)} | (metadata or {})).items()):
+        graph.metadata_props.add(key=key, value=value)
+    _onnx().checker.check_model(graph)
+    target = Path(path)
+    part = target.with_name(target.name + ".part")
+    try:
+        part.write_bytes(graph.SerializeToString())
+        part.replace(target)
+    except OSError as error:
+        raise ExportError(f"cannot write {target}: {error.strerror or error}") from error
+
+
+def _onnx() -> Any:
+    try:
+        import onnx
+    except ImportError:
+        raise MissingExtraError("onnx", "calibrate") from None
+    return onnx
+
+
+def _weights(onnx: Any, path: Path) -> dict[str, FloatArray]:
+    try:
+        graph = onnx.load(str(path)).graph
+    except Exception as error:  # protobuf raises its own kinds
+        raise ExportError(f"cannot read the network {path}: {error}") from error
+    table = {item.name: onnx.numpy_helper.to_array(item) for item in graph.initializer}
+    if not {"input_offset", "input_scale", "torque_scale", "weight_0", "bias_0"} <= set(table):
+        raise ExportError(f"{path} is not a friction network of this library: export it with fricomp")
+    return table
+
+
+def _model(
+    onnx: Any,
+    nodes: list[Any],
+    constants: dict[str, FloatArray],
+    rows: int | str,
+    integers: dict[str, Any] | None = None,
+) -> Any:
+    helper, FLOAT = onnx.helper, onnx.TensorProto.FLOAT
+    tensors = [onnx.numpy_helper.from_array(value.astype(np.float32), name) for name, value in constants.items()]
+    tensors += [onnx.numpy_helper.from_array(value, name) for name, value in (integers or {}).items()]
+    graph = helper.make_graph(
+        nodes,
+        "friction_torque",
+        [helper.make_tensor_value_info("state", FLOAT, [rows, 2])],
+        [helper.make_tensor_value_info("torque", FLOAT, [rows, 1])],
+        tensors,
+    )
+    opset = [helper.make_opsetid("", OPSET)]
+    return helper.make_model(graph, opset_imports=opset, ir_version=_IR_VERSION, producer_name="fricomp")

@@ -1,0 +1,238 @@
+"""A model in the words of a simulator: MJCF for MuJoCo, URDF for everything else; each with what it loses."""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from fricomp.control import FrictionCurves, split_law
+from fricomp.errors import ExportError
+from fricomp.export.fidelity import Fidelity, compute_fidelity, fit_levels, sample_friction
+from fricomp.laws import Cogging, FloatArray, FrictionLaw, SpringTorque, Term
+from fricomp.model import FrictionModel
+
+__all__ = ["MJCF_WAYS", "MjcfWay", "SimulatorExport", "apply_to_mjcf", "apply_to_urdf", "export_mjcf", "export_urdf"]
+
+MjcfWay = Literal["dcmotor", "damping", "frictionloss"]
+MJCF_WAYS: tuple[MjcfWay, ...] = ("dcmotor", "damping", "frictionloss")
+
+# MuJoCo's default friction constraint creeps at 90 % of breakaway; these two together make it stick.
+_STICKING = {"solreffriction": "0.002 1", "solimpfriction": "0.9999 0.9999 0.001 0.5 2"}
+_BREAKAWAY_TRAVEL = 1e-4  # [rad] or [m], a stiff joint's; where the model has no bristle
+_BRISTLE_TIME = 1e-3  # sigma_1/sigma_0 [s], likewise
+
+
+@dataclass(frozen=True)
+class SimulatorExport:
+    """Friction of one joint for a simulator.
+
+    Attributes:
+        joint: Attributes of the joint's element (MJCF `joint`, URDF `dynamics`).
+        actuator: Attributes of an extra MJCF `dcmotor`, or empty.
+        fidelity: What is lost.
+    """
+
+    joint: Mapping[str, str]
+    fidelity: Fidelity
+    actuator: Mapping[str, str] = field(default_factory=dict)
+
+
+def export_mjcf(model: FrictionModel, way: MjcfWay = "dcmotor") -> SimulatorExport:
+    """Friction for MuJoCo 4.
+
+    Args:
+        model: What is exported.
+        way: `dcmotor`: a passive motor with LuGre friction, and joint damping. `damping`: the joint's damping
+            polynomial alone. `frictionloss`: a level that truly sticks, and damping.
+
+    Raises:
+        ExportError: The way is unknown.
+    """
+    if way not in MJCF_WAYS:
+        raise ExportError(f"MJCF way {way!r} is unknown; there are {', '.join(MJCF_WAYS)}")
+    springs = [term for term in model.law.terms if isinstance(term, SpringTorque)]
+    ripples = [term for term in model.law.terms if isinstance(term, Cogging)]
+    said = (*springs, *(ripples if way == "dcmotor" else ()))
+    sliding = _without(model, (*springs, *ripples))
+    curves, lost = split_law(sliding.law), []
+    left_out = [term.name for term in model.law.terms if term in curves.extra or (term in ripples and term not in said)]
+    if left_out:
+        lost.append(f"left out: {', '.join(left_out)}")
+    if curves.load.load_sensitivity and model.validity.normal_load is not None:
+        lost.append("friction does not follow the load")
+    if curves.forward != curves.reverse:
+        lost.append("both directions have their mean friction")
+    if way == "dcmotor":
+        export = _dcmotor(sliding, curves, lost)
+    else:
+        export = _damping(sliding, lost) if way == "damping" else _frictionloss(sliding, lost)
+    spring = {name: value for term in springs for name, value in _spring(term).items()}
+    if ripples and way == "dcmotor":
+        export = replace(export, actuator={**export.actuator, "cogging": _cogging(ripples[0])})
+    return replace(export, joint={**export.joint, **spring})
+
+
+def _without(model: FrictionModel, terms: Sequence[Term]) -> FrictionModel:
+    """The model without terms over position, which another element says."""
+    kept = tuple(term for term in model.law.terms if term not in terms)
+    if not kept:
+        raise ExportError(f"the law of joint {model.joint!r} has no friction, only terms over position")
+    return model.with_law(FrictionLaw(kept))
+
+
+def _spring(term: SpringTorque) -> dict[str, str]:
+    return {"stiffness": f"{term.stiffness:.9g}", "springref": f"{term.centre:.9g}"}
+
+
+def _cogging(term: Cogging) -> str:
+    """Amplitude, order and phase of the torque that MuJoCo adds: the opposite of what has to be overcome."""
+    amplitude, phase = math.hypot(term.sine, term.cosine), math.atan2(-term.cosine, -term.sine)
+    return f"{amplitude:.9g} {term.order:.9g} {phase:.9g}"
+
+
+def _dcmotor(model: FrictionModel, curves: FrictionCurves, lost: list[str]) -> SimulatorExport:
+    coulomb, rise, stribeck_velocity, exponent, viscous = np.mean([curves.forward, curves.reverse], axis=0).tolist()
+    if exponent != 2.0 and rise:
+        lost = [*lost, f"the Stribeck exponent is 2 instead of {exponent:g}"]
+    if curves.bristle is not None:
+        sigma_0, sigma_1 = curves.bristle.sigma_0, curves.bristle.sigma_1
+    else:
+        sigma_0 = (coulomb + rise) / _BREAKAWAY_TRAVEL
+        sigma_1 = sigma_0 * _BRISTLE_TIME
+        lost = [*lost, f"presliding is assumed: breakaway after {_BREAKAWAY_TRAVEL:g} {model.position_unit}"]
+    velocity, _ = sample_friction(model)
+    speed = np.abs(velocity)
+    torque = np.sign(velocity) * (coulomb + rise * np.exp(-((speed / stribeck_velocity) ** 2))) + viscous * velocity
+    lugre = (sigma_0, sigma_1, coulomb, coulomb + rise, stribeck_velocity)
+    return SimulatorExport(
+        joint={"damping": f"{viscous:.9g}", "frictionloss": "0"},
+        actuator={"input": "none", "resistance": "1", "lugre": " ".join(f"{value:.9g}" for value in lugre)},
+        fidelity=compute_fidelity(model, velocity, torque, tuple(lost)),
+    )
+
+
+def _damping(model: FrictionModel, lost: list[str]) -> SimulatorExport:
+    velocity, friction = sample_friction(model)
+    basis = np.column_stack([velocity, velocity * np.abs(velocity), velocity**3])
+    weights = _fit_passive(basis, friction)
+    return SimulatorExport(
+        joint={"damping": " ".join(f"{value:.9g}" for value in weights), "frictionloss": "0"},
+        fidelity=compute_fidelity(model, velocity, basis @ weights, (*lost, "nothing sticks")),
+    )
+
+
+def _fit_passive(basis: FloatArray, friction: FloatArray) -> FloatArray:
+    """Least squares with no negative damping at any speed of the basis; the highest terms go first."""
+    for terms in range(basis.shape[1], 0, -1):
+        weights = np.linalg.lstsq(basis[:, :terms], friction, rcond=None)[0]
+        if np.all((basis[:, :terms] @ weights) * basis[:, 0] >= 0.0) and weights[-1] >= 0.0:
+            return np.concatenate([weights, np.zeros(basis.shape[1] - terms)])
+    return np.zeros(basis.shape[1])
+
+
+def _frictionloss(model: FrictionModel, lost: list[str]) -> SimulatorExport:
+    velocity, friction = sample_friction(model)
+    level, slope = fit_levels(velocity, friction)
+    return SimulatorExport(
+        joint={"damping": f"{slope:.9g}", "frictionloss": f"{level:.9g}", **_STICKING},
+        fidelity=compute_fidelity(
+            model, velocity, level * np.sign(velocity) + slope * velocity, (*lost, "no Stribeck effect")
+        ),
+    )
+
+
+def export_urdf(model: FrictionModel) -> SimulatorExport:
+    """The `dynamics` of a URDF joint: a Coulomb level and viscous damping."""
+    over_position = [term for term in model.law.terms if isinstance(term, SpringTorque | Cogging)]
+    model = _without(model, over_position)
+    velocity, friction = sample_friction(model)
+    level, slope = fit_levels(velocity, friction)
+    lost = ["one level for both directions, no Stribeck effect, no load, no presliding"]
+    left_out = [term.name for term in (*over_position, *split_law(model.law).extra)]
+    if left_out:
+        lost.append(f"left out: {', '.join(left_out)}")
+    return SimulatorExport(
+        joint={"damping": f"{slope:.9g}", "friction": f"{level:.9g}"},
+        fidelity=compute_fidelity(model, velocity, level * np.sign(velocity) + slope * velocity, tuple(lost)),
+    )
+
+
+def apply_to_mjcf(export: SimulatorExport, text: str | None, joint: str) -> str:
+    """MJCF with the friction of `joint` in it.
+
+    Args:
+        export: From `export_mjcf`.
+        text: An MJCF file; None for a snippet that holds the joint and the actuator only.
+        joint: Name of the joint.
+
+    Raises:
+        ExportError: The file is not MJCF, or has no such joint.
+    """
+    root = _parse(
+        text or f"<mujoco><worldbody><body><joint name={_quote(joint)}/></body></worldbody></mujoco>", "mujoco"
+    )
+    element = _find(root, "joint", joint)
+    for name in ("damping", "frictionloss", *_STICKING):
+        element.attrib.pop(name, None)
+    element.attrib.update(export.joint)
+    if "springref" in export.joint and element.get("type", "hinge") == "hinge" and not _in_radians(root):
+        element.attrib["springref"] = f"{math.degrees(float(export.joint['springref'])):.9g}"
+    if export.actuator:
+        actuators = root.find("actuator")
+        if actuators is None:
+            actuators = ET.SubElement(root, "actuator")
+        ET.SubElement(actuators, "dcmotor", {"name": f"{joint}_friction", "joint": joint, **export.actuator})
+    return _to_text(root, export)
+
+
+def apply_to_urdf(export: SimulatorExport, text: str | None, joint: str) -> str:
+    """URDF with the friction of `joint` in it; see `apply_to_mjcf`.
+
+    Raises:
+        ExportError: The file is not URDF, or has no such joint.
+    """
+    root = _parse(text or f"<robot><joint name={_quote(joint)}/></robot>", "robot")
+    element = _find(root, "joint", joint)
+    dynamics = element.find("dynamics")
+    if dynamics is None:
+        dynamics = ET.SubElement(element, "dynamics")
+    dynamics.attrib.update(export.joint)
+    return _to_text(root, export)
+
+
+def _in_radians(root: ET.Element) -> bool:
+    """Whether the file's angles are in radians; MJCF says degrees unless told otherwise."""
+    return any(compiler.get("angle") == "radian" for compiler in root.iter("compiler"))
+
+
+def _parse(text: str, root: str) -> ET.Element:
+    try:
+        parsed = ET.fromstring(text, ET.XMLParser(target=ET.TreeBuilder(insert_comments=True)))
+    except ET.ParseError as error:
+        raise ExportError(f"the file to write into is not XML: {error}") from error
+    if parsed.tag != root:
+        raise ExportError(f"the file to write into has <{parsed.tag}> as its root, expected <{root}>")
+    return parsed
+
+
+def _find(root: ET.Element, tag: str, name: str) -> ET.Element:
+    names = {element.get("name", ""): element for element in root.iter(tag)}
+    if name not in names:
+        known = ", ".join(sorted(filter(None, names))) or "none"
+        raise ExportError(f"the file to write into has no {tag} {name!r}; it has {known}")
+    return names[name]
+
+
+def _quote(text: str) -> str:
+    return f'"{text.replace("&", "&amp;").replace("<", "&lt;").replace(chr(34), "&quot;")}"'
+
+
+def _to_text(root: ET.Element, export: SimulatorExport) -> str:
+    root.insert(0, ET.Comment(f" friction by fricomp: {str(export.fidelity).replace('--', '- -')} "))
+    ET.indent(root)
+    return ET.tostring(root, encoding="unicode") + "\n"

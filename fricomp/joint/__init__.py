@@ -1,0 +1,17 @@
+"""What a joint on a bus offers, is told and reports: capabilities, command, feedback, clock."""
+
+from fricomp.joint.capabilities import Capabilities, CommandMode, JointCapabilities, TorqueKind, Watchdog
+from fricomp.joint.clock import Clock, MonotonicClock
+from fricomp.joint.exchange import JointCommand, JointFeedback
+
+__all__ = [
+    "Capabilities",
+    "Clock",
+    "CommandMode",
+    "JointCapabilities",
+    "JointCommand",
+    "JointFeedback",
+    "MonotonicClock",
+    "TorqueKind",
+    "Watchdog",
+]

@@ -1,0 +1,48 @@
+"""Friction laws, composed of terms that add up."""
+
+from fricomp.laws.bristle import Dahl, LuGre
+from fricomp.laws.coulomb import Coulomb, SmoothedCoulomb, Viscous
+from fricomp.laws.end_stop import EndStop
+from fricomp.laws.law import FrictionLaw, LawState
+from fricomp.laws.load import LoadScaling
+from fricomp.laws.load_coulomb import LoadCoulomb
+from fricomp.laws.load_quadratic import LoadQuadratic
+from fricomp.laws.load_stribeck import LoadStribeck
+from fricomp.laws.power_law_viscous import PowerLawViscous
+from fricomp.laws.quadratic_drag import QuadraticDrag
+from fricomp.laws.ripple import Cogging, PositionCoulomb
+from fricomp.laws.spring_torque import SpringTorque
+from fricomp.laws.stribeck import BidirectionalStribeck, Stribeck, StribeckCurve
+from fricomp.laws.term import DynamicTerm, FloatArray, OperatingPoint, Scalar, Term, term_class, term_names
+from fricomp.laws.thermal_viscous import ThermalViscous
+
+__all__ = [
+    "BidirectionalStribeck",
+    "Cogging",
+    "Coulomb",
+    "Dahl",
+    "DynamicTerm",
+    "EndStop",
+    "FloatArray",
+    "FrictionLaw",
+    "LawState",
+    "LoadCoulomb",
+    "LoadQuadratic",
+    "LoadScaling",
+    "LoadStribeck",
+    "LuGre",
+    "OperatingPoint",
+    "PositionCoulomb",
+    "PowerLawViscous",
+    "QuadraticDrag",
+    "Scalar",
+    "SmoothedCoulomb",
+    "SpringTorque",
+    "Stribeck",
+    "StribeckCurve",
+    "Term",
+    "ThermalViscous",
+    "Viscous",
+    "term_class",
+    "term_names",
+]

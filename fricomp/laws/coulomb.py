@@ -1,0 +1,95 @@
+"""Coulomb and viscous friction, and the smoothed forms that avoid the jump at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from fricomp.laws.load import LoadScaling
+from fricomp.laws.term import OperatingPoint, Scalar, Term, require, require_nonnegative, require_positive
+
+__all__ = ["Coulomb", "SmoothedCoulomb", "Viscous"]
+
+_LOAD_UNITS = {"load_sensitivity": "1", "reference_load": "{torque}"}
+
+
+@dataclass(frozen=True)
+class Coulomb(Term):
+    """F_c sgn(v).
+
+    Attributes:
+        coulomb_torque: F_c [N·m] or [N].
+        load: How it follows the normal load.
+    """
+
+    name: ClassVar[str] = "coulomb"
+    units: ClassVar[Mapping[str, str]] = {"coulomb_torque": "{torque}", **_LOAD_UNITS}
+
+    coulomb_torque: float
+    load: LoadScaling = LoadScaling()
+
+    def __post_init__(self) -> None:
+        require_nonnegative(self, "coulomb_torque")
+
+    def torque(self, point: OperatingPoint) -> Scalar:
+        """Torque at `point`; zero at rest."""
+        return self.load.factor(point.normal_load) * self.coulomb_torque * np.sign(point.velocity)
+
+
+@dataclass(frozen=True)
+class Viscous(Term):
+    """F_v v.
+
+    Attributes:
+        viscous_coefficient: F_v [N·m·s/rad] or [N·s/m].
+    """
+
+    name: ClassVar[str] = "viscous"
+    units: ClassVar[Mapping[str, str]] = {"viscous_coefficient": "{torque}·s/{position}"}
+
+    viscous_coefficient: float
+
+    def __post_init__(self) -> None:
+        require_nonnegative(self, "viscous_coefficient")
+
+    def torque(self, point: OperatingPoint) -> Scalar:
+        """Torque at `point`."""
+        return self.viscous_coefficient * np.asarray(point.velocity, dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class SmoothedCoulomb(Term):
+    """Coulomb friction without the jump at rest: F_c (2/pi) atan(v/v_0), or F_c tanh(v/v_0), the sigmoid form.
+
+    Attributes:
+        coulomb_torque: F_c [N·m] or [N].
+        smoothing_velocity: v_0 [rad/s] or [m/s].
+        shape: `tanh` or `arctan`.
+        load: How it follows the normal load.
+    """
+
+    name: ClassVar[str] = "smoothed_coulomb"
+    units: ClassVar[Mapping[str, str]] = {
+        "coulomb_torque": "{torque}",
+        "smoothing_velocity": "{position}/s",
+        **_LOAD_UNITS,
+    }
+
+    coulomb_torque: float
+    smoothing_velocity: float
+    shape: Literal["tanh", "arctan"] = "tanh"
+    load: LoadScaling = LoadScaling()
+
+    def __post_init__(self) -> None:
+        require_nonnegative(self, "coulomb_torque")
+        require_positive(self, "smoothing_velocity")
+        require(self.shape in ("tanh", "arctan"), f"shape must be 'tanh' or 'arctan', got {self.shape!r}")
+
+    def torque(self, point: OperatingPoint) -> Scalar:
+        """Torque at `point`."""
+        ratio = np.asarray(point.velocity, dtype=np.float64) / self.smoothing_velocity
+        sign = np.tanh(ratio) if self.shape == "tanh" else 2.0 / np.pi * np.arctan(ratio)
+        return self.load.factor(point.normal_load) * self.coulomb_torque * sign

@@ -1,0 +1,40 @@
+"""A stop or bumper at one end of the range."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from fricomp.laws.term import OperatingPoint, Scalar, Term, require, require_nonnegative
+
+__all__ = ["EndStop"]
+
+
+@dataclass(frozen=True)
+class EndStop(Term):
+    """k max(side (q - q_e), 0) side.
+
+    Attributes:
+        stiffness: k [N·m/rad] or [N/m].
+        edge: q_e, where it begins to act [rad] or [m].
+        side: 1 for the upper end, -1 for the lower one.
+    """
+
+    name: ClassVar[str] = "end_stop"
+    units: ClassVar[Mapping[str, str]] = {"stiffness": "{torque}/{position}", "edge": "{position}", "side": "1"}
+
+    stiffness: float
+    edge: float
+    side: float
+
+    def __post_init__(self) -> None:
+        require_nonnegative(self, "stiffness")
+        require(self.side in (1.0, -1.0), f"side must be 1 or -1, got {self.side!r}")
+
+    def torque(self, point: OperatingPoint) -> Scalar:
+        """Torque at `point`."""
+        depth = np.maximum(self.side * (np.asarray(point.position, dtype=np.float64) - self.edge), 0.0)
+        return self.stiffness * self.side * depth

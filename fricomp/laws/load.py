@@ -1,0 +1,35 @@
+"""How dry friction follows the normal load on its contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from fricomp.laws.term import Scalar, require_nonnegative, require_positive
+
+__all__ = ["LoadScaling"]
+
+
+@dataclass(frozen=True)
+class LoadScaling:
+    """Factor on the dry part of a friction law: 1 + k (N / N_ref - 1).
+
+    With k = 1 dry friction is proportional to the normal load (Amontons); with k = 0 it does not depend on it.
+    Viscous friction comes from the lubricant and is not scaled.
+
+    Attributes:
+        load_sensitivity: k, between "not at all" and "proportional" [1].
+        reference_load: N_ref, the load at which the law's parameters hold [N·m], [N] or any unit the loads share.
+    """
+
+    load_sensitivity: float = 1.0
+    reference_load: float = 1.0
+
+    def __post_init__(self) -> None:
+        require_nonnegative(self, "load_sensitivity")
+        require_positive(self, "reference_load")
+
+    def factor(self, normal_load: Scalar | None) -> Scalar:
+        """Factor on dry friction [1] under `normal_load`; 1 where the load is unknown."""
+        if normal_load is None:
+            return 1.0
+        return 1.0 + self.load_sensitivity * (normal_load / self.reference_load - 1.0)

@@ -1,0 +1,35 @@
+"""Drag that grows with the square of the speed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from fricomp.laws.term import OperatingPoint, Scalar, Term, require_nonnegative
+
+__all__ = ["QuadraticDrag"]
+
+
+@dataclass(frozen=True)
+class QuadraticDrag(Term):
+    """c v |v| [bittencourt2010].
+
+    Attributes:
+        coefficient: c [N·m·s²/rad²] or [N·s²/m²].
+    """
+
+    name: ClassVar[str] = "quadratic_drag"
+    units: ClassVar[Mapping[str, str]] = {"coefficient": "{torque}·s²/{position}²"}
+
+    coefficient: float
+
+    def __post_init__(self) -> None:
+        require_nonnegative(self, "coefficient")
+
+    def torque(self, point: OperatingPoint) -> Scalar:
+        """Torque at `point`."""
+        v = np.asarray(point.velocity, dtype=np.float64)
+        return self.coefficient * v * np.abs(v)

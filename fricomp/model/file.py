@@ -1,0 +1,181 @@
+"""The model file: JSON with a schema and its version. Nothing in it is ever executed."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import Any, get_type_hints
+
+import msgspec
+import numpy as np
+
+from fricomp.errors import FricompError, ModelFileError
+from fricomp.laws import FrictionLaw, Term, term_class
+from fricomp.model.model import Covariance, FrictionModel, Motion, Provenance, Validity
+
+__all__ = ["MODEL_SCHEMA", "decode_model", "encode_model", "load_model", "model_json_schema", "save_model"]
+
+MODEL_SCHEMA = "fricomp.model/1"
+_FAMILY, _VERSION = MODEL_SCHEMA.split("/")
+
+
+class _Quantity(msgspec.Struct, forbid_unknown_fields=True):
+    value: float
+    unit: str
+    standard_deviation: float | None = None
+
+
+class _TermRecord(msgspec.Struct, forbid_unknown_fields=True):
+    term: str
+    parameters: dict[str, _Quantity]
+    options: dict[str, str] = {}
+
+
+class _CovarianceRecord(msgspec.Struct, forbid_unknown_fields=True):
+    names: tuple[str, ...]
+    matrix: list[list[float]]
+
+
+class _ModelRecord(msgspec.Struct, forbid_unknown_fields=True):
+    schema: str
+    joint: str
+    motion: Motion
+    torque_unit: str
+    law: list[_TermRecord]
+    validity: Validity
+    provenance: Provenance
+    covariance: _CovarianceRecord | None = None
+
+
+class _Header(msgspec.Struct):
+    schema: str
+
+
+def model_json_schema() -> dict[str, Any]:
+    """The JSON schema of the model file."""
+    return msgspec.json.schema(_ModelRecord)
+
+
+def save_model(model: FrictionModel, path: str | os.PathLike[str]) -> str:
+    """Write `model` as JSON, whole or not at all.
+
+    Returns:
+        SHA-256 of the file's bytes, in hexadecimal.
+
+    Raises:
+        ModelFileError: The file cannot be written.
+    """
+    target, data = Path(path), encode_model(model)
+    part = target.with_name(target.name + ".part")
+    try:
+        part.write_bytes(data)
+        part.replace(target)
+    except OSError as error:
+        raise ModelFileError(f"cannot write the model file {target}: {error.strerror or error}") from error
+    return hashlib.sha256(data).hexdigest()
+
+
+def load_model(path: str | os.PathLike[str]) -> FrictionModel:
+    """Read a model file.
+
+    Raises:
+        ModelFileError: The file is missing, damaged, foreign, or written by a newer version.
+    """
+    try:
+        data = Path(path).read_bytes()
+    except OSError as error:
+        raise ModelFileError(f"cannot read the model file {path}: {error.strerror or error}") from error
+    return decode_model(data, str(path))
+
+
+def encode_model(model: FrictionModel) -> bytes:
+    """The bytes of the model file."""
+    deviations = model.covariance.standard_deviations() if model.covariance else {}
+    units = model.units()
+    record = _ModelRecord(
+        schema=MODEL_SCHEMA,
+        joint=model.joint,
+        motion=model.motion,
+        torque_unit=model.torque_unit,
+        law=[
+            _TermRecord(
+                term=term.name,
+                parameters={
+                    name: _Quantity(value, units[f"{term.name}.{name}"], deviations.get(f"{term.name}.{name}"))
+                    for name, value in term.parameters().items()
+                },
+                options=_options(term),
+            )
+            for term in model.law.terms
+        ],
+        validity=model.validity,
+        provenance=model.provenance,
+        covariance=None
+        if model.covariance is None
+        else _CovarianceRecord(model.covariance.names, model.covariance.matrix.tolist()),
+    )
+    return msgspec.json.format(msgspec.json.encode(record), indent=2) + b"\n"
+
+
+def decode_model(data: bytes, source: str = "the model") -> FrictionModel:
+    """The model in the bytes of a model file; `source` names it in errors.
+
+    Raises:
+        ModelFileError: The bytes are damaged, foreign, or written by a newer version.
+    """
+    try:
+        schema = msgspec.json.decode(data, type=_Header).schema
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise ModelFileError(f"{source} is not a fricomp model file, or is damaged: {error}") from error
+    family, _, version = schema.partition("/")
+    if family != _FAMILY or not version.isdecimal():
+        raise ModelFileError(f"{source} has schema {schema!r}; a model file has {MODEL_SCHEMA!r}")
+    if int(version) > int(_VERSION):
+        raise ModelFileError(f"{source} has schema {schema!r}, newer than {MODEL_SCHEMA!r}: upgrade fricomp to read it")
+    try:
+        return _model(msgspec.json.decode(data, type=_ModelRecord))
+    except (msgspec.DecodeError, FricompError, TypeError) as error:
+        raise ModelFileError(f"{source} is damaged: {error}") from error
+
+
+def _model(record: _ModelRecord) -> FrictionModel:
+    covariance = record.covariance
+    return FrictionModel(
+        law=FrictionLaw(tuple(_term(term) for term in record.law)),
+        joint=record.joint,
+        motion=record.motion,
+        torque_unit=record.torque_unit,
+        validity=record.validity,
+        covariance=None if covariance is None else Covariance(covariance.names, np.array(covariance.matrix)),
+        provenance=record.provenance,
+    )
+
+
+def _options(term: Term) -> dict[str, str]:
+    """Fields of a term that are a choice, not a number."""
+    return {f.name: getattr(term, f.name) for f in fields(term) if isinstance(getattr(term, f.name), str)}
+
+
+def _term(record: _TermRecord) -> Term:
+    values: dict[str, Any] = {name: quantity.value for name, quantity in record.parameters.items()}
+    built: Term = _build(term_class(record.term), values | record.options)
+    return built
+
+
+def _build(cls: type[Any], values: dict[str, Any]) -> Any:
+    """Make the dataclass `cls` from dotted names."""
+    hints, arguments = get_type_hints(cls), {}
+    for field in fields(cls):
+        prefix = f"{field.name}."
+        inner = {name.removeprefix(prefix): value for name, value in values.items() if name.startswith(prefix)}
+        if is_dataclass(hints[field.name]) and inner:
+            arguments[field.name] = _build(hints[field.name], inner)
+        elif field.name in values:
+            arguments[field.name] = values[field.name]
+    known = set(arguments) | {name for name in values if name.partition(".")[0] in arguments}
+    unknown = sorted(set(values) - known)
+    if unknown:
+        raise ModelFileError(f"{cls.__name__} has no parameter {', '.join(unknown)}")
+    return cls(**arguments)

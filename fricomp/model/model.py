@@ -1,0 +1,169 @@
+"""A friction model: a law, and what one must know to use it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from fricomp.errors import ParameterError
+from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, LuGre, Scalar, Stribeck, StribeckCurve
+
+__all__ = ["Covariance", "FrictionModel", "Motion", "Provenance", "Validity"]
+
+Motion = Literal["rotary", "linear"]
+Range = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Covariance:
+    """Covariance of identified parameters.
+
+    Attributes:
+        names: Dotted parameter names, in the order of the rows.
+        matrix: Shape (n_names, n_names), products of the parameters' units.
+
+    Raises:
+        ParameterError: The matrix is not finite, symmetric, of that shape, or has a negative variance.
+    """
+
+    names: tuple[str, ...]
+    matrix: FloatArray
+
+    def __post_init__(self) -> None:
+        matrix = np.array(self.matrix, dtype=np.float64)
+        n = len(self.names)
+        if matrix.shape != (n, n) or not np.all(np.isfinite(matrix)):
+            raise ParameterError(f"covariance of {n} parameters must be a finite {n} x {n} matrix, got {matrix.shape}")
+        if np.any(np.diag(matrix) < 0.0) or not np.allclose(matrix, matrix.T, rtol=1e-6, atol=0.0):
+            raise ParameterError("a covariance must be symmetric with variances that are not negative")
+        matrix.flags.writeable = False
+        object.__setattr__(self, "matrix", matrix)
+
+    def standard_deviations(self) -> dict[str, float]:
+        """Standard deviation of each parameter, in its own unit."""
+        return dict(zip(self.names, np.sqrt(np.diag(self.matrix)).tolist(), strict=True))
+
+
+@dataclass(frozen=True)
+class Validity:
+    """The range of the data that a model was identified from; None where nothing is known.
+
+    Attributes:
+        velocity: Lowest and highest velocity [rad/s] or [m/s].
+        position: [rad] or [m].
+        load_torque: [N·m] or [N].
+        normal_load: In the unit of the law's reference load.
+        temperature: [°C].
+    """
+
+    velocity: Range | None = None
+    position: Range | None = None
+    load_torque: Range | None = None
+    normal_load: Range | None = None
+    temperature: Range | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("velocity", "position", "load_torque", "normal_load", "temperature"):
+            limits = getattr(self, name)
+            if limits is not None and not (np.all(np.isfinite(limits)) and limits[0] <= limits[1]):
+                raise ParameterError(f"the range of {name} must be finite and ascending, got {limits}")
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """How a model came to be.
+
+    Attributes:
+        method: How it was identified, such as `pinn`.
+        data_sha256: Hash of the data; empty for a model that was written by hand.
+        created: Date and time, ISO 8601.
+        fricomp_version: Version that identified it.
+        seed: Seed of the identification.
+        notes: Further facts, such as `noise` or `torque_source`.
+    """
+
+    method: str = "given"
+    data_sha256: str = ""
+    created: str = ""
+    fricomp_version: str = ""
+    seed: int | None = None
+    notes: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class FrictionModel:
+    """A friction law of one joint, in the unit of its actuator.
+
+    Attributes:
+        law: The friction law.
+        joint: Name of the joint.
+        motion: `rotary` (rad) or `linear` (m).
+        torque_unit: Unit in which torque was recorded and will be commanded: `N·m`, `N`, `A`, ...
+        validity: Range of the data behind it.
+        covariance: Of the identified parameters, or None.
+        provenance: How it was identified.
+    """
+
+    law: FrictionLaw
+    joint: str = "joint"
+    motion: Motion = "rotary"
+    torque_unit: str = "N·m"
+    validity: Validity = Validity()
+    covariance: Covariance | None = None
+    provenance: Provenance = field(default_factory=Provenance)
+
+    def __post_init__(self) -> None:
+        if self.motion not in ("rotary", "linear"):
+            raise ParameterError(f"motion must be 'rotary' or 'linear', got {self.motion!r}")
+        if self.covariance is not None:
+            unknown = sorted(set(self.covariance.names) - set(self.law.parameters()))
+            if unknown:
+                raise ParameterError(f"the covariance names parameters the law does not have: {', '.join(unknown)}")
+
+    @property
+    def position_unit(self) -> str:
+        """`rad` or `m`."""
+        return "rad" if self.motion == "rotary" else "m"
+
+    @property
+    def forward(self) -> StribeckCurve:
+        """The curve for v > 0.
+
+        Raises:
+            ParameterError: The law has no Stribeck curve.
+        """
+        return self._curves()[0]
+
+    @property
+    def reverse(self) -> StribeckCurve:
+        """The curve for v < 0; its parameters are positive numbers.
+
+        Raises:
+            ParameterError: The law has no Stribeck curve.
+        """
+        return self._curves()[1]
+
+    def _curves(self) -> tuple[StribeckCurve, StribeckCurve]:
+        for term in self.law.terms:
+            if isinstance(term, BidirectionalStribeck | LuGre):
+                return term.forward, term.reverse
+            if isinstance(term, Stribeck):
+                return term.curve, term.curve
+        raise ParameterError(
+            f"the law of joint {self.joint!r} has no Stribeck curve; its terms are "
+            f"{', '.join(term.name for term in self.law.terms)}"
+        )
+
+    def torque(self, velocity: Scalar, **inputs: Scalar | None) -> Scalar:
+        """Friction torque in `torque_unit`; see `FrictionLaw.torque`."""
+        return self.law.torque(velocity, **inputs)
+
+    def units(self) -> dict[str, str]:
+        """The unit of each parameter, by dotted name."""
+        return self.law.units(self.torque_unit, self.position_unit)
+
+    def with_law(self, law: FrictionLaw) -> FrictionModel:
+        """This model with another law; the covariance does not carry over."""
+        return replace(self, law=law, covariance=None)

@@ -1,0 +1,84 @@
+"""Everything that may mislead about a recording, looked for in one go.
+
+What makes a recording unusable at all (samples that are not finite, time that falls, columns of other
+lengths) is refused where the recording is made; here is what a valid recording may still have wrong.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from fricomp.recording.file import read_content
+from fricomp.recording.finding import Finding
+from fricomp.recording.recording import Recording
+from fricomp.recording.signal_checks import find_rest, find_spikes, find_stuck, find_wraps
+from fricomp.recording.timing_checks import (
+    find_gaps,
+    find_jitter,
+    find_low_rate,
+    find_rate_change,
+    find_wrong_time_unit,
+)
+from fricomp.recording.unit_checks import (
+    find_degrees,
+    find_flipped_reference,
+    find_flipped_torque,
+    find_motor_side,
+    find_velocity_mismatch,
+    find_wrong_temperature,
+)
+
+_Check = Callable[[Recording], tuple[Finding, ...]]
+
+_CHECKS: tuple[_Check, ...] = (
+    find_wrong_time_unit,
+    find_low_rate,
+    find_gaps,
+    find_jitter,
+    find_rate_change,
+    find_rest,
+    find_wraps,
+    find_stuck,
+    find_spikes,
+    find_motor_side,
+    find_wrong_temperature,
+)
+_OF_UNWRAPPED: tuple[_Check, ...] = (  # a wrap would look like many other things to them
+    find_degrees,
+    find_velocity_mismatch,
+    find_flipped_torque,
+    find_flipped_reference,
+)
+_ORDER = {"error": 0, "warning": 1, "note": 2}
+
+
+class CheckedRecording(NamedTuple):
+    """A recording with everything its checks found, the gravest first."""
+
+    recording: Recording
+    findings: tuple[Finding, ...]
+
+
+def check_recording(recording: Recording) -> tuple[Finding, ...]:
+    """Return everything that may mislead about a recording, the gravest first.
+
+    A finding of severity "error" means that no friction can be identified from the recording as it
+    is; `raise_errors` turns such findings into an exception.
+    """
+    findings = [finding for check in _CHECKS for finding in check(recording)]
+    if not any(finding.code == "wrap" for finding in findings):
+        findings += [finding for check in _OF_UNWRAPPED for finding in check(recording)]
+    first = {(finding.code, finding.column): finding for finding in reversed(findings)}
+    once = [finding for finding in findings if first[finding.code, finding.column] is finding]
+    return tuple(sorted(once, key=lambda finding: _ORDER[finding.severity]))
+
+
+def read_checked(path: str | Path) -> CheckedRecording:
+    """Read a recording and check it.
+
+    Raises:
+        RecordingError: The file is missing, damaged, or its samples cannot be used.
+        MissingExtraError: The file is Parquet and pyarrow is not installed.
+    """
+    content = read_content(Path(path))
+    return CheckedRecording(content.recording, content.findings + check_recording(content.recording))

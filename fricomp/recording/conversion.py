@@ -1,0 +1,210 @@
+"""From a foreign file to recordings, as a mapping says."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.errors import RecordingError
+from fricomp.recording.mapping import ChannelRule, Column, FileRule, JointRule, Mapping
+from fricomp.recording.metadata import RecordingMetadata, metadata_from_fields
+from fricomp.recording.recording import CHANNELS, Recording
+from fricomp.recording.resampling import resample
+from fricomp.recording.sources import Columns, find_column, read_columns
+from fricomp.recording.unit import find_unit
+
+Samples = NDArray[np.float64]
+
+_SI = {
+    "time": ("s", "s"),
+    "position": ("rad", "m"),
+    "velocity": ("rad/s", "m/s"),
+    "acceleration": ("rad/s²", "m/s²"),
+    "temperature": ("°C", "°C"),
+    "current": ("A", "A"),
+    "position_reference": ("rad", "m"),
+    "velocity_reference": ("rad/s", "m/s"),
+}
+
+
+@dataclass(frozen=True)
+class NamedRecording:
+    """A recording and its name in the set it comes from: "file", "joint" or "file/joint"."""
+
+    name: str
+    recording: Recording
+
+
+@dataclass(frozen=True)
+class _Plan:
+    """Everything the mapping says about one recording."""
+
+    name: str
+    joint: JointRule
+    joint_number: int
+    file: FileRule
+    channels: dict[str, ChannelRule]
+    metadata: RecordingMetadata
+
+    def key(self, column: Column, step: int = 0) -> str:
+        """Name of a source column for this joint."""
+        if isinstance(column, int):
+            return str(column + step * self.joint_number)
+        return column.replace("{joint}", self.joint.source or self.joint.name)
+
+
+def convert(path: str | Path, mapping: Mapping) -> tuple[NamedRecording, ...]:
+    """Return the recordings that a mapping finds in a source, in the order of the mapping.
+
+    Args:
+        path: File, or the folder of a rosbag2.
+        mapping: What is where; see `load_mapping`.
+
+    Raises:
+        RecordingError: The source cannot be read, lacks a column, or holds samples that
+            cannot be used; the message names row, column and what to do.
+        MissingExtraError: The package that reads the format is not installed.
+    """
+    path = Path(path)
+    plans = _plan(mapping, path)
+    keys = dict.fromkeys(key for plan in plans for key in _wanted_keys(plan))
+    source = plans[0].file.source or mapping.source
+    columns = read_columns(path, source, keys, skip_bad_rows=mapping.skip_bad_rows)
+    return tuple(NamedRecording(plan.name, _build(plan, columns, mapping, path)) for plan in plans)
+
+
+def _plan(mapping: Mapping, path: Path) -> list[_Plan]:
+    rules = [rule for rule in mapping.files if Path(rule.file).name == path.name]
+    if not mapping.files:
+        rules = [FileRule(name="", file=path.name, rows=mapping.rows)]
+    if not rules:
+        known = ", ".join(rule.file for rule in mapping.files)
+        raise RecordingError(f"the mapping knows no file {path.name!r}: it has {known}")
+    return [plan for rule in rules for plan in _plan_file(mapping, rule)]
+
+
+def _plan_file(mapping: Mapping, file: FileRule) -> list[_Plan]:
+    joints = list(enumerate(mapping.joints)) or [(0, JointRule(name=""))]
+    chosen = [(number, joint) for number, joint in joints if not file.joints or joint.name in file.joints]
+    plans = []
+    for number, joint in chosen:
+        parts = [file.name] if len(chosen) == 1 and file.name else [file.name, joint.name]
+        fields = {"joint": joint.name or "joint", **mapping.metadata, **joint.metadata, **file.metadata}
+        extras = [level.get("extra", {}) for level in (mapping.metadata, joint.metadata, file.metadata)]
+        merged = {**fields, "extra": {name: value for extra in extras for name, value in extra.items()}}
+        channels = {**mapping.channels, **joint.channels, **file.channels}
+        name = "/".join(part for part in parts if part) or "recording"
+        plans.append(_Plan(name, joint, number, file, channels, metadata_from_fields(merged)))
+    return plans
+
+
+def _wanted_keys(plan: _Plan) -> list[str]:
+    keys = [plan.key(rule.column, rule.joint_step) for rule in plan.channels.values() if rule.column is not None]
+    keys += [plan.key(rule.times) for rule in plan.channels.values() if rule.times is not None]
+    return keys + ([plan.key(plan.file.where.column)] if plan.file.where else [])
+
+
+def _build(plan: _Plan, columns: Columns, mapping: Mapping, path: Path) -> Recording:
+    rows = _select_rows(plan, columns, path)
+    channels: dict[str, Samples] = {}
+    for name in _in_order(plan.channels):
+        channels[name] = _fill(name, plan, columns, rows, channels)
+    if mapping.skip_bad_rows:
+        keep = _usable_rows(channels)
+        channels = {name: values[keep] for name, values in channels.items()}
+    for name, rule in plan.channels.items():
+        if rule.from_zero:
+            channels[name] = channels[name] - channels[name][:1]
+    try:
+        recording = Recording.from_channels(channels, plan.metadata)
+    except RecordingError as error:
+        raise RecordingError(f"{path}, {plan.name}: {error}") from error
+    return resample(recording, mapping.resample_rate) if mapping.resample_rate else recording
+
+
+def _select_rows(plan: _Plan, columns: Columns, path: Path) -> NDArray[np.intp]:
+    sizes = [find_column(columns, key).size for key in _wanted_keys(plan)]
+    total = max(sizes, default=0)
+    first, last = plan.file.rows or (1, total)
+    if not 1 <= first < last <= total:
+        raise RecordingError(f"{path}, {plan.name}: rows {first}..{last} are not among the {total} rows of the source")
+    rows = np.arange(first - 1, last)
+    where = plan.file.where
+    return rows if where is None else rows[find_column(columns, plan.key(where.column))[rows] == where.equals]
+
+
+def _in_order(channels: dict[str, ChannelRule]) -> list[str]:
+    """Channels that others are made of come first."""
+    order: list[str] = []
+
+    def visit(name: str, above: tuple[str, ...]) -> None:
+        if name in above or name not in channels:
+            raise RecordingError(f"mapping: channel {name!r} is made of itself or is not defined")
+        rule = channels[name]
+        needs = ["time"] if rule.integral_of else []
+        for other in [*needs, *(part for part in (rule.integral_of, rule.plus) if part)]:
+            visit(other, (*above, name))
+        if name not in order:
+            order.append(name)
+
+    for name in CHANNELS:
+        if name in channels:
+            visit(name, ())
+    return order
+
+
+def _fill(name: str, plan: _Plan, columns: Columns, rows: NDArray[np.intp], done: dict[str, Samples]) -> Samples:
+    rule = plan.channels[name]
+    values = _origin(rule, plan, columns, rows, done)
+    if rule.signed_bits is not None:
+        values = np.where(values >= 2.0 ** (rule.signed_bits - 1), values - 2.0**rule.signed_bits, values)
+    if rule.times is not None:
+        values = values * _take(find_column(columns, plan.key(rule.times)), rows)
+    if rule.unit is not None:
+        unit = find_unit(rule.unit)
+        _require_unit(name, rule.unit, unit.si, plan.metadata)
+        values = values * unit.factor + unit.offset
+    values = values * (rule.sign * rule.scale) + rule.offset
+    if rule.unwrap is not None:
+        values = np.unwrap(values, period=rule.unwrap)
+    return values + done[rule.plus] if rule.plus is not None else values
+
+
+def _origin(
+    rule: ChannelRule, plan: _Plan, columns: Columns, rows: NDArray[np.intp], done: dict[str, Samples]
+) -> Samples:
+    if rule.column is not None:
+        return _take(find_column(columns, plan.key(rule.column, rule.joint_step)), rows)
+    if rule.rate is not None:
+        return np.asarray((rows - rows[:1]) / rule.rate, dtype=np.float64)
+    if rule.integral_of is not None:
+        values, step = done[rule.integral_of], np.diff(done["time"])
+        return np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * step)])
+    return np.full(rows.size, rule.constant, dtype=np.float64)
+
+
+def _take(column: Samples, rows: NDArray[np.intp]) -> Samples:
+    """Rows of a column; a single number of the source stands for every row."""
+    if column.size == 1:
+        return np.full(rows.size, column[0])
+    if rows.size and rows[-1] >= column.size:
+        raise RecordingError(f"a column of the source has {column.size} rows where another has {rows[-1] + 1}")
+    return column[rows]
+
+
+def _require_unit(channel: str, unit: str, si: str, metadata: RecordingMetadata) -> None:
+    expected = _SI.get(channel)
+    if channel == "normal_load":
+        return
+    wanted = metadata.torque_unit if expected is None else expected[metadata.motion == "linear"]
+    if si != wanted:
+        raise RecordingError(f"mapping: {channel} is in {wanted}, unit {unit!r} is a unit of {si}")
+
+
+def _usable_rows(channels: dict[str, Samples]) -> NDArray[np.bool_]:
+    """Rows whose samples are all finite and whose time is later than every usable one before."""
+    keep = np.all([np.isfinite(values) for values in channels.values()], axis=0)
+    time = np.where(keep, channels["time"], -np.inf)
+    latest = np.maximum.accumulate(np.concatenate([[-np.inf], time[:-1]]))
+    return np.asarray(keep & (channels["time"] > latest))

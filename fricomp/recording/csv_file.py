@@ -1,0 +1,193 @@
+"""Recordings as CSV: metadata in leading `# key: value` lines, then a header of channel names.
+
+    # fricomp.recording/1
+    # joint: "elbow"
+    # torque_unit: "N·m"
+    time,position,torque
+    0.0,0.1,1.5
+
+Values are JSON; a bare word is taken as text. Other lines that start with `#` are comments. A file
+whose first line names the schema always ends its lines, so an unfinished last line there is
+the trace of a writer that was killed: it is dropped, and the reader says so.
+"""
+
+import io
+import os
+import warnings
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.errors import RecordingError
+from fricomp.recording.finding import Finding
+from fricomp.recording.metadata import RecordingMetadata, metadata_from_fields, metadata_to_fields
+from fricomp.recording.recording import CHANNELS, REQUIRED_CHANNELS, Recording
+from fricomp.recording.whole_file import whole_file
+
+SCHEMA = "fricomp.recording/1"
+_FAMILY = "fricomp.recording/"
+
+
+class FileContent(NamedTuple):
+    """A recording from a CSV file and what was wrong with the file itself."""
+
+    recording: Recording
+    findings: tuple[Finding, ...]
+
+
+def format_preamble(metadata: RecordingMetadata, channels: Iterable[str]) -> str:
+    """Return the comment lines and the header that open a CSV recording."""
+    fields = metadata_to_fields(metadata)
+    lines = [f"# {SCHEMA}", *(f"# {name}: {msgspec.json.encode(value).decode()}" for name, value in fields.items())]
+    return "\n".join([*lines, ",".join(channels)]) + "\n"
+
+
+def format_rows(recording: Recording, channels: Iterable[str]) -> str:
+    """Return the samples as CSV lines; every number reads back to the same bits."""
+    columns = [recording.channels[name].tolist() for name in channels]
+    return "".join(",".join(map(repr, row)) + "\n" for row in zip(*columns, strict=True))
+
+
+def write_csv(recording: Recording, path: Path) -> None:
+    """Write a recording; the file appears whole or not at all.
+
+    Raises:
+        RecordingError: The folder cannot be written, or the disk is full.
+    """
+    with whole_file(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        file.write(format_preamble(recording.metadata, recording.channels))
+        file.write(format_rows(recording, recording.channels))
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def read_csv(path: Path) -> FileContent:
+    """Read a CSV recording.
+
+    Raises:
+        RecordingError: The file is no recording, holds something that is no number, or its
+            samples cannot be used; the message names row, column and what to do.
+    """
+    text = _read_text(path)
+    fields, header, start = _split_preamble(text, path)
+    names = _parse_header(header, path)
+    body, findings = _drop_torn_line(text[start:], len(names), signed=text.startswith(f"# {_FAMILY}"))
+    try:
+        table = _parse_table(body, names)
+        columns = dict(zip(names, table.T, strict=True))
+        recording = Recording.from_channels(columns, metadata_from_fields(fields))
+    except RecordingError as error:
+        raise RecordingError(f"{path}: {error}") from error
+    return FileContent(recording, findings)
+
+
+def _read_text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise RecordingError(f"cannot read {path}: {error.strerror or error}") from error
+    except UnicodeDecodeError as error:
+        raise RecordingError(f"{path} is no text file: convert it with 'fricomp convert'") from error
+
+
+def _split_preamble(text: str, path: Path) -> tuple[dict[str, Any], str, int]:
+    """Return the metadata fields, the header line and where the rows start."""
+    fields: dict[str, Any] = {}
+    start = 0
+    for line in _lines(text):
+        start += len(line)
+        content = line.strip()
+        if not content:
+            continue
+        if not content.startswith("#"):
+            return fields, content, start
+        _take_comment(content[1:].strip(), fields, path)
+    raise RecordingError(f"{path} is empty: a recording starts with the header {','.join(REQUIRED_CHANNELS)}")
+
+
+def _lines(text: str) -> Iterator[str]:
+    return iter(io.StringIO(text, newline=""))
+
+
+def _take_comment(comment: str, fields: dict[str, Any], path: Path) -> None:
+    if comment.startswith(_FAMILY):
+        if comment != SCHEMA:
+            raise RecordingError(f"{path} has schema {comment}, this version reads {SCHEMA}: update fricomp")
+        return
+    name, separator, value = comment.partition(":")
+    if separator and name.strip().isidentifier():
+        fields[name.strip()] = _parse_value(value.strip())
+
+
+def _parse_value(text: str) -> object:
+    try:
+        return msgspec.json.decode(text)
+    except msgspec.DecodeError:
+        return text
+
+
+def _parse_header(header: str, path: Path) -> list[str]:
+    names = [name.strip() for name in header.split(",")]
+    hint = "bring other files in with 'fricomp convert SOURCE --mapping FILE'"
+    for name in names:
+        if name not in CHANNELS:
+            raise RecordingError(f"{path}: unknown column {name!r}; valid are {', '.join(CHANNELS)}; {hint}")
+        if names.count(name) > 1:
+            raise RecordingError(f"{path}: column {name!r} appears twice; keep one")
+    missing = [name for name in REQUIRED_CHANNELS if name not in names]
+    if missing:
+        raise RecordingError(f"{path}: column {missing[0]!r} is missing; {hint}")
+    return names
+
+
+def _drop_torn_line(body: str, width: int, *, signed: bool) -> tuple[str, tuple[Finding, ...]]:
+    """Cut off an unfinished last line: one that is too short or, in our own files, not ended."""
+    if not body or body.endswith("\n"):
+        return body, ()
+    end = body.rfind("\n") + 1
+    last = body[end:]
+    if last.startswith("#") or (not signed and last.count(",") == width - 1):
+        return body, ()
+    message = f"the last line {last[:40]!r} is unfinished and was left out"
+    row = sum(1 for line in body[:end].splitlines() if line.strip() and not line.startswith("#")) + 1
+    advice = "nothing to do: the writer was stopped there"
+    return body[:end], (Finding("torn_line", "warning", message, advice, row),)
+
+
+def _parse_table(body: str, names: list[str]) -> NDArray[np.float64]:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # numpy says so when there is no row at all
+        try:
+            table = np.loadtxt(io.StringIO(body), delimiter=",", comments="#", ndmin=2)
+        except ValueError:
+            raise _explain_bad_cell(body, names) from None
+    if table.size == 0:
+        raise RecordingError("the file has a header and no rows: record again")
+    if table.shape[1] != len(names):
+        raise _explain_bad_cell(body, names)
+    return np.asarray(table, dtype=np.float64)
+
+
+def _explain_bad_cell(body: str, names: list[str]) -> RecordingError:
+    rows = (line for line in body.splitlines() if line.strip() and not line.startswith("#"))
+    for row, line in enumerate(rows, start=1):
+        cells = line.split(",")
+        if len(cells) != len(names):
+            return RecordingError(f"row {row} has {len(cells)} cells where the header has {len(names)}: repair it")
+        for name, cell in zip(names, cells, strict=True):
+            if not _is_number(cell):
+                what = "is empty" if not cell.strip() else f"holds {cell.strip()[:40]!r}, which is no number"
+                return RecordingError(f"row {row}, column {name} {what}: repair it or leave the column out")
+    return RecordingError("the rows cannot be read as numbers separated by commas")
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,105 @@
+"""What a recording's numbers mean: joint, motion, units and which side of the gear the torque is on."""
+
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import Any, Literal, get_args
+
+import msgspec
+
+from fricomp.errors import RecordingError
+
+Motion = Literal["rotary", "linear"]
+TorqueSide = Literal["joint", "motor"]
+TorqueKind = Literal["measured", "estimated", "commanded"]
+
+_SPELLINGS = {"Nm": "N·m", "N*m": "N·m", "N.m": "N·m", "N m": "N·m", "N⋅m": "N·m"}
+_CHOICES = {"motion": get_args(Motion), "torque_side": get_args(TorqueSide), "torque_kind": get_args(TorqueKind)}
+_POSITIVE = ("gear_ratio", "encoder_resolution", "velocity_limit")
+
+
+@dataclass(frozen=True)
+class RecordingMetadata:
+    """Facts about a recording that its columns cannot say.
+
+    Attributes:
+        joint: Name of the joint.
+        motion: "rotary" (rad, rad/s) or "linear" (m, m/s).
+        torque_unit: Unit of `torque`, `load_torque` and `torque_command`; empty means
+            N·m for a rotary and N for a linear joint. "A" or "V" where only the drive's
+            current or voltage is known.
+        torque_side: Side of the gear that `torque` acts on. Positions are always joint side.
+        torque_kind: Whether `torque` was measured, estimated or commanded.
+        gear_ratio: Motor turns for one joint turn [1] (linear: [rad/m]).
+        encoder_resolution: Step of `position` [rad | m].
+        position_limits: Lowest and highest position of the joint [rad | m].
+        velocity_limit: Largest speed of the joint [rad/s | m/s].
+        continuous: The joint turns without end, so a long travel is nothing to wonder at.
+        source: Where the samples come from.
+        extra: Anything else worth keeping, as JSON values. Treat as read-only.
+
+    Raises:
+        RecordingError: A value is outside the list or the range above.
+    """
+
+    joint: str = "joint"
+    motion: Motion = "rotary"
+    torque_unit: str = ""
+    torque_side: TorqueSide = "joint"
+    torque_kind: TorqueKind = "measured"
+    gear_ratio: float | None = None
+    encoder_resolution: float | None = None
+    position_limits: tuple[float, float] | None = None
+    velocity_limit: float | None = None
+    continuous: bool = False
+    source: str = ""
+    extra: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in _CHOICES:
+            _require_choice(name, getattr(self, name))
+        unit = self.torque_unit or ("N·m" if self.motion == "rotary" else "N")
+        object.__setattr__(self, "torque_unit", _SPELLINGS.get(unit, unit))
+        for name in _POSITIVE:
+            value = getattr(self, name)
+            if value is not None and not (isfinite(value) and value > 0):
+                raise RecordingError(f"metadata {name} is {value}: give a positive number, or leave it out")
+        limits = self.position_limits
+        if limits is not None and not limits[0] < limits[1]:
+            raise RecordingError(f"metadata position_limits is {limits}: the lower limit comes first")
+
+    @property
+    def position_unit(self) -> str:
+        """Unit of `position`: "rad" or "m"."""
+        return "rad" if self.motion == "rotary" else "m"
+
+
+def metadata_to_fields(metadata: RecordingMetadata) -> dict[str, Any]:
+    """Return the fields that differ from their defaults, as JSON values, in declaration order."""
+    blank = RecordingMetadata(motion=metadata.motion)
+    names = RecordingMetadata.__dataclass_fields__
+    always = ("joint", "motion", "torque_unit", "torque_side", "torque_kind")
+    return {n: getattr(metadata, n) for n in names if n in always or getattr(metadata, n) != getattr(blank, n)}
+
+
+def metadata_from_fields(fields: dict[str, Any]) -> RecordingMetadata:
+    """Build metadata from JSON values; names that are no field of it are kept in `extra`.
+
+    Raises:
+        RecordingError: A field has the wrong type or value.
+    """
+    known = {name: value for name, value in fields.items() if name in RecordingMetadata.__dataclass_fields__}
+    foreign = {name: value for name, value in fields.items() if name not in known}
+    for name in _CHOICES:
+        _require_choice(name, known.get(name, _CHOICES[name][0]))
+    if not isinstance(known.get("extra", {}), dict):
+        raise RecordingError(f"metadata extra is {known['extra']!r}: give an object of names and values")
+    known["extra"] = {**known.get("extra", {}), **foreign}
+    try:
+        return msgspec.convert(known, RecordingMetadata)
+    except msgspec.ValidationError as error:
+        raise RecordingError(f"metadata of the recording: {error}") from error
+
+
+def _require_choice(name: str, value: object) -> None:
+    if value not in _CHOICES[name]:
+        raise RecordingError(f"metadata {name} is {value!r}: valid are {', '.join(_CHOICES[name])}")

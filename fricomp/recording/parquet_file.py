@@ -1,0 +1,72 @@
+"""Recordings as Parquet: one float64 column a channel, metadata as JSON in the schema."""
+
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from fricomp.errors import MissingExtraError, RecordingError
+from fricomp.recording.csv_file import SCHEMA
+from fricomp.recording.metadata import metadata_from_fields, metadata_to_fields
+from fricomp.recording.recording import Recording
+from fricomp.recording.whole_file import whole_file
+
+_KEY = b"fricomp.recording"
+
+
+def write_parquet(recording: Recording, path: Path) -> None:
+    """Write a recording; the file appears whole or not at all.
+
+    Raises:
+        MissingExtraError: pyarrow is not installed.
+        RecordingError: The folder cannot be written, or the disk is full.
+    """
+    pyarrow, parquet = _import_pyarrow()
+    fields = {"schema": SCHEMA, **metadata_to_fields(recording.metadata)}
+    table = pyarrow.table(recording.channels).replace_schema_metadata({_KEY: msgspec.json.encode(fields)})
+    with whole_file(path) as temporary:
+        parquet.write_table(table, temporary)
+
+
+def read_parquet(path: Path) -> Recording:
+    """Read a recording; a Parquet file of another program needs the same column names.
+
+    Raises:
+        MissingExtraError: pyarrow is not installed.
+        RecordingError: The file cannot be read or is no recording.
+    """
+    pyarrow, parquet = _import_pyarrow()
+    try:
+        table = parquet.read_table(path)
+    except OSError as error:
+        raise RecordingError(f"cannot read {path}: {error.strerror or error}") from error
+    except pyarrow.ArrowException as error:
+        raise RecordingError(f"{path} is no Parquet file: {error}") from error
+    columns = {name: table.column(name).to_numpy() for name in table.column_names}
+    try:
+        fields = _decode_fields((table.schema.metadata or {}).get(_KEY))
+        return Recording.from_channels(columns, metadata_from_fields(fields))
+    except RecordingError as error:
+        raise RecordingError(f"{path}: {error}") from error
+
+
+def _decode_fields(encoded: bytes | None) -> dict[str, Any]:
+    if encoded is None:
+        return {}
+    try:
+        fields = msgspec.json.decode(encoded, type=dict[str, Any])
+    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+        raise RecordingError(f"its metadata are damaged: {error}") from error
+    schema = fields.pop("schema", SCHEMA)
+    if schema != SCHEMA:
+        raise RecordingError(f"its schema is {schema}, this version reads {SCHEMA}: update fricomp")
+    return fields
+
+
+def _import_pyarrow() -> tuple[Any, Any]:
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError as error:
+        raise MissingExtraError("pyarrow", "parquet") from error
+    return pyarrow, parquet

@@ -1,0 +1,165 @@
+"""Checks of single channels: no motion, stuck values, wraps, jumps and spikes."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.recording.finding import Finding
+from fricomp.recording.recording import Recording
+
+Samples = NDArray[np.float64]
+
+_FEW_STEPS = 20  # encoder steps of travel below which only presliding can be seen
+_REST_PART = 0.5  # part of the time at rest that deserves a word
+_STUCK_TIME = 0.25  # [s]
+_STUCK_ROWS = 20
+_STUCK_TRAVEL = 0.05  # part of the travel covered while the channel stands still
+_WRAP_FACTOR = 10.0  # a wrap is so many times larger than the steps around it
+_JUMP_FACTOR = 30.0
+_SPIKE_FACTOR = 25.0
+
+
+def find_position_step(position: Samples) -> float | None:
+    """Return the step of a quantised position [as position], or None where it is not quantised."""
+    levels = np.unique(position)
+    gaps = np.diff(levels)
+    gaps = gaps[gaps > 1e-9 * max(np.abs(levels).max(), 1e-300)]
+    if gaps.size < 20:
+        return None
+    step = float(np.median(gaps[gaps < 1.5 * gaps.min()]))
+    whole = np.abs(gaps / step - np.round(gaps / step)) < 0.02
+    return step if whole.mean() > 0.98 else None
+
+
+def find_rest(recording: Recording) -> tuple[Finding, ...]:
+    """No motion at all, motion of a few encoder steps, or mostly rest."""
+    position = recording.position
+    travel = float(np.ptp(position))
+    unit = recording.metadata.position_unit
+    if travel == 0:
+        message = f"the joint never moves: position is {position[0]:g} {unit} throughout"
+        return (Finding("no_motion", "error", message, "record a motion", column="position"),)
+    step = recording.metadata.encoder_resolution or find_position_step(position)
+    if step is not None and travel < _FEW_STEPS * step:
+        message = f"the joint moves by {travel / step:.0f} encoder steps in all: sliding friction cannot be seen"
+        return (Finding("no_sliding", "warning", message, "record a larger motion", column="position"),)
+    moving = _moving(recording, travel)
+    if not moving.any():
+        return ()
+    if 1 - moving.mean() > _REST_PART:
+        message = f"the joint rests for {100 * (1 - moving.mean()):.0f} % of the {recording.duration:.4g} s"
+        advice = "cut the rests, or weigh them knowingly"
+        return (Finding("rest", "note", message, advice, column="position"),)
+    return ()
+
+
+def find_stuck(recording: Recording) -> tuple[Finding, ...]:
+    """A channel that keeps one value, bit for bit, while the joint goes on moving."""
+    travel = float(np.ptp(recording.position))
+    if travel < _FEW_STEPS * (recording.metadata.encoder_resolution or 0.0) or travel == 0:
+        return ()
+    measured = ["velocity", "acceleration", "current", "load_torque"]
+    measured += [] if recording.metadata.torque_kind == "commanded" else ["torque"]
+    found = [_find_stuck(recording, name, recording.position, travel) for name in measured]
+    found.append(_find_stuck(recording, "position", _claimed_motion(recording), travel))
+    return tuple(finding for finding in found if finding is not None)
+
+
+def find_wraps(recording: Recording) -> tuple[Finding, ...]:
+    """Jumps of position: by a turn, by the whole range of a counter, or by anything else."""
+    step = np.diff(recording.position)
+    size = np.abs(step)
+    if not size.any():
+        return ()
+    usual = np.maximum(np.percentile(size[size > 0], 90), _around(size))
+    travel = float(np.ptp(recording.position))
+    turn = 2 * np.pi if recording.metadata.motion == "rotary" else np.inf
+    near_turn = np.abs(size - turn) < 0.1 * turn
+    near_range = size > 0.95 * travel
+    wraps = np.flatnonzero((near_turn | near_range) & (size > _WRAP_FACTOR * usual))
+    if wraps.size:
+        row = int(wraps[0])
+        what = "2π" if near_turn[row] else "its whole range"
+        message = f"position jumps by {step[row]:.5g}, {what}, {wraps.size} time(s): it wraps round"
+        advice = f"unwrap it (unwrap = {size[row]:.5g} in a mapping)"
+        return (Finding("wrap", "error", message, advice, row + 2, "position"),)
+    rate = size / np.maximum(np.diff(recording.time) / recording.sample_period, 1.0)  # a gap in time is no jump
+    jumps = np.flatnonzero((rate > _JUMP_FACTOR * usual) & (size > 0.01 * travel))
+    if not jumps.size:
+        return ()
+    row = int(jumps[0])
+    message = f"position jumps by {step[row]:.5g} {recording.metadata.position_unit} where {usual[row]:.2g} is usual"
+    return (Finding("jump", "warning", message, "look for lost samples; split there", row + 2, "position"),)
+
+
+def find_spikes(recording: Recording) -> tuple[Finding, ...]:
+    """Single samples far from both neighbours."""
+    found = []
+    for name in ("position", "velocity", "torque", "current"):
+        values = recording.channels.get(name)
+        if values is None or values.size < 50:
+            continue
+        middle = np.median(np.stack([values[:-2], values[1:-1], values[2:]]), axis=0)
+        excess = np.abs(values[1:-1] - middle)
+        if not excess.any():
+            continue
+        limit = max(_SPIKE_FACTOR * float(np.percentile(excess[excess > 0], 75)), 0.2 * float(np.ptp(middle)))
+        spikes = np.flatnonzero(excess > limit)
+        if spikes.size:
+            row = int(spikes[0]) + 1
+            message = f"{spikes.size} single sample(s) far from their neighbours, the first {values[row]:.5g}"
+            found.append(Finding("spike", "warning", message, "remove these rows", row + 1, name))
+    return tuple(found)
+
+
+def _around(size: Samples) -> Samples:
+    """Median of the two steps before and the two after each step; a fast part is no jump in a slow recording."""
+    padded = np.pad(size, 2, mode="edge")
+    shifts = [padded[k : k + size.size] for k in (0, 1, 3, 4)]
+    return np.asarray(np.median(np.stack(shifts), axis=0), dtype=np.float64)
+
+
+def _moving(recording: Recording, travel: float) -> NDArray[np.bool_]:
+    """Blocks of 0.25 s, or of five samples, in which the joint moves by more than 1e-4 of its travel."""
+    rows = max(5, round(0.25 / recording.sample_period))
+    starts = np.arange(0, len(recording) - rows, rows)
+    reach = np.abs(recording.position[starts + rows] - recording.position[starts])
+    step = recording.metadata.encoder_resolution or 0.0
+    return np.asarray(reach > max(1e-4 * travel, 1.5 * step))
+
+
+def _claimed_motion(recording: Recording) -> Samples | None:
+    """Motion as another channel than position tells it [as position]."""
+    if recording.velocity is not None:
+        step = recording.velocity[:-1] * np.diff(recording.time)
+        return np.concatenate([[0.0], np.cumsum(step)])
+    return recording.position_reference
+
+
+def _find_stuck(recording: Recording, name: str, motion: Samples | None, travel: float) -> Finding | None:
+    values = recording.channels.get(name)
+    if values is None or motion is None:
+        return None
+    starts = np.concatenate([[0], np.flatnonzero(np.diff(values) != 0) + 1])
+    stops = np.concatenate([starts[1:], [values.size]]) - 1
+    duration = recording.time[stops] - recording.time[starts]
+    for run in np.flatnonzero((duration >= _STUCK_TIME) & (stops - starts >= _STUCK_ROWS)):
+        start, stop = int(starts[run]), int(stops[run])
+        moved = float(np.ptp(motion[start : stop + 1]))
+        explained = abs(values[start]) * duration[run] if name == "velocity" else 0.0
+        if moved > _STUCK_TRAVEL * travel and abs(moved - explained) > 0.25 * moved:
+            return _describe_stuck(recording, name, start, stop)
+    return None
+
+
+def _describe_stuck(recording: Recording, name: str, start: int, stop: int) -> Finding:
+    values = recording.channels[name]
+    duration = recording.time[stop] - recording.time[start]
+    message = f"{name} stays at {values[start]:.5g} for {duration:.3g} s"
+    if name == "position":
+        teller = "velocity" if recording.velocity is not None else "position_reference"
+        message += f" while {teller} says that the joint moves"
+        return Finding("stuck", "warning", message, "one of the two is wrong: check both", start + 1, name)
+    message += " while the joint moves"
+    if abs(values[start]) == np.abs(values).max() > 0:
+        return Finding("saturated", "warning", message, "it may be at its limit: drive less", start + 1, name)
+    return Finding("stuck", "warning", message, "check the sensor or leave these rows out", start + 1, name)

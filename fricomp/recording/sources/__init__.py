@@ -1,0 +1,6 @@
+"""Foreign files as columns: one format a module, each read by the package that knows it."""
+
+from fricomp.recording.sources.columns import Columns, find_column
+from fricomp.recording.sources.reader import read_columns
+
+__all__ = ["Columns", "find_column", "read_columns"]

@@ -1,0 +1,66 @@
+"""The columns of a foreign file, by name."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.errors import RecordingError
+
+Columns = dict[str, NDArray[np.float64]]
+
+
+def find_column(columns: Columns, key: str) -> NDArray[np.float64]:
+    """Return a column by its name or its number counted from 1.
+
+    Raises:
+        RecordingError: There is no such column; the message lists some that are there.
+    """
+    if key not in columns:
+        shown = ", ".join(list(columns)[:20]) + (" …" if len(columns) > 20 else "")
+        raise RecordingError(f"the source has no column {key!r}: it has {shown}")
+    return columns[key]
+
+
+def flatten_arrays(arrays: Mapping[str, Any]) -> Columns:
+    """Give every numeric array a name: vectors `name`, column k of a matrix `name:k`.
+
+    A matrix that stands alone also answers to the plain numbers of its columns.
+    """
+    columns: Columns = {}
+    for name, value in arrays.items():
+        array = np.asarray(value)
+        if array.dtype.kind not in "buif":
+            continue
+        array = np.squeeze(array.astype(np.float64))
+        if array.ndim < 2:
+            columns[name] = np.atleast_1d(array)
+        elif array.ndim == 2:
+            columns.update({f"{name}:{k}": column for k, column in enumerate(array.T, start=1)})
+            if len(arrays) == 1:
+                columns.update({str(k): column for k, column in enumerate(array.T, start=1)})
+    return columns
+
+
+def columns_of_records(records: Iterable[Any]) -> Columns:
+    """Turn rows, each an object or a list of numbers, into columns; what is missing becomes NaN."""
+    rows = [_flatten_record(record) for record in records]
+    names = dict.fromkeys(name for row in rows for name in row)
+    return {name: np.array([row.get(name, np.nan) for row in rows], dtype=np.float64) for name in names}
+
+
+def _flatten_record(record: Any, prefix: str = "") -> dict[str, float]:
+    """Numbers of a nested record: keys joined by dots, list entries by their number."""
+    if isinstance(record, bool | int | float):
+        return {prefix: float(record)}
+    if isinstance(record, Mapping):
+        items = [(str(name), value) for name, value in record.items()]
+    elif isinstance(record, list | tuple):
+        items = [(str(k), value) for k, value in enumerate(record, start=1)]
+    else:
+        return {}
+    flat: dict[str, float] = {}
+    for name, value in items:
+        flat.update(_flatten_record(value, f"{prefix}.{name}" if prefix else name))
+    return flat

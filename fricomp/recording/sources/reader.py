@@ -1,0 +1,68 @@
+"""Which module reads which format."""
+
+from collections.abc import Callable, Collection
+from pathlib import Path
+
+from fricomp.errors import RecordingError
+from fricomp.recording.mapping import Format, Source
+from fricomp.recording.sources.array import read_binary, read_json, read_mat, read_npy, read_npz
+from fricomp.recording.sources.columns import Columns
+from fricomp.recording.sources.robot_log import read_mcap, read_rosbag
+from fricomp.recording.sources.text import read_text
+
+_READERS: dict[Format, Callable[[Path, Source], Columns]] = {
+    "mat": read_mat,
+    "npz": read_npz,
+    "npy": read_npy,
+    "json": read_json,
+    "binary": read_binary,
+    "mcap": read_mcap,
+    "rosbag2": read_rosbag,
+}
+_SUFFIXES: dict[str, Format] = {
+    ".csv": "text",
+    ".txt": "text",
+    ".dat": "text",
+    ".mat": "mat",
+    ".npz": "npz",
+    ".npy": "npy",
+    ".json": "json",
+    ".bin": "binary",
+    ".mcap": "mcap",
+    ".db3": "rosbag2",
+    ".bag": "rosbag2",
+}
+
+
+def read_columns(path: Path, source: Source, keys: Collection[str], *, skip_bad_rows: bool = False) -> Columns:
+    """Read a foreign file.
+
+    Args:
+        path: File, or the folder of a rosbag2.
+        source: How to read it.
+        keys: Columns that are wanted; a reader may leave others out.
+        skip_bad_rows: Give NaN where a text cell is no number, instead of an error.
+
+    Raises:
+        RecordingError: The file is missing, damaged or of a kind nobody here reads.
+        MissingExtraError: The package that reads it is not installed.
+    """
+    if not path.exists():
+        raise RecordingError(f"no source at {path}: check the path")
+    kind = source.format or _guess_format(path)
+    try:
+        if kind == "text":
+            return read_text(path, source, keys, skip_bad_rows=skip_bad_rows)
+        return _READERS[kind](path, source)
+    except OSError as error:
+        raise RecordingError(f"cannot read {path}: {error.strerror or error}") from error
+
+
+def _guess_format(path: Path) -> Format:
+    if path.is_dir():
+        return "rosbag2"
+    if path.suffix.lower() not in _SUFFIXES:
+        raise RecordingError(
+            f"{path.name}: unknown suffix; name the format in the mapping: text, {', '.join(_READERS)}"
+        )
+    return _SUFFIXES[path.suffix.lower()]

@@ -1,0 +1,69 @@
+"""Text tables: comma, tab or space separated, with or without a header line."""
+
+from collections.abc import Collection
+from pathlib import Path
+
+import numpy as np
+
+from fricomp.errors import RecordingError
+from fricomp.recording.mapping import Source
+from fricomp.recording.sources.columns import Columns
+
+
+def read_text(path: Path, source: Source, keys: Collection[str], *, skip_bad_rows: bool) -> Columns:
+    """Read the wanted columns of a text table.
+
+    Args:
+        path: File to read.
+        source: Delimiter, header, lines to skip.
+        keys: Wanted columns, by name or number; others may hold anything.
+        skip_bad_rows: Give NaN for a cell that is missing or no number, instead of an error.
+
+    Raises:
+        RecordingError: A wanted cell is missing or no number.
+    """
+    lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()[source.skip_lines :]
+    separator = source.delimiter or None
+    header = [cell.strip() for cell in lines.pop(0).split(separator)] if source.header and lines else []
+    first_line = source.skip_lines + bool(source.header) + 1
+    rows = [(number, line.split(separator)) for number, line in enumerate(lines, first_line) if line.strip()]
+    if not rows:
+        raise RecordingError(f"{path} holds no rows")
+    indices = {key: index for key in keys if (index := _find_index(key, header)) is not None}
+    if skip_bad_rows:
+        return {key: np.array([_number_or_nan(cells, k) for _, cells in rows]) for key, k in indices.items()}
+    return {key: _parse_column(rows, k, key, path) for key, k in indices.items()} | _names_only(header, indices)
+
+
+def _find_index(key: str, header: list[str]) -> int | None:
+    if key in header:
+        return header.index(key)
+    return int(key) - 1 if key.isdigit() and int(key) > 0 else None
+
+
+def _names_only(header: list[str], indices: dict[str, int]) -> Columns:
+    """Columns nobody asked for, empty: so that an error about a missing one can list them."""
+    return {name: np.empty(0) for name in header if name and name not in indices}
+
+
+def _parse_column(
+    rows: list[tuple[int, list[str]]], index: int, key: str, path: Path
+) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    try:
+        return np.array([float(cells[index]) for _, cells in rows])
+    except (ValueError, IndexError):
+        for number, cells in rows:
+            if not np.isfinite(_number_or_nan(cells, index)):
+                what = f"{cells[index].strip()[:40]!r} is no number" if index < len(cells) else "the cell is missing"
+                raise RecordingError(
+                    f"{path}, line {number}, column {key}: {what}; "
+                    "set skip_bad_rows, or header, delimiter and skip_lines in the mapping"
+                ) from None
+        raise
+
+
+def _number_or_nan(cells: list[str], index: int) -> float:
+    try:
+        return float(cells[index])
+    except (ValueError, IndexError):
+        return float("nan")

@@ -1,0 +1,72 @@
+"""Checks of the clock: gaps, jitter, a rate that changes, a rate that is too low, other units of time."""
+
+import numpy as np
+
+from fricomp.recording.finding import Finding
+from fricomp.recording.recording import Recording
+
+LOWEST_RATE = 50.0
+"""Rate below which breakaway and reversals fall between the samples [Hz]; they last some 20 ms."""
+
+_GAP_PERIODS = 5.0
+_JITTER_NOTED, _JITTER_WARNED = 0.1, 0.5  # 99th percentile of the deviation, in periods
+_RATE_CHANGE = 1.25
+_SLOWEST_PERIOD = 0.5  # [s] no joint is logged slower; milliseconds or sample numbers are
+
+
+def find_wrong_time_unit(recording: Recording) -> tuple[Finding, ...]:
+    """A period of half a second or more is a clock in milliseconds, or no clock."""
+    period = recording.sample_period
+    if period < _SLOWEST_PERIOD:
+        return ()
+    message = f"the median step of time is {period:g} s: this looks like milliseconds or sample numbers"
+    return (Finding("time_unit", "error", message, "give time in seconds", column="time"),)
+
+
+def find_low_rate(recording: Recording) -> tuple[Finding, ...]:
+    """Friction at reversals needs some samples in 20 ms."""
+    rate = 1 / recording.sample_period
+    if rate >= LOWEST_RATE or recording.sample_period >= _SLOWEST_PERIOD:
+        return ()
+    message = f"{rate:.3g} samples a second are too few for breakaway and reversals (at least {LOWEST_RATE:g})"
+    return (Finding("low_rate", "warning", message, "record faster; only slow sliding can be judged", column="time"),)
+
+
+def find_gaps(recording: Recording) -> tuple[Finding, ...]:
+    """Steps of time longer than five periods."""
+    step = np.diff(recording.time)
+    gaps = np.flatnonzero(step > _GAP_PERIODS * recording.sample_period)
+    if not gaps.size:
+        return ()
+    longest = gaps[np.argmax(step[gaps])]
+    message = f"{gaps.size} gap(s) in time, the longest {step[longest]:.4g} s at {recording.time[longest]:.6g} s"
+    return (Finding("gap", "warning", message, "split the recording there", int(longest) + 2, "time"),)
+
+
+def find_jitter(recording: Recording) -> tuple[Finding, ...]:
+    """Uneven steps; filters and differences that assume a fixed period go wrong."""
+    period = recording.sample_period
+    deviation = np.abs(np.diff(recording.time) - period) / period
+    jitter = float(np.percentile(deviation, 99))
+    if jitter <= _JITTER_NOTED:
+        return ()
+    message = f"time is uneven: 1 % of the steps differ from {period:.4g} s by {100 * jitter:.0f} % or more"
+    advice = "resample it (fricomp convert with resample_rate) before filtering"
+    return (Finding("jitter", "warning" if jitter > _JITTER_WARNED else "note", message, advice, column="time"),)
+
+
+def find_rate_change(recording: Recording) -> tuple[Finding, ...]:
+    """A rate that is one thing in one part of the recording and another in the next."""
+    step = np.diff(recording.time)
+    if step.size < 200:
+        return ()
+    blocks = np.array_split(step, 40)
+    periods = np.array([np.median(block) for block in blocks])
+    low, high = np.percentile(periods, [5, 95])
+    if high < _RATE_CHANGE * low:
+        return ()
+    first_fast = periods[0] < np.sqrt(low * high)
+    other = np.flatnonzero((periods < np.sqrt(low * high)) != first_fast)
+    row = sum(block.size for block in blocks[: int(other[0])]) + 2 if other.size else None
+    message = f"two sample rates: {1 / high:.4g} Hz and {1 / low:.4g} Hz"
+    return (Finding("two_rates", "error", message, "split the recording there, or resample it", row, "time"),)

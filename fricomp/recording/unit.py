@@ -1,0 +1,86 @@
+"""Units by name, and what they are worth in SI.
+
+Factors are exact by definition, pound-force and inch included [nist811].
+"""
+
+from math import pi
+from typing import NamedTuple
+
+from fricomp.errors import RecordingError
+
+_POUND_FORCE = 4.4482216152605
+_INCH = 0.0254
+
+
+class Unit(NamedTuple):
+    """A unit: value in SI = factor * value + offset.
+
+    Attributes:
+        factor: SI units in one of these.
+        si: Name of the SI unit of the same quantity.
+        offset: SI value at zero; only temperatures have one.
+    """
+
+    factor: float
+    si: str
+    offset: float = 0.0
+
+
+UNITS = {
+    "1": Unit(1.0, "1"),
+    "percent": Unit(0.01, "1"),
+    "s": Unit(1.0, "s"),
+    "ms": Unit(1e-3, "s"),
+    "us": Unit(1e-6, "s"),
+    "ns": Unit(1e-9, "s"),
+    "min": Unit(60.0, "s"),
+    "rad": Unit(1.0, "rad"),
+    "mrad": Unit(1e-3, "rad"),
+    "deg": Unit(pi / 180, "rad"),
+    "turns": Unit(2 * pi, "rad"),
+    "m": Unit(1.0, "m"),
+    "mm": Unit(1e-3, "m"),
+    "um": Unit(1e-6, "m"),
+    "in": Unit(_INCH, "m"),
+    "rad/s": Unit(1.0, "rad/s"),
+    "deg/s": Unit(pi / 180, "rad/s"),
+    "rpm": Unit(2 * pi / 60, "rad/s"),
+    "turns/s": Unit(2 * pi, "rad/s"),
+    "m/s": Unit(1.0, "m/s"),
+    "mm/s": Unit(1e-3, "m/s"),
+    "in/s": Unit(_INCH, "m/s"),
+    "rad/s^2": Unit(1.0, "rad/s²"),
+    "deg/s^2": Unit(pi / 180, "rad/s²"),
+    "m/s^2": Unit(1.0, "m/s²"),
+    "mm/s^2": Unit(1e-3, "m/s²"),
+    "N·m": Unit(1.0, "N·m"),
+    "Nm": Unit(1.0, "N·m"),
+    "mNm": Unit(1e-3, "N·m"),
+    "kgf·cm": Unit(9.80665e-2, "N·m"),
+    "in·lbf": Unit(_INCH * _POUND_FORCE, "N·m"),
+    "ft·lbf": Unit(12 * _INCH * _POUND_FORCE, "N·m"),
+    "oz·in": Unit(_INCH * _POUND_FORCE / 16, "N·m"),
+    "N": Unit(1.0, "N"),
+    "kN": Unit(1e3, "N"),
+    "lbf": Unit(_POUND_FORCE, "N"),
+    "kip": Unit(1e3 * _POUND_FORCE, "N"),
+    "kgf": Unit(9.80665, "N"),
+    "A": Unit(1.0, "A"),
+    "mA": Unit(1e-3, "A"),
+    "V": Unit(1.0, "V"),
+    "mV": Unit(1e-3, "V"),
+    "degC": Unit(1.0, "°C"),
+    "K": Unit(1.0, "°C", -273.15),
+    "degF": Unit(5 / 9, "°C", -160 / 9),
+}
+
+
+def find_unit(name: str) -> Unit:
+    """Return the unit of this name.
+
+    Raises:
+        RecordingError: The name is not in `UNITS`.
+    """
+    if name not in UNITS:
+        raise RecordingError(f"unknown unit {name!r}: valid are {', '.join(UNITS)}; or give a scale")
+    return UNITS[name]

@@ -1,0 +1,70 @@
+"""What every recording must satisfy: equal lengths, finite samples, time that moves forward."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.recording.finding import Finding
+
+Samples = NDArray[np.float64]
+
+
+def find_invalid(channels: Mapping[str, Samples]) -> tuple[Finding, ...]:
+    """Return the errors that forbid using these channels, in the order of the columns.
+
+    Args:
+        channels: Channel name to samples [SI]; `time` [s] among them. Shape (n_samples,) each.
+    """
+    shapes = _find_shape_errors(channels)
+    if shapes:
+        return shapes
+    not_finite = tuple(
+        finding for name, values in channels.items() if (finding := _find_not_finite(name, values)) is not None
+    )
+    return not_finite or _find_backward_time(channels["time"])
+
+
+def _find_shape_errors(channels: Mapping[str, Samples]) -> tuple[Finding, ...]:
+    rows = channels["time"].shape
+    if len(rows) != 1 or rows[0] < 2:
+        message = f"time has shape {rows}, a recording needs one column of at least 2 samples"
+        return (Finding("length", "error", message, "record longer or check the file", column="time"),)
+    return tuple(
+        Finding(
+            "length",
+            "error",
+            f"{name} has shape {values.shape} where time has {rows}",
+            "give every channel one sample for each time",
+            column=name,
+        )
+        for name, values in channels.items()
+        if values.shape != rows
+    )
+
+
+def _find_not_finite(name: str, values: Samples) -> Finding | None:
+    bad = np.flatnonzero(~np.isfinite(values))
+    if not bad.size:
+        return None
+    if bad.size == values.size:
+        advice = "leave the column out" if name not in {"time", "position", "torque"} else "record it, it is required"
+    else:
+        advice = "remove these rows (fricomp convert --skip-bad-rows) or leave the column out"
+    message = f"{values[bad[0]]} is not a finite number ({bad.size} of {values.size} rows)"
+    return Finding("not_finite", "error", message, advice, int(bad[0]) + 1, name)
+
+
+def _find_backward_time(time: Samples) -> tuple[Finding, ...]:
+    step = np.diff(time)
+    bad = np.flatnonzero(step <= 0)
+    if not bad.size:
+        return ()
+    row = int(bad[0]) + 1
+    if step[row - 1] == 0:
+        message = f"time {time[row]:.6g} s is stamped twice ({bad.size} rows do not advance)"
+        advice = "remove the repeated rows (fricomp convert --skip-bad-rows keeps the first of each)"
+        return (Finding("repeated_time", "error", message, advice, row + 1, "time"),)
+    message = f"time falls from {time[row - 1]:.6g} s to {time[row]:.6g} s ({bad.size} rows do not advance)"
+    advice = "split the file there or restore the clock: time must rise from row to row"
+    return (Finding("backward_time", "error", message, advice, row + 1, "time"),)

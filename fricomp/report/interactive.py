@@ -1,0 +1,210 @@
+"""Draws a chart as an interactive plotly figure, the same marks as the PNG."""
+
+from __future__ import annotations
+
+from itertools import zip_longest
+from typing import Any
+
+from fricomp.errors import MissingExtraError
+from fricomp.report.chart import Band, Bars, Chart, HeatMap, Line, Mark, Panel, Points, Rule
+from fricomp.report.thinning import thin
+
+__all__ = ["draw_interactive", "plotly_javascript"]
+
+_STROKE = {"solid": "solid", "dashed": "dash", "dotted": "dot"}
+_AXIS = {"gridcolor": "#E8E8E8", "linecolor": "#888888", "ticks": "outside", "zerolinecolor": "#BBBBBB"}
+_MARGIN = {"l": 70, "r": 20, "t": 62, "b": 54}
+_GAP = 116.0  # between two rows, for the axis label of one, the title and the legend of the next [px]
+_GAP_SHARED = 66.0  # the same where only the lowest row has an axis label [px]
+_LEGEND_LINE = 20.0  # height of a line of the legend [px]
+_LETTER, _SYMBOL, _PAGE = 7.0, 46.0, 980.0  # widths that decide how many lines a legend takes [px]
+
+
+def plotly_javascript() -> str:
+    """The script that every page needs once.
+
+    Raises:
+        MissingExtraError: plotly is not installed.
+    """
+    try:
+        from plotly.offline import get_plotlyjs
+    except ModuleNotFoundError as error:
+        raise MissingExtraError("plotly", "report") from error
+    script: str = get_plotlyjs()
+    return script
+
+
+def draw_interactive(chart: Chart) -> str:
+    """`chart` as a piece of HTML, without plotly's own script.
+
+    Raises:
+        MissingExtraError: plotly is not installed.
+    """
+    try:
+        from plotly.subplots import make_subplots
+    except ModuleNotFoundError as error:
+        raise MissingExtraError("plotly", "report") from error
+    gap = _GAP_SHARED if chart.share_x else _GAP
+    height = chart.rows * chart.panel_height + (chart.rows - 1) * gap + _MARGIN["t"] + _MARGIN["b"]
+    inner = height - _MARGIN["t"] - _MARGIN["b"]
+    figure = make_subplots(
+        rows=chart.rows,
+        cols=chart.columns,
+        shared_xaxes="all" if chart.share_x else False,
+        vertical_spacing=gap / inner if chart.rows > 1 else 0.0,
+        horizontal_spacing=0.09 if chart.columns > 1 else 0.0,
+        subplot_titles=[panel.title for panel in chart.panels],
+    )
+    lines = _legend_lines(chart)
+    height += max(lines) * _LEGEND_LINE - _LEGEND_LINE
+    shown: set[tuple[str, str]] = set()
+    for number, panel in enumerate(chart.panels):
+        place = {"row": number // chart.columns + 1, "col": number % chart.columns + 1}
+        _draw_panel(figure, panel, place, number, shown)
+    _dress(figure, chart, height, lines)
+    html: str = figure.to_html(
+        full_html=False,
+        include_plotlyjs=False,
+        div_id=f"chart-{chart.name}",
+        config={
+            "displayModeBar": "hover",
+            "displaylogo": False,
+            "responsive": True,
+            "modeBarButtonsToRemove": ["lasso2d", "select2d"],
+        },
+    )
+    return html
+
+
+def _legend_lines(chart: Chart) -> list[int]:
+    """Lines that the legend of each panel takes; what an earlier panel has named is not named again."""
+    shown: set[tuple[str, str]] = set()
+    lines = []
+    for panel in chart.panels:
+        named = {(getattr(mark, "label", ""), c) for mark, c in zip(panel.marks, panel.colors(), strict=True)}
+        new = [label for label, color in named - shown if label]
+        shown |= named
+        width = sum(len(label) * _LETTER + _SYMBOL for label in new)
+        room = _PAGE / (chart.columns if shown - named else 1)
+        lines.append(int(-(-width // room)))
+    return lines
+
+
+def _dress(figure: Any, chart: Chart, height: float, lines: list[int]) -> None:
+    """Fonts, margins, and each panel's title at its left edge."""
+    figure.update_layout(
+        height=height,
+        margin=_MARGIN | {"t": _MARGIN["t"] + (max(lines[: chart.columns]) - 1) * _LEGEND_LINE},
+        plot_bgcolor="white",
+        paper_bgcolor="white",
+        font={"family": "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif", "size": 13, "color": "#222222"},
+        hovermode="closest",
+        barmode="group",
+    )
+    if chart.share_x:
+        for number in range(len(chart.panels) - chart.columns):
+            figure.layout[_axis("xaxis", number)].update(title=None, showticklabels=False)
+    titled = [number for number, panel in enumerate(chart.panels) if panel.title]
+    for annotation, number in zip_longest(figure.layout.annotations, titled):
+        if annotation is not None and number is not None:
+            left = figure.layout[_axis("xaxis", number)].domain[0]
+            row = number - number % chart.columns
+            shift = 2.0 + _LEGEND_LINE * max(lines[row : row + chart.columns])
+            annotation.update(x=left, xanchor="left", yshift=shift, font={"size": 14, "weight": 600})
+
+
+def _axis(kind: str, number: int) -> str:
+    return kind if number == 0 else f"{kind}{number + 1}"
+
+
+def _draw_panel(figure: Any, panel: Panel, place: dict[str, int], number: int, shown: set[tuple[str, str]]) -> None:
+    legend = _axis("legend", number)
+    for mark, color in zip(panel.marks, panel.colors(), strict=True):
+        for trace in _traces(mark, color):
+            if trace["type"] == "heatmap":
+                trace["colorbar"] = _color_bar(figure, trace["colorbar"], number)
+            else:
+                trace["legend"] = legend
+                trace["showlegend"] = trace["showlegend"] and (trace["name"], color) not in shown
+            figure.add_trace(trace, **place)
+        shown.add((getattr(mark, "label", ""), color))
+        if isinstance(mark, Rule):
+            draw = figure.add_vline if mark.axis == "x" else figure.add_hline
+            at = {mark.axis: mark.at}
+            draw(**at, line={"color": color, "width": 1.2, "dash": "dash"}, **place)
+    figure.update_xaxes(title={"text": panel.x_label, "standoff": 8}, type=_type(panel, "x"), **_AXIS, **place)
+    figure.update_yaxes(title={"text": panel.y_label, "standoff": 8}, type=_type(panel, "y"), **_AXIS, **place)
+    if panel.y_range is not None:
+        figure.update_yaxes(range=list(panel.y_range), **place)
+    figure.update_xaxes(**_log_ticks(panel.x_scale), **place)
+    figure.update_yaxes(**_log_ticks(panel.y_scale), **place)
+    domain = figure.layout[_axis("yaxis", number)].domain[1], figure.layout[_axis("xaxis", number)].domain[0]
+    figure.update_layout({legend: _legend(*domain)})
+
+
+def _type(panel: Panel, axis: str) -> str:
+    for mark in panel.marks:
+        if (isinstance(mark, Bars) and axis == "x") or (isinstance(mark, HeatMap) and getattr(mark, f"{axis}_names")):
+            return "category"
+    return panel.x_scale if axis == "x" else panel.y_scale
+
+
+def _log_ticks(scale: str) -> dict[str, Any]:
+    return {"dtick": 1, "exponentformat": "power", "minor": {"ticks": "outside"}} if scale == "log" else {}
+
+
+def _legend(top: float, left: float) -> dict[str, Any]:
+    """Above the panel, below its title."""
+    return {
+        "orientation": "h", "x": left, "xanchor": "left", "y": top, "yanchor": "bottom", "font": {"size": 12},
+        "traceorder": "normal", "bgcolor": "rgba(255,255,255,0)",
+    }  # fmt: skip
+
+
+def _color_bar(figure: Any, bar: dict[str, Any], number: int) -> dict[str, Any]:
+    low, high = figure.layout[_axis("yaxis", number)].domain
+    right = figure.layout[_axis("xaxis", number)].domain[1]
+    return bar | {"len": high - low, "y": (low + high) / 2.0, "x": right, "xanchor": "left", "thickness": 14}
+
+
+def _traces(mark: Mark, color: str) -> list[dict[str, Any]]:
+    named = {"name": getattr(mark, "label", ""), "showlegend": bool(getattr(mark, "label", ""))}
+    match mark:
+        case Line():
+            x, y = thin(mark.x, mark.y)
+            line = {"color": color, "width": mark.width * 1.25, "dash": _STROKE[mark.stroke]}
+            return [{"type": "scatter", "mode": "lines", "x": x, "y": y, "line": line, **named}]
+        case Points():
+            symbol = "circle-open" if mark.hollow else "circle"
+            marker = {"color": color, "size": mark.size * 1.35, "symbol": symbol}
+            points = {"type": "scatter", "mode": "markers", "x": mark.x, "y": mark.y, "marker": marker, **named}
+            return [points | _error(mark)]
+        case Band():
+            edge = {"type": "scatter", "mode": "lines", "x": mark.x, "line": {"width": 0}, "hoverinfo": "skip"}
+            fill = {"fill": "tonexty", "fillcolor": f"rgba({_rgb(color)},0.22)", **named}
+            return [{**edge, "y": mark.low, "name": "", "showlegend": False}, {**edge, "y": mark.high, **fill}]
+        case Bars():
+            bars = {"type": "bar", "x": mark.categories, "y": mark.values, "marker": {"color": color}, **named}
+            return [bars | _error(mark)]
+        case HeatMap():
+            scale: dict[str, Any] = {}
+            if mark.diverging:
+                scale = {"colorscale": "RdBu", "reversescale": True, "zmid": 0.0}
+            if mark.limits is not None:
+                scale |= {"zmin": mark.limits[0], "zmax": mark.limits[1]}
+            grid = {"x": mark.x_names or mark.x, "y": mark.y_names or mark.y, "z": mark.values}
+            return [{"type": "heatmap", **grid, "colorbar": {"title": {"text": mark.color_label}}, **scale}]
+        case Rule():
+            line = {"color": color, "width": 1.2, "dash": "dash"}
+            empty = {"type": "scatter", "mode": "lines", "x": [None], "y": [None], "line": line}
+            return [{**empty, **named}] if mark.label else []
+
+
+def _error(mark: Points | Bars) -> dict[str, Any]:
+    if mark.error is None:
+        return {}
+    return {"error_y": {"type": "data", "array": mark.error, "thickness": 1.2, "width": 0}}
+
+
+def _rgb(color: str) -> str:
+    return ",".join(str(int(color[i : i + 2], 16)) for i in (1, 3, 5))

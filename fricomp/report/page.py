@@ -1,0 +1,140 @@
+"""A report page: what was found in plain sentences first, then sections of charts, tables and text, in one file."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from fricomp.errors import MissingExtraError, ParameterError
+from fricomp.report.chart import Chart
+from fricomp.report.interactive import draw_interactive, plotly_javascript
+
+__all__ = ["Check", "Outcome", "ReportPage", "Section", "Table", "write_report"]
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of text; numbers are formatted by whoever knows their unit.
+
+    Attributes:
+        columns: Headings, with units.
+        rows: One entry a column; a cell that begins with a digit or a sign is set flush right.
+        caption: What it shows; empty for none.
+    """
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    caption: str = ""
+
+    def __post_init__(self) -> None:
+        for row in self.rows:
+            if len(row) != len(self.columns):
+                raise ParameterError(f"a table of {len(self.columns)} columns has a row of {len(row)}: {row}")
+
+
+Outcome = Literal["passed", "warning", "failed", "note"]
+
+
+@dataclass(frozen=True)
+class Check:
+    """One thing that was looked at.
+
+    Attributes:
+        name: What was looked at.
+        outcome: `passed`, `warning`, `failed`, or `note` where there is no verdict.
+        detail: What was found, with values.
+    """
+
+    name: str
+    outcome: Outcome
+    detail: str
+
+
+Block = str | Chart | Table | Check
+"""A string is a paragraph."""
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """A heading and what stands under it, in order.
+
+    Attributes:
+        title: Heading.
+        blocks: Paragraphs (strings), charts, tables and checks.
+        folded: Whether the reader opens it on demand, such as raw settings.
+    """
+
+    title: str
+    blocks: tuple[Block, ...]
+    folded: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class ReportPage:
+    """The whole page.
+
+    Attributes:
+        title: Heading.
+        summary: Plain sentences: the result, and what to do about it.
+        sections: In reading order.
+        subtitle: Joint, date, and the like.
+        facts: Name to value: a line of key figures below the summary.
+    """
+
+    title: str
+    summary: tuple[str, ...]
+    sections: tuple[Section, ...]
+    subtitle: str = ""
+    facts: dict[str, str] = field(default_factory=dict)
+
+
+def write_report(page: ReportPage, path: str | os.PathLike[str]) -> Path:
+    """Write `page` as one HTML file that opens without a network.
+
+    Returns:
+        The path.
+
+    Raises:
+        MissingExtraError: jinja2 or plotly is not installed.
+        OSError: The file cannot be written.
+    """
+    try:
+        from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+    except ModuleNotFoundError as error:
+        raise MissingExtraError("jinja2", "report") from error
+    environment = Environment(
+        loader=PackageLoader("fricomp.report", "."),
+        autoescape=select_autoescape(["html"]),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.tests["numeric"] = _is_numeric
+    sections = [
+        {"title": section.title, "folded": section.folded, "blocks": [_block(block) for block in section.blocks]}
+        for section in page.sections
+    ]
+    has_charts = any(isinstance(block, Chart) for section in page.sections for block in section.blocks)
+    script = plotly_javascript() if has_charts else ""
+    html = environment.get_template("page.html").render(page=page, sections=sections, plotly_javascript=script)
+    target = Path(path)
+    target.write_text(html, encoding="utf-8")
+    return target
+
+
+def _block(block: Block) -> dict[str, Any]:
+    match block:
+        case str():
+            return {"kind": "text", "text": block}
+        case Chart():
+            return {"kind": "chart", "chart": block, "html": draw_interactive(block)}
+        case Table():
+            return {"kind": "table", "table": block}
+        case Check():
+            return {"kind": "check", "check": block}
+
+
+def _is_numeric(cell: str) -> bool:
+    return bool(cell) and (cell[0].isdigit() or cell[0] in "+-−±<≤≥")

@@ -1,0 +1,140 @@
+"""Draws a chart as a PNG file, with matplotlib and without a display."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fricomp.errors import MissingExtraError
+from fricomp.report.chart import Band, Bars, Chart, HeatMap, Line, Mark, Panel, Points, Rule
+from fricomp.report.thinning import thin
+
+__all__ = ["draw_png"]
+
+_DOTS_PER_INCH = 130
+_WIDTH = 1100.0 / 100.0  # [in] for a page of 1100 px at the usual 100 px/in
+_STROKE = {"solid": "-", "dashed": "--", "dotted": ":"}
+_STYLE: dict[Any, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 11,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": "#666666",
+    "axes.labelcolor": "#222222",
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#E3E3E3",
+    "grid.linewidth": 0.7,
+    "xtick.color": "#444444",
+    "ytick.color": "#444444",
+    "axes.titlesize": 12,
+    "axes.titleweight": "bold",
+    "legend.fontsize": 10,
+}
+
+
+def draw_png(chart: Chart, path: str | os.PathLike[str]) -> Path:
+    """Write `chart` as a PNG file.
+
+    Returns:
+        The path.
+
+    Raises:
+        MissingExtraError: matplotlib is not installed.
+        OSError: The file cannot be written.
+    """
+    try:
+        import matplotlib as mpl
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ModuleNotFoundError as error:
+        raise MissingExtraError("matplotlib", "report") from error
+    target = Path(path)
+    with mpl.rc_context(_STYLE):
+        figure = Figure(figsize=(_WIDTH, (chart.rows * chart.panel_height + 70) / 100.0), layout="constrained")
+        FigureCanvasAgg(figure)
+        figure.suptitle(chart.title, x=0.01, ha="left", fontsize=14, fontweight="bold")
+        axes = list(figure.subplots(chart.rows, chart.columns, squeeze=False, sharex=chart.share_x).flat)
+        for ax in axes[len(chart.panels) :]:
+            ax.remove()
+        for ax, panel in zip(axes, chart.panels, strict=False):
+            _draw_panel(figure, ax, panel)
+            if chart.share_x:
+                ax.label_outer()
+        figure.savefig(target, dpi=_DOTS_PER_INCH)
+    return target
+
+
+def _draw_panel(figure: Any, ax: Any, panel: Panel) -> None:
+    for order, (mark, color) in enumerate(zip(panel.marks, panel.colors(), strict=True)):
+        _draw_mark(figure, ax, mark, color, _bar_place(panel, order))
+    ax.set_xlabel(panel.x_label)
+    ax.set_ylabel(panel.y_label)
+    ax.set_title(panel.title, loc="left")
+    if panel.x_scale == "log":
+        ax.set_xscale("log")
+    if panel.y_scale == "log":
+        ax.set_yscale("log")
+    if panel.y_range is not None:
+        ax.set_ylim(panel.y_range)
+    if any(getattr(mark, "label", "") for mark in panel.marks):
+        ax.legend(frameon=True, framealpha=0.85, edgecolor="none", loc="best")
+
+
+def _draw_mark(figure: Any, ax: Any, mark: Mark, color: str, bar_place: tuple[float, float]) -> None:
+    label = getattr(mark, "label", "") or None
+    match mark:
+        case Line():
+            ax.plot(*thin(mark.x, mark.y), _STROKE[mark.stroke], color=color, lw=mark.width, label=label)
+        case Points():
+            face = "none" if mark.hollow else color
+            ax.errorbar(
+                mark.x, mark.y, mark.error, fmt="o", ms=mark.size, mfc=face, mec=color, ecolor=color, elinewidth=1,
+                label=label,
+            )  # fmt: skip
+        case Band():
+            ax.fill_between(mark.x, mark.low, mark.high, color=color, alpha=0.22, lw=0, label=label)
+        case Bars():
+            offset, width = bar_place
+            places = np.arange(len(mark.categories))
+            ax.bar(places + offset, mark.values, width, yerr=mark.error, color=color, label=label, capsize=2)
+            ax.set_xticks(places, mark.categories, **_slant(mark.categories))
+            ax.grid(axis="x", visible=False)
+        case HeatMap():
+            _draw_heat_map(figure, ax, mark)
+        case Rule():
+            draw = ax.axvline if mark.axis == "x" else ax.axhline
+            draw(mark.at, color=color, lw=1.1, ls="--", label=label)
+
+
+def _bar_place(panel: Panel, order: int) -> tuple[float, float]:
+    """Where the bars of one mark stand beside those of the others, and their width."""
+    bars = [i for i, mark in enumerate(panel.marks) if isinstance(mark, Bars)]
+    if order not in bars:
+        return 0.0, 0.8
+    width = 0.8 / len(bars)
+    return (bars.index(order) - (len(bars) - 1) / 2.0) * width, width
+
+
+def _draw_heat_map(figure: Any, ax: Any, mark: HeatMap) -> None:
+    limit = float(np.nanmax(np.abs(mark.values))) if np.any(np.isfinite(mark.values)) else 1.0
+    limits = {"vmin": -limit, "vmax": limit} if mark.diverging else {}
+    if mark.limits is not None:
+        limits = {"vmin": mark.limits[0], "vmax": mark.limits[1]}
+    mesh = ax.pcolormesh(
+        mark.x, mark.y, mark.values, shading="nearest", cmap="RdBu_r" if mark.diverging else "viridis", **limits
+    )
+    figure.colorbar(mesh, ax=ax, label=mark.color_label)
+    if mark.x_names:
+        ax.set_xticks(mark.x, mark.x_names, **_slant(mark.x_names))
+    if mark.y_names:
+        ax.set_yticks(mark.y, mark.y_names)
+    ax.grid(visible=False)
+
+
+def _slant(names: tuple[str, ...]) -> dict[str, Any]:
+    """Upright where names are few and short."""
+    return {"rotation": 25, "ha": "right"} if len(names) * max(map(len, names)) > 60 else {}

@@ -1,0 +1,1 @@
+"""Adapters measured: against independent encoders, under garbage, in time, and over a serial line."""

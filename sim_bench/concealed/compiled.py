@@ -1,0 +1,30 @@
+"""Compilation of the plant's inner loops with numba; the only module of the generator that imports it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeVar, cast
+
+from fricomp.errors import MissingExtraError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+__all__ = ["Record", "compiled"]
+
+_Function = TypeVar("_Function", bound="Callable[..., Any]")
+
+# One row of a structured array; numba knows its fields, the type checker does not.
+Record = Any
+
+
+def compiled(function: _Function) -> _Function:
+    """`function` compiled to machine code, cached on disk, without holding the interpreter lock.
+
+    Raises:
+        MissingExtraError: numba is not installed.
+    """
+    try:
+        import numba
+    except ImportError as error:  # pragma: no cover - depends on the installation
+        raise MissingExtraError("numba", "sim") from error
+    return cast("_Function", numba.njit(cache=True, nogil=True, error_model="numpy")(function))

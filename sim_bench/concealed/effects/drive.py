@@ -1,0 +1,51 @@
+"""Effects between the torque that the drive reports and the torque that reaches the joint."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..effect import Change, Effect, Form, Scene, Truth
+
+__all__ = ["EFFECTS"]
+
+
+def _saturation(form: float) -> Form:
+    def build(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+        coefficient = amplitude / scene.load**2
+        return Change(
+            plant={"saturation": coefficient, "saturation_form": form},
+            parameters={"coefficient": Truth(coefficient, "1/(N·m)²")},
+        )
+
+    return Form("root" if form else "cubic", build, shared=not form)
+
+
+def _sag(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+    coefficient = amplitude / (scene.load * scene.joint.speed)
+    return Change(plant={"sag": coefficient}, parameters={"loss_by_power": Truth(coefficient, "1/W")})
+
+
+def _lag(order: float) -> Form:
+    def build(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+        return Change(
+            plant={"drive_lag": amplitude, "drive_order": order}, parameters={"time_constant": Truth(amplitude, "s")}
+        )
+
+    return Form(f"order {order:.0f}", build)
+
+
+def _heating(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+    time = rng.uniform(10.0, 25.0)
+    gain = 40.0 / (time * (0.5 * scene.gravity**2 + scene.coulomb**2))  # about 40 K when the load is held
+    return Change(
+        plant={"winding_loss": amplitude, "winding_heating": gain, "winding_time": time},
+        parameters={"sensitivity": Truth(amplitude, "1/K")},
+    )
+
+
+EFFECTS = (
+    Effect("torque_saturation", "physics", (_saturation(0.0), _saturation(1.0)), lambda scene: (0.01, 0.35)),
+    Effect("supply_sag", "physics", (Form("power", _sag),), lambda scene: (0.02, 0.5)),
+    Effect("drive_lag", "measurement", (_lag(1.0), _lag(2.0)), lambda scene: (1e-3, 1.2e-2)),
+    Effect("torque_constant_heating", "physics", (Form("copper", _heating),), lambda scene: (5e-4, 8e-3)),
+)

@@ -1,0 +1,211 @@
+"""The files of a case: what the diagnosis may read, and in another folder what it must not."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import secrets
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .belief import format_controller, format_friction, format_simulation
+from .catalogue_fit import fit_catalogue
+from .dynamics import SAMPLE_PERIOD
+from .fault import apply_fault
+from .refit import compute_enr, find_intervals, left_after_refit
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from .case import Case
+    from .spec import CaseSpec
+    from .strength import Concealed
+
+__all__ = ["ANSWER_SCHEMA", "case_id", "expected_verdict", "write_answer", "write_case"]
+
+ANSWER_SCHEMA = "fricomp.concealed/1"
+_VERDICTS = {
+    "outside": "unknown_physics",
+    "physics": "missing_physics",
+    "measurement": "measurement",
+    "parameter": "parameters",
+}
+_PARAMETERS = ("inertia_error", "payload_error")
+
+
+def case_id(spec: CaseSpec) -> str:
+    """A name that says nothing about what is concealed."""
+    return "case-" + hashlib.sha256(json.dumps(asdict(spec), sort_keys=True).encode()).hexdigest()[:12]
+
+
+def expected_verdict(case: Case) -> str:
+    """The verdict of a right answer: that of the strongest kind."""
+    if case.spec.fault:
+        return "bad_data"
+    kinds = [each.effect.kind for each in case.concealed]
+    for kind in ("outside", "physics", "measurement", "parameter"):
+        if kind in kinds:
+            return _VERDICTS[kind]
+    return "parameters" if case.spec.shifted else "consistent"
+
+
+def write_case(case: Case, folder: Path) -> Path:
+    """Write recording, simulation and controller, and the friction where the case is about its parameters.
+
+    Returns:
+        The case's folder, `folder`/<id>.
+    """
+    target = folder / case_id(case.spec)
+    target.mkdir(parents=True, exist_ok=True)
+    fields = {**case.scene.joint.fields, **case.change.plant, **case.belief}
+    _write_table(_channels(case), _metadata(case), target / "recording.parquet")
+    (target / "joint.xml").write_text(format_simulation(fields, fields["limit"]), encoding="utf-8")
+    (target / "loop.toml").write_text(format_controller(fields), encoding="utf-8")
+    if any(each.effect.against == "nothing" for each in case.concealed):
+        (target / "friction.json").write_text(format_friction(fields), encoding="utf-8")
+    return target
+
+
+def write_answer(case: Case, folder: Path, salt: str | None = None) -> tuple[Path, str]:
+    """Write the answer and the noise-free truth of a case.
+
+    Returns:
+        The answer's path, `folder`/<id>.json, and the SHA-256 of its bytes, which hold the salt.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    name = case_id(case.spec)
+    truth = folder / f"{name}.parquet"
+    _write_table(_truth(case), {}, truth)
+    answer = _answer(case) | {
+        "truth_sha256": hashlib.sha256(truth.read_bytes()).hexdigest(),
+        "salt": salt or secrets.token_hex(16),
+    }
+    data = (json.dumps(answer, indent=1, ensure_ascii=False) + "\n").encode()
+    path = folder / f"{name}.json"
+    path.write_bytes(data)
+    return path, hashlib.sha256(data).hexdigest()
+
+
+def _channels(case: Case) -> dict[str, NDArray[np.float64]]:
+    sensed, start = case.outcome.sensed, case.start
+    n = sensed.position.size
+    rng = np.random.default_rng([case.spec.seed, 77])
+    channels = {
+        "time": _time(n),
+        "position": sensed.position,
+        "torque": sensed.torque,
+        "position_reference": case.scene.reference[start:, 0],
+        "velocity_reference": case.scene.reference[start:, 1],
+        "torque_command": case.outcome.motion.command,
+        "current": sensed.torque / (0.1 * case.scene.joint.gear_ratio),
+    }
+    if _logs(case, "velocity_lag", rng):
+        channels["velocity"] = sensed.velocity
+    if not case.spec.hidden and (_logs(case, "load", rng)):
+        channels["load_torque"] = sensed.load_torque
+    if not case.spec.hidden and (case.change.temperature is not None or rng.random() < 0.5):
+        channels["temperature"] = case.temperature + 0.05 * rng.standard_normal(n)
+    return apply_fault(channels, case.spec.fault, rng) if case.spec.fault else channels
+
+
+def _time(n: int) -> NDArray[np.float64]:
+    return np.asarray(SAMPLE_PERIOD * np.arange(n), dtype=np.float64)
+
+
+def _logs(case: Case, about: str, rng: np.random.Generator) -> bool:
+    """A channel is there where an effect needs it, and by chance where none does, so that it gives nothing away."""
+    needed = any(name.startswith(about) for name in (*case.change.plant, *case.change.sensing))
+    return bool(rng.random() < 0.5) or needed
+
+
+def _metadata(case: Case) -> dict[str, Any]:
+    joint = case.scene.joint
+    return {
+        "schema": "fricomp.recording/1",
+        "joint": "joint",
+        "motion": "rotary",
+        "torque_unit": "N·m",
+        "torque_side": "joint",
+        "torque_kind": "measured",
+        "gear_ratio": joint.gear_ratio,
+        "encoder_resolution": joint.fields["resolution"],
+        "source": "concealed case",
+    }
+
+
+def _truth(case: Case) -> dict[str, NDArray[np.float64]]:
+    motion = case.outcome.motion
+    alone = {f"concealed_{i}": each.torque for i, each in enumerate(case.concealed)}
+    return {
+        "time": _time(motion.position.size),
+        "concealed_torque": case.outcome.torque,
+        "position": motion.position,
+        "velocity": motion.velocity,
+        "acceleration": motion.acceleration,
+        "torque": case.outcome.sensed.torque - case.outcome.sensed.torque_error,
+        **alone,
+    }
+
+
+def _answer(case: Case) -> dict[str, Any]:
+    shifted = list(_PARAMETERS) if case.spec.shifted else []
+    return {
+        "schema": ANSWER_SCHEMA,
+        "id": case_id(case.spec),
+        "spec": asdict(case.spec),
+        "verdict": expected_verdict(case),
+        "effects": [_describe(case, index) for index in range(len(case.concealed))],
+        "shifted_parameters": shifted,
+        "enr": case.enr,
+        "rows": int(case.left.size),
+        "location": {"time": find_intervals(case.left, 0.0)},
+        "joint": case.scene.joint.fields
+        | {
+            "family": case.scene.joint.family,
+            "core": case.scene.joint.core,
+            "noise": case.scene.joint.noise,
+            "noise_kind": case.sensors.noise_kind,
+        },
+    }
+
+
+def _describe(case: Case, index: int) -> dict[str, Any]:
+    each: Concealed = case.concealed[index]
+    comparable = each.change.parameters if each.form.shared else fit_catalogue(each, case.outcome)
+    return {
+        "name": each.effect.name,
+        "kind": each.effect.kind,
+        "form": each.form.name,
+        "shared_form": each.form.shared,
+        "amplitude": each.amplitude,
+        "enr": each.enr,
+        "separable_enr": _separable(case, index),
+        "localised": each.effect.localised,
+        "accepted": [*each.effect.accepted, *(["unknown_physics"] if case.spec.hidden else [])],
+        "parameters": {name: asdict(truth) for name, truth in each.change.parameters.items()},
+        "comparable": {name: asdict(truth) for name, truth in comparable.items()},
+    }
+
+
+def _separable(case: Case, index: int) -> float:
+    """Strength of one effect after the refit of everything else that is concealed."""
+    each, left = case.concealed[index], 0.0
+    others = [other.torque for i, other in enumerate(case.concealed) if i != index]
+    if not others:
+        return each.enr
+    for other in others:
+        left = compute_enr(left_after_refit(each.torque, case.outcome.rows, each.effect.against, other))
+    return left
+
+
+def _write_table(columns: dict[str, NDArray[np.float64]], metadata: dict[str, Any], path: Path) -> None:
+    import pyarrow
+    import pyarrow.parquet
+
+    table = pyarrow.table({name: np.ascontiguousarray(values) for name, values in columns.items()})
+    if metadata:
+        table = table.replace_schema_metadata({b"fricomp.recording": json.dumps(metadata).encode()})
+    pyarrow.parquet.write_table(table, path)

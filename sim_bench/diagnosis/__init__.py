@@ -1,0 +1,46 @@
+"""From a mismatch between simulation and recording to named physics with evidence.
+
+The data flow, one module a step: `checks` → `loading` → `weak_form` → `preparation` (base model, `nulls`) →
+`screening` → `search` (joint refits) → `confirmation` → `verdict`.
+"""
+
+from .diagnose import diagnose
+from .result import (
+    DIAGNOSIS_SCHEMA,
+    Change,
+    Diagnosis,
+    DiagnosisRecord,
+    Distinguishability,
+    Evidence,
+    HeldOut,
+    NamedEffect,
+    NextExperiment,
+    Quantity,
+    Rival,
+    RowSeries,
+    diagnosis_json_schema,
+    load_diagnosis,
+    save_diagnosis,
+)
+from .rigid import RigidJoint, read_simulation
+
+__all__ = [
+    "DIAGNOSIS_SCHEMA",
+    "Change",
+    "Diagnosis",
+    "DiagnosisRecord",
+    "Distinguishability",
+    "Evidence",
+    "HeldOut",
+    "NamedEffect",
+    "NextExperiment",
+    "Quantity",
+    "RigidJoint",
+    "Rival",
+    "RowSeries",
+    "diagnose",
+    "diagnosis_json_schema",
+    "load_diagnosis",
+    "read_simulation",
+    "save_diagnosis",
+]

@@ -1,0 +1,53 @@
+"""What this recording cannot tell apart: effects that explain it as well as the one that was named."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .preparation import Prepared
+from .result import Distinguishability
+from .screening import Screen, orthonormal
+from .search import Explanation, Found
+
+__all__ = ["aliases", "distinguishability"]
+
+_CLOSE = 12.0  # gain within which two explanations count as equally good
+
+
+def aliases(found: Found, name: str) -> tuple[str, ...]:
+    """Effects that could stand in the place of `name` in the best explanation."""
+    best = found.best
+    if best is None:
+        return ()
+    others = set(best.names) - {name}
+    close = {
+        next(iter(set(rival.names) - others))
+        for rival in found.explanations
+        if _stands_in(rival, best, others) and rival.names != best.names
+    }
+    return tuple(sorted(close))
+
+
+def _stands_in(rival: Explanation, best: Explanation, others: set[str]) -> bool:
+    return (
+        len(rival.names) == len(best.names)
+        and others <= set(rival.names)
+        and not rival.refused
+        and rival.gain > best.gain - max(_CLOSE, 0.03 * best.gain)
+    )
+
+
+def distinguishability(prepared: Prepared, screened: Screen) -> Distinguishability:
+    """One minus R² of each effect by each other, after the base is refitted."""
+    best = screened.best_by_name()
+    names = tuple(sorted(best))
+    spans = [best[name].span for name in names]
+    matrix = [[_distance(a, b) for b in spans] for a in spans]
+    return Distinguishability(names, matrix)
+
+
+def _distance(a: np.ndarray, b: np.ndarray) -> float:
+    if a.shape[1] == 0 or b.shape[1] == 0:
+        return 1.0
+    overlap = float(np.sum((orthonormal(b).T @ a) ** 2)) / a.shape[1]
+    return float(np.clip(1.0 - overlap, 0.0, 1.0))

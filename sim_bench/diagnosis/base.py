@@ -1,0 +1,108 @@
+"""The base model: what a rigid joint with bidirectional Stribeck friction has, as a vector of numbers to fit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .observer import Plant
+from .solver import Box
+from .track import FloatArray
+
+__all__ = ["BASE_NAMES", "BaseModel", "pack", "unpack"]
+
+BASE_NAMES = (
+    "log_inertia",
+    "gravity_cos",
+    "gravity_sin",
+    "offset",
+    "forward.coulomb_torque",
+    "forward.excess",
+    "forward.log_stribeck_velocity",
+    "forward.viscous_coefficient",
+    "reverse.coulomb_torque",
+    "reverse.excess",
+    "reverse.log_stribeck_velocity",
+    "reverse.viscous_coefficient",
+    "log_sigma_0",
+    "delay",
+    "damping_time",
+)
+
+_BREAKAWAY = (2e-6, 4e-4)  # [rad] presliding distance F_c / sigma_0 of a joint that counts as stiff
+# Longest step in scales: parameters that enter linearly may go anywhere at once.
+_FRICTION_REACH = [10.0, 10.0, 2.0, 20.0]
+_REACH = np.array([4.0, 40.0, 40.0, 40.0, *_FRICTION_REACH, *_FRICTION_REACH, 3.0, 2.0, 3.0])
+_DAMPING = 0.012  # [s] largest sigma_1 / sigma_0 of a bristle that is part of the base
+_DELAY = 5e-4  # [s] a wider prior swallows delays that are real
+
+
+def pack(plant: Plant) -> FloatArray:
+    """The numbers of `plant`, in the order of `BASE_NAMES`."""
+    values = [np.log(plant.inertia), *plant.gravity, plant.offset]
+    for coulomb, static, velocity, viscous in (plant.forward, plant.reverse):
+        values += [coulomb, static - coulomb, np.log(velocity), viscous]
+    return np.array([*values, np.log(plant.sigma_0), plant.delay, plant.sigma_1 / plant.sigma_0])
+
+
+def unpack(theta: FloatArray) -> Plant:
+    """The plant that `theta` describes."""
+    f, r = theta[4:8], theta[8:12]
+    return Plant(
+        inertia=float(np.exp(theta[0])),
+        gravity=(float(theta[1]), float(theta[2])),
+        offset=float(theta[3]),
+        forward=(float(f[0]), float(f[0] + f[1]), float(np.exp(f[2])), float(f[3])),
+        reverse=(float(r[0]), float(r[0] + r[1]), float(np.exp(r[2])), float(r[3])),
+        sigma_0=float(np.exp(theta[12])),
+        sigma_1=float(np.exp(theta[12]) * theta[14]),
+        delay=float(theta[13]),
+    )
+
+
+@dataclass(frozen=True)
+class BaseModel:
+    """Domain of the base parameters around a first estimate.
+
+    Attributes:
+        start: First estimate.
+        box: Bounds, scales and weak priors. Their unit is one standard deviation of a residual row.
+    """
+
+    start: FloatArray
+    box: Box
+
+    @classmethod
+    def around(
+        cls, plant: Plant, *, dt: float, top_speed: float, rotary: bool, fixed_gravity: bool = False
+    ) -> BaseModel:
+        """The domain around a first estimate of the plant."""
+        level = max(0.5 * (plant.forward[0] + plant.reverse[0]), 1e-6)
+        viscous = max(plant.forward[3], plant.reverse[3], 0.1 * level / top_speed)
+        size = max(float(np.hypot(*plant.gravity)), level)
+        gravity_free = 100.0 * size if rotary and not fixed_gravity else 0.0
+        stiffness = (np.log(level / _BREAKAWAY[1]), np.log(level / _BREAKAWAY[0]))
+        start = pack(replace(plant, sigma_0=float(np.exp(0.6 * stiffness[0] + 0.4 * stiffness[1])), delay=-0.5 * dt))
+        friction_low = [0.0, 0.0, np.log(top_speed * 5e-4), 0.0]
+        friction_high = [50 * level, 10 * level, np.log(top_speed), 50 * viscous]
+        friction_scale = [0.1 * level, 0.1 * level, 0.3, 0.2 * viscous]
+        inertia = start[0]
+        lower = [inertia - 3, -gravity_free, -gravity_free, -100 * size, *friction_low, *friction_low, stiffness[0]]
+        upper = [inertia + 3, gravity_free, gravity_free, 100 * size, *friction_high, *friction_high, stiffness[1]]
+        scale = [0.05, 0.05 * size, 0.05 * size, 0.05 * level, *friction_scale, *friction_scale, 0.3]
+        reach = max(_DELAY, 0.5 * dt)
+        low = np.array([*lower, -0.5 * dt - reach, 0.0])
+        high = np.array([*upper, -0.5 * dt + reach, _DAMPING])
+        centre = start.copy()
+        weight = np.zeros(start.size)
+        for i in (6, 10):
+            centre[i] = np.log(0.05 * top_speed)
+            weight[i] = 1.0 / 1.5
+        weight[12] = 1.0 / 1.5
+        weight[13] = 1.0 / (0.5 * reach)
+        weight[14] = 1.0 / (0.5 * _DAMPING)
+        return cls(
+            np.clip(start, low, high),
+            Box(low, high, np.array([*scale, 0.5 * reach, 0.2 * _DAMPING]), centre, weight, _REACH),
+        )

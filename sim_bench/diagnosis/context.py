@@ -1,0 +1,78 @@
+"""The motion that effects are computed from: that of the fitted base model, not of the noisy encoder."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.signal import savgol_filter
+
+from .effects import Context
+from .observer import Observation, Plant
+from .problem import Problem
+from .track import FloatArray, Track, smooth_derivative
+
+__all__ = ["build_contexts"]
+
+_SMOOTH = 0.061  # [s]
+_SAME = 0.01  # part of a recorded load that gravity and acceleration may leave unexplained
+
+
+def build_contexts(
+    problem: Problem, plant: Plant, observations: Sequence[Observation], hints: Mapping[str, tuple[float, ...]]
+) -> list[Context]:
+    """One context for each recording."""
+    return [
+        replace(_context(track, plant, one, hints), index=i)
+        for i, (track, one) in enumerate(zip(problem.tracks, observations, strict=True))
+    ]
+
+
+def _context(track: Track, plant: Plant, seen: Observation, hints: Mapping[str, tuple[float, ...]]) -> Context:
+    window = max(5, 2 * round(0.015 / track.dt / 2) + 1)
+    position = seen.position + savgol_filter(track.position - seen.position, max(window, 7), 3)
+    # From the encoder alone, and smooth: the model's own acceleration answers to the noise of the torque, and columns
+    # made from it would explain that noise.
+    velocity = smooth_derivative(track.position, track.dt, _SMOOTH)
+    acceleration = smooth_derivative(velocity, track.dt, _SMOOTH)
+    load = track.channels.get("load_torque")
+    gravity = plant.gravity_torque(position, track.rotary)
+    load = gravity - plant.offset if load is None else without_noise(load, position, acceleration, track)
+    v = seen.velocity
+    viscous = np.where(v >= 0.0, plant.forward[3], plant.reverse[3]) * v
+    return Context(
+        dt=track.dt,
+        position=position,
+        velocity=v,
+        acceleration=acceleration,
+        torque=gravity + plant.inertia * acceleration + smoothed(seen.bristle, track.dt) + viscous,
+        gravity=gravity - plant.offset,
+        load_torque=load,
+        friction=seen.bristle + viscous,
+        plant=plant,
+        rotary=track.rotary,
+        scale=max(0.5 * (plant.forward[0] + plant.reverse[0]), 0.02 * float(np.std(track.torque))),
+        channels=track.channels,
+        hints=hints,
+    )
+
+
+def smoothed(values: FloatArray, dt: float) -> FloatArray:
+    """Local cubic over the smoothing window. Shape (n,)."""
+    window = max(7, 2 * round(_SMOOTH / dt / 2) + 1)
+    result: FloatArray = savgol_filter(values, window, 3)
+    return result
+
+
+def without_noise(load: FloatArray, position: FloatArray, acceleration: FloatArray, track: Track) -> FloatArray:
+    """A recorded load without its noise, which may be the noise of the torque as well [N·m]. Shape (n,).
+
+    Where gravity and acceleration explain the load it is replaced by what they explain, else it is smoothed.
+    """
+    columns = [np.ones_like(position), acceleration]
+    columns += [np.cos(position), np.sin(position)] if track.rotary else []
+    A = np.stack(columns, axis=1)
+    explained: FloatArray = A @ np.linalg.lstsq(A, load, rcond=None)[0]
+    calm = smoothed(load, track.dt)
+    return explained if float(np.var(calm - explained)) < _SAME * float(np.var(calm)) else calm

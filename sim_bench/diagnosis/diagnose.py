@@ -1,0 +1,87 @@
+"""The way from recordings to a verdict: checks, base, nulls, screening, joint refit, confirmation, verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from fricomp.errors import DiagnosisError, ParameterError
+from fricomp.model import FrictionModel
+from fricomp.recording import Recording
+
+from .checks import reasons_against
+from .loading import build_tracks, low_rate
+from .observer import Observer
+from .preparation import prepare
+from .result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord
+from .rigid import RigidJoint, read_simulation
+from .search import search
+from .second_look import second_look
+from .verdict import Answer, conclude
+
+__all__ = ["diagnose"]
+
+_NULLS, _NULLS_THOROUGH = 32, 200
+_SLOW_BANDWIDTH = 30.0  # [rad/s] observer for recordings below 300 Hz
+
+
+def diagnose(
+    recordings: Recording | Sequence[Recording],
+    simulation: RigidJoint | str | Path | None = None,
+    *,
+    joint: str | None = None,
+    friction: FrictionModel | None = None,
+    thorough: bool = False,
+    seed: int = 0,
+    progress: Callable[[str], None] | None = None,
+) -> Diagnosis:
+    """Say what a simulation of a joint leaves out, from recordings of the real one.
+
+    Args:
+        recordings: One or several recordings of one joint.
+        simulation: MJCF or URDF whose inertia and gravity are compared; None to identify them with the friction.
+        joint: Name of the joint in the simulation and in the recordings; None where there is only one.
+        friction: Friction model that is compared; None to identify it from the recordings.
+        thorough: Use more nulls for the thresholds.
+        seed: Of the nulls and bootstraps; the same seed gives the same answer.
+        progress: Called with a few words before each step.
+
+    Raises:
+        DiagnosisError: The simulation cannot be read, or the recordings do not belong together.
+    """
+    say = progress or (lambda _: None)
+    given = [recordings] if isinstance(recordings, Recording) else list(recordings)
+    if not given:
+        raise DiagnosisError("no recording was given: diagnose needs at least one")
+    rigid = (
+        simulation if isinstance(simulation, RigidJoint) or simulation is None else read_simulation(simulation, joint)
+    )
+    say("checking the data")
+    against = reasons_against(given, joint)
+    if against:
+        return _bad_data(given, against)
+    tracks = build_tracks(given)
+    observer = Observer(bandwidth=_SLOW_BANDWIDTH) if low_rate(given) else Observer()
+    try:
+        say("fitting the base model and simulating nulls")
+        prepared = prepare(tracks, observer=observer, nulls=_NULLS_THOROUGH if thorough else _NULLS, seed=seed)
+        say("searching for effects")
+        found = search(prepared)
+        say("confirming on held-out data")
+        answer = conclude(Answer(tuple(given), prepared, found, rigid, friction, seed))
+        return second_look(given, answer, seed)
+    except (np.linalg.LinAlgError, FloatingPointError, ParameterError) as error:
+        raise DiagnosisError(f"the recording cannot be explained by any joint model: {error}") from error
+
+
+def _bad_data(recordings: Sequence[Recording], reasons: Sequence[str]) -> Diagnosis:
+    record = DiagnosisRecord(
+        schema=DIAGNOSIS_SCHEMA,
+        verdict="bad_data",
+        sentences=("The data cannot be diagnosed.", *reasons),
+        recordings=tuple(f"recording {i + 1}" for i in range(len(recordings))),
+        joint=recordings[0].metadata.joint,
+    )
+    return Diagnosis(record)

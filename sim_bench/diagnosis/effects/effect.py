@@ -1,0 +1,143 @@
+"""What an effect of the catalogue is: a contribution to the simulated joint with parameters to fit."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from fricomp.laws import Term
+
+from ..observer import Contribution, Plant
+from ..track import FloatArray
+
+__all__ = ["EFFECTS", "Context", "Effect", "EffectParameter", "Kind", "Values", "lowest_order", "register"]
+
+Kind = Literal["physics", "measurement", "parameter"]
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Context:
+    """What effects may draw on along one recording: the motion of the fitted base model, and recorded channels.
+
+    Attributes:
+        dt: Sample time [s].
+        position: Position [rad] or [m]. Shape (n,), like all arrays here.
+        velocity: Velocity of the model [rad/s] or [m/s]; exactly smooth at rest.
+        acceleration: Acceleration [rad/s²] or [m/s²].
+        torque: Torque that the base model needs: that of the recording without its noise [N·m] or [N].
+        gravity: Gravity torque of the base model [N·m] or [N].
+        load_torque: Torque transmitted to the load: recorded, else gravity of the base model [N·m].
+        friction: Friction torque of the base model [N·m].
+        plant: The base model.
+        rotary: Whether positions are angles.
+        channels: Further recorded columns by name.
+        scale: Typical friction torque, for scaling parameters [N·m].
+        index: Which of the recordings this is, counted from 0.
+        hints: Starting values found in the residual, such as the orders over position that stand out.
+    """
+
+    dt: float
+    position: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    torque: FloatArray
+    gravity: FloatArray
+    load_torque: FloatArray
+    friction: FloatArray
+    plant: Plant
+    rotary: bool
+    scale: float
+    channels: Mapping[str, FloatArray] = field(default_factory=dict)
+    index: int = 0
+    hints: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+
+    @property
+    def time(self) -> FloatArray:
+        """Time since the first sample [s]."""
+        return np.arange(self.position.size, dtype=np.float64) * np.float64(self.dt)
+
+    @property
+    def stribeck_velocity(self) -> FloatArray:
+        """Stribeck velocity of the direction of motion [rad/s]."""
+        return np.where(self.velocity >= 0.0, self.plant.forward[2], self.plant.reverse[2])
+
+
+@dataclass(frozen=True)
+class EffectParameter:
+    """One number of an effect.
+
+    Attributes:
+        name: Literature name.
+        unit: Unit; `{torque}` and `{position}` stand for the recording's own.
+        scale: Change that matters, for steps and damping.
+        lower: Lower bound.
+        upper: Upper bound.
+        linear: Whether the contribution is proportional to it, so that it is zero where the effect is absent.
+        prior: Standard deviation of a weak prior around the start; 0 for none.
+        logarithmic: Whether the number is fitted, and bounded, as its logarithm.
+    """
+
+    name: str
+    unit: str
+    scale: float
+    lower: float
+    upper: float
+    linear: bool = True
+    prior: float = 0.0
+    logarithmic: bool = False
+
+
+class Effect(ABC):
+    """One effect of the catalogue. Stateless; instances register under their name."""
+
+    name: ClassVar[str]
+    kind: ClassVar[Kind]
+    equation: ClassVar[str]
+    citation: ClassVar[str]
+    says: ClassVar[str]
+    located_by: ClassVar[str] = "velocity"
+    contains: ClassVar[tuple[str, ...]] = ()
+
+    @abstractmethod
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        """The effect's numbers, with scales for these recordings."""
+
+    @abstractmethod
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        """What the effect adds to the joint along one recording."""
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        """Hypotheses for the parameters in which the contribution is not linear."""
+        return [{}]
+
+    def unavailable(self, contexts: Sequence[Context]) -> str | None:
+        """Why this recording cannot show the effect; None where it can."""
+        return None
+
+    def term(self, values: Values, plant: Plant) -> Term | None:
+        """The effect as a term of a friction law; None where it is none."""
+        return None
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        """Why these values are not physical; None where they are."""
+        return None
+
+
+def lowest_order(contexts: Sequence[Context]) -> float:
+    """Lowest order over position that counts as a ripple: one and a half waves over the recorded range."""
+    span = max(float(np.ptp(context.position)) for context in contexts)
+    return 1.5 * 2.0 * np.pi / max(span, 1e-9)
+
+
+EFFECTS: dict[str, Effect] = {}
+
+
+def register(effect: type[Effect]) -> type[Effect]:
+    """Enter an effect into the catalogue."""
+    EFFECTS[effect.name] = effect()
+    return effect

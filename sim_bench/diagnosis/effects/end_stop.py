@@ -1,0 +1,54 @@
+"""A stop or bumper at the end of the range."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fricomp.laws import EndStop as EndStopTerm
+from fricomp.laws import Term
+
+from ..observer import Contribution, Plant
+from .effect import Context, Effect, EffectParameter, Values, register
+
+
+@register
+class EndStop(Effect):
+    """tau = k (q - q_max)_+."""
+
+    name = "end_stop"
+    kind = "physics"
+    equation = "tau = k (q - q_max)_+"
+    citation = ""
+    says = "a stop pushes back at the end of the range"
+    located_by = "position"
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        scale = contexts[0].scale
+        return (
+            EffectParameter("stiffness", "{torque}/{position}", scale, -1e7, 1e7),
+            EffectParameter("edge", "{position}", 0.02, -1e3, 1e3, linear=False),
+            EffectParameter("side", "1", 0.0, -1.0, 1.0, linear=False),
+        )
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        low = min(float(c.position.min()) for c in contexts)
+        high = max(float(c.position.max()) for c in contexts)
+        span = high - low
+        upper = [{"edge": high - f * span, "side": 1.0} for f in (0.02, 0.06, 0.12, 0.2)]
+        return upper + [{"edge": low + f * span, "side": -1.0} for f in (0.02, 0.06, 0.12, 0.2)]
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        side = values["side"]
+        depth = np.maximum(side * (context.position - values["edge"]), 0.0)
+        return Contribution(additive=values["stiffness"] * side * depth)
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        if values["stiffness"] <= 0.0:
+            return "the stop would pull outwards"
+        inside = [np.mean(values["side"] * (c.position - values["edge"]) > 0.0) for c in contexts]
+        return "it would act over more than a third of the range" if float(np.mean(inside)) > 0.35 else None
+
+    def term(self, values: Values, plant: Plant) -> Term | None:
+        return EndStopTerm(values["stiffness"], values["edge"], values["side"])

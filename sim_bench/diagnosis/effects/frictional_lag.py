@@ -1,0 +1,29 @@
+"""Friction that follows the velocity late."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..observer import Contribution
+from .effect import Context, Effect, EffectParameter, Values, register
+
+
+@register
+class FrictionalLag(Effect):
+    """tau_f(t) = F(v(t - tau_L)) [hess1990]."""
+
+    name = "frictional_lag"
+    kind = "physics"
+    equation = "tau_f(t) = F(v(t - tau_L))"
+    citation = "hess1990"
+    says = "the friction level follows the velocity with a lag"
+    located_by = "acceleration"
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        return (EffectParameter("lag", "s", 2e-3, 0.0, 0.1, linear=False),)
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return [{"lag": 2e-3}, {"lag": 8e-3}, {"lag": 2e-2}]
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        return Contribution(plant={"lag": values["lag"]})

@@ -1,0 +1,39 @@
+"""Elastic presliding: a soft bristle that yields after a visible travel."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..observer import Contribution
+from .effect import Context, Effect, EffectParameter, Values, register
+
+
+@register
+class PreslidingHysteresis(Effect):
+    """z' = v - sigma_0 |v| z / g(v), tau_f = sigma_0 z + sigma_1 z' [canudas1995lugre]."""
+
+    name = "presliding_hysteresis"
+    kind = "physics"
+    equation = "z' = v - sigma_0 |v| z / g(v), tau_f = sigma_0 z + sigma_1 z'"
+    citation = "canudas1995lugre"
+    says = "after each reversal the friction builds up over a visible travel"
+    located_by = "time_since_reversal"
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        return (
+            EffectParameter(
+                "breakaway_distance", "{position}", 0.3, float(np.log(4e-4)), float(np.log(5e-2)), linear=False
+            ),
+            EffectParameter("damping_time", "s", 2e-3, 0.0, 0.05, linear=False),
+        )
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return [{"breakaway_distance": float(np.log(d)), "damping_time": 0.0} for d in (6e-4, 1.5e-3, 4e-3, 1e-2)]
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        plant = context.plant
+        level = 0.5 * (plant.forward[0] + plant.reverse[0])
+        sigma_0 = level / float(np.exp(values["breakaway_distance"]))
+        return Contribution(plant={"sigma_0": sigma_0, "sigma_1": sigma_0 * values["damping_time"]})

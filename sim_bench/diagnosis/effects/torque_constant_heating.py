@@ -1,0 +1,37 @@
+"""A motor whose torque constant falls as it warms."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..observer import Contribution
+from ..warming import warming
+from .effect import Context, Effect, EffectParameter, Values, register
+
+
+@register
+class TorqueConstantHeating(Effect):
+    """tau = tau_recorded (1 - alpha dT), dT from the dissipated current [pillay1989]."""
+
+    name = "torque_constant_heating"
+    kind = "physics"
+    equation = "tau = tau_recorded (1 - alpha dT), dT from the dissipated current"
+    citation = "pillay1989"
+    says = "the torque constant falls as the motor warms"
+    located_by = "time"
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        return (
+            EffectParameter("loss", "1", 0.02, -0.9, 0.9),
+            EffectParameter("time_constant", "s", 0.0, 0.0, 1e4, linear=False),
+        )
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return [{"time_constant": tau} for tau in (10.0, 30.0, 100.0)]
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        heat = warming(context.torque**2, context.dt, values["time_constant"])
+        return Contribution(additive=values["loss"] * heat * context.torque)
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        return "the torque constant would rise" if values["loss"] <= 0.0 else None

@@ -1,0 +1,34 @@
+"""A torque signal that is late."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..observer import Contribution
+from .effect import Context, Effect, EffectParameter, Values, register
+
+
+@register
+class TorqueDelay(Effect):
+    """tau_recorded(t) = tau(t - T_d) [hollerbach2016]."""
+
+    name = "torque_delay"
+    kind = "measurement"
+    equation = "tau_recorded(t) = tau(t - T_d)"
+    citation = "hollerbach2016"
+    says = "the recorded torque is late"
+    located_by = "acceleration"
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        return (EffectParameter("delay", "s", 1e-3, -0.03, 0.05, linear=False),)
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return [{"delay": 1e-3}, {"delay": 4e-3}, {"delay": -1e-3}]
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        return Contribution(delay=values["delay"])
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        if values["delay"] <= 0.0:
+            return "the torque would be recorded before it acts"
+        return None

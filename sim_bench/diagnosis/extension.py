@@ -1,0 +1,73 @@
+"""The refitted base and the extended model as friction models that compensate and export like any other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fricomp.laws import BidirectionalStribeck, FrictionLaw, LuGre, StribeckCurve, Term
+from fricomp.model import FrictionModel, Provenance, Validity
+from fricomp.recording import Recording
+
+from .observer import Plant
+from .preparation import Prepared
+from .search import Explanation
+from .structure import N_BASE
+
+__all__ = ["base_model", "extended_model"]
+
+
+def base_model(recordings: Sequence[Recording], prepared: Prepared) -> FrictionModel:
+    """Friction of the refitted base."""
+    plant = prepared.structure.plant(prepared.fit.theta)
+    return _model(recordings, (_curves(plant, 2.0, BidirectionalStribeck),))
+
+
+def extended_model(
+    recordings: Sequence[Recording], prepared: Prepared, chosen: Explanation | None
+) -> FrictionModel | None:
+    """Friction with the named effects, refitted together; None where no effect belongs to a friction law."""
+    if chosen is None:
+        return None
+    values = chosen.structure.values(chosen.fit.theta[N_BASE:])
+    plant = chosen.structure.plant(chosen.fit.theta)
+    terms: list[Term] = []
+    exponent, bristle = 2.0, None
+    for candidate in chosen.structure.candidates:
+        contribution = candidate.effect.contribution(chosen.structure.contexts[0], values[candidate.name])
+        exponent = contribution.plant.get("stribeck_exponent", exponent)
+        if "sigma_0" in contribution.plant:
+            bristle = (contribution.plant["sigma_0"], contribution.plant.get("sigma_1", 0.0))
+        term = candidate.effect.term(values[candidate.name], plant)
+        terms += [term] if term is not None else []
+    changed = bool(terms) or exponent != 2.0 or bristle is not None
+    if not changed:
+        return None
+    core: Term = _curves(plant, exponent, BidirectionalStribeck)
+    if bristle is not None:
+        core = LuGre(*_pair(plant, exponent), sigma_0=bristle[0], sigma_1=bristle[1])
+    return _model(recordings, (core, *terms))
+
+
+def _pair(plant: Plant, exponent: float) -> tuple[StribeckCurve, StribeckCurve]:
+    forward, reverse = (StribeckCurve(c, s, v, f, exponent) for c, s, v, f in (plant.forward, plant.reverse))
+    return forward, reverse
+
+
+def _curves(plant: Plant, exponent: float, kind: type[BidirectionalStribeck]) -> BidirectionalStribeck:
+    return kind(*_pair(plant, exponent))
+
+
+def _model(recordings: Sequence[Recording], terms: tuple[Term, ...]) -> FrictionModel:
+    metadata = recordings[0].metadata
+    low = min(float(np.min(r.position)) for r in recordings)
+    high = max(float(np.max(r.position)) for r in recordings)
+    return FrictionModel(
+        law=FrictionLaw(terms),
+        joint=metadata.joint,
+        motion=metadata.motion,
+        torque_unit=metadata.torque_unit,
+        validity=Validity(position=(low, high)),
+        provenance=Provenance(method="diagnosis", data_sha256=recordings[0].content_hash),
+    )

@@ -1,0 +1,206 @@
+"""The compiled simulator: one joint with bristle friction, held to a recording by an observer.
+
+    J w' = tau - F_v w - sigma_0 z - sigma_1 z' + u,   u = K (q - x) + D (v - w)
+    z' = w - sigma_0 |w| z / g(w),   g(w) = F_c + (F_s - F_c) exp(-|w / v_s|^delta) + extra level
+
+x, w, z are the model's own position, velocity and bristle deflection; q, v the recorded ones; u is the torque the
+model lacks, seen through a second-order low pass. The bristle is advanced exactly over each substep [dahl1968],
+[canudas1995lugre], so any stiffness is stable for it. This is the only module that imports numba.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, TypeVar, cast
+
+import numpy as np
+
+from fricomp.errors import MissingExtraError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+try:
+    import numba
+except ImportError as error:  # pragma: no cover - depends on the installation
+    raise MissingExtraError("numba", "diagnose") from error
+
+__all__ = [
+    "FRICTION_SLOTS",
+    "compiled",
+    "drive_load",
+    "dwell",
+    "observe",
+    "play",
+]
+
+_F = TypeVar("_F", bound="Callable[..., Any]")
+
+# Order of the plant's numbers in the array that the kernel takes.
+FRICTION_SLOTS = (
+    "inertia",
+    "forward.coulomb_torque",
+    "forward.static_torque",
+    "forward.stribeck_velocity",
+    "forward.viscous_coefficient",
+    "forward.stribeck_exponent",
+    "reverse.coulomb_torque",
+    "reverse.static_torque",
+    "reverse.stribeck_velocity",
+    "reverse.viscous_coefficient",
+    "reverse.stribeck_exponent",
+    "sigma_0",
+    "sigma_1",
+    "lag",
+)
+
+
+def compiled(function: _F) -> _F:
+    """Compile with numba, cached on disk, without holding the interpreter lock: two threads use two cores."""
+    return cast(_F, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+
+
+@compiled
+def observe(
+    position: np.ndarray,
+    velocity: np.ndarray,
+    torque: np.ndarray,
+    level: np.ndarray,
+    plant: np.ndarray,
+    observer: np.ndarray,
+    out: np.ndarray,
+) -> None:
+    """Run the observed joint along one recording.
+
+    Args:
+        position: Recorded q [rad]. Shape (n,).
+        velocity: Estimated v [rad/s]. Shape (n,).
+        torque: Applied torque less gravity and offset [N·m]. Shape (n,).
+        level: Torque added to the dry friction level [N·m]. Shape (n,).
+        plant: Numbers in the order of `FRICTION_SLOTS`.
+        observer: dt [s], substeps, K [N·m/rad], D [N·m·s/rad], rest speed [rad/s], leak [1/s].
+        out: Filled with u [N·m], x [rad], w [rad/s], bristle torque [N·m]. Shape (4, n). Position and velocity stand
+            at the sample, torques are means until the next one.
+    """
+    inertia, sigma_0, sigma_1, lag = plant[0], plant[11], plant[12], plant[13]
+    dt, substeps = observer[0], int(observer[1])
+    stiffness, damping, rest_speed, leak = observer[2], observer[3], observer[4], observer[5]
+    x, w, z = position[0], velocity[0], 0.0
+    w_felt = w
+    n = position.shape[0]
+    h = dt / substeps
+    keep = np.exp(-h / lag) if lag > 0.0 else 0.0
+    for k in range(n):
+        k1 = min(k + 1, n - 1)
+        sum_u, sum_b = 0.0, 0.0
+        out[1, k] = x
+        out[2, k] = w
+        resting = abs(velocity[k]) < rest_speed
+        for s in range(substeps):
+            f = (s + 0.5) / substeps
+            q = position[k] + (position[k1] - position[k]) * f
+            v = velocity[k] + (velocity[k1] - velocity[k]) * f
+            tau = torque[k] + (torque[k1] - torque[k]) * f
+            extra = level[k] + (level[k1] - level[k]) * f
+            u = stiffness * (q - x) + damping * (v - w)
+            w_felt = w + (w_felt - w) * keep
+            felt = abs(w_felt)
+            base = 1 if w >= 0.0 else 6
+            ratio = felt / plant[base + 2]
+            delta = plant[base + 4]
+            power = ratio * ratio if delta == 2.0 else ratio**delta
+            fall = np.exp(-power) if power < 30.0 else 0.0
+            g = plant[base] + (plant[base + 1] - plant[base]) * fall + extra
+            if g < 1e-9:
+                g = 1e-9
+            steady = g / sigma_0 if w >= 0.0 else -g / sigma_0
+            decay = abs(w) * h * sigma_0 / g
+            z_next = steady + (z - steady) * np.exp(-decay) if decay < 30.0 else steady
+            bristle = sigma_0 * z_next + sigma_1 * (z_next - z) / h
+            z = z_next
+            viscous = plant[base + 3] * w_felt
+            before = w
+            w += h * (tau - viscous - bristle + u) / inertia
+            x += 0.5 * h * (before + w)
+            if resting and abs(w) < rest_speed:
+                x += h * leak * (q - x)
+            sum_u += u
+            sum_b += bristle
+        out[0, k] = sum_u / substeps
+        out[3, k] = sum_b / substeps
+
+
+@compiled
+def play(values: np.ndarray, width: float) -> np.ndarray:
+    """The play operator: follows `values` only once they have moved by `width`. Shape (n,)."""
+    out = np.empty_like(values)
+    centre = values[0]
+    for k in range(values.shape[0]):
+        centre = min(max(centre, values[k] - width), values[k] + width)
+        out[k] = centre
+    return out
+
+
+@compiled
+def dwell(velocity: np.ndarray, settings: np.ndarray) -> np.ndarray:
+    """Share of its final rise that static friction has gained by resting, lost again over a short travel.
+
+    Args:
+        velocity: Velocity [rad/s]. Shape (n,).
+        settings: dt [s], time constant [s], travel over which it is lost [rad], rest speed [rad/s].
+    """
+    out = np.empty_like(velocity)
+    grown = 0.0
+    gain = 1.0 - np.exp(-settings[0] / max(settings[1], 1e-6))
+    for k in range(velocity.shape[0]):
+        speed = abs(velocity[k])
+        if speed < settings[3]:
+            grown += gain * (1.0 - grown)
+        else:
+            grown *= np.exp(-speed * settings[0] / max(settings[2], 1e-9))
+        out[k] = grown
+    return out
+
+
+@compiled
+def drive_load(position: np.ndarray, velocity: np.ndarray, gravity: np.ndarray, settings: np.ndarray) -> np.ndarray:
+    """Torque that a load draws through a spring with a gap when its motor side is moved as recorded. Shape (n,).
+
+    Args:
+        position: Motor-side position [rad]. Shape (n,).
+        velocity: Motor-side velocity [rad/s]. Shape (n,).
+        gravity: Gravity torque on the load [N·m]. Shape (n,).
+        settings: dt [s], substeps, load inertia, stiffness, damping, half gap [rad].
+    """
+    out = np.empty_like(position)
+    substeps = int(settings[1])
+    h = settings[0] / substeps
+    inertia, stiffness, damping, half = settings[2], settings[3], settings[4], settings[5]
+    twist0 = gravity[0] / stiffness
+    theta = position[0] - twist0 - (half if gravity[0] >= 0.0 else -half)
+    w = velocity[0]
+    n = position.shape[0]
+    for k in range(n):
+        k1 = min(k + 1, n - 1)
+        total = 0.0
+        for s in range(substeps):
+            f = (s + 0.5) / substeps
+            twist = position[k] + (position[k1] - position[k]) * f - theta
+            rate = velocity[k] + (velocity[k1] - velocity[k]) * f - w
+            torque = 0.0
+            if twist > half:
+                torque = (
+                    max(stiffness * (twist - half) + damping * rate, 0.0)
+                    if half > 0.0
+                    else stiffness * twist + damping * rate
+                )
+            elif twist < -half:
+                torque = (
+                    min(stiffness * (twist + half) + damping * rate, 0.0)
+                    if half > 0.0
+                    else stiffness * twist + damping * rate
+                )
+            w += h * (torque - gravity[k]) / inertia
+            theta += h * w
+            total += torque
+        out[k] = total / substeps
+    return out

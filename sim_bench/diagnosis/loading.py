@@ -1,0 +1,66 @@
+"""From recordings to tracks: a uniform grid fine enough to simulate, and the channels that effects may use."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from fricomp.errors import DiagnosisError
+from fricomp.recording import Recording
+
+from .track import FloatArray, Track
+
+__all__ = ["build_tracks", "low_rate"]
+
+_FINEST = 1e-3  # [s] grid of slow recordings
+_CHANNELS = ("load_torque", "temperature", "position_reference", "torque_command", "current")
+
+
+def low_rate(recordings: Sequence[Recording]) -> bool:
+    """Whether any recording is too slow for presliding and reversals to be seen in it."""
+    return any(recording.sample_period > 3.5e-3 for recording in recordings)
+
+
+def build_tracks(recordings: Sequence[Recording]) -> list[Track]:
+    """One track for each recording, all on the same grid.
+
+    Raises:
+        DiagnosisError: The recordings mix rotary and linear joints.
+    """
+    if len({recording.metadata.motion for recording in recordings}) > 1:
+        raise DiagnosisError("the recordings mix rotary and linear joints: diagnose one joint at a time")
+    dt = min(recording.sample_period for recording in recordings)
+    dt = float(np.clip(dt, 2.5e-4, 2.5e-3)) if dt < 3.5e-3 else dt / np.ceil(dt / 2.5e-3)
+    return [_track(recording, dt, f"recording {i + 1}") for i, recording in enumerate(recordings)]
+
+
+def _track(recording: Recording, dt: float, name: str) -> Track:
+    time = np.asarray(recording.time) - recording.time[0]
+    grid = np.arange(int(time[-1] / dt + 1e-6) + 1) * dt
+    uniform = grid.size == time.size and bool(np.max(np.abs(grid - time)) < 0.02 * dt)
+
+    def sampled(values: FloatArray) -> FloatArray:
+        if uniform:
+            return np.array(values)
+        if recording.sample_period > 1.5 * dt:
+            result: FloatArray = CubicSpline(time, values)(grid)
+            return result
+        interpolated: FloatArray = np.interp(grid, time, values)
+        return interpolated
+
+    channels = {n: sampled(v) for n, v in recording.channels.items() if n in _CHANNELS}
+    extra = recording.metadata.extra.get("neighbour_position")
+    if isinstance(extra, list):
+        channels["neighbour_position"] = sampled(np.asarray(extra, dtype=np.float64))
+    track = Track.build(
+        dt,
+        sampled(recording.position),
+        sampled(recording.torque),
+        rotary=recording.metadata.motion == "rotary",
+        channels=channels,
+        name=name,
+    )
+    return replace(track, resolution=recording.metadata.encoder_resolution or track.resolution)

@@ -1,0 +1,162 @@
+"""Where a mismatch sits: excess energy over what the joint did, with bands, and intervals that hold most of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .generic import time_since_reversal
+from .preparation import Prepared
+from .result import Interval, Location, RowSeries
+from .screening import orthonormal, project_out
+from .structure import Structure
+from .track import FloatArray
+
+__all__ = ["change_points", "excess_maps", "intervals_of", "locate", "row_series"]
+
+_BINS = 24
+_SHARE = 0.8
+_BOOTSTRAPS = 200
+_BLOCK = 25  # rows: half a second, longer than the residual remembers
+
+
+def row_series(prepared: Prepared, before: Sequence[FloatArray], after: Sequence[FloatArray]) -> tuple[RowSeries, ...]:
+    """Residual rows of each recording with the state of the joint."""
+    result = []
+    for i, (track, grid, context) in enumerate(
+        zip(prepared.problem.tracks, prepared.problem.grids, prepared.structure.contexts, strict=True)
+    ):
+        at = grid.centres
+        temperature = context.channels.get("temperature")
+        result.append(
+            RowSeries(
+                name=track.name,
+                time=context.time[at],
+                position=context.position[at],
+                velocity=context.velocity[at],
+                acceleration=context.acceleration[at],
+                load_torque=context.load_torque[at],
+                time_since_reversal=time_since_reversal(context.velocity, context.dt)[at],
+                temperature=None if temperature is None else temperature[at],
+                before=before[i],
+                after=after[i],
+                spread=prepared.nulls.weights.spread[i],
+            )
+        )
+    return tuple(result)
+
+
+def excess_maps(series: Sequence[RowSeries], seed: int) -> dict[str, dict[str, FloatArray]]:
+    """Energy beyond the noise over bins of each quantity, with 95 % bands from a block bootstrap."""
+    energy = np.concatenate([(s.before / s.spread) ** 2 for s in series])
+    maps = {}
+    for name in ("velocity", "position", "acceleration", "load_torque", "time_since_reversal", "temperature", "time"):
+        parts = [getattr(s, name) for s in series]
+        if any(part is None for part in parts):
+            continue
+        values = np.concatenate(parts)
+        if np.ptp(values) > 0.0:
+            maps[name] = _map(values, energy, seed)
+    return maps
+
+
+def _map(values: FloatArray, energy: FloatArray, seed: int) -> dict[str, FloatArray]:
+    edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, _BINS + 1)))
+    index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
+    count = np.bincount(index, minlength=edges.size - 1)
+    starts = np.arange(0, values.size, _BLOCK)
+    rng = np.random.default_rng(seed)
+    sums = np.stack([np.bincount(index[s : s + _BLOCK], energy[s : s + _BLOCK] - 1.0, edges.size - 1) for s in starts])
+    counts = np.stack([np.bincount(index[s : s + _BLOCK], minlength=edges.size - 1) for s in starts])
+    drawn = [rng.integers(0, starts.size, starts.size) for _ in range(_BOOTSTRAPS)]
+    means = np.stack([sums[d].sum(axis=0) / np.maximum(counts[d].sum(axis=0), 1) for d in drawn])
+    lower, upper = np.quantile(means, [0.025, 0.975], axis=0)
+    return {"edges": edges, "excess": sums.sum(axis=0) / np.maximum(count, 1), "lower": lower, "upper": upper}
+
+
+def intervals_of(values: FloatArray, energy: FloatArray, least: int = 1) -> list[Interval]:
+    """Intervals of `values` that hold most of the excess energy, densest first until the share is reached."""
+    edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, _BINS + 1)))
+    index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
+    total = np.maximum(np.bincount(index, energy, edges.size - 1), 0.0)
+    density = total / np.maximum(np.bincount(index, minlength=edges.size - 1), least)
+    chosen, held = np.zeros(total.size, dtype=bool), 0.0
+    for i in np.argsort(-density):
+        if held >= _SHARE * total.sum():
+            break
+        chosen[i], held = True, held + total[i]
+    return merged([(float(edges[i]), float(edges[i + 1])) for i in np.flatnonzero(chosen)], 1e-12)
+
+
+def merged(intervals: Sequence[Interval], gap: float) -> list[Interval]:
+    """Neighbouring intervals joined."""
+    result: list[Interval] = []
+    for low, high in sorted(intervals):
+        if result and low <= result[-1][1] + gap:
+            result[-1] = (result[-1][0], max(high, result[-1][1]))
+        else:
+            result.append((low, high))
+    return result
+
+
+def locate(series: Sequence[RowSeries], energy: Sequence[FloatArray]) -> Location:
+    """Intervals of each quantity that hold most of `energy`; a quantity that singles nothing out is left out."""
+    location: Location = {"time": _times(series, energy)}
+    pooled = np.concatenate(list(energy))
+    for name in ("velocity", "position", "load_torque", "acceleration", "time_since_reversal", "temperature"):
+        parts = [getattr(s, name) for s in series]
+        if any(part is None for part in parts):
+            continue
+        values = np.concatenate(parts)
+        found = intervals_of(values, pooled) if np.ptp(values) > 0.0 else []
+        inside = np.zeros(values.size, dtype=bool)
+        for low, high in found:
+            inside |= (values >= low) & (values <= high)
+        if found and inside.mean() < 0.6:
+            location[name] = found
+    return location
+
+
+def _times(series: Sequence[RowSeries], energy: Sequence[FloatArray]) -> list[Interval]:
+    """Time windows of the first recording whose rows carry most of the energy."""
+    e, time = np.maximum(energy[0], 0.0), series[0].time
+    smooth = np.convolve(e, np.ones(5) / 5.0, mode="same")
+    order = np.argsort(-smooth)
+    held = np.cumsum(e[order]) / max(float(e.sum()), 1e-30)
+    chosen = np.sort(order[: int(np.searchsorted(held, _SHARE)) + 1])
+    half = 0.5 * float(np.median(np.diff(time)))
+    return merged([(float(time[i] - half), float(time[i] + half)) for i in chosen], 4.0 * half)
+
+
+def change_points(series: Sequence[RowSeries]) -> tuple[tuple[float, ...], ...]:
+    """Times at which the size of the residual changes [s]."""
+    import ruptures
+
+    result: list[tuple[float, ...]] = []
+    for one in series:
+        size = np.log((one.before / one.spread) ** 2 + 0.1)
+        coarse = size[: size.size // 10 * 10].reshape(-1, 10).mean(axis=1)
+        if coarse.size < 12:
+            result.append(())
+            continue
+        found = (
+            ruptures.KernelCPD(kernel="linear", min_size=5).fit(coarse[:, None]).predict(pen=4.0 * np.log(coarse.size))
+        )
+        result.append(tuple(float(one.time[10 * i]) for i in found[:-1]))
+    return tuple(result)
+
+
+def effect_energy(prepared: Prepared, structure: Structure, theta: FloatArray, name: str) -> list[FloatArray]:
+    """Energy of one effect's rows after the base is refitted, for each recording."""
+    problem = prepared.problem
+    n = structure.start().size
+    full = structure.contributions(theta[-n:])
+    alone = Structure(structure.contexts, tuple(c for c in structure.candidates if c.name != name))
+    keep = [i for i, (owner, _) in enumerate(structure.parameters()) if owner != name]
+    without = alone.contributions(theta[-n:][keep])
+    runs = problem.runs([structure.plant(theta)] * 2, [full, without])
+    column = problem.vector(runs[0]) - problem.vector(runs[1])
+    left = project_out(column[:, None], orthonormal(prepared.fit.jacobian))[:, 0]
+    ends = np.cumsum([grid.centres.size for grid in problem.grids])[:-1]
+    return [part**2 for part in np.split(left, ends)]

@@ -1,0 +1,152 @@
+"""Nulls: the fitted model re-simulated with this recording's noise, through the same chain as the recording."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.ndimage import median_filter, uniform_filter1d
+
+from .observer import Contribution, Job, Observation, Plant, shifted
+from .problem import Problem, Weights, improved
+from .track import FloatArray, Track, smooth_derivative
+
+__all__ = ["Nulls", "make_nulls"]
+
+_AR_ORDER = 4
+_STIFFNESS = 1.6  # factor on the bristle stiffness that its unknown law stands for
+_DOUBT = 0.5  # part of its effect on a row that counts as uncertain
+_TORQUE_WINDOW = 0.011  # [s] smoothing that separates the applied torque from its noise
+_DELAY_SPREAD = 5e-5  # [s]
+
+
+@dataclass(frozen=True)
+class Nulls:
+    """Rows of simulated recordings in which nothing is missing.
+
+    Attributes:
+        rows: For each recording, shape (n_nulls, n_rows) [N·m].
+        weights: Their mean, spread and correlation.
+        noise_scale: Factor on the torque noise found in the samples that makes nulls as noisy as the recording.
+    """
+
+    rows: tuple[FloatArray, ...]
+    weights: Weights
+    noise_scale: float
+
+    @property
+    def count(self) -> int:
+        """Number of nulls."""
+        return int(self.rows[0].shape[0])
+
+    def scaled(self, factor: float) -> Nulls:
+        """The same nulls with noise larger by `factor`."""
+        rows = tuple(m + factor * (r - m) for r, m in zip(self.rows, self.weights.mean, strict=True))
+        spread = tuple(factor * s for s in self.weights.spread)
+        return Nulls(rows, replace(self.weights, spread=spread), self.noise_scale * factor)
+
+    def vectors(self) -> list[FloatArray]:
+        """Each null as a weighted residual vector."""
+        return [self.weights.apply([rows[i] for rows in self.rows]) for i in range(self.count)]
+
+
+def make_nulls(problem: Problem, plant: Plant, effects: Sequence[Contribution], *, count: int, seed: int) -> Nulls:
+    """Simulate `count` nulls of `plant` with `effects`; their noise is matched to that of the residual."""
+    data = problem.rows(problem.runs([plant], [effects])[0])
+    calm = replace(problem, tracks=tuple(replace(track, torque=_smooth(track)) for track in problem.tracks))
+    truth = calm.runs([plant], [effects])[0]
+    scale = 1.0
+    few = 8
+    for _ in range(2):
+        rows = _rows(problem, plant, effects, truth, few, scale, seed)
+        scale *= float(np.clip(_noise_ratio(data, rows), 0.2, 5.0))
+    rows = _rows(problem, plant, effects, truth, count, scale, seed + 1)
+    return Nulls(tuple(rows), _weights(rows, _presliding(problem, plant, effects)), scale)
+
+
+def _presliding(problem: Problem, plant: Plant, effects: Sequence[Contribution]) -> list[FloatArray]:
+    """How far each row moves with the law of the bristle, which no recording fixes to the last digit [N·m].
+
+    The base has one bristle of one stiffness; real presliding has a spectrum of them [albender2005gms]. The rows
+    after reversals are trusted less, in proportion to what another stiffness would change there.
+    """
+    variants = [replace(plant, sigma_0=plant.sigma_0 * factor) for factor in (1.0 / _STIFFNESS, _STIFFNESS)]
+    softer, stiffer = problem.runs(variants, [effects, effects])
+    return [0.5 * np.abs(a - b) for a, b in zip(problem.rows(softer), problem.rows(stiffer), strict=True)]
+
+
+def _rows(
+    problem: Problem,
+    plant: Plant,
+    effects: Sequence[Contribution],
+    truth: Sequence[Observation],
+    count: int,
+    scale: float,
+    seed: int,
+) -> list[FloatArray]:
+    """Rows of nulls for each recording, shape (count, n_rows)."""
+    result = []
+    for index, (track, one, effect) in enumerate(zip(problem.tracks, truth, effects, strict=True)):
+        rng = np.random.default_rng([seed, index])
+        applied = _smooth(track) + shifted(one.missing, -plant.delay / track.dt)
+        nulls = [_null(track, one.position, applied, scale, rng) for _ in range(count)]
+        first = problem.observe([Job(null, plant, effect) for null in nulls])
+        nulls = [improved(null, run) for null, run in zip(nulls, first, strict=True)]
+        runs = problem.observe([Job(null, plant, effect) for null in nulls])
+        result.append(np.stack([problem.grids[index].of(run.missing) for run in runs]))
+    return result
+
+
+def _smooth(track: Track) -> FloatArray:
+    """Recorded torque without most of its noise [N·m]."""
+    width = max(3, 2 * round(_TORQUE_WINDOW / track.dt / 2) + 1)
+    window = np.hanning(width + 2)[1:-1]
+    smooth: FloatArray = np.convolve(np.pad(track.torque, width // 2, mode="edge"), window / window.sum(), mode="valid")
+    return smooth
+
+
+def _null(track: Track, position: FloatArray, applied: FloatArray, scale: float, rng: np.random.Generator) -> Track:
+    """The recording of a joint moved along `position` by `applied`: fresh noise, rounding and a small delay."""
+    torque = shifted(applied, rng.normal(0.0, _DELAY_SPREAD) / track.dt)
+    torque = torque + scale * track.torque_noise.draw(track.size, rng)
+    if track.resolution > 0.0:
+        position = np.round(position / track.resolution + rng.uniform()) * track.resolution
+    return replace(track, position=position, torque=torque, velocity=smooth_derivative(position, track.dt))
+
+
+def _noise_ratio(data: Sequence[FloatArray], nulls: Sequence[FloatArray]) -> float:
+    """How much noisier the data's rows are than the nulls', from second differences, which no smooth torque reaches."""
+    ratios = [
+        np.median(np.abs(np.diff(d, 2))) / np.median(np.abs(np.diff(n, 2, axis=1)))
+        for d, n in zip(data, nulls, strict=True)
+    ]
+    return float(np.mean(ratios))
+
+
+def _weights(rows: Sequence[FloatArray], presliding: Sequence[FloatArray]) -> Weights:
+    mean = tuple(r.mean(axis=0) for r in rows)
+    noise = [_row_spread(r, m) for r, m in zip(rows, mean, strict=True)]
+    spread = tuple(np.hypot(s, _DOUBT * p) for s, p in zip(noise, presliding, strict=True))
+    unit = [(r - m) / s for r, m, s in zip(rows, mean, noise, strict=True)]
+    return Weights(mean, spread, _whitener(unit))
+
+
+def _row_spread(rows: FloatArray, mean: FloatArray) -> FloatArray:
+    """Spread of each row, steadied by its neighbours; half of the nulls' own bias counts as uncertain."""
+    spread = np.hypot(rows.std(axis=0, ddof=1), 0.5 * mean)
+    steady = 0.5 * np.maximum(spread, median_filter(spread, 5)) + 0.5 * uniform_filter1d(spread, 3)
+    floor: FloatArray = np.maximum(steady, 0.3 * np.median(spread))
+    return floor
+
+
+def _whitener(unit: Sequence[FloatArray]) -> FloatArray:
+    """AR filter from the pooled autocorrelation of the nulls, scaled to unit innovation variance."""
+    lags = np.array(
+        [np.mean([np.mean(u[:, lag:] * u[:, : u.shape[1] - lag]) for u in unit]) for lag in range(_AR_ORDER + 1)]
+    )
+    R = np.array([[lags[abs(i - j)] for j in range(_AR_ORDER)] for i in range(_AR_ORDER)])
+    a = np.linalg.solve(R + 1e-6 * lags[0] * np.eye(_AR_ORDER), lags[1:])
+    innovation = max(float(lags[0] - a @ lags[1:]), 1e-3 * lags[0])
+    result: FloatArray = np.concatenate([[1.0], -a]) / np.sqrt(innovation)
+    return result

@@ -1,0 +1,147 @@
+"""Observed simulation of a recording: what the model lacks, as a torque over time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .kernel import FRICTION_SLOTS, observe
+from .track import FloatArray, Track
+
+__all__ = ["Contribution", "Observation", "Observer", "Plant", "simulate", "simulate_all"]
+
+THREADS = 2
+
+
+@dataclass(frozen=True)
+class Plant:
+    """The joint that the observer simulates.
+
+    Attributes:
+        inertia: J [kg·m²] or [kg].
+        gravity: Coefficients of cos q and sin q [N·m].
+        offset: Constant torque [N·m].
+        forward: F_c, F_s [N·m], v_s [rad/s], F_v [N·m·s/rad] for v > 0.
+        reverse: The same for v < 0.
+        sigma_0: Bristle stiffness [N·m/rad].
+        sigma_1: Bristle damping [N·m·s/rad].
+        lag: Time by which the friction level follows the velocity [s].
+        delay: Time by which the recorded torque is late [s].
+        stribeck_exponent: Exponent of the falling part, for both directions.
+    """
+
+    inertia: float
+    gravity: tuple[float, float]
+    offset: float
+    forward: tuple[float, float, float, float]
+    reverse: tuple[float, float, float, float]
+    sigma_0: float
+    sigma_1: float = 0.0
+    lag: float = 0.0
+    delay: float = 0.0
+    stribeck_exponent: float = 2.0
+
+    def slots(self) -> FloatArray:
+        """Numbers in the order that the kernel takes."""
+        exponent = self.stribeck_exponent
+        values = (self.inertia, *self.forward, exponent, *self.reverse, exponent, self.sigma_0, self.sigma_1, self.lag)
+        assert len(values) == len(FRICTION_SLOTS)
+        return np.array(values)
+
+    def gravity_torque(self, position: FloatArray, rotary: bool) -> FloatArray:
+        """Gravity and offset at `position` [N·m]."""
+        if not rotary:
+            return np.full_like(position, self.offset)
+        return self.gravity[0] * np.cos(position) + self.gravity[1] * np.sin(position) + self.offset
+
+
+@dataclass(frozen=True)
+class Contribution:
+    """What effects add to the joint along one recording.
+
+    Attributes:
+        additive: Torque that opposes the drive [N·m]. Shape (n,), or 0.
+        level: Torque added to the dry friction level [N·m]. Shape (n,), or 0.
+        delay: Time by which the recorded torque is late [s], on top of the plant's.
+        plant: Fields of `Plant` to replace.
+    """
+
+    additive: FloatArray | float = 0.0
+    level: FloatArray | float = 0.0
+    delay: float = 0.0
+    plant: dict[str, Any] = field(default_factory=dict)
+
+    def __add__(self, other: Contribution) -> Contribution:
+        return Contribution(
+            self.additive + other.additive,
+            self.level + other.level,
+            self.delay + other.delay,
+            {**self.plant, **other.plant},
+        )
+
+
+@dataclass(frozen=True)
+class Observer:
+    """How tightly the simulation is held to the recording.
+
+    Attributes:
+        bandwidth: omega of the second-order observer [rad/s].
+        rest_speed: Below it the joint counts as resting [rad/s].
+        leak: Rate at which the position of a resting model returns to the recorded one [1/s].
+        step: Longest substep in radians of the bristle's own oscillation.
+    """
+
+    bandwidth: float = 100.0
+    rest_speed: float = 3e-3
+    leak: float = 200.0
+    step: float = 0.12
+
+
+class Observation(NamedTuple):
+    """One run of the observer. Arrays of shape (n,)."""
+
+    missing: FloatArray
+    position: FloatArray
+    velocity: FloatArray
+    bristle: FloatArray
+
+
+class Job(NamedTuple):
+    """One simulation to run."""
+
+    track: Track
+    plant: Plant
+    contribution: Contribution
+
+
+def simulate(job: Job, observer: Observer, gains: tuple[float, float], substeps: int) -> Observation:
+    """Run one observed simulation; `gains` are K [N·m/rad] and D [N·m·s/rad]."""
+    track, contribution = job.track, job.contribution
+    plant = replace(job.plant, **contribution.plant) if contribution.plant else job.plant
+    torque = shifted(track.torque, (plant.delay + contribution.delay) / track.dt)
+    torque = torque - plant.gravity_torque(track.position, track.rotary) - contribution.additive
+    level = np.broadcast_to(np.asarray(contribution.level, dtype=np.float64), track.position.shape)
+    settings = np.array([track.dt, substeps, *gains, observer.rest_speed, observer.leak])
+    out = np.empty((4, track.size))
+    observe(track.position, track.velocity, torque, np.ascontiguousarray(level), plant.slots(), settings, out)
+    return Observation(*out)
+
+
+def simulate_all(
+    jobs: Sequence[Job], observer: Observer, gains: tuple[float, float], substeps: int
+) -> list[Observation]:
+    """Run many simulations on the available cores, in the order given."""
+    with ThreadPoolExecutor(THREADS) as pool:
+        return list(pool.map(lambda job: simulate(job, observer, gains, substeps), jobs))
+
+
+def shifted(values: FloatArray, samples: float) -> FloatArray:
+    """`values` as they will be `samples` later: undoes a delay, by linear interpolation."""
+    if samples == 0.0:
+        return values
+    grid = np.arange(values.size, dtype=np.float64)
+    return np.interp(grid + samples, grid, values)

@@ -1,0 +1,123 @@
+"""Base model, residual and nulls of a set of recordings: all that is needed before any effect is tried."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .base import BASE_NAMES, BaseModel, unpack
+from .context import build_contexts
+from .generic import generic_rows
+from .nulls import Nulls, make_nulls
+from .observer import Contribution, Observer
+from .order import order_hints
+from .problem import Problem, observer_for
+from .screening import orthonormal, project_out
+from .solver import Box, Fit, minimise
+from .structure import Structure
+from .time_window import time_windows
+from .track import FloatArray, Track
+from .weak_form import estimate_plant
+
+__all__ = ["Prepared", "prepare"]
+
+_FIRST_NULLS = 12  # for the weights of the first refit
+_LEVEL = (0.6, 1.4)  # most that the noise found in single samples is corrected by
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """The base model fitted to the recordings.
+
+    Attributes:
+        problem: Recordings and weights.
+        structure: The base alone, with the motion that effects are computed from.
+        fit: The minimum.
+        box: Domain of the base parameters.
+        nulls: Recordings in which nothing is missing.
+    """
+
+    problem: Problem
+    structure: Structure
+    fit: Fit
+    box: Box
+    nulls: Nulls
+
+    @property
+    def basis(self) -> FloatArray:
+        """Orthonormal columns of the base model. Shape (m, p)."""
+        return orthonormal(self.fit.jacobian)
+
+    def null_residuals(self) -> list[FloatArray]:
+        """Nulls after the base is refitted to them, in weighted rows. Shapes (m,)."""
+        basis = self.basis
+        return [vector - basis @ (basis.T @ vector) for vector in self.nulls.vectors()]
+
+    @property
+    def noise_ratio(self) -> float:
+        """Weighted residual over that of the nulls."""
+        null = np.mean([vector @ vector for vector in self.null_residuals()])
+        return float(np.sqrt(self.fit.residual @ self.fit.residual / null))
+
+
+def prepare(tracks: Sequence[Track], *, observer: Observer, nulls: int, seed: int) -> Prepared:
+    """Fit the base model: weak form first, then observed simulation, weighted by nulls of the fitted model.
+
+    Args:
+        tracks: The recordings.
+        observer: Observer settings.
+        nulls: Number of nulls.
+        seed: Of their noise.
+    """
+    start = estimate_plant(list(tracks))
+    top = max(float(np.quantile(np.abs(track.velocity), 0.995)) for track in tracks)
+    base = BaseModel.around(start, dt=tracks[0].dt, top_speed=top, rotary=tracks[0].rotary)
+    problem = observer_for(tracks, start, observer)
+    fit = minimise(problem.residual(problem.nothing, len(BASE_NAMES)), base.start, base.box, iterations=10, refresh=2)
+    raw = problem
+    for count in (_FIRST_NULLS, nulls):
+        fit, problem, found = _reweigh(raw, fit, base.box, count, seed)
+    prepared = Prepared(problem, _structure(problem, fit), fit, base.box, found)
+    return _level_noise(prepared)
+
+
+def _level_noise(prepared: Prepared) -> Prepared:
+    """Scale the nulls to the part of the residual that neither the base nor any smooth torque reaches."""
+    span = orthonormal(
+        np.concatenate([prepared.fit.jacobian, generic_rows(prepared.problem, prepared.structure.contexts)], axis=1),
+        1e-6,
+    )
+    ours = _trimmed(project_out(prepared.fit.residual[:, None], span)[:, 0])
+    theirs = float(np.mean([_trimmed(project_out(v[:, None], span)[:, 0]) for v in prepared.nulls.vectors()]))
+    factor = float(np.clip(ours / theirs, *_LEVEL))
+    nulls, fit = prepared.nulls.scaled(factor), prepared.fit
+    fit = replace(fit, residual=fit.residual / factor, jacobian=fit.jacobian / factor, cost=fit.cost / factor**2)
+    return replace(prepared, problem=replace(prepared.problem, weights=nulls.weights), fit=fit, nulls=nulls)
+
+
+def _trimmed(values: FloatArray) -> float:
+    """Standard deviation in which values beyond three robust ones count as three."""
+    limit = 3.0 * float(np.median(np.abs(values))) / 0.6745
+    return float(np.sqrt(np.mean(np.minimum(values**2, limit**2))))
+
+
+def _reweigh(problem: Problem, fit: Fit, box: Box, count: int, seed: int) -> tuple[Fit, Problem, Nulls]:
+    """Improve the velocities once, as in each null, simulate nulls, and fit again with their weights."""
+    plant, nothing = unpack(fit.theta), [Contribution()] * len(problem.tracks)
+    problem = replace(problem.with_velocity(problem.runs([plant], [nothing])[0]), weights=None)
+    nulls = make_nulls(problem, plant, nothing, count=count, seed=seed)
+    problem = replace(problem, weights=nulls.weights)
+    evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
+    return minimise(evaluate, fit.theta, box, iterations=12, refresh=2), problem, nulls
+
+
+def _structure(problem: Problem, fit: Fit) -> Structure:
+    plant = unpack(fit.theta)
+    runs = problem.runs([plant], [[Contribution()] * len(problem.tracks)])[0]
+    contexts = build_contexts(problem, plant, runs, {})
+    basis = orthonormal(fit.jacobian)
+    hints = order_hints(problem, contexts, project_out(fit.residual[:, None], basis)[:, 0], basis)
+    hints["window"] = time_windows(problem, fit.residual)
+    return Structure(tuple(replace(context, hints=hints) for context in contexts))

@@ -1,0 +1,26 @@
+"""A diagnosis for people: tables, charts, the report page, and the folder of files."""
+
+from .files import WrittenDiagnosis, write_diagnosis
+from .fleet import write_fleet
+from .page import diagnosis_charts, diagnosis_page
+from .tables import base_table, change_table, effect_table, error_table, location_table
+from .wording import VERDICT_TITLES, Units, format_interval, format_location, format_quantity, with_names
+
+__all__ = [
+    "VERDICT_TITLES",
+    "Units",
+    "WrittenDiagnosis",
+    "base_table",
+    "change_table",
+    "diagnosis_charts",
+    "diagnosis_page",
+    "effect_table",
+    "error_table",
+    "format_interval",
+    "format_location",
+    "format_quantity",
+    "location_table",
+    "with_names",
+    "write_diagnosis",
+    "write_fleet",
+]

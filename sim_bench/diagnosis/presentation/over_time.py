@@ -1,0 +1,67 @@
+"""Before and after over time, and the motion that is proposed next."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from fricomp.report import Band, Chart, Line, Mark, Panel, Rule
+
+from ..result import RowSeries
+from ..track import FloatArray
+from .wording import Units, words
+
+__all__ = ["AFTER", "BEFORE", "NOISE", "motion_chart", "motion_columns", "time_chart"]
+
+BEFORE, AFTER, NOISE = 1, 0, 6
+"""Colours of the base model, of the extended model and of the noise, in every chart."""
+
+
+def time_chart(series: RowSeries, units: Units, number: int, *, named: bool, changes: tuple[float, ...] = ()) -> Chart:
+    """Missing torque before and after, over the motion.
+
+    Args:
+        series: Rows of one recording.
+        units: Of the diagnosis.
+        number: Of the recording, for the chart's name.
+        named: Whether any effect was named, so that there is an after.
+        changes: Times at which the size of the residual changes [s].
+    """
+    noise = 1.96 * series.spread
+    marks: list[Mark] = [Band(series.time, -noise, noise, "where nothing is missing (95 %)", color=NOISE)]
+    marks.append(Line(series.time, series.before, "before", color=BEFORE, width=1.0))
+    if named:
+        marks.append(Line(series.time, series.after, "with what was named", color=AFTER, width=1.0))
+    marks += [Rule(time, "x", "changes here" if i == 0 else "", color=4) for i, time in enumerate(changes)]
+    residual = Panel(tuple(marks), "time [s]", f"missing torque [{units.torque}]", "Measured less simulated torque")
+    motion = Panel(
+        (Line(series.time, series.velocity, color=2, width=1.0),), "time [s]", units.axis("velocity"), "Motion"
+    )
+    place = Panel((Line(series.time, series.position, color=3, width=1.0),), "time [s]", units.axis("position"))
+    return Chart(
+        f"over-time-{number}",
+        f"Over time: {series.name}",
+        (residual, motion, place),
+        caption="Drag a box to look closer; all panels follow. Values are means over the windows of the residual.",
+        panel_height=230,
+        share_x=True,
+    )
+
+
+def motion_chart(motion: Mapping[str, FloatArray], units: Units) -> Chart:
+    """The motion to record next."""
+    columns = motion_columns(motion)
+    panels = tuple(
+        Panel((Line(columns["time"], columns[name], color=2, width=1.2),), "time [s]", units.axis(name), words(name))
+        for name in ("velocity", "position")
+        if name in columns
+    )
+    caption = "The columns of motion.csv."
+    return Chart("motion", "Motion to record next", panels, caption=caption, panel_height=200, share_x=True)
+
+
+def motion_columns(motion: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    """Columns as a motion file names them: time first, then velocity and position."""
+    plain = {name.removesuffix("_reference"): np.asarray(values) for name, values in motion.items()}
+    return {name: plain[name] for name in ("time", "velocity", "position") if name in plain}

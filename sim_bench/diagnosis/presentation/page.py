@@ -1,0 +1,116 @@
+"""The report of a diagnosis: the answer in sentences first, then what it rests on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from fricomp.report import Chart, ReportPage, Section, Table
+
+from ..result import Diagnosis, NamedEffect
+from .maps import map_chart, plane_chart
+from .over_time import motion_chart, time_chart
+from .tables import base_table, change_table, effect_table, error_table, location_table
+from .weighing import distinguishability_chart, order_chart, rival_chart, rival_table
+from .wording import VERDICT_TITLES, Units
+
+__all__ = ["diagnosis_charts", "diagnosis_page"]
+
+_MOST_RECORDINGS = 6  # that are drawn over time
+
+
+def diagnosis_charts(diagnosis: Diagnosis) -> dict[str, Chart]:
+    """Every chart that the evidence allows, by name."""
+    record, evidence, units = diagnosis.record, diagnosis.evidence, Units.of(diagnosis)
+    named = bool(record.effects)
+    changes = evidence.change_points or ((),) * len(evidence.series)
+    found: list[Chart | None] = [
+        time_chart(series, units, i + 1, named=named, changes=times)
+        for i, (series, times) in enumerate(zip(evidence.series[:_MOST_RECORDINGS], changes, strict=False))
+    ]
+    found += [
+        map_chart(evidence, record.location, units, named=named),
+        plane_chart(evidence.series, units, named=named),
+        order_chart(evidence.orders, record, units),
+        rival_chart(record.rivals),
+        distinguishability_chart(record.distinguishability),
+        motion_chart(diagnosis.motion, units) if diagnosis.motion else None,
+    ]
+    return {chart.name: chart for chart in found if chart is not None}
+
+
+def diagnosis_page(
+    diagnosis: Diagnosis, charts: Mapping[str, Chart], notes: tuple[str, ...], facts: Mapping[str, str]
+) -> ReportPage:
+    """The page.
+
+    Args:
+        diagnosis: What was found.
+        charts: From `diagnosis_charts`.
+        notes: One sentence for each file that was written or could not be.
+        facts: Further lines on how the diagnosis was made.
+    """
+    record, units = diagnosis.record, Units.of(diagnosis)
+    over_time = [chart for name, chart in charts.items() if name.startswith("over-time")]
+    sections = [
+        _section("What was found", effect_table(record), *_explanations(record.effects), error_table(record)),
+        _section("What changed in the simulation", change_table(record)),
+        _section("Before and after", *over_time),
+        _section("Where it sits", location_table(record, units), charts.get("where"), charts.get("planes")),
+        _section("Ripple over position", charts.get("orders")),
+        _section("Evidence for each rival", charts.get("rivals"), rival_table(record.rivals)),
+        _section("What this recording can tell apart", charts.get("distinguishability")),
+        _section("What to record next", *_next(diagnosis), charts.get("motion")),
+        _section("The base model", base_table(record), folded=True),
+        _section("Files", *notes),
+        _section("How it was made", Table(("what", "value"), tuple(facts.items())) if facts else None, folded=True),
+    ]
+    return ReportPage(
+        title=f"{_joint(record.joint)}: {VERDICT_TITLES[record.verdict]}",
+        subtitle=f"Diagnosis of {', '.join(record.recordings) or 'a recording'}",
+        summary=record.sentences,
+        sections=tuple(section for section in sections if section is not None),
+        facts=_key_figures(diagnosis, units),
+    )
+
+
+def _joint(name: str) -> str:
+    """The joint's name, unless it has none but the default."""
+    return "Diagnosis" if name in ("", "joint") else f"Joint {name}"
+
+
+def _section(title: str, *blocks: str | Chart | Table | None, folded: bool = False) -> Section | None:
+    """A section of the blocks there are; None where there are none."""
+    present = tuple(block for block in blocks if block is not None)
+    return Section(title, present, folded=folded) if present else None
+
+
+def _explanations(effects: tuple[NamedEffect, ...]) -> list[str]:
+    """Equation, meaning and source of each effect in one paragraph."""
+    texts = []
+    for effect in effects:
+        sentence = effect.sentence.rstrip(".")
+        source = f" [{effect.citation}]" if effect.citation else ""
+        equation = f" It is modelled as {effect.equation}." if effect.equation else ""
+        texts.append(f"{effect.name}: {sentence}{source}.{equation}")
+    return texts
+
+
+def _next(diagnosis: Diagnosis) -> list[str]:
+    proposed = diagnosis.record.next_experiment
+    if proposed is None:
+        return []
+    command = f"fricomp calibrate --backend … --motion {proposed.motion} --out runs/next"
+    return [proposed.why, f"It separates {', '.join(proposed.separates)}. Record it with: {command}"]
+
+
+def _key_figures(diagnosis: Diagnosis, units: Units) -> dict[str, str]:
+    record, facts = diagnosis.record, {"verdict": diagnosis.verdict.replace("_", " ")}
+    if record.noise_ratio is not None:
+        facts["mismatch over noise"] = f"{record.noise_ratio:.3g}"
+    if record.heldout is not None:
+        errors = record.heldout
+        facts["held-out error"] = f"{errors.rmse_before:.3g} → {errors.rmse_after:.3g} {units.torque}"
+        facts["noise floor"] = f"{errors.noise_floor:.3g} {units.torque}"
+        if record.effects:
+            facts["explained of what can be"] = f"{errors.explained:.0%}"
+    return facts

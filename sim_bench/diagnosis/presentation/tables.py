@@ -1,0 +1,71 @@
+"""What was found as tables: effects, errors before and after, parameters that changed, the base model."""
+
+from __future__ import annotations
+
+from fricomp.report import Table
+
+from ..result import DiagnosisRecord
+from .wording import Units, derived_parameters, format_interval, format_location, format_number, format_quantity, words
+
+__all__ = ["base_table", "change_table", "effect_table", "error_table", "location_table"]
+
+
+def effect_table(record: DiagnosisRecord) -> Table | None:
+    """Every named effect with its parameters, its share and its aliases; None where nothing was named."""
+    rows: list[tuple[str, ...]] = []
+    for effect in record.effects:
+        share = f"{effect.share:.0%}"
+        aliases = ", ".join(effect.indistinguishable_from) or "–"
+        head: tuple[str, str] = (effect.name, effect.kind)
+        rest = (share, aliases)
+        for name, quantity in derived_parameters(effect).items():
+            unit = "" if quantity.unit == "1" else quantity.unit
+            value = format_number(quantity.value, 0.5 * (quantity.ci95[1] - quantity.ci95[0]) or None)
+            rows.append((*head, words(name), value, format_interval(quantity), unit, *rest))
+            head, rest = ("", ""), ("", "")
+        if not effect.parameters:
+            rows.append((*head, "–", "–", "–", "", *rest))
+    columns = ("effect", "kind", "parameter", "value", "95 % interval", "unit", "share", "cannot be told from")
+    return Table(columns, tuple(rows)) if rows else None
+
+
+def error_table(record: DiagnosisRecord) -> Table | None:
+    """Held-out error before and after beside the noise floor; None where nothing could be simulated."""
+    found = record.heldout
+    if found is None:
+        return None
+    low, high = found.ci95_reduction
+    rows: list[tuple[str, ...]] = [("with what the simulation has, refitted", f"{found.rmse_before:.4g}", "–")]
+    if record.effects:
+        rows.append(("with what was named", f"{found.rmse_after:.4g}", f"−{low:.0%} to −{high:.0%}"))
+    rows.append(("noise floor: a model with nothing missing", f"{found.noise_floor:.4g}", "–"))
+    caption = "On blocks that took no part in the fit."
+    return Table(("error on held-out data", f"RMS [{found.unit}]", "change (95 % interval)"), tuple(rows), caption)
+
+
+def change_table(record: DiagnosisRecord) -> Table | None:
+    """Parameters of the given simulation that the refit moved; None where there are none."""
+    rows = tuple(
+        (
+            words(change.name),
+            format_number(change.given),
+            format_number(change.refitted.value),
+            format_interval(change.refitted),
+            change.refitted.unit,
+        )
+        for change in record.changes
+    )
+    return Table(("parameter", "given", "refitted", "95 % interval", "unit"), rows) if rows else None
+
+
+def base_table(record: DiagnosisRecord) -> Table | None:
+    """Parameters of the refitted base model."""
+    rows = tuple((words(name), format_quantity(quantity)) for name, quantity in record.base.items())
+    return Table(("parameter", "value"), rows, "The simulation, with its parameters refitted.") if rows else None
+
+
+def location_table(record: DiagnosisRecord, units: Units) -> Table | None:
+    """Where the mismatch sits, and where each effect acts."""
+    rows = [("the whole mismatch", format_location(record.location, units))] if record.location else []
+    rows += [(effect.name, format_location(effect.location, units)) for effect in record.effects if effect.location]
+    return Table(("what", "where"), tuple(rows)) if rows else None

@@ -1,0 +1,85 @@
+"""The rigid body of the user's simulation: inertia, gravity and friction of one joint of an MJCF or URDF file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from fricomp.errors import DiagnosisError, MissingExtraError
+
+__all__ = ["RigidJoint", "read_simulation"]
+
+
+@dataclass(frozen=True)
+class RigidJoint:
+    """What a simulation says about one joint, the others held at their reference position.
+
+    Attributes:
+        inertia: With armature [kg·m²] or [kg].
+        gravity: Coefficients of cos q and sin q [N·m]; zero for a linear joint.
+        offset: Constant load [N·m] or [N].
+        damping: Viscous friction [N·m·s/rad] or [N·s/m].
+        friction_loss: Dry friction [N·m] or [N].
+        rotary: Whether the joint turns.
+    """
+
+    inertia: float
+    gravity: tuple[float, float]
+    offset: float
+    damping: float
+    friction_loss: float
+    rotary: bool
+
+
+def read_simulation(path: str | Path, joint: str | None = None) -> RigidJoint:
+    """Read one joint of a simulation.
+
+    Args:
+        path: MJCF or URDF file.
+        joint: Its name; may be left out where there is one joint only.
+
+    Raises:
+        DiagnosisError: The file cannot be read, or the joint is not in it.
+    """
+    try:
+        import mujoco
+    except ImportError as error:
+        raise MissingExtraError("mujoco", "diagnose") from error
+    try:
+        model = mujoco.MjModel.from_xml_path(str(path))
+    except ValueError as error:
+        raise DiagnosisError(f"cannot read the simulation {path}: {error}") from error
+    names = [model.joint(i).name for i in range(model.njnt)]
+    if joint is None and len(names) > 1:
+        raise DiagnosisError(f"{path} has several joints: say which of {', '.join(names)}")
+    if joint is not None and joint not in names:
+        raise DiagnosisError(f"{path} has no joint {joint!r}; its joints: {', '.join(names)}")
+    return _measure(mujoco, model, names.index(joint) if joint is not None else 0)
+
+
+def _measure(mujoco: object, model: object, index: int) -> RigidJoint:
+    """Inertia and gravity over one turn, by MuJoCo's own recursion."""
+    mj, m = mujoco, model
+    data = mj.MjData(m)  # type: ignore[attr-defined]
+    address, dof = int(m.jnt_qposadr[index]), int(m.jnt_dofadr[index])  # type: ignore[attr-defined]
+    rotary = int(m.jnt_type[index]) == int(mj.mjtJoint.mjJNT_HINGE)  # type: ignore[attr-defined]
+    angles = np.linspace(0.0, 2 * np.pi, 16, endpoint=False) if rotary else np.zeros(1)
+    bias = []
+    for angle in angles:
+        data.qpos[address] = angle
+        mj.mj_forward(m, data)  # type: ignore[attr-defined]
+        bias.append(float(data.qfrc_bias[dof]))
+    full = np.zeros((m.nv, m.nv))  # type: ignore[attr-defined]
+    mj.mj_fullM(m, data, full)  # type: ignore[attr-defined]
+    cosine = 2.0 * float(np.mean(bias * np.cos(angles))) if rotary else 0.0
+    sine = 2.0 * float(np.mean(bias * np.sin(angles))) if rotary else 0.0
+    return RigidJoint(
+        inertia=float(full[dof, dof]),
+        gravity=(cosine, sine),
+        offset=float(np.mean(bias)),
+        damping=float(np.ravel(m.dof_damping[dof])[0]),  # type: ignore[attr-defined]
+        friction_loss=float(m.dof_frictionloss[dof]),  # type: ignore[attr-defined]
+        rotary=rotary,
+    )

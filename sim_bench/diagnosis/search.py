@@ -1,0 +1,224 @@
+"""The search: all single effects and pairs screened at once, the best refitted jointly, triples by swaps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .generic import generic_rows
+from .preparation import Prepared
+from .screening import Column, Screen, orthonormal, project_out, screen
+from .solver import Fit
+from .structure import N_BASE, Candidate, Structure
+from .track import FloatArray
+
+__all__ = ["Explanation", "Found", "search"]
+
+_SINGLES = 8  # effects refitted on their own
+_FAINT = 0.03  # of the strongest effect's energy: weaker ones are not refitted
+_CAREFUL = 3  # of them refined with fresh Jacobians
+_SEEDS = 1  # singles from which pairs are grown
+_PARTNERS = 4  # partners tried for each
+_ENOUGH = 0.98  # coverage at which nothing more is looked for
+_QUANTILE = 0.98
+_LEAST_GAIN = 30.0
+_MATERIAL = 0.05  # gain per row: below it the base model's own small errors could be named
+
+
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """A structure fitted jointly.
+
+    Attributes:
+        structure: Base and effects.
+        fit: The minimum.
+        gain: Fall of the cost from the base, less the BIC penalty.
+        coverage: Part of the explainable energy that it covers.
+        refused: Why it is not physical; empty where it is.
+    """
+
+    structure: Structure
+    fit: Fit
+    gain: float
+    coverage: float
+    refused: str = ""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of its effects, sorted."""
+        return self.structure.names
+
+
+@dataclass(frozen=True)
+class Found:
+    """What the search found.
+
+    Attributes:
+        explanations: All that were refitted, best first, refused ones too.
+        best: The best accepted one; None where nothing stands out.
+        threshold: Gain that an effect must exceed.
+        explainable: Energy that a generic basis explains of the base's residual beyond chance.
+        explainable_null: The largest such energy over the nulls, at the same quantile as the threshold.
+        first: Screening about the base model.
+    """
+
+    explanations: tuple[Explanation, ...]
+    best: Explanation | None
+    threshold: float
+    explainable: float
+    explainable_null: float
+    first: Screen
+
+
+def search(prepared: Prepared) -> Found:
+    """Find the effects that explain the residual of the base model."""
+    problem, fit = prepared.problem, prepared.fit
+    first = screen(problem, prepared.structure, fit.theta, fit.residual, fit.jacobian)
+    threshold = max(_LEAST_GAIN, _MATERIAL * fit.residual.size, _null_gain(prepared, first))
+    generic = generic_rows(problem, prepared.structure.contexts)
+    span = orthonormal(project_out(generic, prepared.basis), 1e-4)
+    explainable = _excess(span, fit.residual)
+    null = float(np.quantile([_excess(span, v) for v in prepared.null_residuals()], _QUANTILE))
+    tried = _singles(prepared, first, generic)
+    accepted = _acceptable(tried, threshold)
+    if accepted and accepted[0].coverage < _ENOUGH:
+        tried += _grow(prepared, accepted[:_SEEDS], generic, first)
+        pairs = [e for e in _acceptable(tried, threshold) if len(e.names) == 2]
+        if pairs and pairs[0].coverage < _ENOUGH:
+            tried += _grow(prepared, pairs[:1], generic, None)
+    best = _choose(tried, threshold)
+    if best is not None and len(best.names) > 1:
+        polished = _polish(prepared, best, generic)
+        tried[tried.index(best)] = best = polished
+    tried.sort(key=lambda explanation: -explanation.gain)
+    return Found(tuple(tried), best, threshold, explainable, null, first)
+
+
+def _acceptable(tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
+    passing = [e for e in tried if not e.refused and e.gain > threshold]
+    return sorted(passing, key=lambda explanation: -explanation.gain)
+
+
+def _choose(tried: Sequence[Explanation], threshold: float) -> Explanation | None:
+    """The smallest explanation that no larger one beats by a material gain and coverage."""
+    best: Explanation | None = None
+    for size in (1, 2, 3):
+        options = _acceptable([e for e in tried if len(e.names) == size], threshold)
+        if not options:
+            continue
+        top = options[0]
+        if best is None or (
+            top.gain > best.gain + max(threshold, 0.02 * best.gain) and top.coverage > best.coverage + 0.015
+        ):
+            best = top
+    return best
+
+
+def _null_gain(prepared: Prepared, screened: Screen) -> float:
+    """Largest BIC gain of any effect on a null, at the quantile that fixes the rate of false alarms."""
+    rows = np.log(prepared.fit.residual.size)
+    gains = [
+        max(
+            float(np.sum((column.span.T @ vector) ** 2)) - _freedom(prepared, column) * float(rows)
+            for column in screened.columns
+        )
+        for vector in prepared.null_residuals()
+    ]
+    return float(np.quantile(gains, _QUANTILE))
+
+
+def _freedom(prepared: Prepared, column: Column) -> int:
+    return Structure(prepared.structure.contexts, (column.candidate,)).freedom
+
+
+def _excess(span: FloatArray, residual: FloatArray) -> float:
+    """Energy explained by `span` beyond what noise gives."""
+    energy = float(np.sum((span.T @ residual) ** 2))
+    return energy - int(span.shape[1])
+
+
+def _singles(prepared: Prepared, first: Screen, generic: FloatArray) -> list[Explanation]:
+    """Each strong effect on its own: a quick refit of its best hypotheses, and a careful one of the best effects."""
+    rows = np.log(prepared.fit.residual.size)
+    quick: list[Explanation] = []
+    for columns in _ranked(first, _SINGLES):
+        options = [c for c in columns if c.energy > max(0.3 * columns[0].energy, rows)][:2]
+        trials = [_explain(prepared, (c.candidate,), prepared.fit, generic) for c in options]
+        if trials:
+            quick.append(max(trials, key=_preference))
+    quick.sort(key=_preference, reverse=True)
+    return [_polish(prepared, explanation, generic) for explanation in quick[:_CAREFUL]] + quick[_CAREFUL:]
+
+
+def _preference(explanation: Explanation) -> float:
+    """Gain, with explanations that are not physical behind all others."""
+    return explanation.gain - 1e9 * bool(explanation.refused)
+
+
+def _ranked(screened: Screen, count: int) -> list[list[Column]]:
+    """Candidates grouped by effect, strongest effect first."""
+    groups: dict[str, list[Column]] = {}
+    for column in screened.columns:
+        groups.setdefault(column.candidate.name, []).append(column)
+    strongest = screened.columns[0].energy if screened.columns else 0.0
+    return [group for group in groups.values() if group[0].energy > _FAINT * strongest][:count]
+
+
+def _grow(
+    prepared: Prepared, seeds: Sequence[Explanation], generic: FloatArray, first: Screen | None
+) -> list[Explanation]:
+    """One more effect on top of each seed, found by screening about the seed's own minimum."""
+    result: list[Explanation] = []
+    seen: set[tuple[str, ...]] = set()
+    for seed in seeds:
+        screened = screen(prepared.problem, seed.structure, seed.fit.theta, seed.fit.residual, seed.fit.jacobian)
+        for columns in _ranked(screened, _PARTNERS):
+            names = tuple(sorted((*seed.names, columns[0].candidate.name)))
+            if names in seen:
+                continue
+            seen.add(names)
+            result.append(_explain(prepared, (*_settled(seed), columns[0].candidate), seed.fit, generic))
+    for pair in first.pairs(prepared.fit.residual, _PARTNERS) if first is not None else ():
+        names = tuple(sorted(c.name for c in pair))
+        if names not in seen:
+            seen.add(names)
+            result.append(_explain(prepared, pair, prepared.fit, generic))
+    return result
+
+
+def _settled(explanation: Explanation) -> tuple[Candidate, ...]:
+    """The candidates of an explanation, starting where its fit ended."""
+    values = explanation.structure.values(explanation.fit.theta[N_BASE:])
+    return tuple(Candidate(c.name, tuple(values[c.name].items())) for c in explanation.structure.candidates)
+
+
+def _polish(prepared: Prepared, explanation: Explanation, generic: FloatArray) -> Explanation:
+    """The same explanation at the minimum of fresh Jacobians."""
+    structure = Structure(prepared.structure.contexts, _settled(explanation))
+    fit = structure.fit(prepared.problem, explanation.fit.theta, prepared.box, iterations=4, refresh=2)
+    return _judged(prepared, structure, fit, generic)
+
+
+def _explain(prepared: Prepared, candidates: tuple[Candidate, ...], from_fit: Fit, generic: FloatArray) -> Explanation:
+    """Fit base and candidates jointly in the simulator and judge what they leave over."""
+    structure = Structure(prepared.structure.contexts, candidates)
+    start = np.concatenate([from_fit.theta[:N_BASE], structure.start()])
+    fit = structure.fit(prepared.problem, start, prepared.box, jacobian=from_fit.jacobian, iterations=5, refresh=99)
+    return _judged(prepared, structure, fit, generic)
+
+
+def _judged(prepared: Prepared, structure: Structure, fit: Fit, generic: FloatArray) -> Explanation:
+    fall = prepared.fit.cost - fit.cost
+    gain = fall - structure.freedom * np.log(fit.residual.size)
+    span = orthonormal(project_out(generic, orthonormal(fit.jacobian)), 1e-4)
+    left = max(_excess(span, fit.residual), 0.0)
+    coverage = fall / (fall + left) if fall > 0.0 else 0.0
+    return Explanation(structure, fit, float(gain), float(coverage), _refusal(structure, fit))
+
+
+def _refusal(structure: Structure, fit: Fit) -> str:
+    values = structure.values(fit.theta[N_BASE:])
+    reasons = [c.effect.refuse(values[c.name], structure.contexts) for c in structure.candidates]
+    return "; ".join(reason for reason in reasons if reason)

@@ -1,0 +1,56 @@
+"""The answer in plain words."""
+
+from __future__ import annotations
+
+from .result import DiagnosisRecord, NamedEffect
+
+__all__ = ["sentences"]
+
+_OPENING = {
+    "consistent": "Nothing is missing: the residual is what the sensors' noise leaves.",
+    "parameters": "Only parameters of the simulation are off; no physics is missing.",
+    "measurement": "The joint is as simulated; the recorded signals are off.",
+    "missing_physics": "The simulation leaves out physics that this recording shows.",
+    "unknown_physics": "Something is missing that no effect of the catalogue explains.",
+}
+
+
+def sentences(record: DiagnosisRecord) -> tuple[str, ...]:
+    """Plain sentences, most important first."""
+    lines = [_OPENING[record.verdict]]
+    if record.noise_ratio is not None:
+        lines.append(f"The residual of the refitted base model is {record.noise_ratio:.2f} times its noise floor.")
+    lines += [_effect(effect) for effect in record.effects]
+    if record.heldout is not None and record.effects and record.heldout.explained > 0.0:
+        held = record.heldout
+        low, high = held.ci95_reduction
+        lines.append(
+            f"On held-out data the error falls from {held.rmse_before:.3g} to {held.rmse_after:.3g} {held.unit} "
+            f"(by {100 * low:.0f} to {100 * high:.0f} %); the noise floor is {held.noise_floor:.3g} {held.unit}."
+        )
+    if record.verdict == "unknown_physics":
+        lines.append(_where(record))
+    return tuple(line for line in lines if line)
+
+
+def _effect(effect: NamedEffect) -> str:
+    numbers = ", ".join(
+        f"{name.replace('_', ' ')} {q.value:.4g} {q.unit} ({q.ci95[0]:.4g} to {q.ci95[1]:.4g})"
+        for name, q in effect.parameters.items()
+    )
+    text = f"{effect.name}: {effect.sentence}"
+    text += f" [{effect.equation}]" if effect.equation else ""
+    text += f"; {numbers}." if numbers else "."
+    if effect.indistinguishable_from:
+        text += f" This recording cannot tell it from {' or '.join(effect.indistinguishable_from)}."
+    return text
+
+
+def _where(record: DiagnosisRecord) -> str:
+    parts = []
+    for name, intervals in record.location.items():
+        if name == "time" or not intervals:
+            continue
+        spans = ", ".join(f"{low:.3g} to {high:.3g}" for low, high in intervals[:3])
+        parts.append(f"{name.replace('_', ' ')} {spans}")
+    return f"Most of it sits at {'; '.join(parts)}." if parts else "It is spread over the whole recording."

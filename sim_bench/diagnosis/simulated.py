@@ -1,0 +1,78 @@
+"""The user's own simulation, known only by a recording that it made under the same commands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from msgspec.structs import replace as with_fields
+
+from fricomp.errors import DiagnosisError
+from fricomp.model import FrictionModel
+from fricomp.recording import Recording
+
+from .diagnose import diagnose
+from .result import Diagnosis
+from .rigid import RigidJoint
+from .sentence import sentences
+
+__all__ = ["SimulatedJoint", "read_simulated", "without_known"]
+
+
+@dataclass(frozen=True)
+class SimulatedJoint:
+    """What a simulation's recording says about the simulation.
+
+    Attributes:
+        rigid: Its inertia and gravity.
+        friction: Its friction.
+        effects: Effects of the catalogue that it has itself.
+    """
+
+    rigid: RigidJoint
+    friction: FrictionModel | None
+    effects: tuple[str, ...]
+
+
+def read_simulated(
+    recording: Recording, *, seed: int = 0, progress: Callable[[str], None] | None = None
+) -> SimulatedJoint:
+    """Identify the joint that a simulation has, from its own recording, in the way of any other recording.
+
+    Raises:
+        DiagnosisError: No joint can be identified from it.
+    """
+    found = diagnose(recording, seed=seed, progress=progress)
+    if found.verdict == "bad_data":
+        raise DiagnosisError(f"the simulated recording cannot be used: {' '.join(found.sentences[1:])}")
+    base = found.record.base
+    rigid = RigidJoint(
+        inertia=base["inertia"].value,
+        gravity=(base["gravity_cos"].value, base["gravity_sin"].value),
+        offset=base["offset"].value,
+        damping=0.0,
+        friction_loss=0.0,
+        rotary=recording.metadata.motion == "rotary",
+    )
+    return SimulatedJoint(rigid, found.base_model, tuple(effect.name for effect in found.effects))
+
+
+def without_known(diagnosis: Diagnosis, simulated: SimulatedJoint) -> Diagnosis:
+    """The diagnosis without the effects that the simulation has itself."""
+    record = diagnosis.record
+    kept = tuple(effect for effect in record.effects if effect.name not in simulated.effects)
+    if len(kept) == len(record.effects):
+        return diagnosis
+    shared = ", ".join(effect.name for effect in record.effects if effect.name in simulated.effects)
+    kinds = {effect.kind for effect in kept}
+    by_kind = (("physics", "missing_physics"), ("measurement", "measurement"), ("parameter", "parameters"))
+    verdict = next((verdict for kind, verdict in by_kind if kind in kinds), "consistent")
+    record = with_fields(record, effects=kept, verdict=verdict)
+    told = (*sentences(record), f"The simulation shows {shared} as well, so this is not missing in it.")
+    return Diagnosis(
+        with_fields(record, sentences=told),
+        diagnosis.evidence,
+        diagnosis.base_model,
+        diagnosis.extended_model,
+        diagnosis.motion,
+    )

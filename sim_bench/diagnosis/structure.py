@@ -1,0 +1,139 @@
+"""A structure: the base model with some effects, as one vector of parameters that is fitted as a whole."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .base import BASE_NAMES, unpack
+from .effects import EFFECTS, Context, Effect, EffectParameter
+from .observer import Contribution, Observation, Plant
+from .problem import Problem
+from .solver import Box, Fit, finite_differences, minimise
+from .track import FloatArray
+
+__all__ = ["Candidate", "Structure"]
+
+N_BASE = len(BASE_NAMES)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One effect with starting values.
+
+    Attributes:
+        name: The effect's name.
+        values: Starting value of each of its parameters.
+    """
+
+    name: str
+    values: tuple[tuple[str, float], ...]
+
+    @property
+    def effect(self) -> Effect:
+        """The catalogue's entry."""
+        return EFFECTS[self.name]
+
+
+@dataclass(frozen=True)
+class Structure:
+    """The base with effects.
+
+    Attributes:
+        contexts: Motion of each recording.
+        candidates: The effects, with their starting values.
+    """
+
+    contexts: tuple[Context, ...]
+    candidates: tuple[Candidate, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the effects, sorted."""
+        return tuple(sorted(candidate.name for candidate in self.candidates))
+
+    def parameters(self) -> list[tuple[str, EffectParameter]]:
+        """Effect name and parameter, in the order of the vector."""
+        return [(c.name, p) for c in self.candidates for p in c.effect.parameters(self.contexts)]
+
+    @property
+    def freedom(self) -> int:
+        """Number of effect parameters that are fitted."""
+        return sum(p.scale > 0.0 for _, p in self.parameters())
+
+    def start(self) -> FloatArray:
+        """Starting values of the effect parameters."""
+        return np.array(
+            [dict(c.values).get(p.name, 0.0) for c in self.candidates for p in c.effect.parameters(self.contexts)]
+        )
+
+    def box(self) -> Box:
+        """Domain of the effect parameters; one with scale zero is held at its start."""
+        start, parameters = self.start(), [p for _, p in self.parameters()]
+        fixed = np.array([p.scale == 0.0 for p in parameters], dtype=bool)
+        lower = np.where(fixed, start, [p.lower for p in parameters])
+        upper = np.where(fixed, start, [p.upper for p in parameters])
+        scale = np.array([p.scale if p.scale > 0.0 else 1e-9 for p in parameters])
+        weight = np.array([1.0 / p.prior if p.prior > 0.0 else 0.0 for p in parameters])
+        reach = np.array([1000.0 if p.linear else 2.0 for p in parameters])
+        return Box(lower, upper, scale, start.copy(), weight, reach)
+
+    def values(self, vector: FloatArray) -> dict[str, dict[str, float]]:
+        """Effect parameters by effect and name."""
+        result: dict[str, dict[str, float]] = {}
+        for (name, parameter), value in zip(self.parameters(), vector, strict=True):
+            result.setdefault(name, {})[parameter.name] = float(value)
+        return result
+
+    def contributions(self, vector: FloatArray) -> list[Contribution]:
+        """What the effects add to each recording."""
+        values = self.values(vector)
+        result = []
+        for context in self.contexts:
+            total = Contribution()
+            for candidate in self.candidates:
+                total = total + candidate.effect.contribution(context, values[candidate.name])
+            result.append(total)
+        return result
+
+    def observe(self, problem: Problem, theta: FloatArray) -> list[Observation]:
+        """Observed simulations at `theta`."""
+        return problem.runs([self.plant(theta)], [self.contributions(theta[N_BASE:])])[0]
+
+    def plant(self, theta: FloatArray) -> Plant:
+        """The base part of `theta`."""
+        return unpack(theta[:N_BASE])
+
+    def residuals(self, problem: Problem, points: Sequence[FloatArray]) -> list[FloatArray]:
+        """Weighted residual vectors at several points."""
+        return problem.residual(self.contributions, N_BASE)(points)
+
+    def fit(
+        self,
+        problem: Problem,
+        theta: FloatArray,
+        base_box: Box,
+        *,
+        jacobian: FloatArray | None = None,
+        iterations: int = 8,
+        refresh: int = 1,
+    ) -> Fit:
+        """Fit base and effects together from `theta`.
+
+        Args:
+            problem: Recordings and weights.
+            theta: Start, base first.
+            base_box: Domain of the base.
+            jacobian: The first columns of the Jacobian at the start where they are known; the others are added.
+            iterations: Most steps.
+            refresh: Steps between fresh Jacobians.
+        """
+        box = base_box.joined(self.box())
+        evaluate = problem.residual(self.contributions, N_BASE)
+        if jacobian is not None and self.candidates:
+            at = evaluate([theta])[0]
+            extra = finite_differences(evaluate, theta, at, box, range(jacobian.shape[1], theta.size))
+            jacobian = np.concatenate([jacobian, extra], axis=1)
+        return minimise(evaluate, theta, box, jacobian=jacobian, iterations=iterations, refresh=refresh)

@@ -1,0 +1,51 @@
+"""A recorded velocity that lags behind the recorded position: seen from the two channels alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.signal import lfilter
+
+from fricomp.recording import Recording
+
+from .result import NamedEffect, Quantity
+from .track import smooth_derivative
+
+__all__ = ["velocity_lag"]
+
+_LEAST = 3e-3  # [s] shorter lags are those of usual velocity filters
+
+
+def velocity_lag(recordings: Sequence[Recording]) -> list[NamedEffect]:
+    """The effect `velocity_filter_lag`, where the recorded velocity is late by more than a usual filter."""
+    lags = [lag for recording in recordings if (lag := _lag(recording)) is not None]
+    if not lags or float(np.median(lags)) < _LEAST:
+        return []
+    lag, spread = float(np.median(lags)), 3e-4
+    return [
+        NamedEffect(
+            name="velocity_filter_lag",
+            kind="measurement",
+            parameters={"time_constant": Quantity(lag, "s", (lag - spread, lag + spread))},
+            equation="v_recorded = v / (1 + T s)",
+            sentence=f"the recorded velocity lags behind the position by {1e3 * lag:.1f} ms",
+            citation="hollerbach2016",
+        )
+    ]
+
+
+def _lag(recording: Recording) -> float | None:
+    """Time constant of the first-order lag that makes the position's derivative most like the velocity [s]."""
+    if recording.velocity is None or recording.sample_period > 5e-3:
+        return None
+    dt = recording.sample_period
+    truth = smooth_derivative(np.asarray(recording.position), dt)
+    seen = np.asarray(recording.velocity)
+    grid = np.arange(0.0, 0.041, 5e-4)
+    errors = []
+    for lag in grid:
+        keep = float(np.exp(-dt / lag)) if lag > 0.0 else 0.0
+        model = lfilter([1.0 - keep], [1.0, -keep], truth)
+        errors.append(float(np.mean((seen - model) ** 2)))
+    return float(grid[int(np.argmin(errors))])

@@ -1,0 +1,285 @@
+"""The verdict: what is named, what is not, and how it is said."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from msgspec.structs import replace
+
+from fricomp.model import FrictionModel
+from fricomp.recording import Recording
+
+from .alias import aliases, distinguishability
+from .base import BASE_NAMES
+from .comparison import Comparison, compare_friction, compare_rigid
+from .confirmation import Confirmation, confirm, covariance
+from .experiment import propose
+from .extension import base_model, extended_model
+from .location import change_points, effect_energy, excess_maps, locate, row_series
+from .order import order_spectrum
+from .preparation import Prepared
+from .result import (
+    DIAGNOSIS_SCHEMA,
+    Diagnosis,
+    DiagnosisRecord,
+    Evidence,
+    HeldOut,
+    NamedEffect,
+    NextExperiment,
+    Quantity,
+    Rival,
+    RowSeries,
+)
+from .rigid import RigidJoint
+from .search import Explanation, Found
+from .sentence import sentences
+from .structure import N_BASE
+from .track import FloatArray
+from .velocity_lag import velocity_lag
+
+__all__ = ["Answer", "conclude"]
+
+_COVERED = 0.85
+_UNKNOWN = 0.15  # energy per row, in units of the noise, that something unnamed must reach to be reported
+_LOUD = 1.15  # residual over noise that it must reach
+_CONFIRMED = 0.0  # lower end of the interval of the reduction must exceed it
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Everything a verdict is drawn from."""
+
+    recordings: tuple[Recording, ...]
+    prepared: Prepared
+    found: Found
+    rigid: RigidJoint | None
+    friction: FrictionModel | None
+    seed: int
+
+    @property
+    def unit(self) -> str:
+        """Unit of torque."""
+        return self.recordings[0].metadata.torque_unit
+
+    @property
+    def position_unit(self) -> str:
+        """Unit of position."""
+        return self.recordings[0].metadata.position_unit
+
+
+def conclude(answer: Answer) -> Diagnosis:
+    """Draw the verdict and collect what supports it."""
+    prepared, found = answer.prepared, answer.found
+    best = found.best
+    chosen = best if best is not None and best.coverage >= _COVERED else None
+    held = _confirm(answer, chosen)
+    if chosen is not None and held.ci95_reduction[0] <= _CONFIRMED:
+        chosen = None
+    unknown = chosen is None and _stands_out(found, prepared)
+    series = _series(answer, chosen)
+    effects = _effects(answer, chosen, held, series)
+    compared = _compare(answer, chosen)
+    effects = [*effects, *compared.effects, *velocity_lag(answer.recordings)]
+    effects.sort(key=lambda effect: -effect.share)
+    verdict = _verdict(effects, unknown)
+    energy = [np.maximum((s.before / s.spread) ** 2 - 1.0, 0.0) for s in series]
+    location = locate(series, energy) if chosen is not None or unknown else {}
+    record = DiagnosisRecord(
+        schema=DIAGNOSIS_SCHEMA,
+        verdict=verdict,  # type: ignore[arg-type]
+        effects=tuple(effects),
+        sentences=(),
+        heldout=HeldOut(
+            rmse_before=held.rmse_before,
+            rmse_after=held.rmse_after,
+            noise_floor=held.noise_floor,
+            unit=answer.unit,
+            ci95_reduction=held.ci95_reduction,
+            explained=held.explained,
+        ),
+        location=location,
+        noise_ratio=prepared.noise_ratio,
+        coverage=best.coverage if best is not None else None,
+        base=_base(answer, chosen),
+        changes=compared.changes,
+        rivals=_rivals(found, chosen),
+        distinguishability=distinguishability(prepared, found.first),
+        recordings=tuple(track.name for track in prepared.problem.tracks),
+        joint=answer.recordings[0].metadata.joint,
+    )
+    proposal = _propose(answer, chosen)
+    if proposal is not None:
+        record = replace(record, next_experiment=proposal[0])
+    record = replace(record, sentences=sentences(record))
+    return Diagnosis(
+        record=record,
+        evidence=_evidence(answer, series),
+        base_model=base_model(answer.recordings, prepared),
+        extended_model=extended_model(answer.recordings, prepared, chosen),
+        motion=proposal[1] if proposal is not None else None,
+    )
+
+
+def _propose(answer: Answer, chosen: Explanation | None) -> tuple[NextExperiment, dict[str, FloatArray]] | None:
+    """The motion that tells the strongest named effect from the alias that fits best."""
+    if chosen is None:
+        return None
+    for explanation in answer.found.explanations:
+        swapped = set(explanation.names) ^ set(chosen.names)
+        known = {alias for name in chosen.names for alias in aliases(answer.found, name)}
+        if explanation is chosen or len(explanation.names) != len(chosen.names) or not swapped & known:
+            continue
+        proposal = propose(answer.prepared, chosen, explanation)
+        if proposal is None:
+            return None
+        why = f"{proposal.title}: the two explanations would differ by {proposal.difference:.3g} {answer.unit} there"
+        names = tuple(sorted(swapped))
+        return NextExperiment(motion="motion.csv", separates=names, why=why), proposal.motion
+    return None
+
+
+def _stands_out(found: Found, prepared: Prepared) -> bool:
+    """Whether something smooth is missing that no accepted effect covers."""
+    rows = prepared.fit.residual.size
+    best = found.best
+    clear = max(3.0 * found.explainable_null, _UNKNOWN * rows)
+    if prepared.noise_ratio < _LOUD:
+        return False
+    return found.explainable > clear or (best is not None and best.gain > max(4.0 * found.threshold, _UNKNOWN * rows))
+
+
+def _confirm(answer: Answer, chosen: Explanation | None) -> Confirmation:
+    prepared = answer.prepared
+    if chosen is None:
+        return confirm(prepared, prepared.structure, prepared.fit.theta, prepared.fit.jacobian, answer.seed)
+    return confirm(prepared, chosen.structure, chosen.fit.theta, chosen.fit.jacobian, answer.seed)
+
+
+def _series(answer: Answer, chosen: Explanation | None) -> tuple[RowSeries, ...]:
+    prepared = answer.prepared
+    problem, weights = prepared.problem, prepared.nulls.weights
+    before = problem.rows(prepared.structure.observe(problem, prepared.fit.theta))
+    after = before if chosen is None else problem.rows(chosen.structure.observe(problem, chosen.fit.theta))
+    corrected = [[r - m for r, m in zip(rows, weights.mean, strict=True)] for rows in (before, after)]
+    return row_series(prepared, corrected[0], corrected[1])
+
+
+def _effects(
+    answer: Answer, chosen: Explanation | None, held: Confirmation, series: tuple[RowSeries, ...]
+) -> list[NamedEffect]:
+    if chosen is None:
+        return []
+    box = answer.prepared.box.joined(chosen.structure.box())
+    deviations = np.sqrt(np.maximum(np.diag(covariance(chosen.fit.jacobian, box)), 0.0))[N_BASE:]
+    energies = {name: effect_energy(answer.prepared, chosen.structure, chosen.fit.theta, name) for name in chosen.names}
+    total = sum(float(np.sum(np.concatenate(e))) for e in energies.values())
+    effects = []
+    for candidate in chosen.structure.candidates:
+        effect, energy = candidate.effect, energies[candidate.name]
+        share = held.explained * float(np.sum(np.concatenate(energy))) / max(total, 1e-30)
+        effects.append(
+            NamedEffect(
+                name=effect.name,
+                kind=effect.kind,
+                parameters=_quantities(answer, chosen, candidate.name, deviations),
+                indistinguishable_from=aliases(answer.found, effect.name),
+                location=locate(series, energy),
+                share=share,
+                equation=effect.equation,
+                sentence=effect.says,
+                citation=effect.citation,
+            )
+        )
+    return effects
+
+
+def _quantities(answer: Answer, chosen: Explanation, name: str, deviations: FloatArray) -> dict[str, Quantity]:
+    result = {}
+    vector = chosen.fit.theta[N_BASE:]
+    for (owner, parameter), value, deviation in zip(chosen.structure.parameters(), vector, deviations, strict=True):
+        if owner != name:
+            continue
+        unit = parameter.unit.replace("{torque}", answer.unit).replace("{position}", answer.position_unit)
+        half = 1.96 * float(deviation) if parameter.scale > 0.0 else 0.0
+        low, mid, high = float(value) - half, float(value), float(value) + half
+        if parameter.logarithmic:
+            low, mid, high = (float(np.exp(x)) for x in (low, mid, high))
+        result[parameter.name] = Quantity(mid, unit, (low, high))
+    return result
+
+
+def _compare(answer: Answer, chosen: Explanation | None) -> Comparison:
+    """What the refit moved of the given simulation and friction."""
+    fit = answer.prepared.fit if chosen is None else chosen.fit
+    structure = answer.prepared.structure if chosen is None else chosen.structure
+    box = answer.prepared.box.joined(structure.box())
+    cov = covariance(fit.jacobian, box) * max(1.0, float(fit.residual @ fit.residual) / fit.residual.size)
+    plant = structure.plant(fit.theta)
+    result = Comparison()
+    if answer.rigid is not None and answer.rigid.rotary:
+        result = compare_rigid(plant, cov[:3, :3], answer.rigid, answer.unit)
+    if answer.friction is not None:
+        deviations = dict(zip(BASE_NAMES, np.sqrt(np.maximum(np.diag(cov), 0.0))[:N_BASE].tolist(), strict=True))
+        more = compare_friction(plant, deviations, answer.friction, answer.unit)
+        result = Comparison(result.effects + more.effects, result.changes + more.changes)
+    return result
+
+
+def _verdict(effects: list[NamedEffect], unknown: bool) -> str:
+    kinds = {effect.kind for effect in effects}
+    if "physics" in kinds:
+        return "missing_physics"
+    if unknown:
+        return "unknown_physics"
+    if "measurement" in kinds:
+        return "measurement"
+    return "parameters" if kinds else "consistent"
+
+
+def _base(answer: Answer, chosen: Explanation | None) -> dict[str, Quantity]:
+    fit = answer.prepared.fit if chosen is None else chosen.fit
+    structure = answer.prepared.structure if chosen is None else chosen.structure
+    deviation = np.sqrt(np.maximum(np.diag(covariance(fit.jacobian, answer.prepared.box.joined(structure.box()))), 0.0))
+    result = {}
+    units = {
+        "inertia": "kg·m²",
+        "delay": "s",
+        "damping_time": "s",
+        "viscous_coefficient": f"{answer.unit}·s/{answer.position_unit}",
+    }
+    units |= {"stribeck_velocity": f"{answer.position_unit}/s", "sigma_0": f"{answer.unit}/{answer.position_unit}"}
+    for name, value, wide in zip(BASE_NAMES, fit.theta, 1.96 * deviation, strict=False):
+        low, mid, high = float(value - wide), float(value), float(value + wide)
+        if "log_" in name:
+            low, mid, high = (float(np.exp(min(x, 700.0))) for x in (low, mid, high))
+        plain = name.replace("log_", "")
+        result[plain] = Quantity(mid, units.get(plain.split(".")[-1], answer.unit), (low, high))
+    return result
+
+
+def _rivals(found: Found, chosen: Explanation | None) -> tuple[Rival, ...]:
+    rivals = []
+    for explanation in found.explanations[:12]:
+        why = explanation.refused
+        if not why and explanation.gain <= found.threshold:
+            why = "does not exceed what a recording with nothing missing gives"
+        elif not why and chosen is not None and explanation is not chosen:
+            why = "another explanation is better or simpler"
+        elif not why and chosen is None:
+            why = "leaves too much of the residual over"
+        rivals.append(
+            Rival(effects=explanation.names, gain=explanation.gain, coverage=explanation.coverage, refused=why)
+        )
+    return tuple(rivals)
+
+
+def _evidence(answer: Answer, series: tuple[RowSeries, ...]) -> Evidence:
+    prepared = answer.prepared
+    spectrum = order_spectrum(prepared.problem, prepared.structure.contexts, prepared.fit.residual, prepared.basis)
+    return Evidence(
+        series=series,
+        maps=excess_maps(series, answer.seed),
+        orders={"order": spectrum.order, "energy": spectrum.energy},
+        change_points=change_points(series),
+    )

@@ -1,0 +1,152 @@
+"""All baselines on the same cases: what they name, and how much of the gap they close on held-out blocks."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from fricomp.errors import DiagnosisError
+
+from ...concealed import generate, write_answer, write_case
+from ..plan import PlannedCase
+from ..score import Score
+from ..statistics import compute_share
+from .data import Samples, fit_columns, load_data
+from .methods import METHODS, fit_base
+
+__all__ = ["BaselineScore", "compare_baselines", "format_table"]
+
+_NOTHING = ("null", "hard_null")
+_VISIBLE = 0.5
+
+
+@dataclass(frozen=True)
+class BaselineScore:
+    """One method on one case.
+
+    Attributes:
+        method: Key of `METHODS`.
+        case: Name of the case.
+        group: Of the plan.
+        enr: Effect-to-noise ratio.
+        names: What it named, strongest first.
+        top_right: The strongest name is a concealed effect, or was accepted for it.
+        false_alarm: It named something where nothing is missing.
+        error: Held-out error over that of a refit with the true concealed torque; 1 is the best there is.
+        before: The same of the refitted rigid joint alone.
+    """
+
+    method: str
+    case: str
+    group: str
+    enr: float
+    names: tuple[str, ...]
+    top_right: bool
+    false_alarm: bool
+    error: float
+    before: float
+
+
+def compare_baselines(planned: Sequence[PlannedCase], pool: Executor) -> list[BaselineScore]:
+    """Every method on every case that can be made."""
+    return [score for scores in pool.map(_score_case, planned) for score in scores]
+
+
+def _score_case(planned: PlannedCase) -> list[BaselineScore]:
+    from pyarrow import parquet
+
+    try:
+        case = generate(planned.spec)
+    except DiagnosisError:
+        return []
+    with TemporaryDirectory() as place:
+        folder = write_case(case, Path(place) / "cases")
+        answer, _ = write_answer(case, Path(place) / "answers", "baseline")
+        truth = json.loads(answer.read_text(encoding="utf-8"))
+        data = load_data(folder)
+        concealed = parquet.read_table(answer.with_suffix(".parquet")).column("concealed_torque").to_numpy()
+        before = fit_base(data).error
+        floor = fit_columns(data, np.hstack([data.base, _smoothed(concealed)[data.kept, None]]))
+        right = {name for each in truth["effects"] for name in (each["name"], *each["accepted"])}
+        scores = []
+        for method, fit in METHODS.items():
+            found = fit(data)
+            scores.append(
+                BaselineScore(
+                    method=method,
+                    case=truth["id"],
+                    group=planned.group,
+                    enr=truth["enr"],
+                    names=found.names,
+                    top_right=bool(found.names) and found.names[0] in right,
+                    false_alarm=not truth["effects"] and bool(found.names),
+                    error=found.error / floor,
+                    before=before / floor,
+                )
+            )
+        return scores
+
+
+def _smoothed(torque: Samples) -> Samples:
+    from scipy.signal import savgol_filter
+
+    return np.asarray(savgol_filter(torque, 21, 3))
+
+
+def format_table(baselines: Sequence[BaselineScore], scores: Sequence[Score] = ()) -> str:
+    """The comparison as Markdown, with the diagnosis on the same cases in its first row where `scores` has them."""
+    cases = {score.case for score in baselines}
+    own = [score for score in scores if score.case in cases]
+    rows = [_own_row(own)] if own else []
+    rows += [_base_row(baselines)]
+    rows += [_row(method, [score for score in baselines if score.method == method]) for method in METHODS]
+    head = [
+        "## Other methods on the same cases",
+        "",
+        "Error: on held-out blocks, over that of a refit with the true concealed torque, at ENR 0.5 or more (median, "
+        "quartiles; 1 is the best there is). Names: the strongest, single effects at ENR 0.5 or more.",
+        "",
+        "| method | right name first | names where nothing is missing | held-out error |",
+        "|---|---|---|---|",
+    ]
+    return "\n".join([*head, *rows])
+
+
+def _row(method: str, scores: Sequence[BaselineScore]) -> str:
+    single, nothing = _single(scores), [s for s in scores if s.group in _NOTHING]
+    names = compute_share(sum(s.top_right for s in single), len(single))
+    alarms = compute_share(sum(s.false_alarm for s in nothing), len(nothing))
+    named = any(s.names for s in scores)
+    errors = _quartiles([s.error for s in single])
+    return f"| {method} | {names if named else '–'} | {alarms if named else '–'} | {errors} |"
+
+
+def _own_row(scores: Sequence[Score]) -> str:
+    single = [s for s in scores if s.group == "single" and s.enr >= _VISIBLE]
+    nothing = [s for s in scores if s.group in _NOTHING]
+    names = compute_share(sum(s.top_right for s in single), len(single))
+    alarms = compute_share(sum(s.false_names > 0 for s in nothing), len(nothing))
+    return f"| **fricomp diagnose** | {names} | {alarms} | see the gap closed above |"
+
+
+def _base_row(baselines: Sequence[BaselineScore]) -> str:
+    first = [s for s in _single(baselines) if s.method == next(iter(METHODS))]
+    return f"| rigid joint refitted | – | – | {_quartiles([s.before for s in first])} |"
+
+
+def _single(scores: Sequence[BaselineScore]) -> list[BaselineScore]:
+    return [s for s in scores if s.group == "single" and s.enr >= _VISIBLE]
+
+
+def _quartiles(values: Sequence[float]) -> str:
+    known = [value for value in values if np.isfinite(value)]
+    if not known:
+        return "–"
+    low, middle, high = np.quantile(known, [0.25, 0.5, 0.75])
+    return f"{middle:.2f} ({low:.2f} to {high:.2f}; {len(known)} cases)"

@@ -1,0 +1,168 @@
+"""Which cases a proof consists of: groups in fixed shares, interleaved so that any beginning is a fair sample."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import cycle, islice
+from typing import Any
+
+import numpy as np
+
+from ..concealed import CATALOGUE, CHOICES, OUTSIDE, CaseSpec
+
+__all__ = ["GROUPS", "PlannedCase", "plan_cases", "plan_clear_cases"]
+
+# Share of each group. Of 2,000 cases 540 have nothing missing, 220 are pairs and 140 lie outside the catalogue.
+GROUPS = {
+    "single": 0.50,
+    "null": 0.17,
+    "hard_null": 0.10,
+    "pair": 0.11,
+    "outside": 0.07,
+    "triple": 0.01,
+    "hidden": 0.02,
+    "fault": 0.02,
+}
+_STRENGTHS = ("1", "0.5", "2", "0.2", "5", "0.1", "clear")
+_MOTIONS = ("rich", "fourier", "rich", "sweep", "rich", "fourier", "pick_and_place", "rich", "slow_reversals", "chirp")
+_NOISES = ("white", "coloured", "jittered", "quantised", "heavy_tailed")
+_HIDDEN = ("load_coulomb", "thermal_friction", "load_stribeck", "load_quadratic")
+_PARAMETERS = ("inertia_error", "payload_error", "torque_offset", "direction_asymmetry")
+
+
+@dataclass(frozen=True)
+class PlannedCase:
+    """One case of a proof.
+
+    Attributes:
+        group: Key of `GROUPS`.
+        spec: What to make.
+    """
+
+    group: str
+    spec: CaseSpec
+
+
+def plan_cases(count: int, seeds: Iterator[int], duration: float | None = None) -> list[PlannedCase]:
+    """The first `count` cases over these seeds.
+
+    Args:
+        count: How many.
+        seeds: One is taken for each case.
+        duration: Of every recording [s]; by default mostly 60, some 30 or 120.
+    """
+    makers = {group: _MAKERS[group](np.random.default_rng([7, index])) for index, group in enumerate(GROUPS)}
+    planned = []
+    for group in islice(_interleave(), count):
+        fields = next(makers[group])
+        length = duration or (60.0 if fields["excitation"] == "fourier" else fields.pop("duration", 60.0))
+        fields.pop("duration", None)
+        planned.append(PlannedCase(group, CaseSpec(seed=next(seeds), duration=length, **fields)))
+    return planned
+
+
+def plan_clear_cases(seeds: Iterator[int], duration: float = 30.0) -> list[PlannedCase]:
+    """Every effect of the catalogue once, clear, on a rich motion, and a case with nothing missing after every third.
+
+    Args:
+        seeds: One is taken for each case.
+        duration: Of every recording [s].
+    """
+    cores, noises = cycle(("lugre", "gms", "dahl", "set_valued")), cycle(_NOISES)
+    motions = cycle(("rich", "fourier", "sweep", "slow_reversals", "pick_and_place", "chirp"))
+    null_cores = cycle(("set_valued", "lugre", "gms", "dahl"))
+    planned = []
+    for index, name in enumerate(CATALOGUE, start=1):
+        single = CaseSpec(next(seeds), (name,), "clear", "rich", duration, next(noises), next(cores))
+        planned.append(PlannedCase("single", single))
+        if index % 3 == 0:
+            next(cores)  # so that an effect does not meet the same core all the time
+            nothing = CaseSpec(next(seeds), (), "clear", next(motions), duration, next(noises), next(null_cores))
+            planned.append(PlannedCase("null", nothing))
+    return planned
+
+
+def _interleave() -> Iterator[str]:
+    """Groups in their shares, each as early as its share allows."""
+    owed = dict.fromkeys(GROUPS, 0.0)
+    while True:
+        for group, share in GROUPS.items():
+            owed[group] += share
+        group = max(owed, key=lambda name: owed[name])
+        owed[group] -= 1.0
+        yield group
+
+
+def _settings(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
+    """Motions, noises, cores, families and lengths in turn, each list in an order of its own."""
+    noises, cores = CHOICES["noise"], CHOICES["core"]
+    for index in range(2**31):
+        yield {
+            "excitation": _MOTIONS[index % len(_MOTIONS)],
+            "noise": noises[int(rng.integers(len(noises)))],
+            "core": cores[index % len(cores)],
+            "family": CHOICES["family"][int(rng.random() < 0.4)],
+            "duration": float(rng.choice([60.0, 60.0, 60.0, 30.0, 120.0])),
+        }
+
+
+def _single(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
+    """Every effect of the catalogue in turn; strengths turn with the rounds, shifted from effect to effect."""
+    names = tuple(rng.permutation(list(CATALOGUE)))
+    for index, fields in enumerate(_settings(rng)):
+        turn, place = divmod(index, len(names))
+        yield fields | {"effects": (str(names[place]),), "strength": _STRENGTHS[(turn + place) % len(_STRENGTHS)]}
+
+
+def _pair(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
+    return _several(rng, 2)
+
+
+def _triple(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
+    return _several(rng, 3)
+
+
+def _several(rng: np.random.Generator, number: int) -> Iterator[dict[str, Any]]:
+    names = [name for name in CATALOGUE if name not in _PARAMETERS and name != "external_disturbance"]
+    for fields, strength in zip(_settings(rng), cycle(("2", "1", "5", "clear", "0.5")), strict=False):
+        drawn = rng.choice(names, number, replace=False)
+        yield fields | {"effects": tuple(str(n) for n in drawn), "strength": strength, "excitation": "rich"}
+
+
+def _null(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
+    yield from _settings(rng)
+
+
+def _hard_null(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
+    for fields in _settings(rng):
+        yield fields | {"shifted": True}
+
+
+def _outside(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
+    for fields, name, strength in zip(
+        _settings(rng), cycle(OUTSIDE), cycle(("5", "clear", "2", "1", "clear")), strict=False
+    ):
+        yield fields | {"effects": (name,), "strength": strength}
+
+
+def _hidden(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
+    for fields, name in zip(_settings(rng), cycle(_HIDDEN), strict=False):
+        yield fields | {"effects": (name,), "strength": "5", "hidden": True}
+
+
+def _fault(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
+    for fields, name in zip(_settings(rng), cycle(CHOICES["fault"]), strict=False):
+        yield fields | {"fault": name}
+
+
+_MAKERS = {
+    "single": _single,
+    "null": _null,
+    "hard_null": _hard_null,
+    "pair": _pair,
+    "outside": _outside,
+    "triple": _triple,
+    "hidden": _hidden,
+    "fault": _fault,
+}

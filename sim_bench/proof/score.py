@@ -1,0 +1,256 @@
+"""The score of one case: what was concealed against what was answered."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fricomp.errors import DiagnosisError
+
+from .blind import BlindAnswer
+from .plan import PlannedCase
+
+__all__ = ["Score", "interval_overlap", "read_diagnosis", "score_case"]
+
+_PARAMETERS = ("inertia_error", "payload_error", "torque_offset", "direction_asymmetry")
+_GRID = 1e-3  # [s] of the comparison of two sets of intervals
+
+
+@dataclass(frozen=True)
+class Score:
+    """One row of the results.
+
+    Attributes:
+        case: Name of the case.
+        group: Of the plan.
+        seed: Of the case.
+        excitation: Its motion.
+        duration: [s]
+        noise: Kind of torque noise.
+        core: Friction core.
+        strength: As asked for.
+        enr: Effect-to-noise ratio after the base refit, all effects together.
+        weakest_enr: The smallest that one of its effects has beside the others.
+        rows: Number of weak-form rows behind it.
+        truth: Concealed effects, joined by a plus sign; empty for none.
+        forms: Their functional forms.
+        expected: Verdict of a right answer.
+        verdict: The verdict given; `failed` where there is none.
+        named: What was named, strongest first, joined by a plus sign.
+        sets: For each name, what it cannot be told from, joined by a bar.
+        top_right: The strongest name is a concealed effect, or was accepted for it.
+        exact: The named effects are the concealed ones, no more and no less, parameters aside.
+        in_set: Every concealed effect is named or in the set of a name.
+        set_size: Mean number of names in a set; 0 where nothing was named.
+        false_names: Names that are neither concealed, nor accepted, nor come with a concealed one in their set.
+        verdict_right: The verdict is the expected one, or was accepted for it.
+        overlap: Intersection over union of the located and the true time; NaN where the effect is not localised.
+        gap_closed: Energy above the noise floor that was removed on held-out data; NaN where nothing was named.
+        noise_ratio: Residual of the base model over its noise floor, as the diagnosis sees it; NaN where not given.
+        parameters: Number of parameters that can be compared.
+        covered: How many of their 95 % intervals hold the truth.
+        worst_error: Largest relative error of them; NaN for none.
+        proposed: It proposed a motion to tell a printed set apart, and that motion was recorded.
+        resolved: With it, a concealed effect was named alone.
+        seconds: Time of the diagnosis [s].
+        error: Why it failed; empty where it did not.
+        command: Makes the case again.
+    """
+
+    case: str
+    group: str
+    seed: str
+    excitation: str
+    duration: float
+    noise: str
+    core: str
+    strength: str
+    enr: float
+    weakest_enr: float
+    rows: int
+    truth: str
+    forms: str
+    expected: str
+    verdict: str
+    named: str
+    sets: str
+    top_right: bool
+    exact: bool
+    in_set: bool
+    set_size: float
+    false_names: int
+    verdict_right: bool
+    overlap: float
+    gap_closed: float
+    noise_ratio: float
+    parameters: int
+    covered: int
+    worst_error: float
+    proposed: bool
+    resolved: bool
+    seconds: float
+    error: str
+    command: str
+
+
+def read_diagnosis(content: bytes) -> dict[str, Any]:
+    """The content of `diagnosis.json`; an empty one reads as a failed diagnosis.
+
+    Raises:
+        DiagnosisError: It is of another schema.
+    """
+    if not content:
+        return {"verdict": "failed", "effects": []}
+    record: dict[str, Any] = json.loads(content)
+    if record.get("schema") != "fricomp.diagnosis/1":
+        raise DiagnosisError(f"a diagnosis has schema {record.get('schema')!r}, fricomp.diagnosis/1 can be scored")
+    return record
+
+
+def score_case(planned: PlannedCase, answer: bytes, blind: BlindAnswer, follow_up: BlindAnswer | None = None) -> Score:
+    """Compare an opened answer with what the diagnosis said, and with what it said after the proposed motion."""
+    truth, said = json.loads(answer), read_diagnosis(blind.diagnosis)
+    naming = _score_names(truth, said)
+    covered, total, worst = _score_parameters(truth, said)
+    effects, joint = truth["effects"], truth["joint"]
+    return Score(
+        case=truth["id"],
+        group=planned.group,
+        seed=str(planned.spec.seed),
+        excitation=planned.spec.excitation,
+        duration=planned.spec.duration,
+        noise=joint["noise_kind"],
+        core=joint["core"],
+        strength=planned.spec.strength if effects else "",
+        enr=truth["enr"],
+        weakest_enr=min((each["separable_enr"] for each in effects), default=0.0),
+        rows=truth["rows"],
+        truth="+".join(each["name"] for each in effects),
+        forms="+".join(each["form"] for each in effects),
+        expected=truth["verdict"],
+        verdict=said["verdict"],
+        named="+".join(each["name"] for each in said["effects"]),
+        sets="+".join("|".join(each.get("indistinguishable_from", ())) for each in said["effects"]),
+        **naming,
+        verdict_right=_verdict_right(truth, said),
+        overlap=_score_location(truth, said, planned.spec.duration),
+        gap_closed=_gap_closed(said),
+        noise_ratio=_number(said.get("noise_ratio")),
+        parameters=total,
+        covered=covered,
+        worst_error=worst,
+        proposed=follow_up is not None,
+        resolved=follow_up is not None and _resolved(truth, read_diagnosis(follow_up.diagnosis)),
+        seconds=blind.seconds,
+        error=blind.error,
+        command=_command(planned),
+    )
+
+
+def _right_names(truth: dict[str, Any]) -> list[set[str]]:
+    """For each concealed effect of the catalogue the names that are right for it."""
+    return [{each["name"], *each["accepted"]} for each in truth["effects"] if each["kind"] != "outside"]
+
+
+def _tolerated(truth: dict[str, Any]) -> set[str]:
+    """Names that are never wrong in this case: parameters that are off, and what an outside effect may be called."""
+    outside = {name for each in truth["effects"] if each["kind"] == "outside" for name in each["accepted"]}
+    return {*truth["shifted_parameters"], *outside}
+
+
+def _score_names(truth: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
+    right, tolerated = _right_names(truth), _tolerated(truth)
+    wanted: set[str] = set().union(*right) if right else set()
+    named = [each["name"] for each in said["effects"]]
+    sets = [{each["name"], *each.get("indistinguishable_from", ())} for each in said["effects"]]
+    parameters_wanted = bool(wanted & set(_PARAMETERS))
+    judged = [name for name in named if parameters_wanted or name not in _PARAMETERS]
+    false = [
+        name
+        for name, group in zip(named, sets, strict=True)
+        if name in judged and name not in tolerated and not group & wanted
+    ]
+    found = [any(name in judged for name in names) for names in right]
+    return {
+        "top_right": bool(judged) and judged[0] in wanted,
+        "exact": all(found) and not [n for n in judged if n not in wanted | tolerated] and len(judged) <= len(right),
+        "in_set": bool(right) and all(any(names & group for group in sets) for names in right),
+        "set_size": float(np.mean([len(group) for group in sets])) if sets else 0.0,
+        "false_names": len(false),
+    }
+
+
+def _resolved(truth: dict[str, Any], said: dict[str, Any]) -> bool:
+    """Whether a concealed effect comes first and alone in its set."""
+    names = _score_names(truth, said)
+    return bool(names["top_right"]) and not said["effects"][0].get("indistinguishable_from")
+
+
+def _verdict_right(truth: dict[str, Any], said: dict[str, Any]) -> bool:
+    accepted = {name for each in truth["effects"] for name in each["accepted"]}
+    names = {each["name"] for each in said["effects"]}
+    return bool(said["verdict"] == truth["verdict"] or said["verdict"] in accepted or names & accepted)
+
+
+def interval_overlap(first: Sequence[Sequence[float]], second: Sequence[Sequence[float]], duration: float) -> float:
+    """Intersection over union of two sets of time intervals [s] within 0 and `duration`; 0 for two empty sets."""
+    time = np.arange(0.0, duration, _GRID)
+    masks = []
+    for intervals in (first, second):
+        mask = np.zeros(time.size, dtype=bool)
+        for start, end in intervals:
+            mask |= (time >= start) & (time < end)
+        masks.append(mask)
+    union = np.sum(masks[0] | masks[1])
+    return float(np.sum(masks[0] & masks[1]) / union) if union else 0.0
+
+
+def _score_location(truth: dict[str, Any], said: dict[str, Any], duration: float) -> float:
+    localised = bool(truth["effects"]) and all(each["localised"] for each in truth["effects"])
+    location = said.get("location") or {}
+    if not localised or "time" not in location:
+        return float("nan")
+    return interval_overlap(truth["location"]["time"], location["time"], duration)
+
+
+def _gap_closed(said: dict[str, Any]) -> float:
+    heldout = said.get("heldout")
+    if not heldout or not said["effects"]:
+        return float("nan")
+    before, after, floor = (heldout[name] ** 2 for name in ("rmse_before", "rmse_after", "noise_floor"))
+    return float((before - after) / (before - floor)) if before > floor else float("nan")
+
+
+def _score_parameters(truth: dict[str, Any], said: dict[str, Any]) -> tuple[int, int, float]:
+    """Intervals that hold the truth, how many could, and the largest relative error, over comparable parameters."""
+    answers = {each["name"]: each["parameters"] for each in said["effects"]}
+    covered, errors = 0, []
+    for each in truth["effects"]:
+        for name, parameter in each["comparable"].items():
+            given = answers.get(each["name"], {}).get(name)
+            if given is None or not given["ci95"][0] < given["ci95"][1]:
+                continue
+            low, high = given["ci95"]
+            covered += low <= parameter["value"] <= high
+            errors.append(abs(given["value"] / parameter["value"] - 1.0) if parameter["value"] else np.nan)
+    return covered, len(errors), float(np.max(errors)) if errors else float("nan")
+
+
+def _number(value: float | None) -> float:
+    return float("nan") if value is None else float(value)
+
+
+def _command(planned: PlannedCase) -> str:
+    """The command that makes the case again."""
+    spec = planned.spec
+    parts = ["fricomp cases make", f"--seed {spec.seed}", *(f"--effect {name}" for name in spec.effects)]
+    parts += [f"--strength {spec.strength}", f"--excitation {spec.excitation}", f"--duration {spec.duration:g}"]
+    for option in ("noise", "core", "family", "form", "fault"):
+        value = getattr(spec, option)
+        parts += [f"--{option} {value}"] if value else []
+    parts += [f"--{flag}" for flag in ("shifted", "hidden") if getattr(spec, flag)]
+    return " ".join([*parts, "--out runs/cases"])

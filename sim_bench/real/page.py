@@ -1,0 +1,88 @@
+"""The page on real recordings: what was found, beside what is known, in Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from ..diagnosis.presentation import VERDICT_TITLES, format_quantity
+from .run import RealOutcome
+
+__all__ = ["write_real_page"]
+
+_INTRODUCTION = """# The diagnosis on real recordings
+
+Public recordings of joints that nobody here made, through the same `diagnose` as any other: no simulation is given,
+so a rigid joint with bidirectional Stribeck friction is identified from the recording and serves as the simulation.
+Nothing is tuned to a file; what the diagnosis knows of it are its samples and the metadata of the
+[mapping](recordings.md).
+
+    fricomp bench real --page docs/real.md --out runs/real
+
+The data are not in the project (see [recordings](recordings.md) for where they come from). Errors are on blocks that
+took no part in the fit, of residuals averaged over tens of milliseconds, or of single samples where a ripple or a
+drive was named; so they compare with each other in a row, and with published figures only roughly.
+"""
+_MARK = {True: "yes", False: "**no**", None: "nothing promised"}
+
+
+def write_real_page(outcomes: Sequence[RealOutcome], page: Path) -> None:
+    """Write the Markdown page."""
+    sections = [_INTRODUCTION.strip(), _overview(outcomes), *map(_section, outcomes)]
+    page.parent.mkdir(parents=True, exist_ok=True)
+    page.write_text("\n\n".join(sections) + "\n", encoding="utf-8")
+
+
+def _overview(outcomes: Sequence[RealOutcome]) -> str:
+    rows = [
+        f"| {one.case.name} | {_answer(one)} | {_errors(one)} | {_mark(one)} | {one.seconds:.0f} |" for one in outcomes
+    ]
+    head = "| recording | answer | held-out error, before → after (floor) | as expected | time [s] |"
+    return "\n".join([head, "|---|---|---|---|---|", *rows])
+
+
+def _mark(outcome: RealOutcome) -> str:
+    named = {effect.name for effect in outcome.record.effects} if outcome.record is not None else set()
+    if outcome.reached and outcome.case.expected and not named & set(outcome.case.expected):
+        return "in its alias set"
+    return _MARK[outcome.reached]
+
+
+def _answer(outcome: RealOutcome) -> str:
+    if outcome.record is None:
+        return "none"
+    names = ", ".join(f"`{effect.name}`" for effect in outcome.record.effects)
+    return names or VERDICT_TITLES[outcome.record.verdict]
+
+
+def _errors(outcome: RealOutcome) -> str:
+    held = outcome.record.heldout if outcome.record is not None else None
+    if held is None:
+        return "–"
+    return f"{held.rmse_before:.3g} → {held.rmse_after:.3g} ({held.noise_floor:.2g}) {held.unit}"
+
+
+def _section(outcome: RealOutcome) -> str:
+    case, lines = outcome.case, [f"## {outcome.case.name}", "", f"Known: {outcome.case.hidden}."]
+    if case.published:
+        lines.append(f"Others: {case.published}.")
+    if case.remark and not outcome.reached:
+        lines.append(f"Why it does not come out: {case.remark}.")
+    lines.append("")
+    if outcome.record is None:
+        lines.append(f"No answer: {outcome.error}")
+        return "\n".join(lines)
+    lines += [f"- {sentence}" for sentence in outcome.record.sentences]
+    if outcome.strongest_rejected:
+        lines.append(f"- The strongest other name that was refused: {outcome.strongest_rejected}.")
+    table = _base(outcome)
+    return "\n".join([*lines, "", table] if table else lines)
+
+
+def _base(outcome: RealOutcome) -> str:
+    """Parameters of the refitted base in one line."""
+    sides = [f"{side}.{name}" for side in ("forward", "reverse") for name in ("coulomb_torque", "viscous_coefficient")]
+    wanted = ["inertia", "offset", *sides]
+    base = outcome.record.base if outcome.record is not None else {}
+    parts = [f"{name.replace('_', ' ')} {format_quantity(base[name])}" for name in wanted if name in base]
+    return f"Base: {', '.join(parts)}." if parts else ""

@@ -1,0 +1,100 @@
+"""One public set through the diagnosis, and what came of it beside what was expected."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+
+from fricomp.errors import FricompError
+from fricomp.recording import read_public
+
+from ..diagnosis import Diagnosis, DiagnosisRecord, diagnose, load_diagnosis
+from ..diagnosis.presentation import with_names, write_diagnosis
+from .cases import RealCase
+
+__all__ = ["RealOutcome", "run_case"]
+
+
+@dataclass(frozen=True)
+class RealOutcome:
+    """What the diagnosis said of one case.
+
+    Attributes:
+        case: Which.
+        record: The answer; None where there was none.
+        error: Why there was none.
+        seconds: Wall-clock time [s].
+    """
+
+    case: RealCase
+    record: DiagnosisRecord | None
+    error: str
+    seconds: float
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Effects that were named or cannot be told from those."""
+        effects = self.record.effects if self.record is not None else ()
+        return frozenset(name for effect in effects for name in (effect.name, *effect.indistinguishable_from))
+
+    @property
+    def reached(self) -> bool | None:
+        """Whether it came out as expected; None where nothing was promised."""
+        named = {effect.name for effect in self.record.effects} if self.record is not None else set()
+        if not self.case.expected:
+            return not named & set(self.case.refuted) if self.case.refuted else None
+        return bool(self.names & set(self.case.expected)) and not named & set(self.case.refuted)
+
+    @property
+    def strongest_rejected(self) -> str:
+        """The best-fitting other explanation and why it was refused, in one sentence; empty where there is none."""
+        if self.record is None:
+            return ""
+        named = {effect.name for effect in self.record.effects}
+        rivals = [rival for rival in self.record.rivals if rival.refused and not named & set(rival.effects)]
+        if not rivals:
+            return ""
+        best = max(rivals, key=lambda rival: rival.gain)
+        return f"{' + '.join(best.effects)}: {best.refused}"
+
+
+class _Note(msgspec.Struct, frozen=True):
+    """What `outcome.json` keeps beside the record."""
+
+    error: str
+    seconds: float
+
+
+def run_case(case: RealCase, out: Path, *, seed: int = 0, resume: bool = False) -> RealOutcome:
+    """Diagnose one case and write its folder.
+
+    Args:
+        case: Which.
+        out: Folder; the case's own is made in it.
+        seed: Of the diagnosis.
+        resume: Take what an earlier run left there.
+    """
+    place = out / case.name
+    if resume and (place / "outcome.json").exists():
+        note = msgspec.json.decode((place / "outcome.json").read_bytes(), type=_Note)
+        record = None if note.error else load_diagnosis(place / "diagnosis.json")
+        return RealOutcome(case, record, note.error, note.seconds)
+    outcome = _diagnose(case, place, seed)
+    place.mkdir(parents=True, exist_ok=True)
+    (place / "outcome.json").write_bytes(msgspec.json.encode(_Note(outcome.error, outcome.seconds)))
+    return outcome
+
+
+def _diagnose(case: RealCase, place: Path, seed: int) -> RealOutcome:
+    start = time.perf_counter()
+    try:
+        recordings = [recording for source in case.sources for recording in read_public(source)]
+        diagnosis: Diagnosis = with_names(diagnose(recordings, seed=seed), case.sources)
+    except FricompError as error:
+        return RealOutcome(case, None, str(error), time.perf_counter() - start)
+    seconds = time.perf_counter() - start
+    write_diagnosis(diagnosis, place, facts={"recordings": ", ".join(case.sources), "seed": str(seed)})
+    return RealOutcome(case, diagnosis.record, "", seconds)

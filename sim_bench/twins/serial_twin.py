@@ -1,0 +1,43 @@
+"""Twins on a serial line: bytes in, bytes out."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+
+from ..stand_in import StandIn
+from .port import BytePort
+from .twin import DriveTwin
+
+__all__ = ["SerialTwin"]
+
+
+class SerialTwin(DriveTwin):
+    """Drives behind a byte stream.
+
+    Args:
+        port: The device's end of the line.
+        stand_in: The joints.
+    """
+
+    def __init__(self, port: BytePort, stand_in: StandIn) -> None:
+        super().__init__(stand_in)
+        self.port = port
+
+    def close(self) -> None:
+        """Close the line."""
+        with self._guard:
+            self.port.close()
+
+    def _pump(self) -> int:
+        data = self.port.read()
+        if data and not self.unplugged:
+            self._feed(data)
+        return len(data)
+
+    def _send(self, data: bytes) -> None:
+        if not self.unplugged:
+            self.port.write(data)
+
+    @abstractmethod
+    def _feed(self, data: bytes) -> None:
+        """Take bytes as they come, in any pieces."""

@@ -1,0 +1,143 @@
+"""A drive twin: a device that speaks a drive's protocol with a simulated joint behind it."""
+
+from __future__ import annotations
+
+import threading
+import time
+from abc import ABC, abstractmethod
+from types import TracebackType
+from typing import Self
+
+from ..stand_in import StandIn
+
+__all__ = ["DriveTwin", "TwinClock", "TwinServer"]
+
+# How long a server sleeps when nothing has come [s].
+IDLE_SLEEP = 0.0002
+# A server that falls further behind than this gives the time up as lost [s].
+LARGEST_LAG = 0.1
+
+
+class DriveTwin(ABC):
+    """Answers frames as they come (`pump`) and lets time pass (`step`); safe to use from several threads.
+
+    Args:
+        stand_in: The joints behind the drives.
+    """
+
+    def __init__(self, stand_in: StandIn) -> None:
+        self.stand_in = stand_in
+        self.unplugged = False
+        """While true, nothing is received and nothing sent: the cable is out."""
+        self._guard = threading.RLock()
+
+    def pump(self) -> int:
+        """Answer what has come; returns how many frames or bytes that was."""
+        with self._guard:
+            return self._pump()
+
+    def step(self) -> None:
+        """Answer what has come, advance the joints by one period, and send what is due."""
+        with self._guard:
+            self._pump()
+            self.stand_in.step()
+            self._tick(self.stand_in.time_ns)
+
+    def power_cycle(self) -> None:
+        """Switch off and on: every drive is as it was delivered, and de-energised."""
+        with self._guard:
+            self._power_cycle()
+
+    @abstractmethod
+    def close(self) -> None:
+        """Let go of the bus or port."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @abstractmethod
+    def _pump(self) -> int:
+        """Receive and answer."""
+
+    @abstractmethod
+    def _tick(self, now_ns: int) -> None:
+        """Watchdogs and periodic frames at simulated time `now_ns` [ns]."""
+
+    @abstractmethod
+    def _power_cycle(self) -> None:
+        """Forget everything that is not stored."""
+
+
+class TwinClock:
+    """Virtual time of a twin for an adapter in the same process: sleeping lets the twin run, in lock step."""
+
+    def __init__(self, twin: DriveTwin) -> None:
+        self._twin = twin
+
+    def now_ns(self) -> int:
+        """Simulated time [ns]."""
+        return self._twin.stand_in.time_ns
+
+    def sleep_until(self, deadline_ns: int) -> None:
+        """Step the twin until the simulated time is at or past `deadline_ns` [ns]."""
+        twin = self._twin
+        while twin.stand_in.time_ns < deadline_ns:
+            twin.step()
+        twin.pump()
+
+
+class TwinServer:
+    """A thread that answers for a twin; with `real_time` it also lets the joints move with the wall clock.
+
+    Without it only requests are answered, and time passes through `TwinClock`: blocking set-up conversations
+    (SDO, register reads) work while the motion stays in lock step.
+
+    Args:
+        twin: The twin to serve.
+        real_time: Whether the joints follow the wall clock.
+    """
+
+    def __init__(self, twin: DriveTwin, *, real_time: bool = False) -> None:
+        self._twin, self._real_time = twin, real_time
+        self._stop = threading.Event()
+        self.error: BaseException | None = None
+        """What ended the thread, if it was not `__exit__`."""
+        self._thread = threading.Thread(target=self._run, name="drive-twin", daemon=True)
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stop.set()
+        self._thread.join(timeout=2.0)
+
+    def wait(self) -> None:
+        """Serve until the thread ends or is interrupted."""
+        while self._thread.is_alive():
+            self._thread.join(timeout=0.2)
+
+    def _run(self) -> None:
+        try:
+            self._serve()
+        except BaseException as error:  # handed to the owner: a thread has nobody to raise to
+            self.error = error
+
+    def _serve(self) -> None:
+        twin, period = self._twin, self._twin.stand_in.settings.period
+        due = time.monotonic()
+        while not self._stop.is_set():
+            busy = twin.pump()
+            now = time.monotonic()
+            if self._real_time and now >= due:
+                twin.step()
+                due = max(due + period, now - LARGEST_LAG)
+            elif not busy:
+                time.sleep(IDLE_SLEEP)

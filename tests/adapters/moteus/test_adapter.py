@@ -1,0 +1,197 @@
+"""moteus controllers through the whole conformance suite, and what is special about them."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from math import nan
+from typing import Any, cast
+
+import pytest
+
+from fricomp.adapters.configuration import convert
+from fricomp.adapters.moteus import MoteusAdapter
+from fricomp.adapters.moteus.adapter import MoteusConfiguration
+from fricomp.adapters.moteus.codec import decode_answer, encode_command
+from fricomp.adapters.moteus.fdcanusb import LineBuffer, decode_line
+from fricomp.errors import AdapterConfigurationError, AdapterValueError
+from fricomp.joint import JointCommand
+from fricomp.sim_bench.adapter_bench.hand_held import HandHeldAxis, SerialBus
+from fricomp.sim_bench.twins.moteus import MoteusController, MoteusSettings, MoteusTwin
+from fricomp.testing import AdapterRig, FaultyLink, GoldenCommand, VirtualClock
+from fricomp.testing.conformance import AdapterConformance
+from fricomp.testing.steps import run, start
+from tests.adapters.peers.rig import joint_tables
+
+GEARS = (1.0, -2.0)
+
+
+class Controller(MoteusController):
+    """The twin's controller, with faults on demand."""
+
+    failing = refuses_position = False
+
+    def tick(self) -> None:
+        if self.failing:
+            self.fail(33)
+        super().tick()
+
+    def _enter(self, mode: int) -> None:
+        if not (self.refuses_position and mode == 10):
+            super()._enter(mode)
+
+
+def configuration(**changes: Any) -> dict[str, Any]:
+    joints = joint_tables(2, torque=4.0, velocity=20.0)
+    joints[1]["transmission"] = {"sign": -1, "gear_ratio": 2.0}
+    return {"serial": {"port": "loop://"}, "joints": joints, "ramp_time": 0.0} | changes
+
+
+class MoteusRig(AdapterRig):
+    def __init__(self, **changes: Any) -> None:
+        self.torque_limit = 4.0
+        self.clock = VirtualClock()
+        self.axes = [HandHeldAxis(), HandHeldAxis()]
+        settings = [MoteusSettings(identifier) for identifier in (1, 2)]
+        self.controllers = [
+            Controller(cast(Any, axis), setting) for axis, setting in zip(self.axes, settings, strict=True)
+        ]
+        bus = SerialBus()
+        bus.twin = MoteusTwin(bus, cast(Any, None), self.controllers)  # type: ignore[arg-type]
+        self.clock.follow(self._tick)
+        self.link = FaultyLink(bus)
+        made = convert(configuration(**changes), MoteusConfiguration)
+        self.adapter = MoteusAdapter(made, lambda: self.link, self.clock)
+
+    def _tick(self, _: int) -> None:
+        for controller in self.controllers:
+            controller.tick()
+
+    def applied_torque(self) -> list[float]:
+        return [axis.torque * gear for axis, gear in zip(self.axes, GEARS, strict=True)]
+
+    def energised(self) -> list[bool]:
+        return [axis.energised for axis in self.axes]
+
+    def move(self, joint: int, position: float, velocity: float) -> None:
+        self.axes[joint].position, self.axes[joint].velocity = position * GEARS[joint], velocity * GEARS[joint]
+
+    def fail(self, joint: int) -> None:
+        self.controllers[joint].failing = True
+
+    def heal(self, joint: int) -> None:
+        self.controllers[joint].failing = False
+
+    def power_cycle(self, joint: int) -> None:
+        self.controllers[joint].power_cycle()
+
+    def refuse_mode(self) -> None:
+        for controller in self.controllers:
+            controller.refuses_position = True
+
+    def golden(self) -> Sequence[GoldenCommand]:
+        """Both controllers' lines as the vendor's package makes them."""
+        return [
+            GoldenCommand((torque, 0.0), vendor_line(1, torque, 4.0) + vendor_line(2, -0.0, 2.0))
+            for torque in (0.25, -3.0)
+        ]
+
+
+def vendor_line(address: int, torque: float, highest: float) -> bytes:
+    """A command for torque alone, made by the vendor's package and padded as its fdcanusb device does."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        import moteus
+
+    made = moteus.Controller(id=address).make_position(
+        position=nan,
+        velocity=0.0,
+        feedforward_torque=torque,
+        kp_scale=0.0,
+        kd_scale=0.0,
+        maximum_torque=highest,
+        watchdog_timeout=0.1,
+        query=True,
+    )
+    data = made.data.ljust(48, b"\x50")
+    return b"can send 80%02x %s\n" % (address, data.hex().encode())
+
+
+class TestMoteusConforms(AdapterConformance):
+    @pytest.fixture
+    def rig(self) -> AdapterRig:
+        return MoteusRig()
+
+
+@pytest.mark.parametrize("value", [nan, float("inf"), 1e39])
+@pytest.mark.parametrize("mode", ["torque", "velocity", "position"])
+def test_no_value_of_ours_is_ever_sent_as_nan(value: float, mode: Any) -> None:
+    """To a moteus NaN is a command: no position, or no limit."""
+    with pytest.raises(AdapterValueError):
+        encode_command(mode, value, 0.0, 1.0, 0.1)
+    with pytest.raises(AdapterValueError):
+        encode_command(mode, 0.0, value, 1.0, 0.1)
+
+
+def test_the_drive_stops_instead_of_braking_when_commands_cease() -> None:
+    rig = MoteusRig()
+    rig.adapter.open()
+    rig.adapter.configure("torque", 0.002)
+    for controller in rig.controllers:
+        assert controller.configuration["servo.timeout_mode"] == 0.0
+        assert controller.configuration["servo.default_timeout_s"] == pytest.approx(0.1)
+
+
+def test_the_drives_own_loop_is_bounded_by_the_limit_too() -> None:
+    rig = MoteusRig()
+    rig.adapter.open()
+    rig.adapter.configure("position", 0.002)
+    rig.adapter.enable()
+    rig.clock.advance(0.002)
+    rig.move(0, -2.9, 0.0)
+    run(rig, 1)
+    assert abs(rig.applied_torque()[0]) <= 4.0 + 1e-6
+
+
+def test_a_controller_that_is_not_there_is_named() -> None:
+    rig = MoteusRig()
+    rig.controllers[1].settings = MoteusSettings(9)
+    with pytest.raises(Exception, match=r"\[1, 2\]"):
+        rig.adapter.open()
+
+
+def test_lines_come_in_any_pieces() -> None:
+    buffer = LineBuffer()
+    assert buffer.take(b"OK\nrcv 0100 21") == [b"OK"]
+    assert buffer.take(b"000a E\n") == [b"rcv 0100 21000a E"]
+    assert buffer.take(b"x" * 300) == []
+    assert buffer.n_dropped == 1
+
+
+@pytest.mark.parametrize("line", [b"", b"rcv", b"rcv 100 zz", b"rcv gg 00", b"OK", b"rcv 100 \xff\xff", b"rcv 100 123"])
+def test_damaged_lines_are_no_frames(line: bytes) -> None:
+    assert decode_line(line) is None
+
+
+@pytest.mark.parametrize("length", range(22))
+def test_an_answer_that_is_cut_short_is_no_state(length: int) -> None:
+    whole = bytes.fromhex("21000a2f010000803f0000003f0000803e230d301e00")
+    assert decode_answer(whole) is not None
+    assert decode_answer(whole[:length]) is None
+
+
+def test_controller_numbers_beyond_the_protocol_are_refused() -> None:
+    bad = configuration()
+    bad["joints"][0]["id"] = 127
+    with pytest.raises(AdapterConfigurationError, match="1 to 126"):
+        convert(bad, MoteusConfiguration)
+
+
+def test_a_timeout_of_the_drive_stops_all_joints() -> None:
+    rig = MoteusRig()
+    rig.adapter.open()
+    start(rig)
+    run(rig, 3, torque=1.0)
+    rig.clock.advance(0.2)
+    assert rig.controllers[0].mode == 11
+    assert not rig.adapter.write(JointCommand(2))

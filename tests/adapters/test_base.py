@@ -1,0 +1,354 @@
+"""The adapter base holds the order of calls, the gate and the stop, whatever the driver does."""
+
+from __future__ import annotations
+
+import threading
+from math import inf, nan
+
+import pytest
+
+from fricomp.adapters import AdapterOptions, Transmission
+from fricomp.control import JointLimits
+from fricomp.errors import (
+    AdapterConfigurationError,
+    AdapterConnectionError,
+    AdapterError,
+    DriveFault,
+    FricompError,
+    SafetyTrip,
+)
+from fricomp.joint import JointFeedback, Watchdog
+from tests.adapters.fake_driver import LIMITS, PERIOD, FakeAdapter, command, enabled_adapter, run_in_thread
+
+
+def test_opening_and_configuring_energise_nothing() -> None:
+    adapter = FakeAdapter()
+    adapter.open()
+    adapter.configure("torque", PERIOD)
+    assert adapter.log == ["open", "configure"]
+    assert not adapter.enabled
+
+
+@pytest.mark.parametrize("error", [AdapterConnectionError("gone"), ValueError("foreign"), KeyboardInterrupt()])
+def test_an_opening_that_fails_lets_go_of_the_bus(error: BaseException) -> None:
+    adapter = FakeAdapter()
+    adapter.fail["open"] = error
+    with pytest.raises((FricompError, KeyboardInterrupt)):
+        adapter.open()
+    assert adapter.log == ["open", "close"]
+
+
+def test_opening_twice_is_refused() -> None:
+    adapter = FakeAdapter()
+    adapter.open()
+    with pytest.raises(AdapterError, match="open already"):
+        adapter.open()
+
+
+@pytest.mark.parametrize(
+    ("limits", "what"),
+    [
+        (JointLimits(torque=5.1, torque_rate=1.0, velocity=1.0), "torque limit 5.1 is beyond the drive's 5"),
+        (JointLimits(torque=1.0, torque_rate=1.0, velocity=51.0), "velocity limit 51 is beyond the drive's 50"),
+    ],
+)
+def test_limits_beyond_the_drive_are_refused(limits: JointLimits, what: str) -> None:
+    with pytest.raises(AdapterConfigurationError, match=what):
+        FakeAdapter(AdapterOptions(limits=(limits,))).open()
+
+
+def test_limits_for_another_number_of_joints_are_refused() -> None:
+    with pytest.raises(AdapterConfigurationError, match="2 limits given for 1 joints"):
+        FakeAdapter(AdapterOptions(limits=(LIMITS, LIMITS))).open()
+
+
+@pytest.mark.parametrize("period", [0.0, -1.0, nan, inf, 0.0009])
+def test_a_period_the_bus_cannot_carry_is_refused(period: float) -> None:
+    adapter = FakeAdapter()
+    adapter.open()
+    with pytest.raises(AdapterConfigurationError, match="period"):
+        adapter.configure("torque", period)
+
+
+def test_a_watchdog_shorter_than_two_periods_is_refused() -> None:
+    adapter = FakeAdapter(watchdog=Watchdog(0.0015, True))
+    adapter.open()
+    with pytest.raises(AdapterConfigurationError, match="two periods"):
+        adapter.configure("torque", PERIOD)
+
+
+@pytest.mark.parametrize("watchdog", [None, Watchdog(0.1, confirmed=False)])
+def test_a_drive_without_confirmed_watchdog_is_enabled_only_when_told_to(watchdog: Watchdog | None) -> None:
+    adapter = FakeAdapter(watchdog=watchdog)
+    adapter.open()
+    adapter.configure("torque", PERIOD)
+    with pytest.raises(AdapterError, match="no confirmed watchdog"):
+        adapter.enable()
+    assert "enable" not in adapter.log
+    options = AdapterOptions(limits=(LIMITS,), allow_no_watchdog=True)
+    assert enabled_adapter(options=options, watchdog=watchdog).enabled
+
+
+def test_the_ramp_begins_when_the_drive_is_ready_and_not_before() -> None:
+    adapter = FakeAdapter(AdapterOptions(limits=(LIMITS,), ramp_time=0.2))
+    adapter.fail["enable"] = lambda: adapter.manual_clock.advance(0.5)
+    adapter.open()
+    adapter.configure("torque", PERIOD)
+    adapter.enable()
+    assert adapter.write(command(torque=2.0))
+    assert adapter.sent == [0.0]
+
+
+@pytest.mark.parametrize("error", [DriveFault("over-voltage"), RuntimeError("foreign"), KeyboardInterrupt()])
+def test_an_enabling_that_fails_ends_in_a_stop(error: BaseException) -> None:
+    adapter = FakeAdapter()
+    adapter.open()
+    adapter.configure("torque", PERIOD)
+    adapter.fail["enable"] = error
+    with pytest.raises((AdapterError, KeyboardInterrupt)):
+        adapter.enable()
+    assert adapter.log[-1] == "stop"
+    assert not adapter.enabled
+
+
+@pytest.mark.parametrize("from_thread", [True, False])
+def test_a_stop_during_enabling_wins(from_thread: bool) -> None:
+    """From another thread, or from a signal handler in the enabling thread itself."""
+    adapter = FakeAdapter()
+    adapter.open()
+    adapter.configure("torque", PERIOD)
+    adapter.fail["enable"] = (lambda: run_in_thread(adapter.safe_stop)) if from_thread else adapter.safe_stop
+    with pytest.raises(SafetyTrip, match="stop"):
+        adapter.enable()
+    assert adapter.log[-1] == "stop"
+    assert not adapter.enabled
+
+
+@pytest.mark.parametrize("value", [nan, inf, -inf])
+def test_a_torque_that_is_not_finite_stops_and_sends_nothing(value: float) -> None:
+    adapter = enabled_adapter()
+    assert not adapter.write(command(torque=value))
+    assert adapter.sent == []
+    assert adapter.log[-1] == "stop"
+
+
+def test_over_range_saturates_with_the_right_sign() -> None:
+    adapter = enabled_adapter()
+    for torque in (3.0, -3.0):
+        adapter.manual_clock.advance(PERIOD)
+        assert adapter.write(command(torque=torque))
+    assert adapter.sent == [2.0, -2.0]
+
+
+def test_a_stop_cannot_be_overtaken_by_torque() -> None:
+    adapter = enabled_adapter()
+    adapter.safe_stop()
+    written = len(adapter.sent)
+    assert not adapter.write(command(torque=1.0))
+    assert len(adapter.sent) == written
+    assert adapter.log[-1] == "stop"
+
+
+def test_a_stop_from_a_signal_handler_in_mid_write_comes_after_the_write_and_does_not_hang() -> None:
+    adapter = enabled_adapter()
+    adapter.fail["write"] = adapter.safe_stop
+    assert not adapter.write(command())
+    assert adapter.log[-2:] == ["write", "stop"]
+    assert not adapter.enabled
+
+
+def test_a_stop_is_not_held_up_by_a_write_that_hangs() -> None:
+    adapter = enabled_adapter()
+    hanging, released = threading.Event(), threading.Event()
+
+    def hang() -> None:
+        hanging.set()
+        assert released.wait(5.0)
+
+    adapter.fail["write"] = hang
+    writer = threading.Thread(target=adapter.write, args=(command(),))
+    writer.start()
+    assert hanging.wait(5.0)
+    adapter.safe_stop("emergency")
+    assert adapter.log[-1] == "stop"
+    released.set()
+    writer.join(5.0)
+    # What the hung write may still have sent is followed by one more stop.
+    assert adapter.log[-1] == "stop"
+    assert not adapter.write(command(torque=1.0))
+
+
+def test_stops_from_many_threads_are_one_stop() -> None:
+    adapter = enabled_adapter()
+    threads = [threading.Thread(target=adapter.safe_stop) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(5.0)
+    assert adapter.log.count("stop") == 1
+
+
+@pytest.mark.parametrize("error", [AdapterConnectionError("cable"), ValueError("foreign")])
+def test_a_stop_that_fails_never_raises_and_is_tried_twice_and_told(error: Exception) -> None:
+    adapter = enabled_adapter()
+    adapter.fail["stop"] = error
+    adapter.safe_stop()
+    assert adapter.log.count("stop") == 2
+    assert "did not reach the drive" in str(adapter.health()["stop_failure"])
+
+
+def test_an_interrupt_in_the_middle_of_a_stop_does_not_prevent_it() -> None:
+    adapter = enabled_adapter()
+    interrupts = iter([KeyboardInterrupt()])
+
+    def interrupt_once() -> None:
+        for interrupt in interrupts:
+            raise interrupt
+
+    adapter.fail["stop"] = interrupt_once
+    with pytest.raises(KeyboardInterrupt):
+        adapter.safe_stop()
+    assert adapter.log.count("stop") == 2
+
+
+@pytest.mark.parametrize("error", [AdapterConnectionError("cable"), IndexError("foreign"), KeyboardInterrupt()])
+@pytest.mark.parametrize("place", ["write", "read"])
+def test_whatever_fails_in_the_cycle_stops_the_joints(error: BaseException, place: str) -> None:
+    adapter = enabled_adapter()
+    adapter.fail[place] = error
+    with pytest.raises((AdapterError, KeyboardInterrupt)):
+        adapter.write(command(torque=1.0)) if place == "write" else adapter.read_into(JointFeedback(1))
+    assert adapter.log[-1] == "stop"
+    assert adapter.gate.tripped
+    adapter.fail.clear()
+    assert not adapter.write(command(torque=1.0))
+    assert adapter.sent == []
+
+
+def test_nothing_enables_again_without_clearing_the_faults() -> None:
+    adapter = enabled_adapter()
+    adapter.safe_stop()
+    with pytest.raises(SafetyTrip):
+        adapter.enable()
+    with pytest.raises(AdapterError, match="clear_faults"):
+        adapter.configure("torque", PERIOD)
+    adapter.clear_faults()
+    assert not adapter.enabled
+    adapter.enable()
+    assert adapter.enabled
+
+
+def test_faults_that_stay_keep_the_gate_latched() -> None:
+    adapter = enabled_adapter()
+    adapter.safe_stop()
+    adapter.fail["clear"] = DriveFault("still there")
+    with pytest.raises(DriveFault):
+        adapter.clear_faults()
+    with pytest.raises(SafetyTrip):
+        adapter.enable()
+
+
+def test_configuring_and_enabling_are_refused_while_enabled() -> None:
+    adapter = enabled_adapter()
+    with pytest.raises(AdapterError, match="enabled"):
+        adapter.configure("torque", PERIOD)
+    with pytest.raises(AdapterError, match="enabled already"):
+        adapter.enable()
+
+
+@pytest.mark.parametrize(
+    ("attribute", "value"), [("velocity", 11.0), ("position", 3.1), ("fault", 7), ("velocity", nan)]
+)
+def test_a_state_outside_the_limits_stops_the_joints(attribute: str, value: float) -> None:
+    adapter = enabled_adapter()
+    setattr(adapter, attribute, value)
+    adapter.read_into(JointFeedback(1))
+    assert adapter.log[-1] == "stop"
+    assert not adapter.write(command(torque=1.0))
+
+
+def test_silence_of_the_drives_stops_the_joints() -> None:
+    adapter = enabled_adapter()
+    adapter.read_into(JointFeedback(1))
+    adapter.fresh = False
+    adapter.manual_clock.advance(0.021)
+    assert not adapter.read_into(JointFeedback(1))
+    assert adapter.gate.trip_record is not None
+    assert adapter.gate.trip_record.reason == "stale"
+    assert adapter.log[-1] == "stop"
+
+
+def test_sign_and_gear_are_applied_once_in_both_directions() -> None:
+    gear = Transmission(gear_ratio=4.0, sign=-1, zero=0.25)
+    options = AdapterOptions(limits=(LIMITS,), transmissions=(gear,), ramp_time=0.0)
+    adapter = enabled_adapter(options=options)
+    feedback = JointFeedback(1)
+    adapter.position, adapter.velocity = 2.0, 8.0
+    adapter.read_into(feedback)
+    assert feedback.position[0] == pytest.approx(-2.0 / 4.0 - 0.25)
+    assert feedback.velocity[0] == pytest.approx(-2.0)
+    for _ in range(2):
+        adapter.manual_clock.advance(PERIOD)
+        adapter.write(command(torque=1.0))
+    assert adapter.sent[-1] == pytest.approx(-0.25)
+    assert adapter.capabilities.joints[0].torque_limit == pytest.approx(20.0)
+
+
+def test_a_position_reference_starts_where_the_joint_is_and_cannot_jump() -> None:
+    adapter = enabled_adapter("position")
+    adapter.write(command(position=2.9))
+    assert adapter.references[-1][1] == pytest.approx(0.5 + LIMITS.velocity * PERIOD)
+    adapter.write(command(position=-2.9))
+    assert adapter.references[-1][1] == pytest.approx(0.5)
+
+
+def test_a_position_that_is_not_known_cannot_be_held() -> None:
+    adapter = FakeAdapter()
+    adapter.open()
+    adapter.configure("position", PERIOD)
+    adapter.position = nan
+    with pytest.raises(AdapterError, match="not known"):
+        adapter.enable()
+
+
+@pytest.mark.parametrize("value", [nan, inf])
+def test_a_reference_that_is_not_finite_stops_the_joints(value: float) -> None:
+    adapter = enabled_adapter("velocity")
+    assert not adapter.write(command(velocity=value))
+    assert adapter.sent == []
+    assert adapter.log[-1] == "stop"
+
+
+def test_a_velocity_reference_is_clamped_to_the_limit() -> None:
+    adapter = enabled_adapter("velocity")
+    assert adapter.write(command(velocity=-99.0))
+    assert adapter.references[-1][0] == -LIMITS.velocity
+
+
+def test_leaving_the_block_stops_and_closes() -> None:
+    with FakeAdapter() as adapter:
+        adapter.configure("torque", PERIOD)
+        adapter.enable()
+    assert adapter.log[-2:] == ["stop", "close"]
+    with pytest.raises(AdapterError, match="not open"):
+        adapter.capabilities  # noqa: B018
+
+
+def test_a_close_that_fails_never_raises() -> None:
+    adapter = enabled_adapter()
+    adapter.fail["close"] = OSError("foreign")
+    adapter.close()
+    assert adapter.log[-2:] == ["stop", "close"]
+
+
+def test_nothing_works_before_its_turn() -> None:
+    adapter = FakeAdapter()
+    for call in (lambda: adapter.read_into(JointFeedback(1)), lambda: adapter.configure("torque", PERIOD)):
+        with pytest.raises(AdapterError, match="not open"):
+            call()
+    adapter.open()
+    with pytest.raises(AdapterError, match="not configured"):
+        adapter.enable()
+    adapter.configure("torque", PERIOD)
+    with pytest.raises(AdapterError, match="not enabled"):
+        adapter.write(command())

@@ -1,0 +1,39 @@
+"""The measurements of the adapters hold their promises at a small size."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from fricomp.cli.main import app
+from fricomp.sim_bench.adapter_bench.bench import PROTOCOLS
+from fricomp.sim_bench.adapter_bench.fuzz import fuzz_adapter
+from fricomp.sim_bench.adapter_bench.peers import PEERS, compare_with_peer
+
+
+@pytest.mark.parametrize("protocol", sorted(PEERS))
+def test_every_difference_to_an_independent_encoder_has_its_reason(protocol: str) -> None:
+    compared = compare_with_peer(protocol, 400)
+    assert compared.unexplained == ()
+    assert compared.n_identical + sum(compared.differences.values()) == 400
+
+
+@pytest.mark.parametrize("protocol", sorted(PROTOCOLS))
+def test_garbage_brings_nothing_foreign_and_no_torque_beyond_the_limit(protocol: str) -> None:
+    result = fuzz_adapter(protocol, 4000)
+    assert result.foreign == {}
+    assert 0.0 < result.largest_torque <= result.torque_limit
+    assert result.n_frames >= 4000
+
+
+@pytest.mark.slow
+def test_the_bench_command_writes_its_figures(tmp_path: Path) -> None:
+    arguments = ["bench", "adapters", "--quick", "--frames", "1000", "--commands", "60", "--only", "mit"]
+    result = CliRunner().invoke(app, [*arguments, "--out", str(tmp_path)])
+    assert result.exit_code == 0, result.output
+    figures = json.loads((tmp_path / "figures.json").read_text())
+    assert {entry["protocol"] for entry in figures["peers"]} == set(PEERS)
+    assert (tmp_path / "report.html").stat().st_size > 1000

@@ -1,0 +1,99 @@
+"""The configuration file is checked before a bus is opened, and says what is wrong with it by name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fricomp.adapters import open_adapter
+from fricomp.adapters.bus_budget import BusBudget, can_frame_bits
+from fricomp.adapters.configuration import read_configuration
+from fricomp.errors import AdapterConfigurationError
+
+TEXT = """
+backend = "mit"
+watchdog = 0.05
+
+[bus]
+interface = "virtual"
+channel = "test"
+
+[[joints]]
+name = "elbow"
+id = 1
+model = "damiao/DM4310"
+limits = { torque = 4.0, torque_rate = 200.0, velocity = 8.0, position = [-2.0, 2.0] }
+transmission = { gear_ratio = 6.0, sign = -1, zero = 0.1 }
+"""
+
+
+def table(**joint: Any) -> dict[str, Any]:
+    limits = {"torque": 4.0, "torque_rate": 200.0, "velocity": 8.0}
+    first = {"name": "elbow", "id": 1, "model": "damiao/DM4310", "limits": limits} | joint
+    return {"bus": {"interface": "virtual"}, "joints": [first]}
+
+
+def test_a_file_becomes_an_adapter_with_its_limits_and_transmissions(tmp_path: Path) -> None:
+    path = tmp_path / "arm.toml"
+    path.write_text(TEXT)
+    adapter = open_adapter("mit", read_configuration(path))
+    assert adapter.options.limits[0].position == (-2.0, 2.0)
+    assert adapter.options.transmissions is not None
+    assert adapter.options.transmissions[0].gear_ratio == 6.0
+    assert adapter.options.transmissions[0].sign == -1
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [(None, "cannot read"), ("backend = ", "cannot read"), ("watchdog = 1.0", "names no backend")],
+)
+def test_a_file_that_is_none_says_so(tmp_path: Path, text: str | None, complaint: str) -> None:
+    path = tmp_path / "arm.toml"
+    if text is not None:
+        path.write_text(text)
+    with pytest.raises(AdapterConfigurationError, match=complaint):
+        read_configuration(path)
+
+
+@pytest.mark.parametrize(
+    ("joint", "complaint"),
+    [
+        ({"limits": {"torque": -1.0, "torque_rate": 1.0, "velocity": 1.0}}, r"'elbow'.*torque"),
+        ({"limits": {"torque": 1.0, "velocity": 1.0}}, "torque_rate"),
+        ({"transmission": {"sign": 2}}, r"'elbow'.*sign"),
+        ({"transmission": {"gear_ratio": 0.0}}, r"'elbow'.*gear_ratio"),
+        ({"gear": 6.0}, "gear"),
+        ({"id": "one"}, "id"),
+        ({"id": 0x800}, "0x800|2048"),
+    ],
+)
+def test_a_wrong_value_is_named(joint: dict[str, Any], complaint: str) -> None:
+    with pytest.raises(AdapterConfigurationError, match=complaint):
+        open_adapter("mit", table(**joint))
+
+
+@pytest.mark.parametrize("what", ["name", "id"])
+def test_two_joints_of_one_name_or_address_are_refused(what: str) -> None:
+    double = table()
+    double["joints"].append(double["joints"][0] | {"name": "wrist", "id": 2} | {what: double["joints"][0][what]})
+    with pytest.raises(AdapterConfigurationError, match=f"same {what}"):
+        open_adapter("mit", double)
+
+
+def test_no_joint_is_refused() -> None:
+    with pytest.raises(AdapterConfigurationError, match=r"\[\[joints\]\]"):
+        open_adapter("mit", {"bus": {"interface": "virtual"}, "joints": []})
+
+
+@pytest.mark.parametrize(
+    ("n_bytes", "extended", "bits"), [(8, False, 135), (0, False, 55), (8, True, 160), (4, False, 95)]
+)
+def test_the_longest_frames_are_those_of_the_literature(n_bytes: int, extended: bool, bits: int) -> None:
+    assert can_frame_bits(n_bytes, extended) == bits
+
+
+def test_other_traffic_takes_its_share_of_the_budget() -> None:
+    assert BusBudget([1e-3, 1e-3]).highest_rate == pytest.approx(500.0)
+    assert BusBudget([1e-3, 1e-3], background_load=0.25).highest_rate == pytest.approx(375.0)

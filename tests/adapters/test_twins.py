@@ -1,0 +1,171 @@
+"""Every adapter on its twin with a MuJoCo joint behind it, in lock step: the trial of a drive, and what torque does."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fricomp.adapters import JointAdapter
+from fricomp.adapters.canopen import CanOpenAdapter
+from fricomp.adapters.canopen.configuration import CanOpenConfiguration
+from fricomp.adapters.configuration import convert
+from fricomp.adapters.dynamixel import DynamixelAdapter
+from fricomp.adapters.dynamixel.adapter import DynamixelConfiguration
+from fricomp.adapters.mit import MitAdapter
+from fricomp.adapters.mit.adapter import MitConfiguration
+from fricomp.adapters.moteus import MoteusAdapter
+from fricomp.adapters.moteus.adapter import MoteusConfiguration
+from fricomp.adapters.odrive import OdriveAdapter
+from fricomp.adapters.odrive.configuration import OdriveConfiguration
+from fricomp.adapters.trial import LARGEST_SHARE, TrialSettings, TrialStep, try_drive
+from fricomp.errors import ParameterError
+from fricomp.joint import JointCommand, JointFeedback
+from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
+from fricomp.sim_bench.adapter_bench.hand_held import SerialBus
+from fricomp.sim_bench.adapter_bench.twin_bus import TwinBus
+from fricomp.sim_bench.stand_in import StandIn
+from fricomp.sim_bench.stand_in.packaged import default_joint
+from fricomp.sim_bench.twins import DriveAxis, DriveTwin, TwinClock, twin_stand_in
+from fricomp.sim_bench.twins.can_twin import CanDevice, CanTwin
+from fricomp.sim_bench.twins.cia402 import Cia402Drive, Cia402Settings
+from fricomp.sim_bench.twins.dynamixel import DynamixelServo, DynamixelTwin
+from fricomp.sim_bench.twins.mit import MitMotor
+from fricomp.sim_bench.twins.moteus import MoteusController, MoteusTwin
+from fricomp.sim_bench.twins.odrive import ENDPOINTS, ODriveNode, ODriveSettings
+from tests.adapters.peers.rig import joint_tables
+
+SMOOTH = FrictionLaw(
+    (BidirectionalStribeck(StribeckCurve(0.04, 0.08, 0.05, 0.02), StribeckCurve(0.05, 0.09, 0.05, 0.02)),)
+)
+
+Made = tuple[JointAdapter, DriveTwin]
+
+
+def make_stand_in() -> StandIn:
+    return twin_stand_in(default_joint(law=SMOOTH))
+
+
+def can_twin(make: Callable[[DriveAxis], CanDevice]) -> tuple[TwinBus, DriveTwin]:
+    bus, stand_in = TwinBus(), make_stand_in()
+    bus.twin = CanTwin(bus, stand_in, [make(DriveAxis(stand_in))])
+    return bus, bus.twin
+
+
+def can_table(**extra: Any) -> dict[str, Any]:
+    return {"bus": {"interface": "virtual"}, "joints": joint_tables(1, 4.0, 8.0, **extra)}
+
+
+def make_canopen(_: Path) -> Made:
+    bus, twin = can_twin(lambda axis: Cia402Drive(axis, Cia402Settings(rated_torque=5.0)))
+    made = convert(can_table(), CanOpenConfiguration)
+    return CanOpenAdapter(made, lambda: bus, TwinClock(twin)), twin
+
+
+def make_mit(_: Path) -> Made:
+    bus, twin = can_twin(MitMotor)
+    made = convert(can_table(model="damiao/DM4310"), MitConfiguration)
+    return MitAdapter(made, lambda: bus, TwinClock(twin)), twin
+
+
+def make_odrive(folder: Path) -> Made:
+    bus, twin = can_twin(lambda axis: ODriveNode(axis, ODriveSettings(node=1)))
+    endpoints = {name: {"id": number, "type": kind} for number, (name, kind) in ENDPOINTS.items()}
+    path = folder / "flat_endpoints.json"
+    path.write_text(json.dumps({"fw_version": "0.6.9", "endpoints": endpoints}))
+    made = convert(can_table() | {"endpoints": str(path)}, OdriveConfiguration)
+    return OdriveAdapter(made, lambda: bus, TwinClock(twin)), twin
+
+
+def make_moteus(_: Path) -> Made:
+    bus, stand_in = SerialBus(), make_stand_in()
+    bus.twin = MoteusTwin(bus, stand_in, [MoteusController(DriveAxis(stand_in))])  # type: ignore[arg-type]
+    table = {"serial": {"port": "loop://"}, "joints": joint_tables(1, 4.0, 8.0)}
+    return MoteusAdapter(convert(table, MoteusConfiguration), lambda: bus, TwinClock(bus.twin)), bus.twin
+
+
+def make_dynamixel(_: Path) -> Made:
+    bus, stand_in = SerialBus(), make_stand_in()
+    bus.twin = DynamixelTwin(bus, stand_in, [DynamixelServo(DriveAxis(stand_in))])  # type: ignore[arg-type]
+    table = {"serial": {"port": "loop://"}, "joints": joint_tables(1, 4.0, 8.0, torque_constant=1.78)}
+    return DynamixelAdapter(convert(table, DynamixelConfiguration), lambda: bus, TwinClock(bus.twin)), bus.twin
+
+
+MAKERS = {
+    "canopen": make_canopen,
+    "dynamixel": make_dynamixel,
+    "mit": make_mit,
+    "moteus": make_moteus,
+    "odrive": make_odrive,
+}
+
+
+@pytest.fixture(params=sorted(MAKERS))
+def made(request: pytest.FixtureRequest, tmp_path: Path) -> Made:
+    return MAKERS[request.param](tmp_path)
+
+
+def test_the_trial_of_a_healthy_drive_finds_nothing_wrong(made: Made) -> None:
+    adapter, twin = made
+    steps = list(try_drive(adapter, TrialSettings(), lambda: True))
+    assert [step for step in steps if step.passed is False] == []
+    names = {step.name: step for step in steps}
+    assert names["push joint 0 forward"].passed
+    assert names["push joint 0 backward"].passed
+    assert names["stop"].passed
+    assert not twin.stand_in.servos[0].enabled or abs(twin.stand_in.torque[0]) < 1e-9
+
+
+def test_the_trial_energises_nothing_without_leave(made: Made) -> None:
+    adapter, twin = made
+    steps = list(try_drive(adapter, TrialSettings(), lambda: False))
+    assert steps[-1] == TrialStep("energise", None, "not tried: not allowed to")
+    assert not twin.stand_in.servos[0].enabled
+
+
+def test_the_trial_never_commands_more_than_its_share(made: Made) -> None:
+    adapter, _ = made
+    most = 0.0
+    for _ in try_drive(adapter, TrialSettings(), lambda: True):
+        most = max(most, *(limit.torque for limit in adapter.options.limits))
+    assert 0.0 < most <= 4.0
+    assert adapter.options.limits[0].torque == pytest.approx(LARGEST_SHARE * 4.0)
+
+
+def test_torque_accelerates_the_joint_as_its_inertia_says(made: Made) -> None:
+    """1 N·m on 0.1 kg·m² gives 10 rad/s², friction aside; far less, or the other way, would be a scaling error."""
+    adapter, twin = made
+    with adapter:
+        adapter.configure("torque", 0.005)
+        adapter.enable()
+        command, feedback = JointCommand(1), JointFeedback(1)
+        command.torque[0] = 1.0
+        for _ in range(80):
+            assert adapter.write(command)
+            adapter.clock.sleep_until(adapter.clock.now_ns() + 5_000_000)
+            adapter.read_into(feedback)
+            if feedback.position[0] > 0.3:
+                break
+        velocity = twin.stand_in.plant.velocity(0)
+        assert velocity > 0.5
+        assert feedback.velocity[0] == pytest.approx(velocity, rel=0.1, abs=0.05)
+        assert feedback.torque[0] == pytest.approx(1.0, abs=0.05)
+
+
+def test_the_wrong_sign_is_found(tmp_path: Path) -> None:
+    adapter, _ = make_mit(tmp_path)
+    codec = adapter._motors[0].codec  # type: ignore[attr-defined]
+    plain = codec.encode_torque
+    codec.encode_torque = lambda torque: plain(-torque)
+    steps = list(try_drive(adapter, TrialSettings(), lambda: True))
+    assert steps[-1].passed is False
+    assert "wrong way" in steps[-1].detail
+
+
+@pytest.mark.parametrize("share", [0.0, 0.051, 1.0, float("nan")])
+def test_more_than_a_twentieth_is_refused(share: float) -> None:
+    with pytest.raises(ParameterError, match="at most 5%"):
+        TrialSettings(share=share)

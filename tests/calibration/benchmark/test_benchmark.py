@@ -1,0 +1,67 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fricomp.calibration import identify
+from fricomp.calibration.benchmark.batch import batch_optima
+from fricomp.calibration.benchmark.oracle import find_optimum
+from fricomp.calibration.benchmark.printed import NOISE_FREE, NOISY
+from fricomp.calibration.benchmark.problem import PaperProblem
+from fricomp.calibration.benchmark.study import Ledger, run_statistics
+from fricomp.calibration.benchmark.summary import summarise_statistics
+
+
+def test_two_printed_averages_do_not_follow_from_the_printed_values() -> None:
+    rows = {("none", row.method): row for row in NOISE_FREE} | {("5 %", row.method): row for row in NOISY}
+    off = {("none", "PINN"): 0.4545, ("5 %", "GA"): 4.3897}
+    for key, row in rows.items():
+        assert row.recomputed().mean() == pytest.approx(off.get(key, row.average), rel=0.003)
+        assert (abs(row.recomputed().mean() / row.average - 1.0) > 0.03) == (key in off)
+
+
+@pytest.mark.parametrize("reading", ["relative", "absolute"])
+def test_stacked_optima_are_those_of_identify(reading: str) -> None:
+    optima, problem = batch_optima(reading, 3), PaperProblem()  # type: ignore[arg-type]
+    for seed in range(3):
+        draw = problem.draw(reading, seed)  # type: ignore[arg-type]
+        result = identify(draw.velocity, draw.torque, method="least_squares", noise=reading)
+        np.testing.assert_allclose(list(result.parameters.values()), optima.values[seed], rtol=1e-5)
+        np.testing.assert_allclose(list(result.standard_deviations.values()), optima.deviations[seed], rtol=1e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("reading", ["relative", "absolute"])
+def test_likelihood_optimum_is_at_the_cramer_rao_bound(reading: str) -> None:
+    draws, problem = 500, PaperProblem()
+    optima = batch_optima(reading, draws)  # type: ignore[arg-type]
+    error = optima.values - np.array(problem.true_values)
+    ratio = np.sqrt(np.mean(error**2, axis=0)) / problem.cramer_rao(reading)  # type: ignore[arg-type]
+    assert np.all(np.abs(ratio - 1.0) < 4.0 / np.sqrt(2.0 * draws))
+    covered = np.mean(np.abs(error) <= 1.97 * optima.deviations, axis=0)
+    assert np.all(np.abs(covered - 0.95) < 4.0 * np.sqrt(0.95 * 0.05 / draws))
+
+
+def test_a_study_goes_on_where_it_stopped(tmp_path: Path) -> None:
+    ledger = Ledger(tmp_path / "ledger.jsonl")
+    said: list[str] = []
+    run_statistics(ledger, 1, said.append)
+    run_statistics(ledger, 1, said.append)
+    assert len(said) == 2
+    figures = summarise_statistics(ledger, "absolute")
+    assert figures is not None
+    assert figures.draws == figures.converged == 1
+    assert figures.largest_distance < 0.02
+    assert figures.largest_excess < 1e-3
+
+
+@pytest.mark.slow
+def test_swarm_ends_at_the_oracle_and_never_below_it() -> None:
+    pytest.importorskip("numba")
+    from fricomp.calibration.benchmark.compiled_search import run_compiled
+
+    draw = PaperProblem().draw("absolute", 0)
+    best = find_optimum(draw).negative_log_likelihood
+    for method in ("PSO", "GA"):
+        found = run_compiled(method, draw, 2000, 0)
+        assert -1e-6 < found.negative_log_likelihood - best < 0.1

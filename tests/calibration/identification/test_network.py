@@ -1,0 +1,82 @@
+import numpy as np
+import pytest
+
+from fricomp.calibration import identify
+from fricomp.calibration.identification import save_identification
+from fricomp.calibration.network import LAYER_SIZES, TanhNetwork, distil, forward_with_jacobian
+from fricomp.calibration.network.training import initial_layers
+from fricomp.laws import FloatArray
+from fricomp.model import load_model
+
+from .paper import PROBLEM, noisy
+
+
+def _network() -> TanhNetwork:
+    layers = initial_layers(np.random.default_rng(0), 0.01, 1e-3, uses_load=True)
+    return TanhNetwork(layers, 2.0, 0.7, 10.0, 5.0)
+
+
+def test_derivative_agrees_with_differences() -> None:
+    network = _network()
+    inputs = network.inputs(np.array([-0.3, 0.7]), np.array([8.0, 12.0]))
+    weights = network.parameters()
+    output, jacobian = forward_with_jacobian(network.layers, inputs)
+    for k in range(0, len(weights), 97):
+        shifted = weights.copy()
+        shifted[k] += 1e-6
+        there, _ = forward_with_jacobian(network.with_parameters(shifted).layers, inputs)
+        np.testing.assert_allclose((there - output) / 1e-6, jacobian[:, k], rtol=1e-4, atol=1e-6)
+
+
+def test_architecture_is_the_one_of_the_paper() -> None:
+    assert LAYER_SIZES == (2, 20, 20, 20, 1)
+    assert len(_network().parameters()) == 921
+
+
+def test_torch_module_is_the_same_function() -> None:
+    torch = pytest.importorskip("torch")
+    network = _network()
+    velocity, load = np.linspace(-2.0, 2.0, 101), np.full(101, 12.0)
+    there = network.torch_module()(torch.from_numpy(np.stack([velocity, load], axis=1)))
+    np.testing.assert_allclose(there.detach().numpy()[:, 0], network.torque(velocity, load), atol=1e-12)
+
+
+def test_exported_network_does_not_interpolate_noise(tmp_path: object) -> None:
+    draw = noisy("relative", 0)
+    result = identify(draw.velocity, draw.torque, noise="relative")
+    velocity = np.linspace(-1.0, 1.0, 4002)
+    exact = np.asarray(PROBLEM.law.torque(velocity))
+
+    def error(torque: object) -> float:
+        return float(np.sqrt(np.mean((np.asarray(torque) - exact) ** 2)))
+
+    closed = error(result.model.torque(velocity))
+    assert error(result.network.torque(velocity)) < 1.2 * closed
+    assert result.identifying_network is not None
+    assert error(result.identifying_network.torque(velocity)) > 2.0 * closed
+
+
+def test_onnx_agrees_with_float64_and_says_what_it_is(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    runtime = pytest.importorskip("onnxruntime")
+    draw = noisy("relative", 0)
+    result = identify(draw.velocity, draw.torque, noise="relative", method="least_squares")
+    files = save_identification(result, tmp_path)
+    session = runtime.InferenceSession(str(files.network))
+    velocity = np.linspace(-1.0, 1.0, 2001).astype(np.float32)
+    state = np.stack([velocity, np.full_like(velocity, 3.0)], axis=1)
+    torque = session.run(None, {"state": state})[0][:, 0]
+    exact = np.asarray(result.network.torque(velocity.astype(np.float64)))
+    assert np.max(np.abs(torque - exact)) < 2e-6 * np.max(np.abs(exact))
+    metadata = session.get_modelmeta().custom_metadata_map
+    assert metadata["model_json_sha256"] == files.model_sha256
+    assert metadata["opset"] == "17"
+    assert load_model(files.model).law == result.model.law
+
+
+@pytest.mark.slow
+def test_distillation_over_loads_holds_between_them() -> None:
+    def torque(velocity: FloatArray, load: FloatArray | None) -> FloatArray:
+        assert load is not None
+        return np.asarray(np.sign(velocity) * (0.1 * load + 0.05 * np.abs(velocity)))
+
+    assert distil(torque, 2.0, (5.0, 20.0), bend=0.05).rms_error < 5e-3

@@ -1,0 +1,77 @@
+import numpy as np
+import pytest
+
+from fricomp.calibration.rigid_body import (
+    RegressionSettings,
+    fit_rigid_body,
+    identify_motion,
+    prediction_error,
+    sample_joint,
+)
+from fricomp.errors import IdentificationError
+from fricomp.laws import Coulomb, FrictionLaw, Viscous
+from fricomp.model import FrictionModel
+from fricomp.recording import Recording
+from fricomp.recording.public import find_public_data, read_public
+
+no_emps = pytest.mark.skipif(find_public_data("emps") is None, reason="the public set emps is not here: FRICOMP_DATA")
+no_ur10e = pytest.mark.skipif(
+    find_public_data("ur10e") is None, reason="the public set ur10e is not here: FRICOMP_DATA"
+)
+
+
+def _recording() -> Recording:
+    t = np.arange(0.0, 20.0, 1e-3)
+    q = np.sin(1.3 * t) + 0.4 * np.sin(3.1 * t + 0.5)
+    v = 1.3 * np.cos(1.3 * t) + 1.24 * np.cos(3.1 * t + 0.5)
+    a = -1.69 * np.sin(1.3 * t) - 3.844 * np.sin(3.1 * t + 0.5)
+    torque = 0.8 * a + 0.5 * v + 0.3 * np.sign(v) + 0.1 + 2.0 * np.cos(q) - 1.0 * np.sin(q)
+    return Recording(t, q, torque + 0.02 * np.random.default_rng(0).normal(size=len(t)))
+
+
+def test_recovers_inertia_gravity_offset_and_friction() -> None:
+    fit = fit_rigid_body(sample_joint(_recording()), gravity=True)
+    found = (fit.inertia, fit.viscous_coefficient, fit.coulomb_torque, *fit.gravity)
+    np.testing.assert_allclose(found, (0.8, 0.5, 0.3, 2.0, -1.0), rtol=0.02)
+    assert fit.offset == pytest.approx(0.1, abs=0.05)
+
+
+def test_a_motion_at_rest_is_refused() -> None:
+    t = np.arange(0.0, 2.0, 1e-3)
+    with pytest.raises(IdentificationError, match="several speeds"):
+        fit_rigid_body(sample_joint(Recording(t, np.zeros_like(t), np.zeros_like(t))))
+
+
+@no_emps
+def test_reproduces_the_published_emps_reference() -> None:
+    (train,) = read_public("emps/train")
+    fit = fit_rigid_body(sample_joint(train))
+    found = (fit.inertia, fit.viscous_coefficient, fit.coulomb_torque, fit.offset)
+    np.testing.assert_allclose(found, (95.109, 203.50, 20.394, -3.165), rtol=0.005)
+
+
+@no_emps
+def test_bidirectional_stribeck_predicts_the_emps_pulse_test_better_than_coulomb_viscous() -> None:
+    settings = RegressionSettings(torque_cutoff=20.0)
+    (train,), (pulses,) = read_public("emps/train"), read_public("emps/pulses")
+    fit = identify_motion(sample_joint(train, settings), settings)
+    body = fit.rigid_body
+    simple = FrictionModel(FrictionLaw((Coulomb(body.coulomb_torque), Viscous(body.viscous_coefficient))))
+    held_out = sample_joint(pulses, settings)
+    error = prediction_error(fit, held_out)
+    assert error < 0.036
+    assert error < 0.85 * prediction_error(fit, held_out, simple)
+
+
+@no_ur10e
+def test_stribeck_predicts_the_second_half_of_ur10e_joint_1_better_than_coulomb_viscous() -> None:
+    (recording,) = read_public("ur10e/joint_1")
+    settings = RegressionSettings(position_cutoff=5.0, torque_cutoff=5.0, slowest=0.03)
+    samples, end = sample_joint(recording, settings), float(recording.time[-1])
+    fit = identify_motion(samples.between(10.0 / end, 35.0 / end), settings)
+    body = fit.rigid_body
+    simple = FrictionModel(FrictionLaw((Coulomb(body.coulomb_torque), Viscous(body.viscous_coefficient))))
+    held_out = samples.between(35.0 / end, 60.0 / end)
+    error = prediction_error(fit, held_out)
+    assert error < 0.03
+    assert error < 0.85 * prediction_error(fit, held_out, simple)

@@ -1,0 +1,29 @@
+"""The whole calibration with its defaults, on the default joint."""
+
+from pathlib import Path
+
+import pytest
+
+from fricomp.calibration.sweep.benchmark import Score, SeedStudy, study_seeds
+from fricomp.sim_bench.stand_in import DEFAULT_LAW, SimulatedJointAdapter, default_joint
+
+
+def test_a_study_sums_up_its_seeds() -> None:
+    scores = (Score(0, "a", 0.01, 1.0, True), Score(1, "a", -0.03, -3.0, False), Score(0, "b", 0.0, 0.0, True))
+    study = SeedStudy(scores, ("converged", "converged"))
+    assert study.names == ("a", "b")
+    assert study.mean_error("a") == pytest.approx(0.02)
+    assert study.root_mean_square("a") == pytest.approx(5.0**0.5)
+    assert study.coverage() == pytest.approx(2.0 / 3.0)
+    assert study.to_builtins()["parameters"]["a"]["covered"] == 1
+
+
+@pytest.mark.slow
+def test_every_parameter_is_within_two_per_cent_and_its_uncertainty_is_right(tmp_path: Path) -> None:
+    study = study_seeds(lambda seed: SimulatedJointAdapter(default_joint(seed=seed)), DEFAULT_LAW, range(2), tmp_path)
+    assert study.statuses == ("converged", "converged")
+    assert len(study.names) == 8
+    for name in study.names:
+        assert study.mean_error(name) < 0.02
+        assert all(abs(score.normalised) < 4.5 for score in study.of(name))
+    assert study.coverage() >= 0.75

@@ -1,0 +1,176 @@
+"""Settling, stick-slip, breakaway, signs and lag, on signals whose truth is known."""
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike
+
+from fricomp.calibration.sweep.breakaway import measure_breakaway
+from fricomp.calibration.sweep.point import FrictionPoint, half_differences
+from fricomp.calibration.sweep.rigid_body_fit import fit_rigid_body
+from fricomp.calibration.sweep.settling import SettleDetector
+from fricomp.calibration.sweep.sign_check import check_signs
+from fricomp.calibration.sweep.steadiness import judge_plateau, mean_of
+from fricomp.errors import SweepAborted
+from fricomp.laws import FloatArray
+from fricomp.recording import Recording
+
+QUANTUM = 2.4e-5
+RATE = 500.0
+
+
+def _encode(position: FloatArray) -> FloatArray:
+    return np.round(position / QUANTUM) * QUANTUM
+
+
+def _judge(position: ArrayLike, velocity: float, torque: float = 0.3) -> str:
+    encoded = _encode(np.asarray(position, dtype=np.float64))
+    time = np.arange(len(encoded)) / RATE
+    return judge_plateau(
+        np.asarray(time, dtype=np.float64),
+        encoded,
+        np.full(len(time), torque),
+        velocity,
+        quantum=QUANTUM,
+        torque_limit=5.0,
+    )
+
+
+@pytest.mark.parametrize("velocity", [0.002, 0.01, 0.1, -1.0])
+def test_steady_sliding_is_steady_however_slow(velocity: float) -> None:
+    assert _judge(velocity * np.arange(600) / RATE, velocity) == "steady"
+
+
+@pytest.mark.parametrize("velocity", [0.02, -0.05])
+def test_sticking_and_slipping_is_told_from_sliding(velocity: float) -> None:
+    time = np.arange(1000) / RATE
+    phase = np.mod(time, 0.2) / 0.2
+    position = velocity * 0.2 * (np.floor(time / 0.2) + np.clip((phase - 0.7) / 0.3, 0.0, 1.0))
+    assert _judge(position, velocity) == "stick_slip"
+
+
+def test_a_plateau_at_another_speed_has_not_settled() -> None:
+    assert _judge(0.09 * np.arange(600) / RATE, 0.1) == "unsettled"
+
+
+def test_a_drive_at_its_torque_limit_is_saturated() -> None:
+    assert _judge(0.1 * np.arange(600) / RATE, 0.1, torque=5.0) == "saturated"
+
+
+def test_a_plateau_of_few_samples_is_short() -> None:
+    assert _judge(0.1 * np.arange(20) / RATE, 0.1) == "short"
+
+
+def test_the_error_of_a_mean_covers_correlated_noise() -> None:
+    generator = np.random.default_rng(0)
+    means = []
+    for _ in range(300):
+        white = generator.normal(size=1200)
+        noise = np.convolve(white, np.ones(10) / np.sqrt(10.0), "valid")
+        mean = mean_of(noise)
+        means.append(mean.value / mean.deviation)
+    assert 0.85 < np.std(means) < 1.25
+
+
+def test_settling_waits_for_the_speed() -> None:
+    detector, settled_at = SettleDetector(0.1, QUANTUM), None
+    time, position = 0.0, 0.0
+    while settled_at is None and time < 3.0:
+        time += 1.0 / RATE
+        position += 0.1 * (1.0 - np.exp(-time / 0.1)) / RATE
+        if detector.update(time, float(_encode(np.array(position)))):
+            settled_at = time
+    assert settled_at is not None
+    assert 0.25 < settled_at < 0.6
+
+
+def test_a_joint_that_sticks_never_settles() -> None:
+    detector = SettleDetector(0.1, QUANTUM)
+    assert not any(detector.update(k / RATE, 0.0) for k in range(1000))
+
+
+def _ramp(level: float, direction: int, *, slips: bool) -> Recording:
+    """Torque rises by 1 N·m/s until the joint creeps on at `level`, or slips away."""
+    generator = np.random.default_rng(1)
+    time = np.arange(0.0, level + 0.4, 1.0 / RATE)
+    loose = np.maximum(time - level, 0.0)
+    torque = np.minimum(time, level)
+    position = (5.0 * loose**2) if slips else 0.001 * loose
+    noise = 0.002 * generator.normal(size=len(time))
+    return Recording(time, _encode(direction * position), direction * torque + noise)
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+@pytest.mark.parametrize("slips", [True, False])
+def test_breakaway_is_where_the_ramp_ends(direction: int, slips: bool) -> None:
+    found = measure_breakaway(_ramp(0.6, direction, slips=slips), direction, offset=0.0, quantum=QUANTUM)
+    assert found is not None
+    assert found.torque == pytest.approx(0.6, rel=0.02)
+
+
+def test_a_joint_held_fast_has_no_breakaway() -> None:
+    time = np.arange(0.0, 2.0, 1.0 / RATE)
+    still = Recording(time, np.zeros_like(time), time)
+    assert measure_breakaway(still, 1, offset=0.0, quantum=QUANTUM) is None
+
+
+def _push(sign: float = 1.0, velocity_scale: float = 1.0, torque_scale: float = 1.0) -> Recording:
+    time = np.arange(0.0, 1.0, 1.0 / RATE)
+    command = 0.5 * time
+    position = sign * 0.05 * np.maximum(time - 0.5, 0.0) ** 2
+    velocity = velocity_scale * np.gradient(position, time)
+    return Recording(time, position, torque_scale * command + 0.01, velocity=velocity, torque_command=command)
+
+
+def test_right_signs_and_scales_pass() -> None:
+    check = check_signs(_push(), torque_is_echo=False)
+    assert check.velocity_ratio == pytest.approx(1.0, abs=0.02)
+    assert check.torque_ratio == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("push", "words"),
+    [
+        (_push(sign=-1.0), "opposite directions"),
+        (_push(velocity_scale=57.3), r"57.3 times the distance.*57.3 is degrees"),
+        (_push(velocity_scale=-1.0), "its sign"),
+        (_push(torque_scale=1e-3), "torque constant"),
+        (_push(torque_scale=-1.0), "sign"),
+    ],
+)
+def test_a_wrong_sign_or_scale_stops_the_run(push: Recording, words: str) -> None:
+    with pytest.raises(SweepAborted, match=words):
+        check_signs(push, torque_is_echo=False)
+
+
+def test_the_half_difference_takes_gravity_off() -> None:
+    points = [
+        FrictionPoint(0, 1.0, 0.1, 0.3 + 2.0, 0.01, 1.0, "steady"),
+        FrictionPoint(1, 2.0, -0.1, -0.3 + 2.0, 0.01, 1.0, "steady"),
+        FrictionPoint(2, 3.0, 0.2, 0.4 + 2.0, 0.01, 1.0, "steady"),
+        FrictionPoint(3, 4.0, -0.2, -0.4 + 2.0, 0.01, 1.0, "stick_slip"),
+    ]
+    found = half_differences(points)
+    assert [p.torque for p in found] == pytest.approx([0.3, -0.3, 0.4, -0.4])
+    assert [p.verdict for p in found] == ["steady", "steady", "stick_slip", "stick_slip"]
+
+
+@pytest.mark.parametrize(("lag", "scale"), [(0.003, 1.0), (0.0, 1.1), (0.005, 0.95)])
+def test_lag_and_scale_of_the_torque_are_recovered_from_fast_motions(lag: float, scale: float) -> None:
+    generator = np.random.default_rng(2)
+    blocks = []
+    for velocity in (2.0, -2.0, 4.0, -4.0):
+        time = np.arange(0.0, 0.8, 1.0 / RATE)
+        position = velocity * (time - 0.4)
+        load = 4.0 * np.sin(position)
+        torque = scale * 4.0 * np.sin(velocity * (time - lag - 0.4)) + 0.2 * np.sign(velocity)
+        torque = torque + 0.003 * generator.normal(size=len(time))
+        reference = np.full(len(time), velocity)
+        blocks.append(Recording(time, position, torque, load_torque=load, velocity_reference=reference))
+    fit = fit_rigid_body(blocks)
+    assert fit.lag == pytest.approx(lag, abs=3e-4)
+    assert fit.scale == pytest.approx(scale, abs=0.01)
+
+
+def test_without_a_model_there_is_no_lag() -> None:
+    time = np.arange(0.0, 1.0, 1.0 / RATE)
+    assert fit_rigid_body([Recording(time, time, time)]).lag == 0.0

@@ -1,0 +1,82 @@
+"""A changed joint is told from an unchanged one, at the stated error rate."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fricomp.calibration.comparison import compare_models
+from fricomp.cli.main import app
+from fricomp.errors import ParameterError
+from fricomp.laws import BidirectionalStribeck, Coulomb, FrictionLaw, StribeckCurve
+from fricomp.model import Covariance, FrictionModel, Validity, save_model
+
+TRUTH = np.array([0.15, 0.60, 0.05, 0.02, 0.20, 0.70, 0.05, 0.03])
+KEYS = ("coulomb_torque", "static_torque", "stribeck_velocity", "viscous_coefficient")
+NAMES = tuple(f"stribeck.{side}.{key}" for side in ("forward", "reverse") for key in KEYS)
+MIX = np.eye(8) + 0.3 * np.eye(8, k=1)
+SPREAD = (0.01 * np.diag(TRUTH)) @ MIX
+COVARIANCE = SPREAD @ SPREAD.T
+
+
+def model(values: np.ndarray) -> FrictionModel:
+    law = FrictionLaw((BidirectionalStribeck(StribeckCurve(*values[:4]), StribeckCurve(*values[4:])),))
+    return FrictionModel(law, validity=Validity(velocity=(-1.0, 1.0)), covariance=Covariance(NAMES, COVARIANCE))
+
+
+def draw(rng: np.random.Generator, truth: np.ndarray = TRUTH) -> FrictionModel:
+    return model(truth + SPREAD @ rng.standard_normal(8))
+
+
+def test_an_unchanged_joint_is_called_changed_at_the_stated_rate() -> None:
+    rng = np.random.default_rng(1)
+    called = [compare_models(draw(rng), draw(rng)) for _ in range(1000)]
+    assert 0.03 < np.mean([c.changed for c in called]) < 0.07
+    assert np.mean([bool(c.significant) for c in called]) < 0.065  # Holm keeps the family-wise rate
+
+
+def test_the_parameter_that_changed_is_named() -> None:
+    rng = np.random.default_rng(2)
+    worn = TRUTH.copy()
+    worn[4] *= 1.25
+    result = compare_models(draw(rng), draw(rng, worn))
+    assert result.changed
+    assert result.changes[0].name == "stribeck.reverse.coulomb_torque"
+    assert result.changes[0].difference == pytest.approx(0.05, abs=0.01)
+    assert result.at_velocity < 0.0
+    assert result.largest_torque_change == pytest.approx(-0.05, abs=0.02)
+
+
+def test_terms_that_came_or_went_are_a_change() -> None:
+    one = model(TRUTH)
+    other = replace(one, law=one.law.with_term(Coulomb(0.1)))
+    result = compare_models(one, other)
+    assert (result.changed, result.added, result.removed) == (True, ("coulomb",), ())
+
+
+@pytest.mark.parametrize(
+    ("other", "message"),
+    [
+        (replace(model(TRUTH), torque_unit="A"), "cannot be compared"),
+        (replace(model(TRUTH), covariance=None), "new model has no covariance"),
+        (replace(model(TRUTH), validity=Validity(velocity=(2.0, 3.0))), "do not overlap"),
+    ],
+)
+def test_models_that_cannot_be_compared_say_why(other: FrictionModel, message: str) -> None:
+    with pytest.raises(ParameterError, match=message):
+        compare_models(model(TRUTH), other)
+
+
+def test_the_command_says_what_changed(tmp_path: Path) -> None:
+    worn = TRUTH.copy()
+    worn[0] *= 1.5
+    save_model(model(TRUTH), tmp_path / "old.json")
+    save_model(model(worn), tmp_path / "new.json")
+    result = CliRunner().invoke(app, ["compare", str(tmp_path / "old.json"), str(tmp_path / "new.json")])
+    assert result.exit_code == 0, result.output
+    assert "The joint has changed" in result.output
+    assert "stribeck.forward.coulomb_torque" in result.output.split("changed")[-1].replace("\n", "")

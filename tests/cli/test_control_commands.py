@@ -1,0 +1,97 @@
+"""`fricomp export`, `check-loop` and `run` on the command line."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+
+from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
+from fricomp.model import FrictionModel, Validity, load_model, save_model
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> Path:
+    curves = StribeckCurve(0.15, 0.60, 0.05, 0.02), StribeckCurve(0.20, 0.70, 0.05, 0.03)
+    law = FrictionLaw((BidirectionalStribeck(*curves),))
+    save_model(FrictionModel(law, joint="elbow", validity=Validity(velocity=(-1.0, 1.0))), tmp_path / "friction.json")
+    return tmp_path / "friction.json"
+
+
+def fricomp(*arguments: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "fricomp.cli.main", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_export_prints_c_and_says_what_is_kept(model: Path) -> None:
+    done = fricomp("export", model, "--to", "c")
+    assert done.returncode == 0
+    assert "friction_elbow_torquef" in done.stdout
+    assert "1e-12" in done.stderr
+
+
+def test_export_writes_into_a_robot_and_states_the_loss(model: Path, tmp_path: Path) -> None:
+    robot, out = tmp_path / "robot.xml", tmp_path / "out.xml"
+    robot.write_text('<mujoco><worldbody><body><joint name="knee"/></body></worldbody></mujoco>')
+    done = fricomp("export", model, "--to", "mjcf", "--into", robot, "--joint", "knee", "--out", out)
+    assert done.returncode == 0
+    assert "RMS" in done.stderr
+    element = ET.parse(out).find("actuator/dcmotor")
+    assert element is not None
+    assert element.attrib["joint"] == "knee"
+
+
+def test_export_to_json_is_the_model(model: Path, tmp_path: Path) -> None:
+    assert fricomp("export", model, "--to", "json", "--out", tmp_path / "copy.json").returncode == 0
+    assert load_model(tmp_path / "copy.json").law == load_model(model).law
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("--to", "onnx"), "say where with --out"),
+        (("--to", "c", "--prefix", "1a"), "not a C name"),
+        (("--to", "mjcf", "--into", "missing.xml"), "missing.xml"),
+    ],
+)
+def test_export_errors_are_one_sentence(model: Path, arguments: tuple[str, ...], sentence: str) -> None:
+    done = fricomp("export", model, *arguments)
+    assert done.returncode == 2
+    assert sentence in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_check_loop_says_safe_or_exits_with_one(model: Path) -> None:
+    good = fricomp("check-loop", model, "--inertia", 0.1, "--bandwidth", 10, "--delay", 0.002)
+    assert good.returncode == 0
+    assert "Safe." in good.stdout
+    bad = fricomp("check-loop", model, "--inertia", 0.05, "--bandwidth", 10, "--delay", 0.012)
+    assert bad.returncode == 1
+    assert "Not safe" in bad.stdout
+
+
+def test_check_loop_needs_gains(model: Path) -> None:
+    done = fricomp("check-loop", model, "--inertia", 0.1)
+    assert done.returncode == 2
+    assert "--bandwidth" in done.stderr
+
+
+def test_run_shows_the_gain_and_keeps_recordings(model: Path, tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    done = fricomp("run", model, "--frequency", 0.5, "--cycles", 1, "--out", tmp_path / "run")
+    assert done.returncode == 0, done.stderr
+    figures = json.loads((tmp_path / "run" / "figures.json").read_text())
+    assert figures["with"]["rms_error"][0] < 0.3 * figures["without"]["rms_error"][0]
+    names = {path.name for path in (tmp_path / "run").iterdir()}
+    assert {"run-0.png", "timing.png", "with_compensation_joint.csv", "without_compensation_joint.csv"} <= names
+
+
+def test_run_wants_a_model_for_every_joint(model: Path, tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    done = fricomp("run", model, model, "--out", tmp_path / "run")
+    assert done.returncode == 2
+    assert "1 joints" in done.stderr

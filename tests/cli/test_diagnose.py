@@ -1,0 +1,157 @@
+"""`fricomp diagnose` end to end: bad input is named as such and never as physics; the answer is in plain words."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fricomp.cli.diagnose import find_recordings
+from fricomp.cli.main import app
+from fricomp.errors import RecordingError
+from fricomp.recording import Recording, RecordingMetadata, write_recording
+
+_JOINT = """<mujoco><worldbody><body><joint name="elbow" axis="0 1 0"/>
+<inertial pos="0.2 0 0" mass="1" diaginertia="0.3 0.3 0.3"/></body></worldbody></mujoco>"""
+
+
+def _columns(seconds: float = 20.0, rate: float = 500.0) -> dict[str, np.ndarray]:
+    """A joint that swings with Coulomb and viscous friction, as an encoder and a torque sensor see it."""
+    t = np.arange(int(seconds * rate)) / rate
+    w = np.array([1.1, 2.3])[:, None]
+    q, v, a = (np.sum(f, axis=0) for f in (0.8 * np.sin(w * t), 0.8 * w * np.cos(w * t), -0.8 * w**2 * np.sin(w * t)))
+    noise = 0.02 * np.random.default_rng(0).standard_normal(t.size)
+    torque = 0.34 * a + 1.96 * np.cos(q) + 1.5 * np.sign(v) + 0.4 * v + noise
+    return {"time": t, "position": np.round(q / 1e-5) * 1e-5, "velocity": v, "torque": torque}
+
+
+def _standing(columns: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """30 s of rest, then 10 s of motion."""
+    moving = {name: values[:5000] for name, values in columns.items()}
+    rest = {name: np.full(15000, values[0]) for name, values in moving.items()}
+    rest["velocity"][:], rest["torque"] = 0.0, rest["torque"] + 0.02 * np.random.default_rng(1).standard_normal(15000)
+    joined = {name: np.concatenate([rest[name], values]) for name, values in moving.items()}
+    return joined | {"time": np.arange(20000) / 500.0}
+
+
+def _save(folder: Path, columns: dict[str, np.ndarray], **metadata: object) -> Path:
+    facts = RecordingMetadata(**{"joint": "elbow", "encoder_resolution": 1e-5, **metadata})  # type: ignore[arg-type]
+    path = folder / "elbow.csv"
+    write_recording(Recording.from_channels(columns, facts), path)
+    return path
+
+
+def _changed(name: str) -> dict[str, np.ndarray]:
+    columns = _columns()
+    if name == "no motion":
+        return columns | {"position": np.zeros(10_000), "velocity": np.zeros(10_000)}
+    if name == "degrees":
+        return columns | {"position": np.degrees(columns["position"])}
+    if name == "sign flipped":
+        return columns | {"torque": -columns["torque"]}
+    if name == "standstill":
+        return _standing(columns)
+    if name == "two sample rates":
+        keep = np.concatenate([np.arange(5000), np.arange(5000, 10_000, 4)])
+        return {key: values[keep] for key, values in columns.items()}
+    return columns
+
+
+@pytest.mark.parametrize(
+    ("case", "metadata", "says"),
+    [
+        ("no motion", {}, "position"),
+        ("degrees", {}, "degrees"),
+        ("sign flipped", {}, "torque"),
+        ("motor side", {"torque_side": "motor"}, "motor side"),
+        ("standstill", {}, "stands still"),
+        ("two sample rates", {}, "rate"),
+        ("wrong joint", {"joint": "wrist"}, "'wrist'"),
+    ],
+)
+def test_bad_input_is_bad_data_and_never_a_name(
+    case: str, metadata: dict[str, object], says: str, tmp_path: Path
+) -> None:
+    path = _save(tmp_path, _changed(case), **metadata)
+    model, out = tmp_path / "joint.xml", tmp_path / "out"
+    model.write_text(_JOINT)
+    options = ["--simulation", str(model), "--joint", "elbow", "--out", str(out)]
+    result = CliRunner().invoke(app, ["diagnose", str(path), *options])
+    assert result.exit_code == 0, result.output
+    record = json.loads((out / "diagnosis.json").read_text())
+    assert record["verdict"] == "bad_data"
+    assert record["effects"] == []
+    assert says in " ".join(record["sentences"])
+    assert says in result.stdout.replace("\n", " ")
+    assert (out / "report.html").exists()
+    assert not (out / "friction.json").exists()
+
+
+def _run(*arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "fricomp.cli.main", "diagnose", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+
+
+def test_nan_is_one_clear_sentence_with_its_row(tmp_path: Path) -> None:
+    path = _save(tmp_path, _columns(4.0))
+    lines = path.read_text().splitlines()
+    lines[-5] = lines[-5].rpartition(",")[0] + ",nan"
+    path.write_text("\n".join(lines) + "\n")
+    done = _run(str(path), "--out", str(tmp_path / "out"))
+    assert done.returncode == 2
+    assert done.stderr.startswith("fricomp: ")
+    assert "Traceback" not in done.stderr
+    assert "not a finite number" in done.stderr
+    assert "row" in done.stderr
+
+
+def test_a_joint_that_the_simulation_lacks_is_named_with_those_it_has(tmp_path: Path) -> None:
+    path, model = _save(tmp_path, _columns(4.0)), tmp_path / "joint.xml"
+    model.write_text(_JOINT)
+    done = _run(str(path), "--simulation", str(model), "--joint", "knee", "--out", str(tmp_path / "out"))
+    assert done.returncode == 2
+    assert "knee" in done.stderr
+    assert "elbow" in done.stderr
+
+
+def test_simulated_and_simulation_exclude_each_other(tmp_path: Path) -> None:
+    path, model = _save(tmp_path, _columns(4.0)), tmp_path / "joint.xml"
+    model.write_text(_JOINT)
+    arguments = [str(path), "--simulated", str(path), "--simulation", str(model), "--out", str(tmp_path / "out")]
+    result = CliRunner().invoke(app, ["diagnose", *arguments])
+    assert "leave out --simulation" in str(result.exception)
+
+
+def test_folders_and_patterns_are_the_recordings_in_them(tmp_path: Path) -> None:
+    for name in ("b.csv", "a.parquet", "note.txt"):
+        (tmp_path / name).touch()
+    assert [path.name for path in find_recordings([str(tmp_path)])] == ["a.parquet", "b.csv"]
+    assert [path.name for path in find_recordings([str(tmp_path / "*.csv"), str(tmp_path / "b.csv")])] == ["b.csv"]
+    with pytest.raises(RecordingError, match=r"holds no recording"):
+        find_recordings([str(tmp_path / "*.mcap")])
+
+
+def test_each_recording_of_a_folder_gets_its_own_report(tmp_path: Path) -> None:
+    source, out = tmp_path / "fleet", tmp_path / "out"
+    source.mkdir()
+    for name in ("one", "two"):
+        _save(source, _changed("motor side"), torque_side="motor").rename(source / f"{name}.csv")
+    result = CliRunner().invoke(app, ["diagnose", str(source), "--each", "--out", str(out)])
+    assert result.exit_code == 0, result.output
+    assert all((out / name / "report.html").exists() for name in ("one", "two"))
+    assert "2 of 2" in (out / "fleet.html").read_text()
+
+
+@pytest.mark.slow
+def test_a_recording_is_diagnosed_in_plain_words_quietly(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    done = _run(str(_save(tmp_path, _columns(10.0))), "--out", str(out))
+    assert done.returncode == 0, done.stderr
+    record = json.loads((out / "diagnosis.json").read_text())
+    assert done.stdout.startswith(record["sentences"][0][:40])
+    assert done.stderr == ""
+    assert record["recordings"] == ["elbow"]
+    assert (out / "friction.json").exists()

@@ -1,0 +1,97 @@
+"""What all commands share."""
+
+import subprocess
+import sys
+from collections.abc import Callable
+
+import pytest
+from typer.testing import CliRunner
+
+import fricomp
+from fricomp.cli import bench, main
+from fricomp.cli.lazy import lazy_app
+from fricomp.cli.missing import extra_for
+from fricomp.errors import RecordingError
+
+
+def _run_raising(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> Callable[[], None]:
+    def fail() -> None:
+        raise error
+
+    monkeypatch.setattr(main, "app", fail)
+    return main.run
+
+
+def test_version_is_the_packages_own() -> None:
+    result = CliRunner().invoke(main.app, ["--version"])
+    assert result.exit_code == 0
+    assert result.output.strip() == f"fricomp {fricomp.__version__}"
+
+
+def test_help_lists_commands_without_importing_them() -> None:
+    script = (
+        "import sys; from typer.testing import CliRunner; from fricomp.cli.main import app\n"
+        "result = CliRunner().invoke(app, ['--help']); assert 'bench' in result.output, result.output\n"
+        "heavy = {'torch', 'mujoco', 'scipy', 'plotly', 'matplotlib', 'can', 'fricomp.cli.calibrate'}\n"
+        "assert not heavy & set(sys.modules), heavy & set(sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True)
+
+
+def test_unknown_command_is_refused_with_a_suggestion() -> None:
+    result = CliRunner().invoke(main.app, ["bensh"])
+    assert result.exit_code == 2
+    assert "bench" in result.output
+
+
+def test_an_error_of_the_library_is_one_sentence_and_status_2(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as exit_info:
+        _run_raising(monkeypatch, RecordingError("row 3: not a number"))()
+    assert exit_info.value.code == 2
+    assert capsys.readouterr().err == "fricomp: row 3: not a number\n"
+
+
+def test_ctrl_c_ends_with_status_130(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(SystemExit) as exit_info:
+        _run_raising(monkeypatch, KeyboardInterrupt())()
+    assert exit_info.value.code == 130
+
+
+def test_a_full_disk_is_one_sentence(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as exit_info:
+        _run_raising(monkeypatch, OSError(28, "No space left on device", "out/report.html"))()
+    assert exit_info.value.code == 2
+    assert capsys.readouterr().err == "fricomp: out/report.html: No space left on device\n"
+
+
+def test_a_missing_package_names_the_extra_that_brings_it(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as exit_info:
+        _run_raising(monkeypatch, ModuleNotFoundError("No module named 'can'", name="can"))()
+    assert exit_info.value.code == 2
+    assert "fricomp[can]" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("module", "extra"), [("torch.nn", "calibrate"), ("serial", "serial"), ("nonesuch", None)])
+def test_extra_of_a_module(module: str, extra: str | None) -> None:
+    assert extra_for(module) == extra
+
+
+def test_a_lazy_app_leaves_out_what_is_not_installed() -> None:
+    app = lazy_app("fricomp.cli", {"bench": "there", "no-such-command": "not there"})
+    assert [command.name for command in app.registered_commands] == ["bench"]
+
+
+@pytest.mark.parametrize("name", [command.name for command in main.app.registered_commands])
+def test_every_command_shows_its_help(name: str) -> None:
+    result = CliRunner().invoke(main.app, [name, "--help"])
+    assert result.exit_code == 0, result.output
+
+
+@pytest.mark.parametrize("name", [command.name for command in bench.app.registered_commands])
+def test_every_benchmark_shows_its_help(name: str) -> None:
+    result = CliRunner().invoke(main.app, ["bench", name, "--help"])
+    assert result.exit_code == 0, result.output

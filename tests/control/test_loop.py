@@ -1,0 +1,260 @@
+"""The control loop in virtual time: what it sends, when it stops, what it logs."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fricomp.control import (
+    Compensator,
+    ControlLoop,
+    JointLimits,
+    LoopLog,
+    PositionController,
+    RealTimeOptions,
+    ReferenceState,
+    SafetyGate,
+    SineReference,
+    real_time,
+)
+from fricomp.errors import AdapterTimeout, ParameterError, SafetyTrip
+from fricomp.joint import Capabilities, CommandMode, JointCapabilities, JointCommand, JointFeedback
+from fricomp.laws import Coulomb, FrictionLaw, Viscous
+from fricomp.model import FrictionModel, Validity
+from fricomp.recording import RecordingMetadata
+
+MS = 1_000_000
+MODEL = FrictionModel(FrictionLaw((Coulomb(0.2), Viscous(0.1))), validity=Validity(velocity=(-5.0, 5.0)))
+
+
+class VirtualClock:
+    """Time that moves only when it is slept."""
+
+    def __init__(self) -> None:
+        self.time_ns = 1000 * MS
+        self.late_ns = 0
+
+    def now_ns(self) -> int:
+        return self.time_ns
+
+    def sleep_until(self, deadline_ns: int) -> None:
+        self.time_ns = max(self.time_ns, deadline_ns) + self.late_ns
+        self.late_ns = 0
+
+
+class IdealJoints:
+    """Joints that follow the reference exactly; everything that is written is kept."""
+
+    def __init__(self, n_joints: int = 2, limit: float = 5.0) -> None:
+        self.clock = VirtualClock()
+        self.capabilities = Capabilities(
+            tuple(JointCapabilities(f"j{k}") for k in range(n_joints)), ("torque", "position"), 1000.0, None, True
+        )
+        self.limits = [JointLimits(limit, 1e6, 10.0, (-3.0, 3.0))] * n_joints
+        self.gate = SafetyGate(self.limits, period=1e-3)
+        self.written: list[list[float]] = []
+        self.events: list[str] = []
+        self.silent = False
+        self.on_write: Any = None
+
+    def configure(self, mode: CommandMode, period: float) -> None:
+        self.gate = SafetyGate(self.limits, period=period, ramp_time=0.0, stale_after=0.02)
+
+    def enable(self) -> None:
+        self.gate.arm(self.clock.now_ns())
+        self.events.append("enable")
+
+    def read_into(self, feedback: JointFeedback) -> bool:
+        n = len(self.limits)
+        if not self.silent:
+            feedback.time_ns = self.clock.now_ns()
+            feedback.position[:], feedback.velocity[:], feedback.torque[:] = [0.0] * n, [0.0] * n, [0.1] * n
+        self.gate.observe(feedback, self.clock.now_ns())
+        return not self.silent
+
+    def write(self, command: JointCommand) -> bool:
+        if self.on_write is not None:
+            self.on_write()
+        out = [0.0] * len(self.limits)
+        if not self.gate.admit(command.torque, out, self.clock.now_ns()):
+            return False
+        self.written.append(out)
+        return True
+
+    def safe_stop(self, reason: str = "") -> None:
+        self.gate.disarm()
+        self.events.append("stop")
+
+
+def make_loop(joints: IdealJoints, **given: Any) -> ControlLoop:
+    n = len(joints.limits)
+    controller = PositionController.from_bandwidth([0.05] * n, 2.0)
+    return ControlLoop(joints, SineReference([0.1] * n, 1.0, [0.0] * n), controller, **given)
+
+
+def test_runs_every_cycle_then_stops() -> None:
+    joints = IdealJoints()
+    result = make_loop(joints, compensators=[Compensator(MODEL)] * 2).run(0.5)
+    assert (result.cycles, result.skipped, result.trip) == (500, 0, None)
+    assert joints.events == ["enable", "stop"]
+    assert np.diff(result.log.time) == pytest.approx(np.full(499, 1e-3))
+
+
+def test_command_is_controller_plus_compensation() -> None:
+    joints = IdealJoints()
+    log = make_loop(joints, compensators=[Compensator(MODEL)] * 2).run(0.3).log
+    plain = make_loop(IdealJoints()).run(0.3).log
+    difference = log.signal("torque_command") - plain.signal("torque_command")
+    assert difference == pytest.approx(log.signal("compensation"))
+    assert np.max(np.abs(difference)) > 0.1
+
+
+def test_missed_cycles_are_skipped_never_burst() -> None:
+    joints = IdealJoints()
+
+    def stall() -> None:
+        if len(joints.written) == 100:
+            joints.clock.time_ns += 5 * MS + MS // 2
+
+    joints.on_write = stall
+    result = make_loop(joints).run(0.5)
+    assert result.skipped == 5
+    assert result.cycles == 495
+    steps = np.diff(result.log.time)
+    assert steps.min() == pytest.approx(1e-3)
+    assert steps.max() == pytest.approx(6e-3)
+
+
+def test_too_many_missed_cycles_trip() -> None:
+    joints = IdealJoints()
+    joints.on_write = lambda: setattr(joints.clock, "time_ns", joints.clock.time_ns + 15 * MS)
+    result = make_loop(joints).run(0.5)
+    assert result.trip is not None
+    assert result.trip.reason == "overrun"
+    assert result.cycles == 1
+    with pytest.raises(SafetyTrip, match="overrun"):
+        result.raise_if_tripped()
+
+
+def test_silent_joint_trips_as_stale() -> None:
+    joints = IdealJoints()
+    joints.on_write = lambda: setattr(joints, "silent", len(joints.written) > 50)
+    result = make_loop(joints).run(0.5)
+    assert result.trip is not None
+    assert result.trip.reason == "stale"
+    assert 60 < result.cycles < 80
+
+
+def test_joint_that_never_reports_is_not_enabled() -> None:
+    joints = IdealJoints()
+    joints.silent = True
+    with pytest.raises(AdapterTimeout, match="powered"):
+        make_loop(joints).run(0.5)
+    assert "enable" not in joints.events
+
+
+class BrokenController:
+    def torque_into(self, out: list[float], feedback: JointFeedback, reference: ReferenceState) -> None:
+        raise ZeroDivisionError("a bug in the user's controller")
+
+
+def test_exception_in_the_controller_stops_the_joints_and_goes_on() -> None:
+    joints = IdealJoints()
+    loop = ControlLoop(joints, SineReference([0.1] * 2, 1.0, [0.0] * 2), BrokenController())
+    with pytest.raises(ZeroDivisionError):
+        loop.run(0.5)
+    assert joints.events[-1] == "stop"
+    assert joints.gate.trip_record is not None
+    assert joints.gate.trip_record.reason == "exception"
+
+
+class NanController:
+    def torque_into(self, out: list[float], feedback: JointFeedback, reference: ReferenceState) -> None:
+        out[:] = [0.1, float("nan")]
+
+
+def test_nan_from_the_controller_sends_nothing_and_trips() -> None:
+    joints = IdealJoints()
+    result = ControlLoop(joints, SineReference([0.1] * 2, 1.0, [0.0] * 2), NanController()).run(0.5)
+    assert joints.written == []
+    assert result.trip is not None
+    assert result.trip.reason == "not_finite"
+
+
+def test_signal_ends_the_loop_at_rest_and_is_handed_on() -> None:
+    joints = IdealJoints()
+    joints.on_write = lambda: signal.raise_signal(signal.SIGTERM) if len(joints.written) == 20 else None
+    with pytest.raises(KeyboardInterrupt):
+        make_loop(joints).run(5.0)
+    assert joints.events[-1] == "stop"
+    assert len(joints.written) == 21
+
+
+def test_stop_ends_the_loop() -> None:
+    joints = IdealJoints()
+    loop = make_loop(joints)
+    joints.on_write = lambda: loop.stop() if len(joints.written) == 10 else None
+    assert loop.run(5.0).cycles == 11
+
+
+def test_drive_with_its_own_loop_gets_reference_and_feed_forward() -> None:
+    joints = IdealJoints()
+    reference = SineReference([0.1] * 2, 1.0, [0.0] * 2)
+    loop = ControlLoop(joints, reference, None, compensators=[Compensator(MODEL)] * 2, mode="position")
+    log = loop.run(0.2).log
+    assert log.signal("torque_command") == pytest.approx(log.signal("compensation"))
+
+
+@pytest.mark.parametrize(
+    ("given", "match"),
+    [
+        ({"compensators": [Compensator(MODEL)]}, "1 compensators given for 2 joints"),
+        ({"mode": "position"}, "takes no controller"),
+        ({"compensators": [Compensator(FrictionModel(MODEL.law, torque_unit="A"))] * 2}, "in A"),
+    ],
+)
+def test_parts_that_do_not_fit_are_refused(given: dict[str, Any], match: str) -> None:
+    with pytest.raises(ParameterError, match=match):
+        make_loop(IdealJoints(), **given)
+
+
+def test_log_keeps_the_newest_rows_in_order() -> None:
+    log = LoopLog(1, capacity=10)
+    for k in range(25):
+        log.append([float(k), 0.0, 0.0, *([0.5] * 7)])
+    assert log.time.tolist() == list(range(15, 25))
+    assert (len(log), log.overwritten) == (10, 15)
+    with pytest.raises(ParameterError, match="no signal"):
+        log.signal("colour")
+    with pytest.raises(ParameterError, match="empty"):
+        LoopLog(1).timing()
+
+
+def test_log_becomes_a_recording() -> None:
+    joints = IdealJoints()
+    recording = make_loop(joints).run(0.2).log.recording(1, RecordingMetadata(joint="j1"))
+    assert recording.metadata.torque_kind == "measured"
+    assert recording.torque == pytest.approx(np.full(200, 0.1))
+    assert recording.velocity_reference is not None
+
+
+@pytest.fixture
+def restored() -> Iterator[None]:
+    import gc
+
+    yield
+    gc.enable()
+
+
+@pytest.mark.usefixtures("restored")
+def test_what_the_system_refuses_is_said_and_all_is_put_back() -> None:
+    import gc
+
+    with real_time(RealTimeOptions(core=10_000)) as report:
+        assert not gc.isenabled()
+        assert any("core 10000" in refused for refused in report.refused)
+    assert gc.isenabled()

@@ -1,0 +1,76 @@
+"""Compensation by a network: the same friction, the same bounds."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from fricomp.control import NetworkCompensator
+from fricomp.errors import ModelFileError, ParameterError
+from fricomp.export import closed_form_graph, save_graph
+from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
+from fricomp.model import FrictionModel
+
+pytest.importorskip("onnx")
+pytest.importorskip("onnxruntime")
+
+CURVES = StribeckCurve(0.15, 0.60, 0.05, 0.02), StribeckCurve(0.20, 0.70, 0.05, 0.03)
+MODELS = [FrictionModel(FrictionLaw((BidirectionalStribeck(*pair),))) for pair in (CURVES, CURVES[::-1])]
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    save_graph(closed_form_graph(MODELS), tmp_path / "arm.onnx", {"velocity_range": "-1 1"})
+    return tmp_path / "arm.onnx"
+
+
+def make(path: Path) -> NetworkCompensator:
+    return NetworkCompensator(path, gain=1.0, largest_share=math.inf)
+
+
+def test_torque_is_the_models(path: Path) -> None:
+    network, out = make(path), [0.0, 0.0]
+    assert network.n_joints == 2
+    for velocity in ([0.03, -0.2], [-0.5, 0.9]):
+        network.torque_into(out, velocity)
+        expected = [float(model.torque(v)) for model, v in zip(MODELS, velocity, strict=True)]
+        assert out == pytest.approx(expected, rel=1e-4)
+    network.torque_into(out, [0.4, 0.4], [1.5, 0.5])
+    assert out[0] == pytest.approx(float(MODELS[0].torque(0.4, normal_load=1.5)), rel=1e-5)
+
+
+def test_rest_is_zero_and_the_range_is_kept(path: Path) -> None:
+    network, out = make(path), [9.0, 9.0]
+    network.torque_into(out, [0.0, 0.0])
+    assert out == [0.0, 0.0]
+    network.torque_into(out, [5.0, -5.0])
+    assert out == [0.0, 0.0]
+    network.torque_into(out, [0.01, 0.01], [1e6, 1e6])
+    assert out == pytest.approx(network.authority)
+
+
+@pytest.mark.parametrize("bad", [[math.nan, 0.1], [0.1, math.inf], [None, 0.1]])
+def test_what_is_not_finite_gives_zeros_and_is_counted(path: Path, bad: list[float]) -> None:
+    network, out = make(path), [9.0, 9.0]
+    network.torque_into(out, bad)
+    assert (out, network.rejected) == ([0.0, 0.0], 1)
+
+
+def test_network_too_slow_for_the_period_is_refused(path: Path) -> None:
+    with pytest.raises(ParameterError, match="closed form"):
+        NetworkCompensator(path, period=1e-9)
+
+
+def test_foreign_files_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "x.onnx").write_bytes(b"nothing")
+    with pytest.raises(ModelFileError):
+        NetworkCompensator(tmp_path / "x.onnx")
+
+
+def test_range_must_be_known(tmp_path: Path) -> None:
+    save_graph(closed_form_graph(MODELS[:1]), tmp_path / "a.onnx")
+    with pytest.raises(ParameterError, match="velocity_range"):
+        NetworkCompensator(tmp_path / "a.onnx")
+    assert NetworkCompensator(tmp_path / "a.onnx", velocity_range=(-1.0, 1.0), largest_share=math.inf).n_joints == 1

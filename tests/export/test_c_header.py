@@ -1,0 +1,137 @@
+"""The C header: compiled with the strictest warnings, it says what Python says."""
+
+from __future__ import annotations
+
+import math
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fricomp.control import Compensator
+from fricomp.errors import ExportError
+from fricomp.export import render_c_header
+from fricomp.laws import BidirectionalStribeck, Coulomb, SmoothedCoulomb, StribeckCurve, Viscous
+from fricomp.model import FrictionModel
+
+from .models import FORWARD, REVERSE, make_lugre, make_model
+
+FLAGS = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-Wconversion", "-Wdouble-promotion", "-O2"]
+needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
+
+MAIN = """#include "friction.h"
+#include <stdio.h>
+int main(void)
+{
+    joint_state_t state;
+    joint_statef_t statef;
+    joint_reset(&state);
+    joint_resetf(&statef);
+    double r, v, e, n;
+    int hv, he, hn;
+    while (scanf("%lf %lf %lf %lf %d %d %d", &r, &v, &e, &n, &hv, &he, &hn) == 7) {
+        joint_input_t in = {r, v, e, n, hv != 0, he != 0, hn != 0};
+        joint_inputf_t inf_ = {(float)r, (float)v, (float)e, (float)n, hv != 0, he != 0, hn != 0};
+        double torque = joint_torque(&state, &in);
+        float torquef = joint_torquef(&statef, &inf_);
+        printf("%.17g %.9g %u\\n", torque, (double)torquef, (unsigned)state.rejected);
+    }
+    return 0;
+}
+"""
+
+CASES: dict[str, tuple[FrictionModel, dict[str, Any]]] = {
+    "reference": (make_model(), {"source": "reference"}),
+    "blend": (make_model(), {"source": "blend", "measured_share": 0.7}),
+    "everything": (
+        make_model(),
+        {
+            "source": "blend",
+            "torque_rate": 300.0,
+            "rest_velocity": 0.01,
+            "error_rate": 2.0,
+            "error_band": 1e-3,
+            "gain": 0.9,
+            "authority": 0.5,
+        },
+    ),
+    "measured": (make_model(), {"source": "measured", "dead_band": 0.01, "smoothing": 0.03}),
+    "exponents": (
+        make_model(
+            BidirectionalStribeck(StribeckCurve(0.15, 0.60, 0.05, 0.02, 1.3), StribeckCurve(0.2, 0.7, 0.05, 0.03, 0.8))
+        ),
+        {},
+    ),
+    "coulomb": (make_model(Coulomb(0.3), Viscous(0.1)), {}),
+    "smoothed": (make_model(SmoothedCoulomb(0.3, 0.02)), {}),
+    "lugre": (make_lugre(), {}),
+}
+
+
+def draw_inputs(rows: int) -> list[list[float]]:
+    rng = np.random.default_rng(7)
+    scale = np.array([0.3, 0.3, 5e-3, 1.0])
+    values = rng.normal(size=(rows, 4)) * scale * 10.0 ** rng.uniform(-3, 0.6, size=(rows, 1))
+    values[:, 3] = rng.uniform(-1.0, 3.0, rows)
+    flags = rng.integers(0, 2, size=(rows, 3))
+    table = np.column_stack([values, flags])
+    table[::97, 0] = math.nan
+    table[1::97, 1] = math.inf
+    return [[float(value) for value in row] for row in table]
+
+
+def run_c(folder: Path, header: str, inputs: list[list[float]]) -> np.ndarray[Any, Any]:
+    (folder / "friction.h").write_text(header)
+    (folder / "main.c").write_text(MAIN)
+    subprocess.run(["gcc", *FLAGS, "main.c", "-o", "main", "-lm"], cwd=folder, check=True, capture_output=True)
+    lines = "\n".join(" ".join([*(f"{v:.17g}" for v in row[:4]), *(str(int(f)) for f in row[4:])]) for row in inputs)
+    done = subprocess.run(["./main"], cwd=folder, input=lines, check=True, capture_output=True, text=True)
+    return np.array([[float(word) for word in line.split()] for line in done.stdout.splitlines()])
+
+
+@needs_gcc
+@pytest.mark.parametrize("name", CASES)
+def test_c_agrees_with_python(name: str, tmp_path: Path) -> None:
+    model, given = CASES[name]
+    compensator, inputs = Compensator(model, **given), draw_inputs(2000)
+    header = render_c_header(model, compensator.settings, prefix="joint")
+    found = run_c(tmp_path, header, inputs)
+    expected = np.array(
+        [
+            compensator.torque(r, v if hv else None, e if he else None, n if hn else None)
+            for r, v, e, n, hv, he, hn in inputs
+        ]
+    )
+    largest = float(np.max(np.abs(expected)))
+    assert largest > 0.1
+    assert np.max(np.abs(found[:, 0] - expected)) <= 1e-12 * largest
+    assert np.max(np.abs(found[:, 1] - expected)) <= 1e-6 * largest
+    assert found[-1, 2] == compensator.rejected > 0
+
+
+def test_header_is_ascii_and_names_its_model() -> None:
+    text = render_c_header(make_model(), version="1.2")
+    assert text.isascii()
+    assert "fricomp 1.2" in text
+    assert "friction_joint_torquef" in text
+
+
+def test_comment_cannot_be_ended_by_a_joint_name() -> None:
+    model = make_model()
+    evil = FrictionModel(model.law, joint="*/ int x; /*", validity=model.validity)
+    assert "*/ int x" not in render_c_header(evil, prefix="joint")
+
+
+@pytest.mark.parametrize("prefix", ["", "1a", "a-b", "a b", "é"])
+def test_prefix_must_be_a_c_name(prefix: str) -> None:
+    with pytest.raises(ExportError, match="not a C name"):
+        render_c_header(make_model(), prefix=prefix)
+
+
+def test_term_that_c_cannot_hold_is_refused() -> None:
+    law = BidirectionalStribeck(FORWARD, REVERSE)
+    with pytest.raises(ExportError, match="smoothed_coulomb"):
+        render_c_header(make_model(law, SmoothedCoulomb(0.1, 0.02, "arctan")))

@@ -1,0 +1,84 @@
+"""ONNX graphs: the closed form as it is, and networks of several joints in one."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fricomp.errors import ExportError
+from fricomp.export import closed_form_graph, save_graph, stack_networks
+from fricomp.laws import BidirectionalStribeck, Coulomb, SmoothedCoulomb, StribeckCurve, Viscous
+
+from .models import FORWARD, REVERSE, make_model
+
+onnx = pytest.importorskip("onnx")
+runtime = pytest.importorskip("onnxruntime")
+
+
+def run(path: Path, state: Any) -> np.ndarray[Any, Any]:
+    session = runtime.InferenceSession(str(path), providers=["CPUExecutionProvider"])
+    (torque,) = session.run(None, {"state": np.asarray(state, dtype=np.float32)})
+    return np.asarray(torque)[:, 0]
+
+
+def test_closed_form_agrees_with_the_model(tmp_path: Path) -> None:
+    model = make_model()
+    save_graph(closed_form_graph([model]), tmp_path / "a.onnx")
+    rng = np.random.default_rng(1)
+    velocity, load = rng.uniform(-1, 1, 300).astype(np.float32), rng.uniform(0.5, 2, 300).astype(np.float32)
+    expected = model.torque(velocity.astype(np.float64), normal_load=load.astype(np.float64))
+    found = run(tmp_path / "a.onnx", np.column_stack([velocity, load]))
+    assert np.max(np.abs(found - expected)) <= 2e-6 * np.max(np.abs(expected))
+
+
+def test_several_joints_share_one_graph(tmp_path: Path) -> None:
+    steep = BidirectionalStribeck(REVERSE, StribeckCurve(0.1, 0.3, 0.02, 0.5, 1.5))
+    models = [make_model(), make_model(steep), make_model(Coulomb(0.4), Viscous(0.2))]
+    save_graph(closed_form_graph(models), tmp_path / "arm.onnx")
+    state = np.array([[0.03, 1.0], [-0.2, 1.5], [0.4, 0.7]])
+    expected = [float(m.torque(v, normal_load=n)) for m, (v, n) in zip(models, state.tolist(), strict=True)]
+    assert run(tmp_path / "arm.onnx", state) == pytest.approx(expected, rel=2e-6)
+
+
+def make_network(path: Path, seed: int, sizes: tuple[int, ...] = (2, 20, 20, 1)) -> None:
+    from fricomp.calibration.network.architecture import Layer, TanhNetwork
+    from fricomp.calibration.network.onnx_file import save_network
+
+    rng = np.random.default_rng(seed)
+    layers = tuple(Layer(rng.normal(size=(n, m)) / m, rng.normal(size=n)) for m, n in pairwise(sizes))
+    save_network(TanhNetwork(layers, 1.3 + seed, 1.0, 0.5, 0.7), path, {})
+
+
+def test_stacked_networks_say_what_each_one_says(tmp_path: Path) -> None:
+    paths = [tmp_path / f"{k}.onnx" for k in range(7)]
+    for k, path in enumerate(paths):
+        make_network(path, k, (2, 8 + k, 20, 1))
+    save_graph(stack_networks(paths), tmp_path / "arm.onnx")
+    state = np.random.default_rng(3).uniform(-1, 1, (7, 2))
+    alone = [run(path, state[k : k + 1])[0] for k, path in enumerate(paths)]
+    assert len(set(alone)) == 7
+    assert run(tmp_path / "arm.onnx", state) == pytest.approx(alone, rel=1e-5, abs=1e-6)
+
+
+def test_networks_of_different_depth_are_refused(tmp_path: Path) -> None:
+    make_network(tmp_path / "a.onnx", 0)
+    make_network(tmp_path / "b.onnx", 1, sizes=(2, 8, 1))
+    with pytest.raises(ExportError, match="as many layers"):
+        stack_networks([tmp_path / "a.onnx", tmp_path / "b.onnx"])
+
+
+def test_foreign_files_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "x.onnx").write_bytes(b"not a graph")
+    save_graph(closed_form_graph([make_model()]), tmp_path / "closed.onnx")
+    for name in ("x.onnx", "missing.onnx", "closed.onnx"):
+        with pytest.raises(ExportError):
+            stack_networks([tmp_path / name])
+
+
+def test_term_that_the_graph_cannot_hold_is_refused() -> None:
+    with pytest.raises(ExportError, match="smoothed_coulomb"):
+        closed_form_graph([make_model(BidirectionalStribeck(FORWARD, REVERSE), SmoothedCoulomb(0.1, 0.1, "arctan"))])

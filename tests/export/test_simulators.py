@@ -1,0 +1,141 @@
+"""MJCF and URDF: what MuJoCo then simulates is what the export says, loss included."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+
+from fricomp.errors import ExportError
+from fricomp.export import MjcfWay, apply_to_mjcf, apply_to_urdf, export_mjcf, export_urdf
+from fricomp.export.fidelity import sample_friction
+from fricomp.laws import Cogging, SpringTorque, Stribeck, Viscous
+from fricomp.model import FrictionModel
+
+from .models import FORWARD, make_lugre, make_model
+
+mujoco = pytest.importorskip("mujoco")
+
+ROBOT = """<mujoco>
+  <option timestep="0.001" integrator="implicitfast"><flag gravity="disable" contact="disable"/></option>
+  <worldbody><body><joint name="elbow" axis="0 0 1" damping="7"/>
+    <geom type="box" size="0.1 0.1 0.1" mass="10"/></body></worldbody>
+  <actuator><motor name="drive" joint="elbow"/></actuator>
+</mujoco>"""
+
+
+def steady_torque(text: str, velocity: float) -> float:
+    """Torque that MuJoCo's friction sets against a joint held at `velocity`."""
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    for _ in range(400 if abs(velocity) > 0.01 else 4000):  # until the bristle has settled
+        data.qvel[0] = velocity
+        mujoco.mj_step(model, data)
+    data.qvel[0] = velocity
+    mujoco.mj_forward(model, data)
+    return -float(data.qfrc_actuator[0] + data.qfrc_passive[0] + data.qfrc_constraint[0])
+
+
+def exported_torque(model: FrictionModel, way: MjcfWay, velocity: float) -> float:
+    return steady_torque(apply_to_mjcf(export_mjcf(model, way), ROBOT, "elbow"), velocity)
+
+
+@pytest.mark.parametrize("velocity", [0.01, 0.05, 0.3, -0.02, -0.4])
+def test_symmetric_lugre_survives_as_a_passive_motor(velocity: float) -> None:
+    model = make_lugre()
+    assert exported_torque(model, "dcmotor", velocity) == pytest.approx(float(model.torque(velocity)), rel=2e-3)
+    assert export_mjcf(model, "dcmotor").fidelity.relative_rms < 1e-12
+
+
+@pytest.mark.parametrize("way", ["dcmotor", "damping"])
+def test_stated_loss_is_the_simulated_loss(way: MjcfWay) -> None:
+    model = make_model()
+    export = export_mjcf(model, way)
+    velocity, friction = sample_friction(model)
+    picked = np.flatnonzero(np.abs(velocity) > 0.01)[::25]
+    simulated = np.array([exported_torque(model, way, v) for v in velocity[picked]])
+    assert np.max(np.abs(simulated - friction[picked])) <= export.fidelity.largest * 1.01
+    worst = export.fidelity.at_velocity
+    off = abs(exported_torque(model, way, worst) - float(model.torque(worst)))
+    assert off == pytest.approx(export.fidelity.largest, rel=0.02, abs=1e-3)
+
+
+@pytest.mark.parametrize("velocity", [0.02, 0.3, -0.1, -1.0])
+def test_friction_loss_is_a_level_and_damping(velocity: float) -> None:
+    export = export_mjcf(make_model(), "frictionloss")
+    level, damping = float(export.joint["frictionloss"]), float(export.joint["damping"])
+    expected = np.copysign(level, velocity) + damping * velocity
+    assert exported_torque(make_model(), "frictionloss", velocity) == pytest.approx(expected, rel=1e-3)
+
+
+def test_friction_loss_truly_sticks() -> None:
+    text = apply_to_mjcf(export_mjcf(make_model(), "frictionloss"), ROBOT, "elbow")
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 0.9 * model.dof_frictionloss[0]
+    for _ in range(1000):
+        mujoco.mj_step(model, data)
+    assert abs(data.qvel[0]) < 1e-4
+
+
+def test_damping_never_drives_the_joint() -> None:
+    model = make_model()
+    for velocity in np.linspace(-1.0, 1.0, 21):
+        assert exported_torque(model, "damping", float(velocity)) * velocity >= 0.0
+
+
+def test_old_friction_of_the_joint_is_replaced() -> None:
+    root = ET.fromstring(apply_to_mjcf(export_mjcf(make_model(), "dcmotor"), ROBOT, "elbow"))
+    joint = root.find(".//joint")
+    assert joint is not None
+    assert joint.attrib["damping"] == "0.025"
+    assert [element.tag for element in root.findall("actuator/*")] == ["motor", "dcmotor"]
+
+
+def test_urdf_keeps_limits_and_states_its_loss() -> None:
+    text = '<robot name="r"><joint name="elbow" type="revolute"><limit effort="1" velocity="2"/></joint></robot>'
+    export = export_urdf(make_model())
+    joint = ET.fromstring(apply_to_urdf(export, text, "elbow")).find("joint")
+    assert joint is not None
+    assert {child.tag for child in joint} == {"limit", "dynamics"}
+    assert "Stribeck" in str(export.fidelity)
+    assert export.fidelity.relative_rms > 0.05
+
+
+def test_urdf_of_viscous_friction_loses_nothing() -> None:
+    export = export_urdf(make_model(Viscous(0.3)))
+    assert export.fidelity.largest < 1e-12
+    assert float(export.joint["damping"]) == pytest.approx(0.3)
+
+
+def test_symmetric_curve_keeps_its_shape() -> None:
+    assert export_mjcf(make_model(Stribeck(FORWARD)), "dcmotor").fidelity.largest < 1e-12
+
+
+@pytest.mark.parametrize("angle", ["degree", "radian"])
+@pytest.mark.parametrize("position", [-0.7, 0.0, 0.1, 1.3])
+def test_cogging_and_spring_are_said_natively(position: float, angle: str) -> None:
+    robot = ROBOT.replace("<option", f'<compiler angle="{angle}"/><option', 1)
+    law = (Stribeck(FORWARD), Cogging(0.03, -0.05, 6.0), SpringTorque(0.4, 0.2))
+    export = export_mjcf(make_model(*law), "dcmotor")
+    assert export.fidelity.largest < 1e-12
+    model = mujoco.MjModel.from_xml_string(apply_to_mjcf(export, robot, "elbow"))
+    data = mujoco.MjData(model)
+    data.qpos[0] = position
+    mujoco.mj_forward(model, data)
+    expected = 0.03 * np.sin(6.0 * position) - 0.05 * np.cos(6.0 * position) + 0.4 * (position - 0.2)
+    assert -float(data.qfrc_actuator[0] + data.qfrc_passive[0]) == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize("way", ["damping", "frictionloss"])
+def test_what_is_left_out_is_said(way: MjcfWay) -> None:
+    export = export_mjcf(make_model(Stribeck(FORWARD), Cogging(0.03, -0.05, 6.0)), way)
+    assert "left out: cogging" in str(export.fidelity)
+    assert "left out: cogging" in str(export_urdf(make_model(Stribeck(FORWARD), Cogging(0.03, 0.0, 6.0))).fidelity)
+
+
+@pytest.mark.parametrize(("text", "match"), [("<a", "not XML"), ("<robot/>", "root"), (ROBOT, "no joint 'knee'")])
+def test_foreign_files_are_refused(text: str, match: str) -> None:
+    with pytest.raises(ExportError, match=match):
+        apply_to_mjcf(export_mjcf(make_model()), text, "knee")

@@ -1,0 +1,237 @@
+"""What the checks notice: each fault in turn, on a recording that is healthy otherwise."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fricomp.errors import RecordingError
+from fricomp.recording import Finding, Recording, check_recording, raise_errors, read_checked, write_recording
+
+MakeRecording = Callable[..., Recording]
+
+_TURN = 2 * np.pi
+_DEGREES = 180 / np.pi
+
+
+def _codes(recording: Recording) -> dict[str, Finding]:
+    return {finding.code: finding for finding in check_recording(recording)}
+
+
+def _encoded(recording: Recording) -> Recording:
+    """The recording as an 18-bit encoder gives it."""
+    step = _TURN / 2**18
+    return recording.with_channels(position=np.round(recording.position / step) * step)
+
+
+def _in_degrees(recording: Recording) -> Recording:
+    assert recording.velocity is not None
+    return recording.with_channels(position=recording.position * _DEGREES, velocity=recording.velocity * _DEGREES)
+
+
+def test_a_healthy_recording_raises_no_finding(make_recording: MakeRecording) -> None:
+    assert check_recording(make_recording()) == ()
+    assert check_recording(_encoded(make_recording())) == ()
+
+
+def test_position_alone_in_degrees_is_an_error_that_names_the_factor(make_recording: MakeRecording) -> None:
+    recording = make_recording()
+    finding = _codes(recording.with_channels(position=recording.position * _DEGREES))["degrees"]
+    assert finding.severity == "error"
+    assert "57.3" in finding.message
+    assert finding.column == "position"
+
+
+def test_velocity_alone_in_degrees_is_an_error(make_recording: MakeRecording) -> None:
+    recording = make_recording()
+    assert recording.velocity is not None
+    finding = _codes(recording.with_channels(velocity=recording.velocity * _DEGREES))["degrees"]
+    assert (finding.severity, finding.column) == ("error", "velocity")
+
+
+def test_everything_in_degrees_is_told_by_the_step_of_the_encoder(make_recording: MakeRecording) -> None:
+    known = _in_degrees(_encoded(make_recording()))
+    assert _codes(known)["degrees"].severity == "error"
+    unknown = known.with_metadata(encoder_resolution=None)
+    assert "360 / 2^18" in _codes(unknown)["degrees"].message
+
+
+def test_everything_in_degrees_is_told_by_the_limits_of_the_joint(make_recording: MakeRecording) -> None:
+    recording = make_recording().with_metadata(encoder_resolution=None)
+    by_position = recording.with_metadata(position_limits=(-1.5, 1.5))
+    by_velocity = recording.with_metadata(velocity_limit=4.0)
+    assert "ends at 1.5 rad" in _codes(_in_degrees(by_position))["degrees"].message
+    assert "ends at 4 rad/s" in _codes(_in_degrees(by_velocity))["degrees"].message
+    assert not _codes(by_position)
+    assert not _codes(by_velocity)
+
+
+def test_everything_in_degrees_is_told_by_the_reference(make_recording: MakeRecording) -> None:
+    recording = make_recording().with_metadata(encoder_resolution=None)
+    with_reference = _in_degrees(recording).with_channels(position_reference=recording.position)
+    assert "position_reference" in _codes(with_reference)["degrees"].message
+
+
+def test_everything_in_degrees_without_other_evidence_is_suspected(make_recording: MakeRecording) -> None:
+    recording = _in_degrees(make_recording().with_metadata(encoder_resolution=None))
+    assert _codes(recording)["degrees_suspected"].severity == "warning"
+    assert "degrees_suspected" not in _codes(recording.with_metadata(continuous=True))
+
+
+@pytest.mark.parametrize(
+    ("factor", "code"),
+    [(60 / _TURN, "velocity_unit"), (1000.0, "velocity_unit"), (-1.0, "flipped_velocity"), (1.4, "velocity_scale")],
+)
+def test_velocity_that_is_not_the_derivative_of_position_is_noticed(
+    make_recording: MakeRecording, factor: float, code: str
+) -> None:
+    recording = make_recording()
+    assert recording.velocity is not None
+    assert code in _codes(recording.with_channels(velocity=recording.velocity * factor))
+
+
+def test_velocity_of_another_joint_is_noticed(make_recording: MakeRecording) -> None:
+    recording = make_recording()
+    other = np.cos(17.0 * recording.time)
+    assert "velocity_mismatch" in _codes(recording.with_channels(velocity=other))
+
+
+def test_velocity_on_the_motor_side_is_named_where_the_gear_is_known(make_recording: MakeRecording) -> None:
+    recording = make_recording().with_metadata(gear_ratio=101.0)
+    assert recording.velocity is not None
+    finding = _codes(recording.with_channels(velocity=recording.velocity * 101.0))["velocity_unit"]
+    assert "motor side" in finding.message
+
+
+def test_flipped_torque_and_reference_are_errors(make_recording: MakeRecording) -> None:
+    recording = make_recording()
+    assert _codes(recording.with_channels(torque=-recording.torque))["flipped_torque"].severity == "error"
+    assert "flipped_reference" in _codes(recording.with_channels(position_reference=-recording.position))
+
+
+def test_flipped_torque_is_told_by_its_work_where_a_quarter_has_one_direction(make_recording: MakeRecording) -> None:
+    recording = make_recording(2000)  # one period: the first quarter only rises
+    assert "flipped_torque" not in _codes(recording)
+    assert "flipped_torque" in _codes(recording.with_channels(torque=-recording.torque))
+
+
+def test_gravity_against_the_motion_is_no_flipped_torque(make_recording: MakeRecording) -> None:
+    recording = make_recording()
+    load = 20.0 * np.cos(recording.position)
+    assert "flipped_torque" not in _codes(recording.with_channels(torque=recording.torque + load))
+
+
+def test_motor_side_torque_without_gear_ratio_is_an_error(make_recording: MakeRecording) -> None:
+    recording = make_recording().with_metadata(torque_side="motor")
+    assert _codes(recording)["motor_side"].severity == "error"
+    assert "motor_side" not in _codes(recording.with_metadata(gear_ratio=50.0))
+
+
+def test_kelvin_is_noticed(make_recording: MakeRecording) -> None:
+    recording = make_recording()
+    assert (
+        "kelvin"
+        in _codes(recording.with_channels(temperature=np.full(len(recording), 300.0)))["temperature_unit"].advice
+    )
+
+
+def test_standstill_is_an_error_and_a_few_encoder_steps_a_warning(make_recording: MakeRecording) -> None:
+    recording = make_recording().with_channels(velocity=None)
+    still = recording.with_channels(position=np.full(len(recording), 0.3))
+    assert _codes(still)["no_motion"].severity == "error"
+    few = recording.with_channels(position=_TURN / 2**18 * np.round(3 * np.sin(recording.time)))
+    assert _codes(few)["no_sliding"].severity == "warning"
+
+
+def test_long_rest_is_noted_with_its_share(make_recording: MakeRecording) -> None:
+    recording = make_recording(10000).with_channels(velocity=None)
+    position = np.where(recording.time < 3.0, recording.position, recording.position[3000])
+    assert re.search(r"for (69|70|71) %", _codes(recording.with_channels(position=position))["rest"].message)
+
+
+@pytest.mark.parametrize("column", ["torque", "velocity", "position"])
+def test_stuck_channel_is_named_with_its_first_row(make_recording: MakeRecording, column: str) -> None:
+    recording = make_recording()
+    values = recording.channels[column].copy()
+    values[1300:1700] = values[1300]
+    finding = _codes(recording.with_channels(**{column: values}))["stuck"]
+    assert (finding.row, finding.column) == (1301, column)
+
+
+def test_commanded_torque_may_stay_constant(make_recording: MakeRecording) -> None:
+    recording = make_recording()
+    steps = np.where(recording.torque > 0, 0.5, -0.5)
+    assert "stuck" in _codes(recording.with_channels(torque=steps)) or "saturated" in _codes(
+        recording.with_channels(torque=steps)
+    )
+    assert not _codes(recording.with_channels(torque=steps).with_metadata(torque_kind="commanded"))
+
+
+@pytest.mark.parametrize(("period", "offset"), [(_TURN, np.pi), (0.5, 0.0)])
+def test_wraps_are_errors_with_row_and_size(make_recording: MakeRecording, period: float, offset: float) -> None:
+    recording = make_recording().with_metadata(continuous=True)
+    turning = 4.0 * recording.time + 0.01 * np.sin(recording.time)
+    finding = _codes(recording.with_channels(position=(turning + offset) % period, velocity=None))["wrap"]
+    row = int(np.flatnonzero(np.diff((turning + offset) % period) < 0)[0]) + 2
+    assert (finding.severity, finding.row) == ("error", row)
+
+
+def test_lost_counts_are_a_jump(make_recording: MakeRecording) -> None:
+    recording = make_recording()
+    position = recording.position + np.where(recording.time > 2.0, 0.2, 0.0)
+    assert _codes(recording.with_channels(position=position))["jump"].row == 2002
+
+
+def test_a_short_fast_motion_in_a_slow_recording_is_no_jump(make_recording: MakeRecording) -> None:
+    recording = make_recording().with_channels(velocity=None)
+    burst = 2.0 * np.clip(recording.time - 3.0, 0.0, 0.05)
+    assert not _codes(recording.with_channels(position=1e-4 * recording.time + burst)).keys() & {"jump", "wrap"}
+
+
+def test_single_wild_samples_are_spikes(make_recording: MakeRecording) -> None:
+    recording = make_recording()
+    torque = recording.torque.copy()
+    torque[700] = 9.0
+    finding = _codes(recording.with_channels(torque=torque))["spike"]
+    assert (finding.row, finding.column) == (701, "torque")
+
+
+def test_gap_jitter_and_change_of_rate_are_told_apart(make_recording: MakeRecording) -> None:
+    recording = make_recording()
+    gap = recording.rows((recording.time < 1.0) | (recording.time > 1.2))
+    assert _codes(gap)["gap"].row == 1001
+    jitter = np.random.default_rng(3).uniform(-4e-4, 4e-4, len(recording))
+    assert set(_codes(recording.with_channels(time=recording.time + jitter))) == {"jitter"}
+    two = recording.rows((recording.time < 2.0) | (np.arange(len(recording)) % 2 == 0))
+    assert _codes(two)["two_rates"].severity == "error"
+
+
+def test_low_rate_and_milliseconds_are_noticed(make_recording: MakeRecording) -> None:
+    assert _codes(make_recording(400, 0.04))["low_rate"].severity == "warning"
+    recording = make_recording()
+    assert _codes(recording.with_channels(time=1000 * recording.time))["time_unit"].severity == "error"
+
+
+def test_findings_come_gravest_first_and_errors_can_be_raised(make_recording: MakeRecording) -> None:
+    recording = make_recording(10000)
+    position = np.where(recording.time < 3.0, recording.position, recording.position[3000])
+    bad = recording.with_channels(position=position, velocity=None, torque=-recording.torque)
+    bad = bad.with_metadata(torque_side="motor")
+    findings = check_recording(bad)
+    assert findings[0].severity == "error"
+    assert findings[-1].severity == "note"
+    with pytest.raises(RecordingError, match=r"my\.csv: .*column torque: .*gear_ratio"):
+        raise_errors([finding for finding in findings if finding.code == "motor_side"], "my.csv")
+    raise_errors([finding for finding in findings if finding.severity == "note"], "my.csv")
+
+
+def test_checked_reading_returns_findings_of_file_and_samples(make_recording: MakeRecording, tmp_path: Path) -> None:
+    path = tmp_path / "recording.csv"
+    recording = make_recording()
+    write_recording(recording.with_channels(torque=-recording.torque), path)
+    path.write_bytes(path.read_bytes()[:-3])
+    checked = read_checked(path)
+    assert len(checked.recording) == 3999
+    assert {finding.code for finding in checked.findings} == {"torn_line", "flipped_torque"}

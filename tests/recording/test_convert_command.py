@@ -1,0 +1,90 @@
+"""`fricomp convert`: writes what it read, says what it noticed, refuses what cannot be used."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fricomp.cli.convert import convert
+from fricomp.errors import RecordingError
+from fricomp.recording import read_recording
+
+MAPPING = """
+[channels]
+time = { column = "t" }
+position = { column = "{joint}_q" }
+torque = { column = "{joint}_tau" }
+[[joints]]
+name = "hip"
+[[joints]]
+name = "knee"
+"""
+
+
+def _convert(*arguments: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "fricomp.cli.main", "convert", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture
+def source(tmp_path: Path) -> Path:
+    """An archive of two joints and its mapping beside it."""
+    (tmp_path / "robot.toml").write_text(MAPPING)
+    time = np.arange(3000) / 500
+    position = 0.5 * np.sin(4 * time)
+    torque = np.sign(np.cos(4 * time))
+    np.savez(tmp_path / "log.npz", t=time, hip_q=position, hip_tau=torque, knee_q=position, knee_tau=-torque)
+    return tmp_path / "log.npz"
+
+
+def test_one_joint_is_written_under_the_given_name(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = source.with_name("hip.csv")
+    convert(source, out, str(source.with_name("robot.toml")), ["hip"], 250.0)
+    assert "1500 samples" in capsys.readouterr().out
+    recording = read_recording(out)
+    assert recording.metadata.joint == "hip"
+    assert recording.sample_period == pytest.approx(1 / 250)
+
+
+def test_native_recordings_change_their_format_without_a_mapping(source: Path) -> None:
+    pytest.importorskip("pyarrow")
+    mapping = str(source.with_name("robot.toml"))
+    convert(source, source.with_name("hip.csv"), mapping, ["hip"])
+    convert(source.with_name("hip.csv"), source.with_name("hip.parquet"))
+    first, second = (read_recording(source.with_name(name)) for name in ("hip.csv", "hip.parquet"))
+    assert first.content_hash == second.content_hash
+
+
+def test_flipped_torque_is_status_2_without_force_and_nothing_is_written(source: Path) -> None:
+    arguments = (source, "--mapping", source.with_name("robot.toml"), "--out", source.with_name("leg.csv"))
+    refused = _convert(*arguments)
+    assert refused.returncode == 2
+    assert "knee: column torque" in refused.stderr
+    assert "flip its sign" in refused.stderr
+    assert "Traceback" not in refused.stderr
+    assert not list(source.parent.glob("leg*"))
+    forced = _convert(*arguments, "--force")
+    assert forced.returncode == 0
+    assert "error: column torque" in forced.stdout
+    assert sorted(path.name for path in source.parent.glob("leg*")) == ["leg_hip.csv", "leg_knee.csv"]
+
+
+@pytest.mark.parametrize(
+    ("name", "out", "mapping", "only", "message"),
+    [
+        ("absent.npz", "a.csv", "robot.toml", [], "no source at"),
+        ("log.npz", "a.csv", "robot.toml", ["wrist"], "valid are hip, knee"),
+        ("log.npz", "a.xlsx", "robot.toml", ["hip"], "is neither .csv"),
+        ("log.npz", "a.csv", "nowhere", [], "no mapping 'nowhere'"),
+        ("log.npz", "a.csv", "", [], "without --mapping only native recordings are read"),
+        ("log.npz", "gone/a.csv", "robot.toml", ["hip"], "cannot write"),
+    ],
+)
+def test_bad_requests_say_what_is_valid(
+    source: Path, monkeypatch: pytest.MonkeyPatch, name: str, out: str, mapping: str, only: list[str], message: str
+) -> None:
+    monkeypatch.chdir(source.parent)
+    with pytest.raises(RecordingError, match=message):
+        convert(Path(name), Path(out), mapping, only)

@@ -1,0 +1,120 @@
+"""Recordings on disk: what is written reads back to the same bits, what is damaged is refused."""
+
+import signal
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from fricomp.errors import RecordingError
+from fricomp.recording import Recording, RecordingWarning, read_recording, write_recording
+
+MakeRecording = Callable[..., Recording]
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_written_recording_reads_back_to_the_same_bits(
+    make_recording: MakeRecording, tmp_path: Path, suffix: str
+) -> None:
+    if suffix == ".parquet":
+        pytest.importorskip("pyarrow")
+    recording = make_recording(500).with_metadata(
+        gear_ratio=101.0, position_limits=(-1.0, 1.0), source="bench: # 3", extra={"payload": 2.5, "by": ["a", "b"]}
+    )
+    path = tmp_path / f"recording{suffix}"
+    write_recording(recording, path)
+    again = read_recording(path)
+    assert again.content_hash == recording.content_hash
+    assert again.metadata == recording.metadata
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_plain_csv_of_a_spreadsheet_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "plain.csv"
+    path.write_bytes("\ufeff# joint: wrist\n# bench: 7\ntorque, time,position\r\n1,0,2\r\n3,0.1,4".encode())
+    recording = read_recording(path)
+    assert recording.torque.tolist() == [1.0, 3.0]
+    assert recording.metadata.joint == "wrist"
+    assert recording.metadata.extra == {"bench": 7}
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("", "is empty: a recording starts with the header"),
+        ("time,position,torque\n", "has a header and no rows"),
+        ("time,position,torque\n0,1,2\n0.1,,2\n", "row 2, column position is empty"),
+        ("time,position,torque\n0,1,2\n0.1,1,abc\n", "row 2, column torque holds 'abc'"),
+        ("time,position,torque\n0,1,2\n0.1,1\n0.2,1,2\n", "row 2 has 2 cells where the header has 3"),
+        ("time,position,torque\n0,1,2\n0.1,nan,2\n", "row 2, column position: nan"),
+        ("time,position,effort\n0,1,2\n", "unknown column 'effort'; valid are time, position"),
+        ("time,position\n0,1\n", "column 'torque' is missing"),
+        ("time,position,torque,torque\n0,1,2,2\n", "'torque' appears twice"),
+        ("# fricomp.recording/9\ntime,position,torque\n0,1,2\n", "schema fricomp.recording/9.*update fricomp"),
+        ("# motion: angular\ntime,position,torque\n0,1,2\n1,1,2\n", "valid are rotary, linear"),
+        ("# extra: 5\ntime,position,torque\n0,1,2\n1,1,2\n", "extra is 5: give an object"),
+        ("# gear_ratio: many\ntime,position,torque\n0,1,2\n1,1,2\n", "gear_ratio"),
+    ],
+)
+def test_damaged_csv_is_refused_with_place_and_advice(tmp_path: Path, content: str, message: str) -> None:
+    path = tmp_path / "damaged.csv"
+    path.write_text(content)
+    with pytest.raises(RecordingError, match=message) as raised:
+        read_recording(path)
+    assert str(path) in str(raised.value)
+
+
+def test_missing_file_folder_and_foreign_suffix_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="no recording at"):
+        read_recording(tmp_path / "absent.csv")
+    with pytest.raises(RecordingError, match="is a folder"):
+        read_recording(tmp_path)
+    (tmp_path / "data.mat").write_bytes(b"MATLAB")
+    with pytest.raises(RecordingError, match="fricomp convert"):
+        read_recording(tmp_path / "data.mat")
+    (tmp_path / "binary.csv").write_bytes(bytes(range(128, 256)))
+    with pytest.raises(RecordingError, match="no text file"):
+        read_recording(tmp_path / "binary.csv")
+
+
+def test_damaged_parquet_is_refused(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    path = tmp_path / "damaged.parquet"
+    path.write_bytes(b"PAR1 and then nothing")
+    with pytest.raises(RecordingError, match="no Parquet file"):
+        read_recording(path)
+
+
+def test_unwritable_folder_is_one_clear_error(make_recording: MakeRecording, tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="cannot write"):
+        write_recording(make_recording(10), tmp_path / "absent" / "recording.csv")
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_a_full_disk_leaves_the_old_file_and_nothing_half_written(
+    make_recording: MakeRecording, tmp_path: Path, suffix: str
+) -> None:
+    resource = pytest.importorskip("resource")
+    path = tmp_path / f"recording{suffix}"
+    write_recording(make_recording(100), path)
+    old_limit = resource.getrlimit(resource.RLIMIT_FSIZE)
+    old_handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    try:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, old_limit[1]))
+        with pytest.raises(RecordingError, match="cannot write"):
+            write_recording(make_recording(20_000), path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, old_limit)
+        signal.signal(signal.SIGXFSZ, old_handler)
+    assert list(tmp_path.iterdir()) == [path]
+    assert len(read_recording(path)) == 100
+
+
+def test_line_torn_by_a_kill_is_dropped_and_said(make_recording: MakeRecording, tmp_path: Path) -> None:
+    path = tmp_path / "recording.csv"
+    write_recording(make_recording(100), path)
+    path.write_bytes(path.read_bytes()[:-4])  # every cell still there, the last one shortened
+    with pytest.warns(RecordingWarning, match=r"row 100: the last line .* is unfinished"):
+        recording = read_recording(path)
+    assert len(recording) == 99
+    assert recording.torque.tolist() == make_recording(100).torque[:99].tolist()

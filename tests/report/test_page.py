@@ -1,0 +1,72 @@
+"""Report pages and PNG files."""
+
+import re
+import shutil
+import struct
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from fricomp.errors import ParameterError
+from fricomp.report import Chart, Check, ReportPage, Section, Table, draw_png, write_report
+
+_CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
+
+
+@pytest.fixture(scope="module")
+def page(every_mark: Chart) -> ReportPage:
+    table = Table(("parameter", "value"), (("coulomb_torque", "1.0 ± 0.1"), ("<b>", "2.0")), "Parameters")
+    checks = (Check("sign", "passed", "right"), Check("drift", "warning", "1.2 %"))
+    sections = (Section("Curve", (every_mark, table)), Section("Checks", (*checks, "Some text."), folded=True))
+    return ReportPage("Friction of joint elbow", ("It is fine.",), sections, "today", {"plateaus": "40"})
+
+
+@pytest.fixture(scope="module")
+def html(page: ReportPage, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_report(page, tmp_path_factory.mktemp("report") / "report.html")
+
+
+def test_the_page_loads_nothing_from_elsewhere(html: Path) -> None:
+    tags = re.findall(
+        r"<(?:script|link|img|iframe)\b[^>]*>", re.sub(r"<script>.*?</script>", "", html.read_text(), flags=re.S)
+    )
+    assert not [tag for tag in tags if "src=" in tag or "href=" in tag]
+
+
+def test_plotly_is_inlined_once(html: Path) -> None:
+    assert html.read_text().count("plotly.js v") == 1
+
+
+def test_summary_comes_before_the_sections_and_text_is_escaped(html: Path) -> None:
+    text = html.read_text()
+    assert text.index("It is fine.") < text.index("Every mark")
+    assert "&lt;b&gt;" in text
+
+
+def test_a_page_without_charts_carries_no_script(tmp_path: Path) -> None:
+    path = write_report(ReportPage("Plain", ("Nothing.",), ()), tmp_path / "plain.html")
+    assert path.stat().st_size < 20_000
+
+
+def test_a_table_refuses_rows_of_another_length() -> None:
+    with pytest.raises(ParameterError, match="2 columns has a row of 1"):
+        Table(("a", "b"), (("1",),))
+
+
+def test_a_png_has_the_size_the_chart_asks_for(every_mark: Chart, tmp_path: Path) -> None:
+    data = draw_png(every_mark, tmp_path / "chart.png").read_bytes()
+    width, height = struct.unpack(">II", data[16:24])
+    assert (width, height) == (1430, round((2 * every_mark.panel_height + 70) * 1.3))
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(_CHROMIUM is None, reason="needs chromium: apt-get install chromium")
+def test_a_browser_draws_every_chart_without_a_network(html: Path, tmp_path: Path) -> None:
+    assert _CHROMIUM is not None
+    options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=8000", "--dump-dom"]
+    apart = [f"--user-data-dir={tmp_path}", "--proxy-server=127.0.0.1:9"]  # nothing answers there
+    shown = subprocess.run([_CHROMIUM, *options, *apart, html.as_uri()], check=True, capture_output=True, timeout=120)
+    dom = shown.stdout.decode()
+    assert all(f'class="subplot {axes}"' in dom for axes in ("xy", "x2y2", "x3y3"))
+    assert ">Stribeck velocity</text>" in dom

@@ -1,0 +1,258 @@
+"""Concealed cases: strength, truth, and what the files give away."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from fricomp.errors import DiagnosisError
+from fricomp.model import load_model
+from fricomp.recording import check_recording, read_recording
+from fricomp.sim_bench.concealed import (
+    CATALOGUE,
+    EFFECTS,
+    OUTSIDE,
+    Case,
+    CaseSpec,
+    generate,
+    record_again,
+    write_answer,
+    write_case,
+)
+from fricomp.sim_bench.concealed.refit import compute_enr, find_intervals, left_after_refit
+from fricomp.sim_bench.concealed.writing import expected_verdict
+
+_NAMES_OF_THE_CATALOGUE = [
+    "load_coulomb",
+    "load_stribeck",
+    "load_quadratic",
+    "position_coulomb",
+    "cogging",
+    "kinematic_error",
+    "presliding_hysteresis",
+    "frictional_lag",
+    "dwell_stiction",
+    "thermal_friction",
+    "stribeck_shape",
+    "power_law_viscous",
+    "quadratic_drag",
+    "joint_elasticity",
+    "backlash",
+    "inertia_error",
+    "payload_error",
+    "torque_gain_error",
+    "torque_saturation",
+    "velocity_filter_lag",
+    "torque_delay",
+    "encoder_eccentricity",
+    "spring_torque",
+    "torque_offset",
+    "direction_asymmetry",
+    "neighbour_coupling",
+    "end_stop",
+    "external_disturbance",
+    "torque_sensor_hysteresis",
+    "supply_sag",
+    "drive_lag",
+    "torque_constant_heating",
+]
+
+
+def _spec(*effects: str, **fields: object) -> CaseSpec:
+    given = {"seed": 11, "effects": effects, "duration": 15.0, "strength": "1"} | fields
+    return CaseSpec(**given)  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module")
+def cogging() -> Case:
+    return generate(_spec("cogging"))
+
+
+def test_every_effect_of_the_catalogue_can_be_concealed() -> None:
+    assert sorted(CATALOGUE) == sorted(_NAMES_OF_THE_CATALOGUE)
+
+
+def test_at_least_eight_effects_are_outside_the_catalogue() -> None:
+    assert len(OUTSIDE) >= 8
+    assert not set(OUTSIDE) & set(_NAMES_OF_THE_CATALOGUE)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", EFFECTS)
+def test_an_effect_has_the_wanted_strength_or_its_limit(name: str) -> None:
+    case = generate(_spec(name, seed=21))
+    only, (_, high) = case.concealed[0], EFFECTS[name].typical(case.scene)
+    # A limited rate acts only where it is reached, so its strength jumps over the wanted one as the limit tightens.
+    tolerance = 0.25 if name == "torque_rate_limit" else 0.06
+    reached = abs(np.log(only.enr)) < tolerance
+    weakest = only.amplitude < 1.05 * EFFECTS[name].floor(case.scene)
+    assert reached or weakest or (only.enr < 1.0 and only.amplitude > 0.99 * high)
+    assert case.enr == pytest.approx(only.enr, rel=1e-9)
+
+
+def test_the_same_spec_makes_the_same_case(cogging: Case) -> None:
+    again = generate(cogging.spec)
+    assert np.array_equal(again.outcome.sensed.torque, cogging.outcome.sensed.torque)
+    assert again.concealed[0].amplitude == cogging.concealed[0].amplitude
+
+
+def test_another_seed_makes_another_joint(cogging: Case) -> None:
+    other = generate(replace(cogging.spec, seed=12, effects=()))
+    assert other.scene.joint.fields["inertia"] != cogging.scene.joint.fields["inertia"]
+
+
+def test_the_null_conceals_nothing() -> None:
+    case = generate(_spec())
+    assert case.enr < 1e-9
+    assert expected_verdict(case) == "consistent"
+
+
+def test_hard_nulls_have_parameters_off_and_nothing_else() -> None:
+    case = generate(_spec(shifted=True))
+    assert case.enr < 1e-9
+    assert expected_verdict(case) == "parameters"
+    assert 0.07 < abs(case.belief["inertia"] / case.scene.joint.fields["inertia"] - 1.0) < 0.26
+
+
+def test_noise_has_the_stated_size(cogging: Case) -> None:
+    for kind in ("white", "coloured", "quantised"):
+        case = generate(_spec(noise=kind, seed=3))
+        assert np.std(case.outcome.sensed.torque_error) == pytest.approx(case.scene.joint.noise, rel=0.15)
+
+
+def test_the_refit_takes_up_what_the_simulation_has(cogging: Case) -> None:
+    motion, rows = cogging.outcome.motion, cogging.outcome.rows
+    in_span = 0.3 * motion.acceleration + 2.0 * np.sin(motion.position) + 0.5 * motion.sense + 0.1 * motion.velocity
+    assert compute_enr(left_after_refit(in_span, rows, "refit")) < 1e-9
+    assert compute_enr(left_after_refit(in_span, rows, "nothing")) > 1.0
+
+
+def test_location_holds_the_energy_of_a_localised_effect() -> None:
+    case = generate(_spec("external_disturbance", strength="clear"))
+    intervals = find_intervals(case.left, 0.0)
+    time = 1e-3 * np.arange(case.outcome.torque.size)
+    inside = np.zeros(time.size, dtype=bool)
+    for start, end in intervals:
+        inside |= (time >= start) & (time < end)
+    energy = case.outcome.torque**2
+    assert 0.7 < energy[inside].sum() / energy.sum() <= 1.0
+    assert inside.mean() < 0.3
+
+
+def test_two_effects_are_both_there_and_separable() -> None:
+    case = generate(_spec("cogging", "load_coulomb"))
+    assert [each.effect.name for each in case.concealed] == ["cogging", "load_coulomb"]
+    assert case.enr == pytest.approx(np.sqrt(2.0), rel=0.25)
+
+
+def test_another_motion_keeps_joint_and_effect(cogging: Case) -> None:
+    t = np.arange(0.0, 6.0, 1e-3)
+    reference = np.stack([0.5 * (1.0 - np.cos(t)), 0.5 * np.sin(t)], axis=1)
+    again = record_again(cogging, reference)
+    assert again.concealed[0].amplitude == cogging.concealed[0].amplitude
+    assert again.change.plant == cogging.change.plant
+    assert again.outcome.motion.position.size == t.size
+
+
+def test_written_files_are_what_the_library_reads(cogging: Case, tmp_path: Path) -> None:
+    folder = write_case(cogging, tmp_path)
+    recording = read_recording(folder / "recording.parquet")
+    assert recording.metadata.gear_ratio == cogging.scene.joint.gear_ratio
+    assert np.array_equal(recording.torque, cogging.outcome.sensed.torque)
+    assert not [finding for finding in check_recording(recording) if finding.severity == "error"]
+
+
+def test_the_simulation_is_the_joint_without_the_effect(cogging: Case, tmp_path: Path) -> None:
+    folder = write_case(cogging, tmp_path)
+    model = mujoco.MjModel.from_xml_path(str(folder / "joint.xml"))
+    data = mujoco.MjData(model)
+    fields = cogging.scene.joint.fields
+    for q in (-1.0, 0.2, 1.3):
+        data.qpos[0], data.qvel[0], data.qacc[0] = q, 0.7, 2.0
+        mujoco.mj_inverse(model, data)
+        expected = fields["inertia"] * 2.0 + fields["gravity"] * np.sin(q + fields["gravity_angle"])
+        assert data.qfrc_inverse[0] == pytest.approx(expected, rel=1e-6)
+
+
+def test_nothing_the_diagnosis_reads_tells_the_effect(cogging: Case, tmp_path: Path) -> None:
+    folder = write_case(cogging, tmp_path / "cases")
+    for path in folder.iterdir():
+        assert b"cogging" not in path.read_bytes()
+    assert "cogging" not in folder.name
+    null = generate(replace(cogging.spec, effects=()))
+    other = write_case(null, tmp_path / "nulls")
+    assert (other / "joint.xml").read_text() == (folder / "joint.xml").read_text()
+    assert (other / "loop.toml").read_text() == (folder / "loop.toml").read_text()
+
+
+def test_another_form_is_compared_by_what_the_catalogue_comes_closest_with(tmp_path: Path) -> None:
+    skewed = generate(_spec("cogging", form="skewed", excitation="sweep", family="harmonic"))
+    answer = json.loads(write_answer(skewed, tmp_path)[0].read_text())["effects"][0]
+    true, closest = answer["parameters"], answer["comparable"]
+    ratio = np.hypot(closest["sine"]["value"], closest["cosine"]["value"]) / np.hypot(
+        true["sine"]["value"], true["cosine"]["value"]
+    )
+    # The fundamental of sin(x + k sin x) is J_0(k) - J_2(k) = 0.822 for k = 0.7.
+    assert ratio == pytest.approx(0.822, abs=0.02)
+    sine = generate(_spec("cogging", form="sine", excitation="sweep", family="harmonic"))
+    answer = json.loads(write_answer(sine, tmp_path)[0].read_text())["effects"][0]
+    assert answer["comparable"] == answer["parameters"]
+
+
+def test_the_answer_is_sealed_by_a_salted_hash(cogging: Case, tmp_path: Path) -> None:
+    first, digest = write_answer(cogging, tmp_path / "a")
+    _, other = write_answer(cogging, tmp_path / "b")
+    answer = json.loads(first.read_text())
+    assert digest != other
+    assert answer["effects"][0]["name"] == "cogging"
+    assert answer["verdict"] == "missing_physics"
+    assert len(answer["salt"]) == 32
+
+
+def test_the_believed_friction_comes_along_where_it_is_what_is_wrong(tmp_path: Path) -> None:
+    case = generate(_spec("direction_asymmetry"))
+    model = load_model(write_case(case, tmp_path) / "friction.json")
+    assert model.forward == model.reverse
+    assert case.change.plant["coulomb_forward"] != case.change.plant["coulomb_reverse"]
+
+
+def test_hidden_channels_are_not_logged(tmp_path: Path) -> None:
+    case = generate(_spec("thermal_friction", hidden=True))
+    recording = read_recording(write_case(case, tmp_path) / "recording.parquet")
+    assert recording.temperature is None
+    assert recording.load_torque is None
+
+
+@pytest.mark.parametrize("fault", ["counter_wrap", "dropped_samples", "stuck_torque", "frozen_position"])
+def test_a_signal_fault_changes_the_recording_and_asks_for_bad_data(fault: str, tmp_path: Path) -> None:
+    case = generate(_spec(fault=fault))
+    recording = read_recording(write_case(case, tmp_path) / "recording.parquet")
+    assert expected_verdict(case) == "bad_data"
+    same = recording.time.size == case.outcome.sensed.torque.size
+    assert not same or not (
+        np.array_equal(recording.torque, case.outcome.sensed.torque)
+        and np.array_equal(recording.position, case.outcome.sensed.position)
+    )
+
+
+@pytest.mark.parametrize(
+    ("fields", "word"),
+    [({"strength": "strong"}, "strength"), ({"excitation": "dance"}, "excitation"), ({"noise": "pink"}, "noise")],
+)
+def test_an_unknown_choice_is_named_with_the_valid_ones(fields: dict[str, str], word: str) -> None:
+    with pytest.raises(DiagnosisError, match=f"unknown {word} .*valid are"):
+        _spec(**fields)
+
+
+def test_an_unknown_effect_is_named() -> None:
+    with pytest.raises(DiagnosisError, match="unknown effect 'magic'"):
+        _spec("magic")
+
+
+def test_the_answer_says_which_friction_core_and_noise_it_was(tmp_path: Path) -> None:
+    path, _ = write_answer(generate(_spec(core="gms", noise="coloured", family="harmonic")), tmp_path)
+    joint = json.loads(path.read_text())["joint"]
+    assert (joint["core"], joint["noise_kind"], joint["family"]) == ("gms", "coloured", "harmonic")

@@ -1,0 +1,51 @@
+"""From a recording to a verdict: names, nulls, held-out gain and the extended model, on a joint of known truth."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from fricomp.model import decode_model, encode_model
+from fricomp.sim_bench import diagnose
+from fricomp.sim_bench.diagnosis import RigidJoint
+
+from .toy_joint import ToyJoint, recording
+
+pytestmark = pytest.mark.slow
+
+
+def test_nothing_is_named_where_nothing_is_missing() -> None:
+    diagnosis = diagnose(recording(ToyJoint(), "fourier", 30.0))
+    assert diagnosis.verdict == "consistent", diagnosis.sentences
+    assert diagnosis.record.noise_ratio == pytest.approx(1.0, abs=0.12)
+
+
+def test_quadratic_drag_is_named_measured_and_added() -> None:
+    joint = ToyJoint(quadratic_drag=0.4)
+    diagnosis = diagnose(recording(joint, "rich", 40.0))
+    assert [effect.name for effect in diagnosis.effects] == ["quadratic_drag"]
+    low, high = diagnosis.effects[0].parameters["coefficient"].ci95
+    assert low - 0.02 < joint.quadratic_drag < high + 0.02
+    held = diagnosis.heldout
+    assert held is not None
+    assert held.rmse_after < 1.3 * held.noise_floor
+    assert held.ci95_reduction[0] > 0.1
+    model = diagnosis.extended_model
+    assert model is not None
+    assert decode_model(encode_model(model)).law.parameters() == model.law.parameters()
+
+
+def test_a_wrong_inertia_is_a_parameter_and_no_physics() -> None:
+    joint = ToyJoint()
+    given = RigidJoint(0.7 * joint.inertia, (1.773, 5.732), 0.0, 0.0, 0.0, True)
+    diagnosis = diagnose(recording(joint, "fourier", 30.0), given)
+    assert diagnosis.verdict == "parameters"
+    assert [effect.name for effect in diagnosis.effects] == ["inertia_error"]
+
+
+def test_the_same_recording_gets_the_same_answer() -> None:
+    data = recording(replace(ToyJoint(), cogging=(0.15, 40.0)), "fourier", 20.0)
+    first, second = diagnose(data), diagnose(data)
+    assert first.record == second.record
+    assert first.effects[0].name == "cogging"

@@ -1,0 +1,88 @@
+"""Every effect of the catalogue contributes something finite, and nothing where its amplitude is zero."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fricomp.sim_bench.diagnosis.effects import EFFECTS, Context
+from fricomp.sim_bench.diagnosis.observer import Plant
+from fricomp.sim_bench.diagnosis.structure import Candidate, Structure
+
+CATALOGUE = {
+    "load_coulomb", "load_stribeck", "load_quadratic", "position_coulomb", "cogging", "kinematic_error",
+    "presliding_hysteresis", "frictional_lag", "dwell_stiction", "thermal_friction", "stribeck_shape",
+    "power_law_viscous", "quadratic_drag", "joint_elasticity", "backlash", "torque_gain_error", "torque_saturation",
+    "torque_delay", "encoder_eccentricity", "spring_torque", "neighbour_coupling", "end_stop", "external_disturbance",
+    "torque_sensor_hysteresis", "supply_sag", "drive_lag", "torque_constant_heating",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def context() -> Context:
+    time = np.arange(6000) * 1e-3
+    position = np.sin(2 * np.pi * 0.5 * time)
+    velocity = np.pi * np.cos(2 * np.pi * 0.5 * time)
+    velocity[2000:2500] = 0.0
+    acceleration = -(np.pi**2) * position
+    plant = Plant(0.3, (1.0, 5.0), 0.1, (2.0, 3.0, 0.05, 1.0), (2.2, 3.1, 0.05, 1.1), 4e4)
+    gravity = plant.gravity_torque(position, True) - plant.offset
+    friction = 2.0 * np.sign(velocity) + velocity
+    return Context(
+        dt=1e-3,
+        position=position,
+        velocity=velocity,
+        acceleration=acceleration,
+        torque=gravity + 0.3 * acceleration + friction,
+        gravity=gravity,
+        load_torque=gravity,
+        friction=friction,
+        plant=plant,
+        rotary=True,
+        scale=2.0,
+        channels={"neighbour_position": 0.5 * np.sin(time)},
+        hints={"order": (20.0,), "level_order": (2.0,), "dynamic_order": (30.0,), "window": (0.0, 1.0, 2.0)},
+    )
+
+
+def test_the_catalogue_is_complete() -> None:
+    assert set(EFFECTS) == CATALOGUE
+
+
+@pytest.mark.parametrize("name", sorted(CATALOGUE))
+def test_contribution_is_finite_at_every_start(name: str, context: Context) -> None:
+    effect = EFFECTS[name]
+    starts = effect.starts([context])
+    assert starts
+    for start in starts:
+        structure = Structure((context,), (Candidate(name, tuple(start.items())),))
+        vector = structure.start() + np.array([p.scale if p.linear else 0.0 for _, p in structure.parameters()])
+        contribution = structure.contributions(vector)[0]
+        assert np.all(np.isfinite(contribution.additive))
+        assert np.all(np.isfinite(contribution.level))
+
+
+@pytest.mark.parametrize("name", sorted(CATALOGUE))
+def test_linear_effects_vanish_at_zero(name: str, context: Context) -> None:
+    effect = EFFECTS[name]
+    if not any(p.linear for p in effect.parameters([context])):
+        pytest.skip("the effect has no amplitude")
+    structure = Structure((context,), (Candidate(name, tuple(effect.starts([context])[0].items())),))
+    contribution = structure.contributions(structure.start())[0]
+    assert np.all(np.asarray(contribution.additive) == 0.0)
+    assert np.all(np.asarray(contribution.level) == 0.0)
+
+
+@pytest.mark.parametrize("name", ["load_coulomb", "load_stribeck", "quadratic_drag", "spring_torque", "dwell_stiction"])
+def test_values_of_the_wrong_sign_are_refused(name: str, context: Context) -> None:
+    effect = EFFECTS[name]
+    values = {p.name: -p.scale if p.linear else p.lower for p in effect.parameters([context])}
+    assert effect.refuse(values, [context])
+
+
+def test_an_effect_says_what_it_cannot_see(context: Context) -> None:
+    still = replace(context, channels={}, velocity=np.ones_like(context.velocity))
+    assert EFFECTS["neighbour_coupling"].unavailable([still])
+    assert EFFECTS["dwell_stiction"].unavailable([still])

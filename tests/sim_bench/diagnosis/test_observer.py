@@ -1,0 +1,65 @@
+"""The observed simulation sees what is missing, and nothing where nothing is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fricomp.sim_bench.diagnosis.observer import Contribution, Job, Observer, Plant
+from fricomp.sim_bench.diagnosis.problem import observer_for
+from fricomp.sim_bench.diagnosis.track import Track
+from fricomp.sim_bench.diagnosis.weak_form import estimate_plant
+
+from .toy_joint import ToyJoint, record
+
+
+def true_plant(joint: ToyJoint) -> Plant:
+    gravity = (joint.gravity * np.sin(joint.phase), joint.gravity * np.cos(joint.phase))
+    return Plant(
+        joint.inertia, gravity, joint.offset, joint.forward, joint.reverse, joint.sigma_0, joint.sigma_1, delay=-5e-4
+    )
+
+
+def track_of(joint: ToyJoint, kind: str, duration: float) -> Track:
+    columns = record(joint, kind, duration)
+    return Track.build(1e-3, columns["position"], columns["torque"])
+
+
+@pytest.mark.parametrize("kind", ["rich", "fourier", "slow"])
+def test_true_plant_leaves_the_sensor_noise_in_motion(kind: str) -> None:
+    joint = ToyJoint()
+    track = track_of(joint, kind, 20.0)
+    plant = true_plant(joint)
+    problem = observer_for([track], plant, Observer())
+    run = problem.observe([Job(track, plant, Contribution())])[0]
+    grid = problem.grids[0]
+    rows, moving = grid.of(run.missing), np.abs(track.velocity[grid.centres]) > 0.05
+    noise = joint.torque_noise * np.linalg.norm(grid.window)
+    assert np.sqrt(np.mean(rows[moving] ** 2)) < 1.35 * noise
+
+
+def test_missing_torque_is_seen_with_its_size_and_sign() -> None:
+    joint = ToyJoint()
+    track = track_of(joint, "fourier", 15.0)
+    plant = true_plant(joint)
+    problem = observer_for([track], plant, Observer())
+    base, pushed = problem.observe([Job(track, plant, Contribution(additive=a)) for a in (0.0, 0.5)])
+    moving = np.abs(track.velocity) > 0.1
+    assert np.mean((pushed.missing - base.missing)[moving]) == pytest.approx(0.5, rel=0.05)
+
+
+def test_weak_form_recovers_the_joint() -> None:
+    joint = ToyJoint()
+    found = estimate_plant([track_of(joint, "rich", 60.0)])
+    assert found.inertia == pytest.approx(joint.inertia, rel=0.15)
+    assert found.forward[2] == pytest.approx(joint.forward[2], rel=0.1)
+    assert found.reverse[2] == pytest.approx(joint.reverse[2], rel=0.1)
+    assert found.forward[3] == pytest.approx(joint.forward[3], rel=0.05)
+    assert np.hypot(*found.gravity) == pytest.approx(joint.gravity, rel=0.02)
+
+
+def test_encoder_step_and_noise_are_found() -> None:
+    joint = ToyJoint()
+    track = track_of(joint, "rich", 20.0)
+    assert track.resolution == pytest.approx(joint.resolution, rel=1e-6)
+    assert track.torque_noise.size == pytest.approx(joint.torque_noise, rel=1.2)

@@ -1,0 +1,240 @@
+"""Report, tables and files of a diagnosis."""
+
+import re
+import shutil
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from msgspec.structs import replace as with_fields
+
+from fricomp.calibration.sweep.motion_file import read_motion
+from fricomp.laws import BidirectionalStribeck, Cogging, FrictionLaw, StribeckCurve
+from fricomp.model import FrictionModel, Validity, load_model
+from fricomp.sim_bench.diagnosis import (
+    DIAGNOSIS_SCHEMA,
+    Diagnosis,
+    DiagnosisRecord,
+    Distinguishability,
+    Evidence,
+    HeldOut,
+    NamedEffect,
+    NextExperiment,
+    Quantity,
+    Rival,
+    RowSeries,
+    load_diagnosis,
+)
+from fricomp.sim_bench.diagnosis.presentation import (
+    WrittenDiagnosis,
+    diagnosis_charts,
+    effect_table,
+    error_table,
+    format_quantity,
+    with_names,
+    write_diagnosis,
+)
+
+_CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
+_CURVE = StribeckCurve(2.0, 2.8, 0.05, 1.1)
+_JOINT = """<mujoco><worldbody><body><joint name="elbow" axis="0 1 0"/>
+<inertial pos="0.2 0 0" mass="1" diaginertia="0.3 0.3 0.3"/></body></worldbody></mujoco>"""
+
+
+def _series() -> RowSeries:
+    rng = np.random.default_rng(0)
+    t = np.linspace(0.0, 29.98, 1500)
+    q, v = 0.8 * np.sin(t), 0.8 * np.cos(t)
+    missing, noise = 0.3 * np.sin(50.0 * q), 0.02 * rng.standard_normal(t.size)
+    since = np.mod(t, np.pi)
+    return RowSeries(
+        "recording 1", t, q, v, -q, 3.0 * np.cos(q), since, None, missing + noise, noise, np.full(1500, 0.02)
+    )
+
+
+def _map(values: np.ndarray) -> dict[str, np.ndarray]:
+    edges = np.linspace(values.min(), values.max(), 13)
+    excess = np.linspace(50.0, 100.0, 12)
+    return {"edges": edges, "excess": excess, "lower": 0.8 * excess, "upper": 1.2 * excess}
+
+
+@pytest.fixture(scope="module")
+def diagnosis() -> Diagnosis:
+    """Cogging named on one recording, with every part of the evidence."""
+    series = _series()
+    effect = NamedEffect(
+        name="cogging",
+        kind="physics",
+        parameters={
+            "sine": Quantity(0.3, "N·m", (0.29, 0.31)),
+            "cosine": Quantity(0.0, "N·m", (-0.01, 0.01)),
+            "order": Quantity(50.0, "1/rad", (49.9, 50.1)),
+        },
+        indistinguishable_from=("kinematic_error",),
+        location={"position": [(-0.5, 0.5)]},
+        share=0.97,
+        equation="tau = A sin(n q + phi)",
+        sentence="a torque ripple is fixed in the angle",
+    )
+    held = HeldOut(
+        rmse_before=0.21, rmse_after=0.021, noise_floor=0.02, unit="N·m", ci95_reduction=(0.88, 0.91), explained=0.97
+    )
+    record = DiagnosisRecord(
+        schema=DIAGNOSIS_SCHEMA,
+        verdict="missing_physics",
+        effects=(effect,),
+        sentences=("The simulation leaves out physics <here>.", "It is a ripple."),
+        heldout=held,
+        location={"velocity": [(-0.1, 0.1)]},
+        next_experiment=NextExperiment(motion="motion.csv", separates=("cogging", "kinematic_error"), why="Go slowly."),
+        noise_ratio=10.5,
+        base={"inertia": Quantity(0.35, "kg·m²", (0.34, 0.36))},
+        rivals=(
+            Rival(effects=("cogging",), gain=5e4),
+            Rival(effects=("end_stop",), gain=9.0, refused="pulls outwards"),
+        ),
+        distinguishability=Distinguishability(("cogging", "end_stop"), [[0.0, 0.9], [0.8, 0.0]]),
+        recordings=("recording 1",),
+        joint="elbow",
+    )
+    orders = np.arange(1.0, 100.0)
+    evidence = Evidence(
+        series=(series,),
+        maps={"velocity": _map(series.velocity), "position": _map(series.position)},
+        orders={"order": orders, "energy": np.exp(-((orders - 50.0) ** 2)), "after": 0.0 * orders},
+        change_points=((10.0,),),
+    )
+    base = FrictionModel(
+        FrictionLaw((BidirectionalStribeck(_CURVE, _CURVE),)), joint="elbow", validity=Validity(velocity=(-0.8, 0.8))
+    )
+    extended = base.with_law(FrictionLaw((*base.law.terms, Cogging(0.3, 0.0, 50.0))))
+    t = np.arange(100) * 0.01
+    motion = {"time": t, "position_reference": np.sin(t), "velocity_reference": np.cos(t)}
+    return Diagnosis(record, evidence, base, extended, motion)
+
+
+@pytest.fixture(scope="module")
+def written(diagnosis: Diagnosis, tmp_path_factory: pytest.TempPathFactory) -> WrittenDiagnosis:
+    """The folder of that diagnosis, with the friction in the simulation it was compared with."""
+    place = tmp_path_factory.mktemp("diagnosis")
+    (place / "joint.xml").write_text(_JOINT)
+    return write_diagnosis(diagnosis, place / "out", simulation=place / "joint.xml", joint="elbow")
+
+
+def test_every_part_of_the_evidence_has_its_chart(diagnosis: Diagnosis) -> None:
+    expected = {"over-time-1", "where", "planes", "orders", "rivals", "distinguishability", "motion"}
+    assert set(diagnosis_charts(diagnosis)) == expected
+
+
+def test_a_diagnosis_without_evidence_has_no_charts_and_still_a_page(tmp_path: Path) -> None:
+    record = DiagnosisRecord(schema=DIAGNOSIS_SCHEMA, verdict="bad_data", sentences=("No motion.",))
+    written = write_diagnosis(Diagnosis(record), tmp_path)
+    assert [path.name for path in written.files] == ["diagnosis.json", "report.html"]
+    assert "No motion." in (tmp_path / "report.html").read_text()
+
+
+def test_the_table_has_period_and_amplitude_of_a_ripple(diagnosis: Diagnosis) -> None:
+    table = effect_table(diagnosis.record)
+    assert table is not None
+    rows = {row[2]: row for row in table.rows}
+    assert rows["period"][3:6] == ("0.12566", "0.12541 to 0.12592", "rad")
+    assert rows["amplitude"][3] == "0.300"
+    assert table.rows[0][6:] == ("97%", "kinematic_error")
+
+
+def test_errors_stand_beside_the_noise_floor(diagnosis: Diagnosis) -> None:
+    table = error_table(diagnosis.record)
+    assert table is not None
+    assert [row[1] for row in table.rows] == ["0.21", "0.021", "0.02"]
+
+
+@pytest.mark.parametrize(
+    ("value", "interval", "text"),
+    [
+        (0.118, (0.112, 0.124), "0.1180 ± 0.0060 N·m"),
+        (5071.7, (5064.5, 5078.9), "5071.7 ± 7.2 N·m"),
+        (0.5, (0.5, 0.5), "0.5 N·m"),
+        (2e-5, (1e-5, 3e-5), "2e-05 ± 1e-05 N·m"),
+    ],
+)
+def test_numbers_have_the_digits_that_their_interval_leaves(
+    value: float, interval: tuple[float, float], text: str
+) -> None:
+    assert format_quantity(Quantity(value, "N·m", interval)) == text
+
+
+def test_recordings_are_called_by_their_names_everywhere(diagnosis: Diagnosis) -> None:
+    renamed = with_names(diagnosis, ["elbow_cold"])
+    assert renamed.record.recordings == ("elbow_cold",)
+    assert renamed.evidence.series[0].name == "elbow_cold"
+
+
+def test_the_folder_holds_models_that_read_back_and_a_motion_that_can_be_recorded(
+    diagnosis: Diagnosis, written: WrittenDiagnosis
+) -> None:
+    out = written.folder
+    assert load_diagnosis(out / "diagnosis.json") == diagnosis.record
+    assert diagnosis.extended_model is not None
+    assert load_model(out / "friction.json").law == diagnosis.extended_model.law
+    assert 'joint="elbow"' in (out / "friction.xml").read_text()
+    motion = read_motion(out / "motion.csv")
+    np.testing.assert_allclose(motion.velocity, np.cos(motion.time), rtol=1e-8)
+    assert all(path.stat().st_size > 1000 for path in written.files if path.suffix == ".png")
+
+
+def test_a_network_is_refused_where_the_law_needs_the_position(written: WrittenDiagnosis) -> None:
+    assert not (written.folder / "friction.onnx").exists()
+    assert any("friction.onnx is not written" in note and "position" in note for note in written.notes)
+
+
+def test_the_network_of_a_law_of_velocity_alone_is_that_law(diagnosis: Diagnosis, tmp_path: Path) -> None:
+    onnxruntime = pytest.importorskip("onnxruntime")
+    plain = replace(diagnosis, evidence=Evidence(), extended_model=None, motion=None)
+    write_diagnosis(plain, tmp_path)
+    session = onnxruntime.InferenceSession(str(tmp_path / "friction.onnx"))
+    velocity = np.linspace(-0.8, 0.8, 41)
+    state = np.column_stack([velocity, np.ones(41)]).astype(np.float32)
+    torque = session.run(None, {session.get_inputs()[0].name: state})[0][:, 0]
+    assert diagnosis.base_model is not None
+    np.testing.assert_allclose(torque, diagnosis.base_model.torque(velocity), atol=1e-5)
+
+
+def test_a_torque_in_amperes_is_no_mjcf(diagnosis: Diagnosis, tmp_path: Path) -> None:
+    assert diagnosis.base_model is not None
+    amperes = replace(diagnosis, base_model=replace(diagnosis.base_model, torque_unit="A"), extended_model=None)
+    amperes = replace(amperes, evidence=Evidence(), motion=None)
+    written = write_diagnosis(amperes, tmp_path)
+    assert any("friction.xml is not written" in note and " A" in note for note in written.notes)
+
+
+def test_sentences_come_first_and_nothing_is_loaded_from_elsewhere(written: WrittenDiagnosis) -> None:
+    text = (written.folder / "report.html").read_text()
+    body = re.sub(r"<script.*?</script>", "", text, flags=re.S)
+    assert body.index("The simulation leaves out physics &lt;here&gt;.") < body.index("What was found")
+    assert not re.findall(r"<(?:script|link|img|iframe)\b[^>]*(?:src|href)=", body)
+
+
+def test_verdicts_of_one_word_have_a_title(diagnosis: Diagnosis, tmp_path: Path) -> None:
+    record = with_fields(diagnosis.record, verdict="consistent", effects=(), sentences=("Nothing is missing.",))
+    write_diagnosis(Diagnosis(record, base_model=diagnosis.base_model), tmp_path)
+    assert "<h1>Joint elbow: nothing is missing</h1>" in (tmp_path / "report.html").read_text()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(_CHROMIUM is None, reason="needs chromium: apt-get install chromium")
+def test_a_browser_draws_every_chart_without_errors_or_a_network(
+    diagnosis: Diagnosis, written: WrittenDiagnosis, tmp_path: Path
+) -> None:
+    assert _CHROMIUM is not None
+    options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=8000", "--dump-dom"]
+    options += ["--enable-logging=stderr", "--v=0", f"--user-data-dir={tmp_path / 'profile'}"]
+    apart = ["--proxy-server=127.0.0.1:9"]  # nothing answers there
+    page = (written.folder / "report.html").as_uri()
+    shown = subprocess.run([_CHROMIUM, *options, *apart, page], check=True, capture_output=True, timeout=180)
+    dom, log = shown.stdout.decode(), shown.stderr.decode()
+    for name in diagnosis_charts(diagnosis):
+        drawn = dom[dom.index(f'id="chart-{name}"') :][:200_000]
+        assert 'class="subplot xy"' in drawn, name
+    assert "CONSOLE" not in log

@@ -1,0 +1,68 @@
+"""`fricomp bench mismatch` and `fricomp cases` as a user meets them."""
+
+import json
+from functools import partial
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from fricomp.cli.bench import mismatch
+from fricomp.cli.cases import app as cases_app
+from fricomp.errors import DiagnosisError
+from fricomp.sim_bench import proof
+from tests.sim_bench.proof.answering import always_consistent
+
+
+@pytest.fixture
+def quick_answers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    monkeypatch.setattr(proof, "run_proof", partial(proof.run_proof, diagnose=always_consistent))
+    monkeypatch.setattr(proof, "plan_cases", lambda count, seeds, duration: _short(count))
+
+
+def _short(count: int) -> list[proof.PlannedCase]:
+    from fricomp.sim_bench.concealed import CaseSpec
+
+    return [proof.PlannedCase("null", CaseSpec(seed, duration=6.0)) for seed in range(count)]
+
+
+@pytest.mark.usefixtures("quick_answers")
+def test_a_run_writes_scores_failures_and_page_and_can_be_resumed(tmp_path: Path) -> None:
+    out, page = tmp_path / "run", tmp_path / "docs" / "proof.md"
+    page.parent.mkdir()
+    options = ["--quick", "--cases", "2", "--executor", "serial", "--out", str(out), "--page", str(page)]
+    first = CliRunner().invoke(mismatch.app, options, catch_exceptions=False)
+    assert first.exit_code == 0
+    assert "named where nothing is missing" in first.stdout
+    assert (out / "failures.md").read_text().startswith("# 0 wrong answers of 2")
+    assert (page.parent / "proof" / "scores.parquet").exists()
+    assert len((page.parent / "proof" / "seals.jsonl").read_text().splitlines()) == 2
+    with pytest.raises(DiagnosisError, match="give --resume"):
+        CliRunner().invoke(mismatch.app, options, catch_exceptions=False)
+    longer = [*options[:2], "3", *options[3:], "--resume"]
+    assert CliRunner().invoke(mismatch.app, longer, catch_exceptions=False).exit_code == 0
+    assert len(proof.read_scores(out)) == 3
+
+
+def test_a_scored_run_outside_the_repository_is_refused_before_anything_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(DiagnosisError, match="git repository"):
+        CliRunner().invoke(mismatch.app, ["--scored", "--out", str(tmp_path / "run")], catch_exceptions=False)
+    assert not (tmp_path / "run").exists()
+    assert not (tmp_path / "docs").exists()
+
+
+def test_cases_can_be_made_and_listed(tmp_path: Path) -> None:
+    made = CliRunner().invoke(
+        cases_app, ["make", "--effect", "end_stop", "--duration", "8", "--out", str(tmp_path / "cases")]
+    )
+    assert made.exit_code == 0
+    assert "fricomp diagnose" in made.stdout
+    answer = next((tmp_path / "cases.answers").glob("*.json"))
+    assert json.loads(answer.read_text())["effects"][0]["name"] == "end_stop"
+    listed = CliRunner().invoke(cases_app, ["list"])
+    assert "cable_memory" in listed.stdout
+    assert "set_valued" in listed.stdout

@@ -1,0 +1,205 @@
+"""What counts as right: names, sets, verdicts, places, parameters."""
+
+import json
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fricomp.errors import DiagnosisError
+from fricomp.sim_bench.concealed import CaseSpec
+from fricomp.sim_bench.proof import PlannedCase, Score, compute_figures, compute_power, is_wrong
+from fricomp.sim_bench.proof.blind import BlindAnswer
+from fricomp.sim_bench.proof.score import interval_overlap, score_case
+from fricomp.sim_bench.proof.statistics import compute_share, oracle_power
+from tests.sim_bench.proof.answering import answer
+
+
+def _effect(name: str, kind: str = "physics", **fields: Any) -> dict[str, Any]:
+    return {
+        "name": name,
+        "kind": kind,
+        "form": "linear",
+        "shared_form": True,
+        "enr": 2.0,
+        "separable_enr": 2.0,
+        "localised": False,
+        "accepted": [],
+        "comparable": {},
+    } | fields
+
+
+def _truth(*effects: dict[str, Any], verdict: str = "missing_physics", **fields: Any) -> bytes:
+    record = {
+        "id": "case-1",
+        "verdict": verdict,
+        "effects": list(effects),
+        "shifted_parameters": [],
+        "enr": 2.0 if effects else 0.0,
+        "rows": 2800,
+        "location": {"time": [[1.0, 2.0]]},
+        "joint": {"noise_kind": "white", "core": "lugre"},
+    }
+    return json.dumps(record | fields).encode()
+
+
+def _score(truth: bytes, blind: BlindAnswer, group: str = "single") -> Score:
+    names = tuple(each["name"] for each in json.loads(truth)["effects"])
+    return score_case(PlannedCase(group, CaseSpec(1, names, "2")), truth, blind)
+
+
+def test_the_right_name_is_right() -> None:
+    score = _score(_truth(_effect("cogging")), answer("missing_physics", ["cogging"]))
+    assert score.top_right
+    assert score.exact
+    assert score.in_set
+    assert score.verdict_right
+    assert score.false_names == 0
+    assert score.set_size == 1.0
+    assert not is_wrong(score)
+
+
+def test_a_wrong_name_is_a_false_one() -> None:
+    score = _score(_truth(_effect("cogging")), answer("missing_physics", ["backlash"]))
+    assert not score.top_right
+    assert not score.in_set
+    assert score.false_names == 1
+    assert is_wrong(score)
+
+
+def test_a_wrong_name_with_the_truth_in_its_set_is_not_false() -> None:
+    blind = answer("missing_physics", ["backlash"])
+    said = json.loads(blind.diagnosis)
+    said["effects"][0]["indistinguishable_from"] = ["cogging"]
+    score = _score(_truth(_effect("cogging")), BlindAnswer(json.dumps(said).encode(), b"", 1.0, ""))
+    assert not score.top_right
+    assert score.in_set
+    assert score.set_size == 2.0
+    assert score.false_names == 0
+
+
+def test_nothing_named_is_a_miss_and_no_false_name() -> None:
+    score = _score(_truth(_effect("cogging")), answer("consistent"))
+    assert score.false_names == 0
+    assert not score.in_set
+    assert is_wrong(score)
+
+
+def test_a_name_where_nothing_is_missing_is_a_false_alarm() -> None:
+    null = _truth(verdict="consistent")
+    assert _score(null, answer("missing_physics", ["cogging"]), "null").false_names == 1
+    assert not is_wrong(_score(null, answer("consistent"), "null"))
+
+
+def test_refitted_parameters_are_no_false_alarm() -> None:
+    hard = _truth(verdict="parameters", shifted_parameters=["inertia_error", "payload_error"])
+    score = _score(hard, answer("parameters", ["inertia_error"]), "hard_null")
+    assert score.false_names == 0
+    assert score.verdict_right
+    assert not is_wrong(score)
+
+
+def test_a_pair_is_exact_only_with_both_and_nothing_else() -> None:
+    pair = _truth(_effect("cogging"), _effect("load_coulomb"))
+    assert _score(pair, answer("missing_physics", ["load_coulomb", "cogging"]), "pair").exact
+    assert not _score(pair, answer("missing_physics", ["cogging"]), "pair").exact
+    assert not _score(pair, answer("missing_physics", ["cogging", "load_coulomb", "backlash"]), "pair").exact
+
+
+def test_outside_the_catalogue_unknown_is_right_and_a_name_is_not() -> None:
+    outside = _truth(_effect("cable_memory", "outside"), verdict="unknown_physics")
+    assert not is_wrong(_score(outside, answer("unknown_physics"), "outside"))
+    named = _score(outside, answer("missing_physics", ["cogging"]), "outside")
+    assert named.false_names == 1
+    assert is_wrong(named)
+
+
+def test_unknown_is_right_where_the_channel_that_tells_is_hidden() -> None:
+    hidden = _truth(_effect("thermal_friction", accepted=["unknown_physics"]))
+    assert not is_wrong(_score(hidden, answer("unknown_physics"), "hidden"))
+    assert is_wrong(_score(hidden, answer("missing_physics", ["cogging"]), "hidden"))
+    assert is_wrong(_score(hidden, answer("consistent"), "hidden"))
+
+
+def test_one_of_two_is_a_wrong_answer() -> None:
+    pair = _truth(_effect("cogging"), _effect("load_coulomb"))
+    assert is_wrong(_score(pair, answer("missing_physics", ["cogging"]), "pair"))
+
+
+def test_no_diagnosis_at_all_is_wrong() -> None:
+    score = _score(_truth(_effect("cogging")), BlindAnswer(b"", b"", 3.0, "exit status 1"))
+    assert score.verdict == "failed"
+    assert is_wrong(score)
+
+
+def test_a_diagnosis_of_another_schema_is_not_scored() -> None:
+    with pytest.raises(DiagnosisError, match=r"fricomp\.diagnosis/1"):
+        _score(_truth(), BlindAnswer(b'{"schema": "other/1"}', b"", 1.0, ""))
+
+
+def test_overlap_is_intersection_over_union() -> None:
+    assert interval_overlap([[0.0, 2.0]], [[1.0, 3.0]], 10.0) == pytest.approx(1.0 / 3.0, rel=1e-2)
+    assert interval_overlap([[1.0, 2.0]], [[1.0, 2.0]], 10.0) == 1.0
+    assert interval_overlap([], [], 10.0) == 0.0
+
+
+def test_location_counts_for_localised_effects_only() -> None:
+    said = answer("missing_physics", ["end_stop"], location={"time": [[1.0, 2.0]]})
+    assert _score(_truth(_effect("end_stop", localised=True)), said).overlap == 1.0
+    assert math.isnan(_score(_truth(_effect("end_stop")), said).overlap)
+
+
+def test_gap_closed_is_energy_above_the_floor() -> None:
+    heldout = {"rmse_before": 0.5, "rmse_after": 0.3, "noise_floor": 0.3}
+    assert _score(_truth(_effect("cogging")), answer("missing_physics", ["cogging"], heldout=heldout)).gap_closed == 1.0
+
+
+def test_an_interval_counts_where_the_parameter_can_be_compared() -> None:
+    parameters = {"coefficient": {"value": 0.1, "unit": "1"}}
+    blind = answer("missing_physics", ["load_coulomb"])
+    said = json.loads(blind.diagnosis)
+    said["effects"][0]["parameters"] = {"coefficient": {"value": 0.11, "unit": "1", "ci95": [0.09, 0.12]}}
+    blind = BlindAnswer(json.dumps(said).encode(), b"", 1.0, "")
+    shared = _score(_truth(_effect("load_coulomb", comparable=parameters)), blind)
+    assert (shared.parameters, shared.covered) == (1, 1)
+    assert shared.worst_error == pytest.approx(0.1)
+    other = _score(_truth(_effect("load_coulomb", parameters=parameters, shared_form=False)), blind)
+    assert other.parameters == 0
+
+
+def test_exact_intervals_agree_with_the_tables() -> None:
+    none = compute_share(0, 500)
+    assert none.high == pytest.approx(1.0 - 0.025 ** (1.0 / 500.0), rel=1e-9)
+    some = compute_share(8, 40)
+    assert (some.low, some.high) == pytest.approx((0.0905, 0.3565), abs=5e-4)
+    assert str(compute_share(0, 0)) == "– (no case)"
+
+
+def test_the_oracle_reaches_its_false_alarm_rate_and_full_power() -> None:
+    assert oracle_power(0.0, 2800) == pytest.approx(0.02 / 32)
+    powers = [oracle_power(enr, 2800) for enr in (0.02, 0.05, 0.1, 0.2, 0.5)]
+    assert powers == sorted(powers)
+    assert powers[-1] == pytest.approx(1.0)
+
+
+def test_the_oracle_is_the_likelihood_ratio_test() -> None:
+    """Against a simulation of the test it stands for."""
+    rng, enr, rows = np.random.default_rng(1), 0.12, 1000
+    statistic = rng.normal([np.sqrt(0.5 * rows) * enr, 0.0], 1.0, (20000, 2)) ** 2
+    threshold = -2.0 * np.log(0.02 / 32)  # chi-squared with two degrees of freedom
+    assert oracle_power(enr, rows) == pytest.approx(np.mean(statistic.sum(axis=1) > threshold), abs=0.015)
+
+
+def test_figures_follow_the_scores() -> None:
+    nulls = [_score(_truth(verdict="consistent"), answer("consistent"), "null")] * 99
+    nulls.append(_score(_truth(verdict="consistent"), answer("missing_physics", ["cogging"]), "null"))
+    singles = [_score(_truth(_effect("cogging")), answer("missing_physics", ["cogging"]))] * 3
+    figures = {figure.name: figure for figure in compute_figures([*nulls, *singles])}
+    alarms = figures["named where nothing is missing"]
+    assert alarms.value.startswith("1.0% (1 of 100")
+    assert alarms.reached is False  # the upper bound is above 4 %
+    assert figures["right name, rich motion, ENR ≥ 0.2"].value.startswith("100.0% (3 of 3")
+    power = compute_power(singles)
+    assert [point.strength for point in power] == ["2"]
+    assert power[0].named.hits == 3

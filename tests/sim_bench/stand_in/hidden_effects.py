@@ -1,0 +1,54 @@
+"""Friction terms that no law of the package has: what a user may hide in a joint."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from fricomp.laws import OperatingPoint, Scalar, Term
+
+
+@dataclass(frozen=True)
+class Ripple(Term):
+    """A torque fixed to the angle, whatever the direction of motion: A sin(k q)."""
+
+    name: ClassVar[str] = "test_ripple"
+    units: ClassVar[Mapping[str, str]] = {"amplitude": "{torque}", "order": "1"}
+
+    amplitude: float
+    order: float
+
+    def torque(self, point: OperatingPoint) -> Scalar:
+        return self.amplitude * np.sin(self.order * np.asarray(point.position))
+
+
+@dataclass(frozen=True)
+class LoadFriction(Term):
+    """Coulomb friction that grows with the transmitted torque: c |tau_l| sgn(v)."""
+
+    name: ClassVar[str] = "test_load_friction"
+    units: ClassVar[Mapping[str, str]] = {"coefficient": "1"}
+
+    coefficient: float
+
+    def torque(self, point: OperatingPoint) -> Scalar:
+        return self.coefficient * np.abs(point.load_torque) * np.sign(point.velocity)
+
+
+@dataclass(frozen=True)
+class ThinningOil(Term):
+    """Viscous friction that falls by a share of itself for each kelvin above 25 °C."""
+
+    name: ClassVar[str] = "test_thinning_oil"
+    units: ClassVar[Mapping[str, str]] = {"viscous_coefficient": "{torque}·s/{position}", "thinning": "1/K"}
+
+    viscous_coefficient: float
+    thinning: float
+
+    def torque(self, point: OperatingPoint) -> Scalar:
+        warmth = 0.0 if point.temperature is None else np.asarray(point.temperature) - 25.0
+        factor = np.asarray(np.exp(-self.thinning * warmth), dtype=np.float64)
+        return self.viscous_coefficient * factor * np.asarray(point.velocity, dtype=np.float64)

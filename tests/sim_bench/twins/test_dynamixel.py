@@ -1,0 +1,177 @@
+"""The Dynamixel servo: packets from the vendor's manual, and dynamixel-sdk as an independent master."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import pi
+from typing import Any
+
+import pytest
+
+from fricomp.errors import ParameterError
+from fricomp.sim_bench.twins import DriveAxis, PtyPort, TwinServer, twin_stand_in
+from fricomp.sim_bench.twins.dynamixel import DynamixelServo, DynamixelSettings, DynamixelTwin
+from fricomp.sim_bench.twins.dynamixel_packet import PacketReader, crc16, status_packet
+
+from .rig import ideal_joint
+
+MODE, ENABLE, ERROR, WATCHDOG, GOAL_CURRENT, CURRENT, VELOCITY, POSITION = 11, 64, 70, 98, 102, 126, 128, 132
+ACCESS, RANGE, LIMIT = 7, 4, 6
+
+
+class Rig:
+    """The official library on one end of a pseudo-terminal, the twin on the other."""
+
+    def __init__(self, sdk: Any) -> None:
+        self.stand_in = twin_stand_in(ideal_joint())
+        line = PtyPort()
+        self.servo = DynamixelServo(DriveAxis(self.stand_in))
+        self.twin = DynamixelTwin(line, self.stand_in, [self.servo])
+        self.sdk, self.port, self.packets = sdk, sdk.PortHandler(line.address), sdk.PacketHandler(2.0)
+        assert self.port.openPort()
+
+    def write(self, address: int, size: int, value: int) -> int:
+        """Error of the status packet."""
+        send = {1: self.packets.write1ByteTxRx, 2: self.packets.write2ByteTxRx, 4: self.packets.write4ByteTxRx}[size]
+        outcome, error = send(self.port, 1, address, value)
+        assert outcome == self.sdk.COMM_SUCCESS
+        return int(error) & 0x7F
+
+    def read(self, address: int, size: int) -> int:
+        ask = {1: self.packets.read1ByteTxRx, 2: self.packets.read2ByteTxRx, 4: self.packets.read4ByteTxRx}[size]
+        value, outcome, _ = ask(self.port, 1, address)
+        assert outcome == self.sdk.COMM_SUCCESS
+        return int(value)
+
+    def steps(self, number: int) -> None:
+        for _ in range(number):
+            self.twin.step()
+
+
+@pytest.fixture
+def rig(monkeypatch: pytest.MonkeyPatch) -> Iterator[Rig]:
+    sdk = pytest.importorskip("dynamixel_sdk", reason="dynamixel-sdk is not installed")
+    # Milliseconds that the library allows the operating system; a busy machine takes more than its 16.
+    monkeypatch.setattr("dynamixel_sdk.port_handler.LATENCY_TIMER", 2000)
+    made = Rig(sdk)
+    with made.twin, TwinServer(made.twin) as server:
+        yield made
+        made.port.closePort()
+        assert server.error is None
+
+
+def test_the_manuals_ping_is_answered_as_the_manual_says() -> None:
+    """Ping of id 1 and its status, e-manual of protocol 2.0 (model 1030, firmware 38)."""
+    ping = bytes.fromhex("FFFFFD00010300 01 194E".replace(" ", ""))
+    assert list(PacketReader().feed(ping)) == [(1, 1, b"")]
+    status = bytes.fromhex("FFFFFD000107005500060426655D")
+    assert status_packet(1, 0, bytes.fromhex("060426")) == status
+    assert crc16(status[:-2]) == 0x5D65
+
+
+def test_packets_are_found_in_noise_and_in_pieces() -> None:
+    reader, ping = PacketReader(), bytes.fromhex("FFFFFD00010300 01 194E".replace(" ", ""))
+    found = []
+    for byte in b"\xff\xff\x00\xfd" + ping[:5] + b"\x99" + ping + ping[:-1] + b"\x00" + ping:
+        found += list(reader.feed(bytes([byte])))
+    assert found == [(1, 1, b"")] * 2
+
+
+def test_the_official_library_finds_and_reads_the_servo(rig: Rig) -> None:
+    assert rig.packets.ping(rig.port, 1)[:2] == (1020, rig.sdk.COMM_SUCCESS)
+    assert rig.read(POSITION, 4) == round(0.25 / (2.0 * pi / 4096))
+
+
+def test_current_mode_turns_amperes_into_torque(rig: Rig) -> None:
+    assert rig.write(MODE, 1, 0) == 0
+    assert rig.write(ENABLE, 1, 1) == 0
+    assert rig.write(GOAL_CURRENT, 2, 300) == 0
+    rig.steps(1)
+    assert rig.stand_in.torque == pytest.approx([300 * 2.69e-3 * 1.78])
+    rig.steps(50)
+    assert rig.read(CURRENT, 2) == 300
+    assert rig.read(VELOCITY, 4) == pytest.approx(rig.stand_in.plant.velocity(0) / (0.229 * 2 * pi / 60), abs=0.51)
+    assert rig.write(GOAL_CURRENT, 2, -300 & 0xFFFF) == 0
+    rig.steps(1)
+    assert rig.stand_in.torque == pytest.approx([-300 * 2.69e-3 * 1.78])
+
+
+def test_goals_beyond_the_limit_and_locked_memory_are_refused(rig: Rig) -> None:
+    rig.write(MODE, 1, 0)
+    rig.write(ENABLE, 1, 1)
+    assert rig.write(GOAL_CURRENT, 2, 1200) == LIMIT
+    assert rig.write(MODE, 1, 3) == ACCESS
+    assert rig.write(CURRENT, 2, 1) == ACCESS
+
+
+def test_enabling_starts_at_zero_current(rig: Rig) -> None:
+    rig.write(MODE, 1, 0)
+    rig.write(GOAL_CURRENT, 2, 500)
+    rig.write(ENABLE, 1, 1)
+    rig.steps(1)
+    assert rig.stand_in.torque == [0.0]
+
+
+def test_bus_watchdog_zeroes_the_goal_and_refuses_goals_until_cleared(rig: Rig) -> None:
+    rig.write(MODE, 1, 0)
+    rig.write(WATCHDOG, 1, 5)
+    rig.write(ENABLE, 1, 1)
+    rig.write(GOAL_CURRENT, 2, 200)
+    rig.steps(95)
+    assert rig.stand_in.torque[0] > 0.9
+    rig.steps(10)
+    assert rig.stand_in.torque == [0.0]
+    assert rig.read(WATCHDOG, 1) == 255
+    assert rig.write(GOAL_CURRENT, 2, 200) == RANGE
+    assert rig.write(WATCHDOG, 1, 0) == 0
+    assert rig.write(GOAL_CURRENT, 2, 200) == 0
+
+
+def test_bus_watchdog_is_fed_by_reads(rig: Rig) -> None:
+    rig.write(MODE, 1, 0)
+    rig.write(WATCHDOG, 1, 5)
+    rig.write(ENABLE, 1, 1)
+    rig.write(GOAL_CURRENT, 2, 200)
+    for _ in range(4):
+        rig.steps(50)
+        rig.read(POSITION, 4)
+    assert rig.stand_in.torque[0] > 0.9
+
+
+def test_a_hardware_error_needs_a_reboot(rig: Rig) -> None:
+    rig.write(MODE, 1, 0)
+    rig.write(ENABLE, 1, 1)
+    rig.servo.fail()
+    assert rig.read(ENABLE, 1) == 0
+    assert rig.read(ERROR, 1) == 0x20
+    assert rig.write(ENABLE, 1, 1) == ACCESS
+    assert rig.packets.reboot(rig.port, 1)[0] == rig.sdk.COMM_SUCCESS
+    assert rig.read(ERROR, 1) == 0
+    assert rig.read(MODE, 1) == 0, "the EEPROM keeps its contents"
+    assert rig.write(ENABLE, 1, 1) == 0
+
+
+def test_group_access_reads_and_writes_several_items(rig: Rig) -> None:
+    rig.write(MODE, 1, 0)
+    rig.write(ENABLE, 1, 1)
+    writer = rig.sdk.GroupSyncWrite(rig.port, rig.packets, GOAL_CURRENT, 2)
+    writer.addParam(1, [100, 0])
+    assert writer.txPacket() == rig.sdk.COMM_SUCCESS
+    reader = rig.sdk.GroupSyncRead(rig.port, rig.packets, CURRENT, 10)
+    reader.addParam(1)
+    assert reader.txRxPacket() == rig.sdk.COMM_SUCCESS
+    rig.steps(2)
+    assert rig.stand_in.torque == pytest.approx([100 * 2.69e-3 * 1.78])
+    assert reader.getData(1, POSITION, 4) == round(0.25 / (2.0 * pi / 4096))
+
+
+def test_position_mode_reaches_its_goal(rig: Rig) -> None:
+    rig.write(ENABLE, 1, 1)
+    rig.write(116, 4, 512)
+    rig.steps(1500)
+    assert rig.read(POSITION, 4) == pytest.approx(512, abs=1)
+
+
+def test_impossible_settings_are_refused() -> None:
+    with pytest.raises(ParameterError, match="operating_mode"):
+        DynamixelSettings(operating_mode=2)

@@ -1,0 +1,38 @@
+"""The examples run as they stand."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
+from fricomp.model import FrictionModel, save_model
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> Path:
+    curves = StribeckCurve(0.15, 0.60, 0.05, 0.02), StribeckCurve(0.20, 0.70, 0.05, 0.03)
+    save_model(FrictionModel(FrictionLaw((BidirectionalStribeck(*curves),))), tmp_path / "friction.json")
+    return tmp_path / "friction.json"
+
+
+@pytest.mark.parametrize("with_file", [False, True])
+def test_embedding_takes_a_model_or_a_file(model: Path, with_file: bool) -> None:
+    command = [sys.executable, "embed.py", *([str(model)] if with_file else [])]
+    done = subprocess.run(command, cwd=EXAMPLES, capture_output=True, text=True, check=True)
+    assert "measured +0.200 rad/s: +0.1463 N·m" in done.stdout
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None or shutil.which("make") is None, reason="gcc or make is not installed")
+def test_c_example_builds_and_runs(model: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "c"
+    shutil.copytree(EXAMPLES / "c", folder)
+    arguments = [f"MODEL={model}", f"FRICOMP={sys.executable} -m fricomp.cli.main", "CC=gcc"]
+    done = subprocess.run(["make", "-s", *arguments], cwd=folder, capture_output=True, text=True, check=True)
+    assert done.stdout.count("N*m") == 20
