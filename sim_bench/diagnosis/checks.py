@@ -8,23 +8,15 @@ import numpy as np
 
 from fricomp.recording import Recording, check_recording
 
-__all__ = ["reasons_against"]
+from .track import FloatArray
 
-_FATAL_WARNINGS = frozenset(
-    {
-        "no_sliding",
-        "degrees",
-        "torque_flipped",
-        "flipped_torque",
-        "motor_side",
-        "stuck",
-        "rate_change",
-        "wrap",
-        "gap",
-        "gaps",
-    }
-)
+__all__ = ["reasons_against", "remarks_on"]
+
+_FATAL_WARNINGS = frozenset({"no_sliding", "stuck", "gap"})
 _LONGEST_REST = 25.0  # [s] of standstill without a break
+_GAP_PERIODS = 5.0  # as in the check of the recording
+_LONGEST_BRIDGE = 0.03  # [s] shorter than a row of the residual
+_MOST_BRIDGED = 0.01  # of the time
 
 
 def reasons_against(recordings: Sequence[Recording], joint: str | None) -> list[str]:
@@ -40,7 +32,8 @@ def reasons_against(recordings: Sequence[Recording], joint: str | None) -> list[
         reasons += [
             prefix + str(finding)
             for finding in check_recording(recording)
-            if finding.severity == "error" or finding.code in _FATAL_WARNINGS
+            if (finding.severity == "error" or finding.code in _FATAL_WARNINGS)
+            and not (finding.code == "gap" and _bridged(recording) is not None)
         ]
         rest = _longest_rest(recording)
         if rest > max(_LONGEST_REST, 0.4 * recording.duration):
@@ -51,6 +44,41 @@ def reasons_against(recordings: Sequence[Recording], joint: str | None) -> list[
             f"the recordings have sample rates from {1 / max(rates):.4g} to {1 / min(rates):.4g} Hz: resample them"
         )
     return reasons
+
+
+def remarks_on(recordings: Sequence[Recording]) -> list[str]:
+    """What was found in the data and dealt with, or does no harm: in sentences."""
+    remarks = []
+    for i, recording in enumerate(recordings):
+        prefix = f"recording {i + 1}: " if len(recordings) > 1 else ""
+        gaps = _bridged(recording)
+        if gaps is not None and gaps.size:
+            most = 1e3 * float(gaps.max())
+            remarks.append(f"{prefix}{gaps.size} gap(s) in time were bridged, the longest {most:.3g} ms.")
+        for finding in check_recording(recording):
+            if finding.code == "velocity_scale":
+                factor = _velocity_factor(recording)
+                remarks.append(
+                    f"{prefix}The velocity column is {factor:.2f} times the derivative of position; it was not used."
+                )
+            elif finding.code == "velocity_mismatch":
+                remarks.append(f"{prefix}The velocity column was not used: {finding.message}.")
+    return remarks
+
+
+def _bridged(recording: Recording) -> FloatArray | None:
+    """Lengths of the gaps in time where all are short enough to be bridged [s]; None where one is not."""
+    step = np.diff(recording.time)
+    gaps = step[step > _GAP_PERIODS * recording.sample_period]
+    short = not gaps.size or (gaps.max() <= _LONGEST_BRIDGE and gaps.sum() <= _MOST_BRIDGED * recording.duration)
+    return gaps if short else None
+
+
+def _velocity_factor(recording: Recording) -> float:
+    """How many times the derivative of position the velocity column is."""
+    truth, seen = np.gradient(np.asarray(recording.position), np.asarray(recording.time)), recording.velocity
+    assert seen is not None
+    return float(np.asarray(seen) @ np.asarray(seen)) / float(truth @ np.asarray(seen))
 
 
 def _longest_rest(recording: Recording) -> float:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from msgspec.structs import replace as with_fields
 
 from fricomp.errors import DiagnosisError, ParameterError
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
-from .checks import reasons_against
+from .checks import reasons_against, remarks_on
 from .loading import build_tracks, low_rate
 from .observer import Observer
 from .preparation import prepare
@@ -20,10 +22,12 @@ from .rigid import RigidJoint, read_simulation
 from .search import search
 from .second_look import second_look
 from .verdict import Answer, conclude
+from .weak_form import rest_speed_of
 
 __all__ = ["diagnose"]
 
 _NULLS, _NULLS_THOROUGH = 32, 200
+_RESTING = 0.6  # of the slowest speed that counts as sliding
 _SLOW_BANDWIDTH = 30.0  # [rad/s] observer for recordings below 300 Hz
 
 
@@ -63,7 +67,8 @@ def diagnose(
     if against:
         return _bad_data(given, against)
     tracks = build_tracks(given)
-    observer = Observer(bandwidth=_SLOW_BANDWIDTH) if low_rate(given) else Observer()
+    observer = Observer(rest_speed=_RESTING * rest_speed_of(tracks))
+    observer = replace(observer, bandwidth=_SLOW_BANDWIDTH) if low_rate(given) else observer
     try:
         say("fitting the base model and simulating nulls")
         prepared = prepare(tracks, observer=observer, nulls=_NULLS_THOROUGH if thorough else _NULLS, seed=seed)
@@ -71,9 +76,17 @@ def diagnose(
         found = search(prepared)
         say("confirming on held-out data")
         answer = conclude(Answer(tuple(given), prepared, found, rigid, friction, seed))
-        return second_look(given, answer, seed)
+        return _remarked(second_look(given, answer, seed), remarks_on(given))
     except (np.linalg.LinAlgError, FloatingPointError, ParameterError) as error:
         raise DiagnosisError(f"the recording cannot be explained by any joint model: {error}") from error
+
+
+def _remarked(diagnosis: Diagnosis, remarks: Sequence[str]) -> Diagnosis:
+    """The diagnosis with what the checks of the data noticed, last."""
+    if not remarks:
+        return diagnosis
+    record = with_fields(diagnosis.record, sentences=(*diagnosis.sentences, *remarks))
+    return replace(diagnosis, record=record)
 
 
 def _bad_data(recordings: Sequence[Recording], reasons: Sequence[str]) -> Diagnosis:

@@ -34,9 +34,9 @@ def generic_rows(problem: Problem, contexts: Sequence[Context]) -> FloatArray:
 def _quantities(context: Context) -> dict[str, tuple[FloatArray, FloatArray]]:
     """Argument of each spline, and the factor it is multiplied with."""
     v = context.velocity
-    one, sign = np.ones_like(v), np.sign(v) * (np.abs(v) > 2e-3)
-    since = np.log10(time_since_reversal(v, context.dt) + 0.01)
     top = max(float(np.quantile(np.abs(v), 0.95)), 1e-6)
+    one, sign = np.ones_like(v), np.sign(v) * (np.abs(v) > min(2e-3, 0.02 * top))
+    since = np.log10(time_since_reversal(v, context.dt, min(3e-3, 0.03 * top)) + 0.01)
     speed = np.sign(v) * np.sqrt(np.abs(v) / top)
     return {
         "velocity": (speed, one),

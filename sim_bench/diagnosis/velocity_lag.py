@@ -15,6 +15,7 @@ from .track import smooth_derivative
 __all__ = ["velocity_lag"]
 
 _LEAST = 3e-3  # [s] shorter lags are those of usual velocity filters
+_SCALE = 0.1  # a column that is off by a factor of more than that is another quantity, or in another unit
 
 
 def velocity_lag(recordings: Sequence[Recording]) -> list[NamedEffect]:
@@ -36,16 +37,21 @@ def velocity_lag(recordings: Sequence[Recording]) -> list[NamedEffect]:
 
 
 def _lag(recording: Recording) -> float | None:
-    """Time constant of the first-order lag that makes the position's derivative most like the velocity [s]."""
+    """Time constant of the first-order lag that makes the position's derivative most like the velocity [s].
+
+    None where the column is no velocity of this position at all, whatever its lag.
+    """
     if recording.velocity is None or recording.sample_period > 5e-3:
         return None
     dt = recording.sample_period
     truth = smooth_derivative(np.asarray(recording.position), dt)
     seen = np.asarray(recording.velocity)
     grid = np.arange(0.0, 0.041, 5e-4)
-    errors = []
+    errors, scales = [], []
     for lag in grid:
         keep = float(np.exp(-dt / lag)) if lag > 0.0 else 0.0
         model = lfilter([1.0 - keep], [1.0, -keep], truth)
-        errors.append(float(np.mean((seen - model) ** 2)))
-    return float(grid[int(np.argmin(errors))])
+        scales.append(float(seen @ model) / max(float(model @ model), 1e-30))
+        errors.append(float(np.mean((seen - scales[-1] * model) ** 2)))
+    best = int(np.argmin(errors))
+    return float(grid[best]) if abs(scales[best] - 1.0) < _SCALE else None

@@ -6,6 +6,7 @@ Rows lie where the joint keeps moving in one direction; the two Stribeck velocit
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -18,9 +19,19 @@ from fricomp.errors import DiagnosisError
 from .observer import Plant
 from .track import FloatArray, Track
 
-__all__ = ["estimate_plant"]
+__all__ = ["estimate_plant", "rest_speed_of"]
 
 _MOST_ROWS = 6000
+_REST_SPEED = 5e-3  # [rad/s] or [m/s] of a joint of the usual speed
+_REST_SHARE = 0.05  # of the top speed, for slower ones
+
+
+def rest_speed_of(tracks: Sequence[Track], width: float = 0.042) -> float:
+    """Speed below which samples say nothing about sliding [rad/s] or [m/s]: a small part of what the joint reaches,
+    not below what one encoder step in a window of `width` [s] looks like."""
+    top = max(float(np.quantile(np.abs(track.velocity), 0.98)) for track in tracks)
+    step = max(track.resolution for track in tracks) / width
+    return min(_REST_SPEED, max(_REST_SHARE * top, step))
 
 
 class WeakRows(NamedTuple):
@@ -33,17 +44,18 @@ class WeakRows(NamedTuple):
     direction: FloatArray
 
 
-def estimate_plant(tracks: list[Track], *, width: float = 0.042, rest_speed: float = 5e-3) -> Plant:
+def estimate_plant(tracks: list[Track], *, width: float = 0.042, rest_speed: float | None = None) -> Plant:
     """A first plant from the moving parts of `tracks`.
 
     Args:
         tracks: Recordings of one joint.
         width: Window of the test function [s].
-        rest_speed: Slower samples take no part [rad/s].
+        rest_speed: Slower samples take no part [rad/s]; None for that of `rest_speed_of`.
 
     Raises:
         DiagnosisError: Too few samples are faster.
     """
+    rest_speed = rest_speed_of(tracks, width) if rest_speed is None else rest_speed
     rows = [_weak_rows(track, width, rest_speed) for track in tracks]
     joined = WeakRows(*(np.concatenate(part) for part in zip(*rows, strict=True)))
     if joined.torque.size < 20:
