@@ -110,13 +110,14 @@ def _advance_link(dt: float, s: Record, p: Record) -> tuple[float, float]:
 def _shadow(dt: float, z: np.ndarray, shares: np.ndarray, s: Record, p: Record) -> float:
     """Dry friction without effects over its level, along the true motion."""
     v = s.felt_velocity
-    level = base_level(v, p)
     if p.core == _SET_VALUED:
         if s.velocity != 0.0:
             return float(np.sign(s.velocity))
         slope = p.viscous_forward if v >= 0.0 else p.viscous_reverse
         needed = s.current - _gravity(s.felt_position, p) - p.inertia * s.acceleration - slope * v
+        level = base_level(v if v != 0.0 else 1e-12 * np.sign(needed), p)
         return float(min(max(needed / level, -1.0), 1.0))
+    level = base_level(v, p)
     shape = (p.core, p.base_sigma_0, p.base_sigma_1, p.slip_rate)
     return float(advance_bristles(v, dt, level, shape, z, shares) / level)
 
@@ -132,9 +133,10 @@ def _substep(
     inertia, load = _advance_link(_DT, s, p)
     advance_memory(s.velocity, _DT, s, p)
     v = s.lagged_velocity
-    level = friction_level(v, temperature, factor, s, p)
     net = applied - load - viscous_torque(v, temperature, s, p) - position_torque(s.position, s.velocity, p)
     net -= advance_attached(_DT, s, p) + disturbance
+    # A joint at rest is held by the friction of the direction in which it is pushed.
+    level = friction_level(v if v != 0.0 else 1e-12 * np.sign(net), temperature, factor, s, p)
     if p.core == _SET_VALUED:
         dry = min(max(net + inertia * s.velocity / _DT, -level), level)
     else:

@@ -28,12 +28,14 @@ BASE_NAMES = (
     "log_sigma_0",
     "delay",
     "damping_time",
+    "sharpness",
+    "log_spread",
 )
 
 _BREAKAWAY = (2e-6, 4e-4)  # [rad] presliding distance F_c / sigma_0 of a joint that counts as stiff
 # Longest step in scales: parameters that enter linearly may go anywhere at once.
 _FRICTION_REACH = [10.0, 10.0, 2.0, 20.0]
-_REACH = np.array([4.0, 40.0, 40.0, 40.0, *_FRICTION_REACH, *_FRICTION_REACH, 3.0, 2.0, 3.0])
+_REACH = np.array([4.0, 40.0, 40.0, 40.0, *_FRICTION_REACH, *_FRICTION_REACH, 3.0, 2.0, 3.0, 2.0, 2.0])
 _DAMPING = 0.012  # [s] largest sigma_1 / sigma_0 of a bristle that is part of the base
 _DELAY = 5e-4  # [s] a wider prior swallows delays that are real
 
@@ -43,7 +45,16 @@ def pack(plant: Plant) -> FloatArray:
     values = [np.log(plant.inertia), *plant.gravity, plant.offset]
     for coulomb, static, velocity, viscous in (plant.forward, plant.reverse):
         values += [coulomb, static - coulomb, np.log(velocity), viscous]
-    return np.array([*values, np.log(plant.sigma_0), plant.delay, plant.sigma_1 / plant.sigma_0])
+    return np.array(
+        [
+            *values,
+            np.log(plant.sigma_0),
+            plant.delay,
+            plant.sigma_1 / plant.sigma_0,
+            plant.sharpness,
+            np.log(plant.spread),
+        ]
+    )
 
 
 def unpack(theta: FloatArray) -> Plant:
@@ -58,6 +69,8 @@ def unpack(theta: FloatArray) -> Plant:
         sigma_0=float(np.exp(theta[12])),
         sigma_1=float(np.exp(theta[12]) * theta[14]),
         delay=float(theta[13]),
+        sharpness=float(theta[15]),
+        spread=float(np.exp(theta[16])),
     )
 
 
@@ -83,7 +96,14 @@ class BaseModel:
         size = max(float(np.hypot(*plant.gravity)), level)
         gravity_free = 100.0 * size if rotary and not fixed_gravity else 0.0
         stiffness = (np.log(level / _BREAKAWAY[1]), np.log(level / _BREAKAWAY[0]))
-        start = pack(replace(plant, sigma_0=float(np.exp(0.6 * stiffness[0] + 0.4 * stiffness[1])), delay=-0.5 * dt))
+        start = pack(
+            replace(
+                plant,
+                sigma_0=float(np.exp(0.6 * stiffness[0] + 0.4 * stiffness[1])),
+                delay=0.5 * (_DELAY - dt),
+                sharpness=0.5,
+            )
+        )
         friction_low = [0.0, 0.0, np.log(top_speed * 5e-4), 0.0]
         friction_high = [50 * level, 10 * level, np.log(top_speed), 50 * viscous]
         friction_scale = [0.1 * level, 0.1 * level, 0.3, 0.2 * viscous]
@@ -91,18 +111,21 @@ class BaseModel:
         lower = [inertia - 3, -gravity_free, -gravity_free, -100 * size, *friction_low, *friction_low, stiffness[0]]
         upper = [inertia + 3, gravity_free, gravity_free, 100 * size, *friction_high, *friction_high, stiffness[1]]
         scale = [0.05, 0.05 * size, 0.05 * size, 0.05 * level, *friction_scale, *friction_scale, 0.3]
-        reach = max(_DELAY, 0.5 * dt)
-        low = np.array([*lower, -0.5 * dt - reach, 0.0])
-        high = np.array([*upper, -0.5 * dt + reach, _DAMPING])
+        reach = 0.5 * (dt + _DELAY)
+        low = np.array([*lower, -dt, 0.0, 0.0, 0.0])
+        high = np.array([*upper, _DELAY, _DAMPING, 1.0, 1.5])
         centre = start.copy()
         weight = np.zeros(start.size)
         for i in (6, 10):
             centre[i] = np.log(0.05 * top_speed)
             weight[i] = 1.0 / 1.5
         weight[12] = 1.0 / 1.5
-        weight[13] = 1.0 / (0.5 * reach)
+        weight[13] = 1.0 / reach
         weight[14] = 1.0 / (0.5 * _DAMPING)
+        weight[15] = 1.0 / 0.5
+        centre[15] = 0.5
+        weight[16] = 1.0 / 0.7
         return cls(
             np.clip(start, low, high),
-            Box(low, high, np.array([*scale, 0.5 * reach, 0.2 * _DAMPING]), centre, weight, _REACH),
+            Box(low, high, np.array([*scale, 0.5 * reach, 0.2 * _DAMPING, 0.3, 0.5]), centre, weight, _REACH),
         )

@@ -4,8 +4,9 @@
     z' = w - sigma_0 |w| z / g(w),   g(w) = F_c + (F_s - F_c) exp(-|w / v_s|^delta) + extra level
 
 x, w, z are the model's own position, velocity and bristle deflection; q, v the recorded ones; u is the torque the
-model lacks, seen through a second-order low pass. The bristle is advanced exactly over each substep [dahl1968],
-[canudas1995lugre], so any stiffness is stable for it. This is the only module that imports numba.
+model lacks, seen through a second-order low pass. A share of the bristle (`sharpness`) yields abruptly at its level
+instead of gradually, as the elements of Maxwell-slip models do [albender2005gms]. Both are advanced exactly over each
+substep [dahl1968], [canudas1995lugre], so any stiffness is stable for them. This is the only module that imports numba.
 """
 
 from __future__ import annotations
@@ -51,6 +52,8 @@ FRICTION_SLOTS = (
     "sigma_0",
     "sigma_1",
     "lag",
+    "sharpness",
+    "spread",
 )
 
 
@@ -82,9 +85,11 @@ def observe(
             at the sample, torques are means until the next one.
     """
     inertia, sigma_0, sigma_1, lag = plant[0], plant[11], plant[12], plant[13]
+    sharpness, spread = plant[14], plant[15]
     dt, substeps = observer[0], int(observer[1])
     stiffness, damping, rest_speed, leak = observer[2], observer[3], observer[4], observer[5]
     x, w, z = position[0], velocity[0], 0.0
+    first, second, third = 0.0, 0.0, 0.0
     w_felt = w
     n = position.shape[0]
     h = dt / substeps
@@ -115,8 +120,13 @@ def observe(
             steady = g / sigma_0 if w >= 0.0 else -g / sigma_0
             decay = abs(w) * h * sigma_0 / g
             z_next = steady + (z - steady) * np.exp(-decay) if decay < 30.0 else steady
-            bristle = sigma_0 * z_next + sigma_1 * (z_next - z) / h
+            mean_before = z + sharpness * ((first + second + third) / 3.0 - z)
+            first = min(max(first + spread * w * h, -g / sigma_0), g / sigma_0)
+            second = min(max(second + w * h, -g / sigma_0), g / sigma_0)
+            third = min(max(third + w * h / spread, -g / sigma_0), g / sigma_0)
             z = z_next
+            mean = z + sharpness * ((first + second + third) / 3.0 - z)
+            bristle = sigma_0 * mean + sigma_1 * (mean - mean_before) / h
             viscous = plant[base + 3] * w_felt
             before = w
             w += h * (tau - viscous - bristle + u) / inertia

@@ -10,7 +10,7 @@ from scipy.ndimage import median_filter, uniform_filter1d
 
 from .observer import Contribution, Job, Observation, Plant, shifted
 from .problem import Problem, Weights, improved
-from .track import FloatArray, Track, smooth_derivative
+from .track import FloatArray, Track, smooth_derivative, without_spikes
 
 __all__ = ["Nulls", "make_nulls"]
 
@@ -109,7 +109,11 @@ def _smooth(track: Track) -> FloatArray:
 def _null(track: Track, position: FloatArray, applied: FloatArray, scale: float, rng: np.random.Generator) -> Track:
     """The recording of a joint moved along `position` by `applied`: fresh noise, rounding and a small delay."""
     torque = shifted(applied, rng.normal(0.0, _DELAY_SPREAD) / track.dt)
-    torque = torque + scale * track.torque_noise.draw(track.size, rng)
+    if track.jitter > 0.0:
+        late = track.jitter / track.dt * rng.standard_normal(track.size)
+        torque, position = torque + late * np.gradient(torque), position + late * np.gradient(position)
+    noise = track.torque_noise
+    torque = without_spikes(torque + scale * noise.draw(track.size, rng), scale * noise.size)
     if track.resolution > 0.0:
         position = np.round(position / track.resolution + rng.uniform()) * track.resolution
     return replace(track, position=position, torque=torque, velocity=smooth_derivative(position, track.dt))

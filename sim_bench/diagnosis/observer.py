@@ -32,6 +32,8 @@ class Plant:
         lag: Time by which the friction level follows the velocity [s].
         delay: Time by which the recorded torque is late [s].
         stribeck_exponent: Exponent of the falling part, for both directions.
+        sharpness: Share of the bristle that yields abruptly instead of gradually, 0 to 1.
+        spread: Quotient of the stiffnesses of its neighbouring elements, at least 1.
     """
 
     inertia: float
@@ -44,11 +46,14 @@ class Plant:
     lag: float = 0.0
     delay: float = 0.0
     stribeck_exponent: float = 2.0
+    sharpness: float = 0.0
+    spread: float = 1.0
 
     def slots(self) -> FloatArray:
         """Numbers in the order that the kernel takes."""
         exponent = self.stribeck_exponent
-        values = (self.inertia, *self.forward, exponent, *self.reverse, exponent, self.sigma_0, self.sigma_1, self.lag)
+        curves = (*self.forward, exponent, *self.reverse, exponent)
+        values = (self.inertia, *curves, self.sigma_0, self.sigma_1, self.lag, self.sharpness, self.spread)
         assert len(values) == len(FRICTION_SLOTS)
         return np.array(values)
 

@@ -19,6 +19,17 @@ FloatArray = NDArray[np.float64]
 _VELOCITY_WINDOW = 0.021  # [s] longest Savitzky-Golay window that keeps the reversals of a joint
 _SPIKE = 5.0  # noise deviations from the median of seven samples, beyond which a sample is no measurement
 _SHORTEST_WINDOW = 7  # samples, for slow recordings
+_FEW = 0.1  # share of moving samples below which resting ones are used as well
+# Student's noise: degrees of freedom; robust over true deviation of its second differences, and their 0.99 quantile
+# over their median (four million draws each). The last one stands for normal noise.
+_STUDENT = (
+    (2.5, 0.613, 6.9),
+    (3.0, 0.748, 5.8),
+    (4.0, 0.855, 5.0),
+    (5.0, 0.898, 4.6),
+    (7.0, 0.937, 4.3),
+    (np.inf, 1.0, 0.0),
+)
 
 
 class TorqueNoise(NamedTuple):
@@ -28,11 +39,13 @@ class TorqueNoise(NamedTuple):
         white: Standard deviation of its white part [N·m].
         coloured: Standard deviation of its first-order part [N·m].
         memory: Correlation of the first-order part from sample to sample.
+        freedom: Degrees of freedom of its Student distribution; infinite for normal noise.
     """
 
     white: float
     coloured: float
     memory: float
+    freedom: float = np.inf
 
     @property
     def size(self) -> float:
@@ -42,6 +55,8 @@ class TorqueNoise(NamedTuple):
     def draw(self, size: int, rng: np.random.Generator) -> FloatArray:
         """A sample of the noise [N·m]. Shape (size,)."""
         noise = self.white * rng.standard_normal(size)
+        if np.isfinite(self.freedom):
+            noise = self.white * np.sqrt(1.0 - 2.0 / self.freedom) * rng.standard_t(self.freedom, size)
         if self.coloured > 0.0:
             kick = self.coloured * np.sqrt(1.0 - self.memory**2)
             noise = noise + lfilter([kick], [1.0, -self.memory], rng.standard_normal(size + 500))[500:]
@@ -59,6 +74,7 @@ class Track:
         torque: Recorded torque [N·m], [N] or the recording's own unit. Shape (n,).
         resolution: Encoder step found in `position` [rad] or [m]; 0 where none is visible.
         torque_noise: White and coloured part of the torque's noise.
+        jitter: Standard deviation of the instants at which the samples were taken [s].
         rotary: Whether gravity depends on the sine of the position.
         channels: Further columns by name (load_torque, temperature, ...). Each of shape (n,).
         name: What to call this recording.
@@ -73,6 +89,7 @@ class Track:
     rotary: bool = True
     channels: Mapping[str, FloatArray] = field(default_factory=dict)
     name: str = "recording"
+    jitter: float = 0.0
 
     @property
     def size(self) -> int:
@@ -96,17 +113,19 @@ class Track:
         name: str = "recording",
     ) -> Track:
         """Estimate velocity, encoder step and torque noise from the samples, and take lone spikes out of the torque."""
-        noise = torque_noise(torque)
+        velocity = smooth_derivative(position, dt)
+        noise = torque_noise(torque, calm_samples(position, velocity, dt))
         return cls(
             dt=dt,
             position=position,
-            velocity=smooth_derivative(position, dt),
+            velocity=velocity,
             torque=without_spikes(torque, noise.size),
             resolution=encoder_step(position),
             torque_noise=noise,
             rotary=rotary,
             channels=dict(channels or {}),
             name=name,
+            jitter=sampling_jitter(position, velocity),
         )
 
 
@@ -137,14 +156,60 @@ def without_spikes(values: FloatArray, noise: float) -> FloatArray:
     return np.where(np.abs(values - middle) > limit, middle, values)
 
 
-def torque_noise(values: FloatArray) -> TorqueNoise:
-    """White and first-order coloured noise in a smooth signal, from its second differences over 1 to 8 samples."""
+def calm_samples(position: FloatArray, velocity: FloatArray, dt: float) -> NDArray[np.bool_]:
+    """The half of the moving samples in which the motion changes least, where torque is smoothest. Shape (n,)."""
+    samples = min(max(_SHORTEST_WINDOW, 2 * round(3.0 * _VELOCITY_WINDOW / dt / 2) + 1), position.size // 2 * 2 - 1)
+    jerk = np.abs(savgol_filter(position, samples, 4, deriv=3))
+    moving = np.abs(velocity) > 0.02 * np.quantile(np.abs(velocity), 0.98)
+    if np.mean(moving) < _FEW:
+        moving = np.ones(position.size, dtype=bool)
+    calm: NDArray[np.bool_] = moving & (jerk <= np.median(jerk[moving]))
+    return calm
+
+
+def sampling_jitter(position: FloatArray, velocity: FloatArray) -> float:
+    """How unevenly the samples were taken [s]: the white noise of the position that grows with speed.
+
+    Fourth differences hold next to nothing of a smooth motion; where they are not white after all, there is no
+    telling noise from motion and the answer is 0.
+    """
+    fourth, fifth = np.diff(position, 4), np.diff(position, 5)
+    speed = np.abs(velocity[2:-2])
+    moving = speed > 0.05 * np.quantile(speed, 0.98)
+    if np.sum(moving) < 100:
+        return 0.0
+    edges = np.quantile(speed[moving], np.linspace(0.0, 1.0, 7))
+    squares, variances = [], []
+    for low, high in zip(edges[:-1], edges[1:], strict=True):
+        inside = (speed >= low) & (speed <= high)
+        four, five = (np.median(np.abs(one[inside[: one.size]])) / 0.6745 for one in (fourth, fifth))
+        if five**2 < 0.7 * 3.6 * four**2:
+            return 0.0
+        squares.append(float(np.mean(speed[inside] ** 2)))
+        variances.append(float(four**2 / 70.0))
+    A = np.stack([np.ones(len(squares)), np.array(squares)], axis=1)
+    weight = 1.0 / np.maximum(np.array(variances), 1e-30)
+    found, _ = nnls(A * weight[:, None], np.array(variances) * weight)
+    return float(np.sqrt(found[1]))
+
+
+def torque_noise(values: FloatArray, calm: NDArray[np.bool_] | None = None) -> TorqueNoise:
+    """White and first-order coloured noise in a signal, from its second differences over 1 to 8 samples.
+
+    Args:
+        values: The signal. Shape (n,).
+        calm: Samples where the signal itself is smooth; None for all. Shape (n,).
+    """
     spans = np.array([1, 2, 3, 5, 8])
-    variance = np.array(
-        [(np.median(np.abs(values[2 * k :] - 2 * values[k:-k] + values[: -2 * k])) / 0.6745) ** 2 for k in spans]
-    )
-    if values.size < 100 or variance[0] <= 0.0:
+    if values.size < 100:
         return TorqueNoise(0.0, 0.0, 0.0)
+    use = np.ones(values.size, dtype=bool) if calm is None else calm
+    second = [np.abs(values[2 * k :] - 2 * values[k:-k] + values[: -2 * k])[use[k:-k]] for k in spans]
+    variance = np.array([(np.median(one) / 0.6745) ** 2 for one in second])
+    if variance[0] <= 0.0:
+        return TorqueNoise(0.0, 0.0, 0.0)
+    freedom, robust = _tails(float(np.quantile(second[0], 0.99) / np.median(second[0])))
+    variance /= robust**2
     best: tuple[float, TorqueNoise] | None = None
     for memory in (0.0, 0.3, 0.5, 0.65, 0.8, 0.9, 0.95, 0.98):
         coloured = 6.0 - 8.0 * memory**spans + 2.0 * memory ** (2 * spans)
@@ -152,6 +217,13 @@ def torque_noise(values: FloatArray) -> TorqueNoise:
         found, misfit = nnls(np.stack(parts, axis=1) / variance[:, None], np.ones(spans.size))
         white, colour = found[0], found[-1] if memory > 0.0 else 0.0
         if best is None or misfit < 0.9 * best[0]:
-            best = (float(misfit), TorqueNoise(float(np.sqrt(white)), float(np.sqrt(colour)), memory))
+            best = (float(misfit), TorqueNoise(float(np.sqrt(white)), float(np.sqrt(colour)), memory, freedom))
     assert best is not None
     return best[1]
+
+
+def _tails(spread: float) -> tuple[float, float]:
+    """Degrees of freedom of a Student distribution, and its robust over its true deviation, from the quotient of the
+    0.99 quantile and the median of the absolute second differences."""
+    index = int(np.searchsorted(-np.array([one[2] for one in _STUDENT]), -spread))
+    return _STUDENT[min(index, len(_STUDENT) - 1)][:2]
