@@ -1,6 +1,7 @@
 """Adapters: buses and drives behind one interface, with the safety gate inside."""
 
-from .adapter import AdapterOptions, JointAdapter
+from .adapter import JointAdapter
+from .options import AdapterOptions
 from .registry import ENTRY_POINT_GROUP, adapter_class, adapter_names, open_adapter
 from .transmission import Transmission
 

@@ -3,46 +3,25 @@
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import TracebackType
 from typing import Self, final
 
-from fricomp.control import JointLimits, SafetyGate, TripReason
-from fricomp.errors import AdapterError, DriveFault
-from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, JointFeedback, MonotonicClock
+from fricomp.control import SafetyGate
+from fricomp.errors import AdapterError
+from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, JointFeedback
 
 from .acceptance import check_counts, check_limits, check_rate, check_watchdog, raise_own
 from .drive_side import DriveSide
-from .driver import Driver
+from .options import AdapterOptions
 from .reference import ReferenceLimiter
+from .stopping import StoppableDriver, reason_of
 from .transmission import Transmission
 
-__all__ = ["STOP_PATIENCE", "AdapterOptions", "JointAdapter"]
-
-STOP_PATIENCE = 0.05
-"""How long a stop waits for a write in progress before it goes out beside it [s]; a write takes far less."""
+__all__ = ["JointAdapter"]
 
 
-@dataclass(frozen=True)
-class AdapterOptions:
-    """How an adapter is run, whatever the bus.
-
-    Attributes:
-        limits: One for each joint; nothing beyond them reaches a drive.
-        transmissions: Motor to joint, one for each joint; None where the drive reports the joint side already.
-        ramp_time: Time over which torque may rise to its limit after enabling [s].
-        stale_after: Age at which feedback counts as lost [s].
-        allow_no_watchdog: Enable a drive that would keep its last torque if the bus fell silent.
-    """
-
-    limits: tuple[JointLimits, ...]
-    transmissions: tuple[Transmission, ...] | None = None
-    ramp_time: float = 0.2
-    stale_after: float = 0.02
-    allow_no_watchdog: bool = False
-
-
-class JointAdapter(Driver):
+class JointAdapter(StoppableDriver):
     """N joints on a bus. The order is open, configure, enable, then write and read every cycle, and close.
 
     The public methods are final: they hold the safety gate, the transmission and the order of calls. A driver
@@ -57,15 +36,9 @@ class JointAdapter(Driver):
     """
 
     def __init__(self, options: AdapterOptions, clock: Clock | None = None) -> None:
-        self.options = options
-        self.clock: Clock = clock or MonotonicClock()
-        self._lock = threading.Lock()
-        self._lock_owner = 0
+        super().__init__(options, clock)
         self._capabilities: Capabilities | None = None
         self._mode: CommandMode = "torque"
-        self._gate: SafetyGate | None = None
-        self._enabled = False
-        self._stop_failure = ""
 
     # -- what users call --------------------------------------------------------------------------------
 
@@ -194,7 +167,7 @@ class JointAdapter(Driver):
                 if self._admit(command, gate):
                     self._write(self._drive.command_from_joint(), self._mode)
             except BaseException as error:
-                gate.trip(_reason_of(error), str(error) or repr(error), self.clock.now_ns())
+                gate.trip(reason_of(error), str(error) or repr(error), self.clock.now_ns())
                 raise_own(error)
             finally:
                 self._lock_owner = 0
@@ -218,7 +191,7 @@ class JointAdapter(Driver):
         try:
             fresh = self._read_into(self._drive.feedback)
         except BaseException as error:
-            self._trip(_reason_of(error), str(error) or repr(error))
+            self._trip(reason_of(error), str(error) or repr(error))
             self.safe_stop()
             raise_own(error)
         if fresh:
@@ -229,19 +202,6 @@ class JointAdapter(Driver):
             if gate.tripped:
                 self.safe_stop()
         return fresh
-
-    @final
-    def safe_stop(self, reason: str = "") -> None:
-        """Zero torque, now. From any thread, any number of times; never raises. Nothing queued follows it."""
-        self._trip("stop", reason or "stopped")
-        if self._lock_owner == threading.get_ident() and self._lock.locked():
-            return  # a signal handler inside this thread's own write: that write stops the joints as it ends
-        held = self._lock.acquire(timeout=STOP_PATIENCE)  # a writer hung in a bus library must not hold up the stop
-        try:
-            self._halt()
-        finally:
-            if held:
-                self._lock.release()
 
     @final
     def clear_faults(self) -> None:
@@ -259,22 +219,6 @@ class JointAdapter(Driver):
             if self._gate is not None:
                 self._gate.reset()
             self._stop_failure = ""
-
-    @property
-    @final
-    def gate(self) -> SafetyGate:
-        """The safety gate, for its record of trips.
-
-        Raises:
-            AdapterError: Not configured.
-        """
-        return self._configured_gate()
-
-    @property
-    @final
-    def enabled(self) -> bool:
-        """Whether the joints are energised, as far as this side knows."""
-        return self._enabled
 
     @final
     def health(self) -> dict[str, float | str]:
@@ -304,16 +248,6 @@ class JointAdapter(Driver):
 
     # -- inside -----------------------------------------------------------------------------------------
 
-    def _configured_gate(self) -> SafetyGate:
-        if self._gate is None:
-            raise AdapterError("the adapter is not configured: call configure(mode, period) first")
-        return self._gate
-
-    def _trip(self, reason: TripReason, detail: str) -> None:
-        """Latch the gate, if the joints are energised."""
-        if self._gate is not None and self._enabled:
-            self._gate.trip(reason, detail, self.clock.now_ns())
-
     def _admit(self, command: JointCommand, gate: SafetyGate) -> bool:
         """Fill the drives' command, still joint side, with what may be sent."""
         if gate.tripped or not gate.admit(command.torque, self._drive.command.torque, self.clock.now_ns()):
@@ -334,37 +268,8 @@ class JointAdapter(Driver):
             if not self._references.start_at(feedback.position):
                 raise AdapterError(f"positions {feedback.position} are not known yet: read_into() once before enable()")
 
-    def _raise_if_stopped(self) -> None:
-        """For loops of a driver that wait while enabling: raises `SafetyTrip` once somebody has stopped the joints."""
-        self._configured_gate().raise_if_tripped()
-
-    def _halt(self) -> None:
-        if self._enabled:
-            self._stop_drives()
-
-    def _stop_drives(self) -> None:
-        """Stop the drives; a stop that fails is tried once more, and recorded."""
-        self._enabled = False
-        for _ in range(2):
-            try:
-                self._stop()
-                return
-            except Exception as error:
-                self._stop_failure = f"the stop did not reach the drive: {error}"
-            except BaseException:  # interrupted in the middle of a stop: finish it first
-                self._stop()
-                raise
-        if self._gate is not None:
-            self._gate.trip("link", self._stop_failure, self.clock.now_ns())
-
     def _let_go(self) -> None:
         try:
             self._close()
         except Exception as error:  # closing never raises; what is left belongs to the operating system
             self._stop_failure = self._stop_failure or f"the bus did not close: {error}"
-
-
-def _reason_of(error: BaseException) -> TripReason:
-    if isinstance(error, DriveFault):
-        return "drive_fault"
-    return "link" if isinstance(error, AdapterError) else "exception"

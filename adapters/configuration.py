@@ -12,7 +12,7 @@ import msgspec
 from fricomp.control import JointLimits
 from fricomp.errors import AdapterConfigurationError, ParameterError
 
-from .adapter import AdapterOptions
+from .options import AdapterOptions
 from .transmission import Transmission
 
 __all__ = [

@@ -46,6 +46,8 @@ class DriveSide:
             AdapterValueError: A torque is not finite after the transmission.
         """
         command = self.command
+        if not self._gears:
+            return command  # as the gate has let it through
         for joint, gain, zero, torque_gain in self._gears:
             command.torque[joint] /= torque_gain
             command.velocity[joint] /= gain

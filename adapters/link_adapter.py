@@ -9,8 +9,9 @@ from typing import Generic, Protocol, TypeVar, final
 from fricomp.errors import AdapterConnectionError, AdapterTimeout
 from fricomp.joint import Clock, JointFeedback
 
-from .adapter import AdapterOptions, JointAdapter
+from .adapter import JointAdapter
 from .arrivals import Arrivals
+from .options import AdapterOptions
 
 __all__ = ["POLL_INTERVAL", "LinkAdapter"]
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Mapping
-from math import isfinite
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Self
 
 from fricomp.errors import AdapterConfigurationError, AdapterError, AdapterTimeout, AdapterValueError, DriveFault
@@ -29,6 +28,7 @@ from .control_table import (
     STATUS_RETURN_LEVEL,
     TORQUE_ENABLE,
     VELOCITY_COUNT,
+    WARMTH,
     WATCHDOG_COUNT,
     Item,
     Model,
@@ -36,14 +36,15 @@ from .control_table import (
 )
 from .packet import (
     Instruction,
-    PacketBuffer,
     StatusPacket,
+    SyncWriter,
     encode_packet,
     read_packet,
     sync_read_packet,
     sync_write_packet,
     write_packet,
 )
+from .packet_buffer import PacketBuffer
 
 __all__ = ["DynamixelAdapter", "DynamixelConfiguration", "DynamixelJointConfiguration"]
 
@@ -53,8 +54,10 @@ FAULT_NOT_ENABLED = 0x100
 REST_PERIOD_NS = 5_000_000
 CONDITION_PERIOD_NS = 50_000_000
 REBOOT_TIME = 0.5  # until a servo answers again [s]
-STATE_LAYOUT = struct.Struct("<hii8xHB")
-COUNT_BOUND = {2: 0x7FFF, 4: 0x7FFFFFFF}
+STATE_LAYOUT = struct.Struct("<hii")
+LARGEST_GOAL = {2: 0x7FFF, 4: 0x7FFFFFFF}
+# Of a status packet beside its data, and of the one that asks for it.
+STATUS_BYTES = 11
 
 
 class DynamixelJointConfiguration(JointConfiguration, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -103,8 +106,15 @@ class DynamixelAdapter(SerialAdapter):
         self._servos = bytes(joint.id for joint in configuration.joints)
         self._joint_of = {servo: joint for joint, servo in enumerate(self._servos)}
         self._torque_counts = [1.0] * len(self._servos)
+        self._current_counts = [1.0] * len(self._servos)
         self._state_request = sync_read_packet(*STATE, self._servos)
-        self._condition_request = sync_read_packet(*CONDITION, self._servos)
+        self._condition_request = b"".join(sync_read_packet(*item, self._servos) for item in (CONDITION, WARMTH))
+        self._goal_counts: dict[CommandMode, Sequence[float]] = {
+            "torque": self._torque_counts,
+            "velocity": [VELOCITY_COUNT] * len(self._servos),
+            "position": [POSITION_COUNT] * len(self._servos),
+        }
+        self._writers = {mode: SyncWriter(*goal, self._servos) for mode, goal in GOALS.items()}
         self._buffer = PacketBuffer()
         self._awaited: tuple[int, int] | None = None
         self._answer: StatusPacket | None = None
@@ -122,31 +132,34 @@ class DynamixelAdapter(SerialAdapter):
     # -- receiving ------------------------------------------------------------------------------------------
 
     def _on_bytes(self, data: bytes) -> None:
+        joint_of, n_state = self._joint_of, STATE.size
         for packet in self._buffer.take(data):
-            joint = self._joint_of.get(packet.identifier)
+            identifier, error, content = packet
+            joint = joint_of.get(identifier)
             if joint is None:
                 continue
-            if self._awaited is not None and self._is_awaited(packet, *self._awaited):
+            if len(content) == n_state:
+                self._take_state(joint, error, content)
+            elif self._awaited is not None and self._is_awaited(packet, *self._awaited):
                 self._awaited, self._answer = None, packet
-            elif len(packet.data) == STATE.size:
-                self._take_state(joint, packet)
-            elif len(packet.data) == CONDITION.size:
+            elif len(content) == CONDITION.size:
                 self._take_condition(joint, packet)
+            elif len(content) == WARMTH.size:
+                self._reported.temperature[joint] = float(content[-1])
 
     def _is_awaited(self, packet: StatusPacket, servo: int, n_bytes: int) -> bool:
         """A refusal comes without data; states that were asked for before have another length."""
         refused = packet.error & ERROR_MASK and not packet.data
         return packet.identifier == servo and (len(packet.data) == n_bytes or bool(refused))
 
-    def _take_state(self, joint: int, packet: StatusPacket) -> None:
-        current, velocity, position, _voltage, temperature = STATE_LAYOUT.unpack(packet.data)
-        reported, count = self._reported, self._torque_counts[joint]
-        constant = self._configuration.joints[joint].torque_constant or 1.0
-        reported.torque[joint], reported.current[joint] = current * count, current * count / constant
+    def _take_state(self, joint: int, error: int, data: bytes) -> None:
+        current, velocity, position = STATE_LAYOUT.unpack(data)
+        reported = self._reported
+        reported.torque[joint] = current * self._torque_counts[joint]
+        reported.current[joint] = current * self._current_counts[joint]
         reported.velocity[joint] = velocity * VELOCITY_COUNT
         reported.position[joint] = position * POSITION_COUNT
-        reported.temperature[joint] = float(temperature)
-        if packet.error & ALERT:
+        if error & ALERT:
             reported.fault[joint] = self._hardware_errors[joint] or ALERT
         self._arrivals.mark(joint)
 
@@ -215,6 +228,7 @@ class DynamixelAdapter(SerialAdapter):
             raise AdapterConfigurationError(
                 f"joint {named.name!r}: servo {servo} is a {model.name}, which cannot control current; able are {able}"
             )
+        self._current_counts[joint] = model.current_count
         self._torque_counts[joint] = count = model.current_count * (named.torque_constant or 1.0)
         return JointCapabilities(
             named.name,
@@ -227,10 +241,11 @@ class DynamixelAdapter(SerialAdapter):
 
     def _highest_rate(self) -> float:
         baudrate, n_joints = self._configuration.serial.baudrate, len(self._servos)
-        goals = sync_write_packet(GOALS["position"].address, dict.fromkeys(self._servos, bytes(4)))
-        condition = 0.1 * (len(self._condition_request) + n_joints * (CONDITION.size + 11))
-        n_bytes = len(goals) + len(self._state_request) + n_joints * (STATE.size + 11) + condition
-        return BusBudget([serial_time(round(n_bytes), baudrate)]).highest_rate
+        goals = self._writers["position"].encode([0] * n_joints)
+        cycle = len(goals) + len(self._state_request) + n_joints * (STATE.size + STATUS_BYTES)
+        slow = len(self._condition_request) + n_joints * (CONDITION.size + WARMTH.size + 2 * STATUS_BYTES)
+        load = serial_time(slow, baudrate) / (CONDITION_PERIOD_NS * 1e-9)
+        return BusBudget([serial_time(cycle, baudrate)], load).highest_rate
 
     def _configure(self, mode: CommandMode, period: float) -> None:
         self._mode_in_use, self._running = mode, False
@@ -269,30 +284,26 @@ class DynamixelAdapter(SerialAdapter):
         for servo in self._servos:
             if self._read_item(servo, TORQUE_ENABLE) != 1:
                 raise AdapterError(f"servo {servo} does not switch its torque on")
-        self._condition_ns = self.clock.now_ns()
         self._running = True
 
     def _write(self, command: JointCommand, mode: CommandMode) -> None:
-        goals = {servo: self._goal(joint, command, mode) for joint, servo in enumerate(self._servos)}
-        packets = sync_write_packet(GOALS[mode].address, goals) + self._state_request
-        now = self.clock.now_ns()
-        if now - self._condition_ns > CONDITION_PERIOD_NS:
-            self._condition_ns = now
-            packets += self._condition_request
-        self._send(packets)
+        counts = encode_goals(getattr(command, mode), self._goal_counts[mode], GOALS[mode].size)
+        self._send(self._writers[mode].encode(counts) + self._state_request)
+        self._ask_condition()
 
-    def _goal(self, joint: int, command: JointCommand, mode: CommandMode) -> bytes:
-        if mode == "torque":
-            return encode_goal(command.torque[joint], self._torque_counts[joint], 2)
-        if mode == "velocity":
-            return encode_goal(command.velocity[joint], VELOCITY_COUNT, 4)
-        return encode_goal(command.position[joint], POSITION_COUNT, 4)
+    def _ask_condition(self) -> None:
+        """Ask for the condition of the servos when it is due."""
+        now = self.clock.now_ns()
+        if now - self._condition_ns >= CONDITION_PERIOD_NS:
+            self._condition_ns = now
+            self._send(self._condition_request)
 
     def _read_into(self, feedback: JointFeedback) -> bool:
         now = self.clock.now_ns()
         if not self.enabled and now - self._rested_ns > REST_PERIOD_NS:
             self._rested_ns = now
             self._send(self._state_request)
+            self._ask_condition()
         self._pump()
         return self._take_reported(feedback)
 
@@ -334,13 +345,17 @@ class DynamixelAdapter(SerialAdapter):
         return {"damaged_packets": float(self._buffer.n_damaged)}
 
 
-def encode_goal(value: float, count: float, n_bytes: int) -> bytes:
-    """The nearest count; what is beyond the range gets its edge.
+def encode_goals(values: Sequence[float], counts: Sequence[float], n_bytes: int) -> list[int]:
+    """Values in the nearest whole numbers of their counts; what is beyond the bytes of a goal gets their edge.
 
     Raises:
-        AdapterValueError: `value` is not finite.
+        AdapterValueError: A value is not finite.
     """
-    if not isfinite(value):
-        raise AdapterValueError(f"{value} cannot be sent to a servo")
-    bound = COUNT_BOUND[n_bytes]
-    return round(min(max(value / count, -bound), bound)).to_bytes(n_bytes, "little", signed=True)
+    try:
+        goals = [round(value / count) for value, count in zip(values, counts, strict=True)]
+    except (ValueError, OverflowError) as error:
+        raise AdapterValueError(f"{list(values)} cannot be sent to servos: {error}") from error
+    bound = LARGEST_GOAL[n_bytes]
+    if max(goals) > bound or min(goals) < -bound:
+        return [min(max(goal, -bound), bound) for goal in goals]
+    return goals

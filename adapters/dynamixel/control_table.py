@@ -38,10 +38,11 @@ HARDWARE_ERROR = Item(70, 1)
 BUS_WATCHDOG = Item(98, 1)  # 20 ms a count; 255 once it has fired
 GOAL_CURRENT, GOAL_VELOCITY, GOAL_POSITION = Item(102, 2), Item(104, 4), Item(116, 4)
 
-# From the present current (126) to the present temperature (146), in one piece.
-STATE = Item(126, 21)
-# From torque enable (64) to hardware error (70).
+# Present current, velocity and position in one piece: what every cycle asks for.
+STATE = Item(126, 10)
+# Torque enable (64) to hardware error (70), and voltage with temperature: slower, and told apart by their length.
 CONDITION = Item(64, 7)
+WARMTH = Item(144, 3)
 
 MODES: Mapping[CommandMode, int] = {"torque": 0, "velocity": 1, "position": 4}
 GOALS: Mapping[CommandMode, Item] = {"torque": GOAL_CURRENT, "velocity": GOAL_VELOCITY, "position": GOAL_POSITION}

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import struct
+from collections.abc import Mapping, Sequence
 from enum import IntEnum
-from functools import cache, reduce
-from operator import getitem, xor
 from typing import NamedTuple
+
+from .checksum import add_to_crc, compute_crc, head_crc, position_tables
 
 __all__ = [
     "BROADCAST",
+    "HEADER",
+    "HEADER_LIKE",
+    "STATUS",
+    "STUFFED",
     "Instruction",
-    "PacketBuffer",
     "StatusPacket",
-    "compute_crc",
+    "SyncWriter",
     "encode_packet",
     "read_packet",
     "sync_read_packet",
@@ -22,11 +26,10 @@ __all__ = [
 ]
 
 HEADER = b"\xff\xff\xfd\x00"
+# What looks like a header within a packet, and how it is written so that it does not.
+HEADER_LIKE, STUFFED = b"\xff\xff\xfd", b"\xff\xff\xfd\xfd"
 BROADCAST = 0xFE
 STATUS = 0x55
-SHORTEST, LONGEST = 4, 512
-POLYNOMIAL = 0x8005
-LONGEST_TABLED = 64  # states of servos are 30 bytes; what is longer is rare
 
 
 class Instruction(IntEnum):
@@ -53,41 +56,9 @@ class StatusPacket(NamedTuple):
     data: bytes
 
 
-def _make_table() -> tuple[int, ...]:
-    table = []
-    for byte in range(256):
-        crc = byte << 8
-        for _ in range(8):
-            crc = (crc << 1 ^ (POLYNOMIAL if crc & 0x8000 else 0)) & 0xFFFF
-        table.append(crc)
-    return tuple(table)
-
-
-CRC_TABLE = _make_table()
-
-
-@cache
-def _position_tables(n_bytes: int) -> tuple[tuple[int, ...], ...]:
-    """What each byte of a string contributes to its CRC, by its place: the CRC is linear, and starts from 0."""
-    tables = [CRC_TABLE]
-    while len(tables) < n_bytes:  # one more zero byte behind it
-        tables.append(tuple((crc << 8 & 0xFF00) ^ CRC_TABLE[crc >> 8] for crc in tables[-1]))
-    return tuple(reversed(tables[:n_bytes]))
-
-
-def compute_crc(data: bytes) -> int:
-    """CRC-16 with polynomial 0x8005 from 0."""
-    if len(data) <= LONGEST_TABLED:
-        return reduce(xor, map(getitem, _position_tables(len(data)), data), 0)
-    crc = 0
-    for byte in data:
-        crc = (crc << 8 & 0xFF00) ^ CRC_TABLE[crc >> 8 ^ byte]
-    return crc
-
-
 def encode_packet(identifier: int, instruction: int, parameters: bytes = b"") -> bytes:
     """A whole packet; FF FF FD inside is stuffed, so that it does not look like a header."""
-    body = (bytes((instruction,)) + parameters).replace(b"\xff\xff\xfd", b"\xff\xff\xfd\xfd")
+    body = (bytes((instruction,)) + parameters).replace(HEADER_LIKE, STUFFED)
     packet = HEADER + bytes((identifier,)) + (len(body) + 2).to_bytes(2, "little") + body
     return packet + compute_crc(packet).to_bytes(2, "little")
 
@@ -118,41 +89,32 @@ def sync_write_packet(address: int, values: Mapping[int, bytes]) -> bytes:
     return encode_packet(BROADCAST, Instruction.SYNC_WRITE, _words(address, n_bytes) + data)
 
 
-class PacketBuffer:
-    """Finds status packets in bytes as they come; what is damaged is dropped and counted."""
+class SyncWriter:
+    """The packet that writes the same address of the same servos, cycle after cycle: only the values change.
 
-    def __init__(self) -> None:
-        self._bytes = bytearray()
-        self.n_damaged = 0
+    Args:
+        address: Where.
+        n_bytes: Of each value, 2 or 4.
+        identifiers: Of the servos.
+    """
 
-    def take(self, data: bytes) -> list[StatusPacket]:
-        """The packets that are complete now."""
-        self._bytes += data
-        packets: list[StatusPacket] = []
-        while (size := self._find()) is not None:
-            packet = bytes(self._bytes[:size])
-            if int.from_bytes(packet[-2:], "little") != compute_crc(packet[:-2]):
-                self.n_damaged += 1
-                del self._bytes[:1]  # the next header may lie inside
-                continue
-            del self._bytes[:size]
-            body = packet[7:-2].replace(b"\xff\xff\xfd\xfd", b"\xff\xff\xfd")
-            if body[0] == STATUS and len(body) >= 2:
-                packets.append(StatusPacket(packet[4], body[1], body[2:]))
-        return packets
+    def __init__(self, address: int, n_bytes: int, identifiers: bytes) -> None:
+        self._address = address
+        self._layout = struct.Struct("<" + {2: "Bh", 4: "Bi"}[n_bytes] * len(identifiers))
+        self._fields = [0] * (2 * len(identifiers))
+        self._fields[0::2] = identifiers
+        whole = sync_write_packet(address, dict.fromkeys(identifiers, bytes(n_bytes)))
+        self._head = whole[: -2 - self._layout.size]
+        self._head_crc = head_crc(self._head, self._layout.size)
+        self._tables = position_tables(self._layout.size)
 
-    def _find(self) -> int | None:
-        """Move to the next header; size of its packet once all of it is there."""
-        while True:
-            start = self._bytes.find(HEADER)
-            if start < 0:
-                del self._bytes[: max(len(self._bytes) - 3, 0)]
-                return None
-            del self._bytes[:start]
-            if len(self._bytes) < 7:
-                return None
-            length = int.from_bytes(self._bytes[5:7], "little")
-            if SHORTEST <= length <= LONGEST:
-                return length + 7 if len(self._bytes) >= length + 7 else None
-            self.n_damaged += 1
-            del self._bytes[:1]
+    def encode(self, counts: Sequence[int]) -> bytes:
+        """The packet; each value must fit into its bytes."""
+        fields = self._fields
+        fields[1::2] = counts
+        values = self._layout.pack(*fields)
+        if HEADER_LIKE in values:
+            n_bytes = len(values) // len(counts)
+            parts = (values[at : at + n_bytes] for at in range(0, len(values), n_bytes))
+            return sync_write_packet(self._address, {part[0]: part[1:] for part in parts})
+        return self._head + values + add_to_crc(self._head_crc, values, self._tables).to_bytes(2, "little")

@@ -19,8 +19,8 @@ from .codec import (
     QUERY,
     STOP,
     MoteusState,
-    MoteusText,
-    decode_answer,
+    decode_state,
+    decode_text,
     encode_command,
     encode_text,
     pad,
@@ -35,6 +35,7 @@ REST_PERIOD_NS = 5_000_000
 SETTLING_NS = 20_000_000
 TIMEOUT_STOPS = 0  # servo.timeout_mode: the delivered 12 would brake actively
 USB_BAUDRATE = 12_000_000
+NOTHING_TO_TELL = (b"OK", b"OK\r", b"")
 
 
 class MoteusConfiguration(SerialAdapterConfiguration, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -97,27 +98,31 @@ class MoteusAdapter(SerialAdapter):
     # -- receiving ------------------------------------------------------------------------------------------
 
     def _on_bytes(self, data: bytes) -> None:
+        joint_of = self._joint_of
         for line in self._lines.take(data):
+            if len(line) <= 3 and line in NOTHING_TO_TELL:
+                continue
             frame = decode_line(line)
-            joint = None if frame is None else self._joint_of.get(frame.source)
+            joint = None if frame is None else joint_of.get(frame.source)
             if frame is None or joint is None:
                 self.n_damaged += not line.startswith(b"OK") and bool(line.strip())
                 continue
-            answer = decode_answer(frame.data)
-            if isinstance(answer, MoteusState):
-                self._take_state(joint, answer)
-            elif isinstance(answer, MoteusText):
-                self._texts[joint] = (self._texts[joint] + answer.data)[-4 * LONGEST_TEXT :]
+            state = decode_state(frame.data)
+            if state is not None:
+                self._take_state(joint, state)
+            elif (text := decode_text(frame.data)) is not None:
+                self._texts[joint] = (self._texts[joint] + text)[-4 * LONGEST_TEXT :]
             else:
                 self.n_damaged += 1
 
     def _take_state(self, joint: int, state: MoteusState) -> None:
         reported = self._reported
-        reported.position[joint], reported.velocity[joint] = state.position, state.velocity
-        reported.torque[joint], reported.temperature[joint] = state.torque, state.temperature
-        wrong_mode = self._running and state.mode != MODE_POSITION
-        reported.fault[joint] = state.fault or (FAULT_MODE + state.mode if wrong_mode else 0)
-        self._modes[joint] = state.mode
+        mode, reported.position[joint], reported.velocity[joint], torque, temperature, fault = state
+        reported.torque[joint], reported.temperature[joint] = torque, temperature
+        if self._running and mode != MODE_POSITION and not fault:
+            fault = FAULT_MODE + mode
+        reported.fault[joint] = fault
+        self._modes[joint] = mode
         self._arrivals.mark(joint)
 
     # -- opening and configuring ------------------------------------------------------------------------------

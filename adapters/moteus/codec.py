@@ -7,14 +7,13 @@ like any other, so that values of ours are checked to be finite and the one NaN 
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
 from math import nan, tau
 from typing import NamedTuple
 
 from fricomp.errors import AdapterValueError
 from fricomp.joint import CommandMode
 
-__all__ = ["QUERY", "STOP", "MoteusState", "MoteusText", "decode_answer", "encode_command", "encode_text", "pad"]
+__all__ = ["QUERY", "STOP", "MoteusState", "decode_state", "decode_text", "encode_command", "encode_text", "pad"]
 
 WRITE_INT8, WRITE_FLOAT = 0x00, 0x0C
 READ_INT8, READ_FLOAT = 0x10, 0x1C
@@ -58,13 +57,6 @@ class MoteusState(NamedTuple):
     torque: float
     temperature: float
     fault: int
-
-
-@dataclass(frozen=True)
-class MoteusText:
-    """A piece of text from the diagnostic channel."""
-
-    data: bytes
 
 
 def pad(data: bytes) -> bytes:
@@ -121,31 +113,30 @@ GROUPED = struct.Struct("<2sb2s3f2s3b")
 GROUPED_HEADS = (b"\x21\x00", b"\x2f\x01", b"\x23\x0d")
 
 
-def decode_answer(data: bytes) -> MoteusState | MoteusText | None:
-    """The answer to a query or to text; None if it is neither, or damaged."""
-    values = _decode_state(data)
-    if values is None:
-        if data[:2] == bytes((ANSWER_TO_TEXT, TEXT_CHANNEL)) and len(data) >= 3:
-            return MoteusText(data[3 : 3 + data[2]]) if len(data) >= 3 + data[2] else None
-        found = _decode_registers(data)
-        if not found.keys() >= STATE_REGISTERS:
-            return None
-        values = tuple(found[register] for register in sorted(STATE_REGISTERS))
-    mode, position, velocity, torque, _, temperature, fault = values
-    return MoteusState(int(mode), position * tau, velocity * tau, torque, float(temperature), int(fault))
-
-
-def _decode_state(data: bytes) -> tuple[float, ...] | None:
-    """Mode, position, velocity, torque, voltage, temperature and fault of a healthy answer, at once."""
+def decode_state(data: bytes) -> MoteusState | None:
+    """The answer to a query; None if it is something else, or damaged."""
     if len(data) >= SINGLE.size:
         fields = SINGLE.unpack_from(data)
         if fields[0::2] == SINGLE_HEADS:
-            return fields[1::2]
+            _, mode, _, position, _, velocity, _, torque, _, _, _, temperature, _, fault = fields
+            return MoteusState(mode, position * tau, velocity * tau, torque, temperature, fault)
     if len(data) >= GROUPED.size:
         fields = GROUPED.unpack_from(data)
         if (fields[0], fields[2], fields[6]) == GROUPED_HEADS:
-            return (fields[1], *fields[3:6], *fields[7:10])
-    return None
+            _, mode, _, position, velocity, torque, _, _, temperature, fault = fields
+            return MoteusState(mode, position * tau, velocity * tau, torque, temperature, fault)
+    found = _decode_registers(data)
+    if not found.keys() >= STATE_REGISTERS:
+        return None
+    mode, position, velocity, torque, _, temperature, fault = (found[register] for register in sorted(STATE_REGISTERS))
+    return MoteusState(int(mode), position * tau, velocity * tau, torque, temperature, int(fault))
+
+
+def decode_text(data: bytes) -> bytes | None:
+    """A piece of text from the diagnostic channel; None if it is something else, or damaged."""
+    if data[:2] != bytes((ANSWER_TO_TEXT, TEXT_CHANNEL)) or len(data) < 3 or len(data) < 3 + data[2]:
+        return None
+    return data[3 : 3 + data[2]]
 
 
 def _decode_registers(data: bytes) -> dict[int, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from binascii import hexlify, unhexlify
 from typing import NamedTuple
 
 from fricomp.joint import CommandMode
@@ -28,19 +29,17 @@ class ReceivedFrame(NamedTuple):
 
 def encode_line(destination: int, data: bytes) -> bytes:
     """The line that sends a frame and asks for an answer."""
-    return b"can send %04x %s\n" % (REPLY_WANTED | destination, data.hex().encode("ascii"))
+    return b"can send %04x %s\n" % (REPLY_WANTED | destination, hexlify(data))
 
 
 def decode_line(line: bytes) -> ReceivedFrame | None:
     """The frame in a line; None if it is another line, or damaged."""
     if line[:4] != b"rcv ":
         return None
-    words = line.split()
-    if len(words) < 3:
-        return None
     try:
-        return ReceivedFrame(int(words[1], 16) >> 8 & 0x7F, bytes.fromhex(words[2].decode("ascii")))
-    except (ValueError, UnicodeDecodeError):
+        _, source, data, *_ = line.split(None, 3)
+        return ReceivedFrame(int(source, 16) >> 8 & 0x7F, unhexlify(data))
+    except ValueError:
         return None
 
 
@@ -56,7 +55,7 @@ class CommandLine:
 
     def __init__(self, address: int, mode: CommandMode, highest_torque: float, timeout: float) -> None:
         line = encode_line(address, pad(encode_command(mode, 0.0, 0.0, highest_torque, timeout)))
-        start = line.index(POSITION_HEAD.hex().encode("ascii")) + 2 * len(POSITION_HEAD)
+        start = line.index(hexlify(POSITION_HEAD)) + 2 * len(POSITION_HEAD)
         self._head, self._tail = line[:start], line[start + 2 * REFERENCES.size :]
         self._mode, self._highest = mode, highest_torque
 
@@ -67,7 +66,7 @@ class CommandLine:
             AdapterValueError: A value is not finite, or beyond a 32 bit float.
         """
         values = encode_references(self._mode, torque, reference, self._highest)
-        return self._head + values.hex().encode("ascii") + self._tail
+        return self._head + hexlify(values) + self._tail
 
 
 class LineBuffer:

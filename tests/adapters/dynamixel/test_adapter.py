@@ -11,16 +11,18 @@ from dynamixel_sdk import Protocol2PacketHandler
 
 from fricomp.adapters.configuration import convert
 from fricomp.adapters.dynamixel import DynamixelAdapter
-from fricomp.adapters.dynamixel.adapter import DynamixelConfiguration, encode_goal
+from fricomp.adapters.dynamixel.adapter import DynamixelConfiguration, encode_goals
+from fricomp.adapters.dynamixel.checksum import compute_crc
 from fricomp.adapters.dynamixel.packet import (
-    PacketBuffer,
-    compute_crc,
+    SyncWriter,
     encode_packet,
     read_packet,
     sync_read_packet,
     sync_write_packet,
 )
+from fricomp.adapters.dynamixel.packet_buffer import PacketBuffer
 from fricomp.errors import AdapterConfigurationError, AdapterTimeout, AdapterValueError
+from fricomp.joint import JointFeedback
 from fricomp.sim_bench.adapter_bench.hand_held import HandHeldAxis, SerialBus
 from fricomp.sim_bench.twins.dynamixel import DynamixelServo, DynamixelSettings, DynamixelTwin
 from fricomp.sim_bench.twins.dynamixel_packet import PacketReader
@@ -101,7 +103,7 @@ class DynamixelRig(AdapterRig):
         for count in (100, -37):
             data = [1, *count.to_bytes(2, "little", signed=True), 2, 0, 0]
             goals = sdk.sync_write(GOAL_CURRENT, 2, data)
-            golden.append(GoldenCommand((count * 2.69e-3, 0.0), goals + sdk.sync_read(126, 21, [1, 2])))
+            golden.append(GoldenCommand((count * 2.69e-3, 0.0), goals + sdk.sync_read(126, 10, [1, 2])))
         return golden
 
 
@@ -150,6 +152,27 @@ def test_packets_and_checksums_are_the_vendors() -> None:
         vendor = sdk.sync_write(116, 4, [1, *data[:4], 2, *data[4:]])
         assert b"\xff\xff\xfd" in data or sync_write_packet(116, {1: data[:4], 2: data[4:]}) == vendor
         assert sync_read_packet(126, 21, b"\x01\x02") == sdk.sync_read(126, 21, [1, 2])
+
+
+@pytest.mark.parametrize(("n_bytes", "top"), [(2, 0x7FFF), (4, 0x7FFFFFFF)])
+def test_a_prepared_packet_is_the_one_encoded_from_scratch(n_bytes: int, top: int) -> None:
+    """Also where the values look like a header and have to be stuffed: -1 and -3 side by side make FF FF FD."""
+    writer, rng = SyncWriter(116, n_bytes, b"\x01\xfd"), random.Random(8)
+    for _ in range(300):
+        counts = [rng.choice((-1, -3, 0xFD, top, -top, rng.randint(-top, top))) for _ in range(2)]
+        values = {i: c.to_bytes(n_bytes, "little", signed=True) for i, c in zip((1, 0xFD), counts, strict=True)}
+        assert writer.encode(counts) == sync_write_packet(116, values)
+
+
+def test_the_temperature_is_told_before_enabling() -> None:
+    rig = DynamixelRig()
+    rig.adapter.open()
+    rig.adapter.configure("torque", 0.004)
+    feedback = JointFeedback(2)
+    for _ in range(5):
+        rig.clock.advance(0.02)
+        rig.adapter.read_into(feedback)
+    assert feedback.temperature == [30.0, 30.0]
 
 
 def test_the_published_examples_come_out_to_the_byte() -> None:
@@ -246,9 +269,9 @@ def test_a_servo_that_is_not_there_is_named() -> None:
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
 def test_a_goal_that_is_not_finite_is_never_encoded(value: float) -> None:
     with pytest.raises(AdapterValueError):
-        encode_goal(value, 1e-3, 2)
+        encode_goals([0.0, value], [1e-3, 1e-3], 2)
 
 
 @pytest.mark.parametrize(("value", "count"), [(0.0014, 1), (-0.0014, -1), (1e9, 32767), (-1e9, -32767)])
 def test_goals_are_rounded_and_saturate(value: float, count: int) -> None:
-    assert encode_goal(value, 2.69e-3, 2) == count.to_bytes(2, "little", signed=True)
+    assert encode_goals([0.0, value], [2.69e-3, 2.69e-3], 2) == [0, count]

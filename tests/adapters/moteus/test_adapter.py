@@ -12,7 +12,7 @@ import pytest
 from fricomp.adapters.configuration import convert
 from fricomp.adapters.moteus import MoteusAdapter
 from fricomp.adapters.moteus.adapter import MoteusConfiguration
-from fricomp.adapters.moteus.codec import decode_answer, encode_command
+from fricomp.adapters.moteus.codec import decode_state, encode_command
 from fricomp.adapters.moteus.fdcanusb import LineBuffer, decode_line
 from fricomp.errors import AdapterConfigurationError, AdapterValueError
 from fricomp.joint import JointCommand
@@ -176,8 +176,8 @@ def test_damaged_lines_are_no_frames(line: bytes) -> None:
 @pytest.mark.parametrize("length", range(22))
 def test_an_answer_that_is_cut_short_is_no_state(length: int) -> None:
     whole = bytes.fromhex("21000a2f010000803f0000003f0000803e230d301e00")
-    assert decode_answer(whole) is not None
-    assert decode_answer(whole[:length]) is None
+    assert decode_state(whole) is not None
+    assert decode_state(whole[:length]) is None
 
 
 def test_controller_numbers_beyond_the_protocol_are_refused() -> None:

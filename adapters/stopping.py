@@ -1,0 +1,105 @@
+"""The half of every adapter that stops: from any thread, any number of times, and nothing gets past it."""
+
+from __future__ import annotations
+
+import threading
+from typing import final
+
+from fricomp.control import SafetyGate, TripReason
+from fricomp.errors import AdapterError, DriveFault
+from fricomp.joint import Clock, MonotonicClock
+
+from .driver import Driver
+from .options import AdapterOptions
+
+__all__ = ["STOP_PATIENCE", "StoppableDriver", "reason_of"]
+
+STOP_PATIENCE = 0.05
+"""How long a stop waits for a write in progress before it goes out beside it [s]; a write takes far less."""
+
+
+class StoppableDriver(Driver):
+    """A driver with the safety gate, and with the one lock that a write and a stop share.
+
+    Args:
+        options: Limits and transmissions.
+        clock: Real time unless a simulation brings its own.
+    """
+
+    def __init__(self, options: AdapterOptions, clock: Clock | None = None) -> None:
+        self.options = options
+        self.clock: Clock = clock or MonotonicClock()
+        self._lock = threading.Lock()
+        self._lock_owner = 0
+        self._gate: SafetyGate | None = None
+        self._enabled = False
+        self._stop_failure = ""
+
+    @property
+    @final
+    def gate(self) -> SafetyGate:
+        """The safety gate, for its record of trips.
+
+        Raises:
+            AdapterError: Not configured.
+        """
+        return self._configured_gate()
+
+    @property
+    @final
+    def enabled(self) -> bool:
+        """Whether the joints are energised, as far as this side knows."""
+        return self._enabled
+
+    @final
+    def safe_stop(self, reason: str = "") -> None:
+        """Zero torque, now. From any thread, any number of times; never raises. Nothing queued follows it."""
+        self._trip("stop", reason or "stopped")
+        if self._lock_owner == threading.get_ident() and self._lock.locked():
+            return  # a signal handler inside this thread's own write: that write stops the joints as it ends
+        held = self._lock.acquire(timeout=STOP_PATIENCE)  # a writer hung in a bus library must not hold up the stop
+        try:
+            self._halt()
+        finally:
+            if held:
+                self._lock.release()
+
+    def _configured_gate(self) -> SafetyGate:
+        if self._gate is None:
+            raise AdapterError("the adapter is not configured: call configure(mode, period) first")
+        return self._gate
+
+    def _trip(self, reason: TripReason, detail: str) -> None:
+        """Latch the gate, if the joints are energised."""
+        if self._gate is not None and self._enabled:
+            self._gate.trip(reason, detail, self.clock.now_ns())
+
+    def _raise_if_stopped(self) -> None:
+        """For loops of a driver that wait while enabling: raises `SafetyTrip` once somebody has stopped the joints."""
+        self._configured_gate().raise_if_tripped()
+
+    def _halt(self) -> None:
+        if self._enabled:
+            self._stop_drives()
+
+    def _stop_drives(self) -> None:
+        """Stop the drives; a stop that fails is tried once more, and recorded."""
+        self._enabled = False
+        for _ in range(2):
+            try:
+                self._stop()
+                return
+            except Exception as error:
+                self._stop_failure = f"the stop did not reach the drive: {error}"
+            except BaseException:  # interrupted in the middle of a stop: finish it first
+                self._stop()
+                raise
+        if self._gate is not None:
+            self._gate.trip("link", self._stop_failure, self.clock.now_ns())
+
+
+def reason_of(error: BaseException) -> TripReason:
+    """What the gate latches on when `error` ends a cycle."""
+    if isinstance(error, DriveFault):
+        return "drive_fault"
+    return "link" if isinstance(error, AdapterError) else "exception"
