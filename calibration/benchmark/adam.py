@@ -53,7 +53,7 @@ def run_adam(draw: Draw, seed: int, steps: int = STEPS) -> Comparison:
         loss.backward()
         optimiser.step()
         if step % max(1, steps // 200) == 0:
-            losses.append((step, float(loss)))
+            losses.append((step, loss.item()))
             course.append(parameters.detach().numpy().copy())
     seconds = time.perf_counter() - begun
     values = parameters.detach().numpy().copy()

@@ -9,8 +9,8 @@ import numpy as np
 from fricomp.report import Chart, Line, Panel, Points
 
 from ..identification import identify
+from .ledger import Ledger
 from .problem import NOISE_READINGS, PARAMETERS, PaperProblem, Reading
-from .study import Ledger
 
 __all__ = ["benchmark_charts"]
 

@@ -76,14 +76,14 @@ def run_particle_swarm(draw: Draw, iterations: int, seed: int) -> Comparison:
     """PSO of pymoo, population 100, learning factors 1 as in the paper."""
     from pymoo.algorithms.soo.nonconvex.pso import PSO
 
-    return _run_pymoo("PSO", PSO(pop_size=_POPULATION, c1=1.0, c2=1.0, adaptive=False), draw, iterations, seed)
+    return _run_pymoo("PSO (pymoo)", PSO(pop_size=_POPULATION, c1=1.0, c2=1.0, adaptive=False), draw, iterations, seed)
 
 
 def run_genetic(draw: Draw, iterations: int, seed: int) -> Comparison:
     """GA of pymoo, population 100, its defaults for the rest, which the paper does not give."""
     from pymoo.algorithms.soo.nonconvex.ga import GA
 
-    return _run_pymoo("GA", GA(pop_size=_POPULATION, eliminate_duplicates=False), draw, iterations, seed)
+    return _run_pymoo("GA (pymoo)", GA(pop_size=_POPULATION, eliminate_duplicates=False), draw, iterations, seed)
 
 
 def _run_pymoo(method: str, algorithm: Any, draw: Draw, iterations: int, seed: int) -> Comparison:

@@ -11,9 +11,9 @@ import numpy as np
 
 from .departure import DepartureFigures
 from .extras import ExtraFigures
+from .ledger import Ledger
 from .printed import NOISE_FREE, NOISY, PrintedRow
 from .problem import NOISE_READINGS, PARAMETERS, PaperProblem, Reading
-from .study import Ledger
 from .summary import (
     BatchFigures,
     SearchFigures,

@@ -1,12 +1,10 @@
-"""Our own figures over many seeds, kept on disk draw by draw so that a long run can go on where it stopped."""
+"""Our own figures over many seeds, kept in the ledger draw by draw."""
 
 from __future__ import annotations
 
-import json
 import time
-from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from collections.abc import Callable
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -14,55 +12,22 @@ import numpy as np
 from fricomp.laws import FloatArray
 
 from ..identification import identify
-from .comparators import Comparison, run_cma, run_robust_nls
+from .ledger import Ledger
 from .oracle import find_optimum
 from .problem import NOISE_READINGS, Draw, PaperProblem, Reading
 
 __all__ = [
-    "Ledger",
     "contaminate",
     "random_start",
-    "run_adam_study",
     "run_departure",
     "run_extras",
     "run_noise_free",
     "run_optima",
     "run_outliers",
-    "run_searches",
     "run_statistics",
 ]
 
 Progress = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class Ledger:
-    """A file of JSON lines, one a finished draw.
-
-    Attributes:
-        path: The file.
-    """
-
-    path: Path
-
-    def rows(self, **wanted: object) -> list[dict[str, Any]]:
-        """The lines whose fields equal `wanted`, ordered by seed."""
-        if not self.path.exists():
-            return []
-        lines = [json.loads(line) for line in self.path.read_text().splitlines() if line.endswith("}")]
-        rows = [line for line in lines if all(line.get(k) == v for k, v in wanted.items())]
-        return sorted(rows, key=lambda row: int(row["seed"]))
-
-    def missing(self, seeds: range, **wanted: object) -> Iterator[int]:
-        """The seeds without a line."""
-        done = {row["seed"] for row in self.rows(**wanted)}
-        return iter(seed for seed in seeds if seed not in done)
-
-    def append(self, row: dict[str, Any]) -> None:
-        """Add a finished draw."""
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        with self.path.open("a") as file:
-            file.write(json.dumps(row, default=lambda a: np.asarray(a).tolist()) + "\n")
 
 
 def run_statistics(ledger: Ledger, draws: int, progress: Progress) -> None:
@@ -145,82 +110,15 @@ def run_outliers(ledger: Ledger, draws: int, progress: Progress) -> None:
             progress(f"outliers, {reading} noise, draw {seed + 1} of {draws}")
 
 
-def run_searches(ledger: Ledger, full: int, tenth: int, progress: Progress) -> None:
-    """PSO and GA at the paper's 50,000 iterations on `full` draws and at 5,000 on `tenth`, and what else there is.
-
-    Order: one draw at full length, then ten at a tenth, so that a run that is cut short has some of both.
-    """
-    lengths = [(seed, 50_000) for seed in range(full)]
-    short = [(seed, 5_000) for seed in range(tenth)]
-    plan: list[tuple[int, int]] = []
-    while lengths or short:
-        plan += lengths[:1] + short[:10]
-        lengths, short = lengths[1:], short[10:]
-    problem = PaperProblem()
-    for seed, iterations in plan:
-        for reading in NOISE_READINGS:
-            draw = problem.draw(reading, seed)
-            for method in ("PSO", "GA"):
-                _compare(ledger, draw, (method, iterations), progress)
-            if iterations == 5_000:
-                _compare(ledger, draw, ("robust NLS", 0), progress)
-                if seed < full:
-                    _compare(ledger, draw, ("CMA-ES", _CMA_EVALUATIONS), progress)
-
-
-_CMA_EVALUATIONS = 40_000
-
-
-def _compare(ledger: Ledger, draw: Draw, what: tuple[str, int], progress: Progress) -> None:
-    method, iterations = what
-    key = {"study": "search", "method": method, "iterations": iterations, "reading": draw.reading}
-    if not list(ledger.missing(range(draw.seed, draw.seed + 1), **key)):
-        return
-    if method in ("PSO", "GA"):
-        from .compiled_search import run_compiled
-
-        found = run_compiled(method, draw, iterations, draw.seed)
-    elif method == "CMA-ES":
-        found = run_cma(draw, iterations, draw.seed)
-    else:
-        found = run_robust_nls(draw, draw.seed)
-    ledger.append(_row(found, draw, key))
-    progress(f"{method}, {draw.reading} noise, {iterations} iterations, draw {draw.seed + 1}")
-
-
-def _row(found: Comparison, draw: Draw, key: dict[str, Any]) -> dict[str, Any]:
-    row = key | {
-        "seed": draw.seed,
-        "values": found.values,
-        "nll": found.negative_log_likelihood,
-        "seconds": found.seconds,
-    }
-    return row | ({"fitness": found.fitness, "course": found.course} if draw.seed == 0 else {})
-
-
-def run_adam_study(ledger: Ledger, steps: int, progress: Progress) -> None:
-    """The paper's own training on the noise-free data and on one draw of each noise reading."""
-    from .adam import run_adam
-
-    problem = PaperProblem()
-    readings: tuple[Reading, ...] = ("none", *NOISE_READINGS)
-    for reading in readings:
-        key = {"study": "adam", "method": "Adam", "iterations": steps, "reading": reading}
-        for seed in ledger.missing(range(1), **key):
-            draw = problem.draw(reading, seed)
-            ledger.append(_row(run_adam(draw, seed, steps), draw, key))
-            progress(f"Adam, {reading} noise")
-
-
 def run_optima(ledger: Ledger, draws: int, progress: Progress) -> None:
     """Statistics of the likelihood optimum over many draws at once."""
     from .summary import summarise_batch
 
     for reading in NOISE_READINGS:
-        if not ledger.rows(study="optima", reading=reading, draws=draws):
+        if not ledger.rows(study="optima", reading=reading, size=draws):
             progress(f"likelihood optima of {draws} draws, {reading} noise")
             figures = asdict(summarise_batch(reading, draws))
-            ledger.append({"study": "optima", "reading": reading, "draws": draws, "seed": draws, "figures": figures})
+            ledger.append({"study": "optima", "reading": reading, "seed": 0, "size": draws, "figures": figures})
 
 
 def run_departure(ledger: Ledger, seeds: int, progress: Progress) -> None:
@@ -228,19 +126,20 @@ def run_departure(ledger: Ledger, seeds: int, progress: Progress) -> None:
     from .departure import CASES, measure_departure
 
     for number, (case, points) in enumerate(CASES):
-        if not ledger.rows(study="departure", seed=number):
+        if not ledger.rows(study="departure", seed=number, size=seeds):
             progress(f"departure from the law: {case}, {points} points")
             figures = asdict(measure_departure(case, points, seeds))
-            ledger.append({"study": "departure", "seed": number, "figures": figures})
+            ledger.append({"study": "departure", "seed": number, "size": seeds, "figures": figures})
 
 
 def run_extras(ledger: Ledger, draws: int, lugre_seeds: int, progress: Progress) -> None:
     """Speeds chosen for information, and LuGre."""
     from .extras import measure_extras
 
-    if not ledger.rows(study="extras"):
+    if not ledger.rows(study="extras", size=draws):
         progress("speeds chosen for information, LuGre")
-        ledger.append({"study": "extras", "seed": 0, "figures": asdict(measure_extras(draws, lugre_seeds))})
+        figures = asdict(measure_extras(draws, lugre_seeds))
+        ledger.append({"study": "extras", "seed": 0, "size": draws, "figures": figures})
 
 
 def contaminate(draw: Draw, problem: PaperProblem) -> tuple[Draw, FloatArray]:

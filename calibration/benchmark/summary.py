@@ -11,8 +11,8 @@ from scipy.stats import t as student
 from fricomp.laws import FloatArray
 
 from .batch import batch_optima
+from .ledger import Ledger
 from .problem import PaperProblem, Reading
-from .study import Ledger
 
 __all__ = ["OutlierFigures", "SearchFigures", "StatisticsFigures", "summarise_noise_free",
            "summarise_outliers", "summarise_searches", "summarise_statistics"]  # fmt: skip

@@ -25,6 +25,7 @@ from scipy.linalg import solve_triangular
 from fricomp.laws import FloatArray
 
 from ..network import TanhNetwork, forward, forward_with_jacobian
+from ..network.blas import one_blas_thread
 from ..network.training import Damping, damped_kernel, damped_step, initial_layers, solve_output_layer
 from .form import SeparableLaw
 from .likelihood import Noise
@@ -138,6 +139,7 @@ class _Problem:
         return float(np.mean((torque - self.target) ** 2)), float(np.mean((torque - at.magnitude[self.rows]) ** 2))
 
 
+@one_blas_thread()
 def train_pinn(
     law: SeparableLaw, observations: Observations, start: Optimum, *, seed: int = 0, iterations: int = 150
 ) -> TrainedPinn:

@@ -12,6 +12,7 @@ from scipy.linalg import cho_solve, cholesky
 from fricomp.laws import FloatArray
 
 from .architecture import LAYER_SIZES, Layer, TanhNetwork, forward_with_jacobian
+from .blas import one_blas_thread
 
 __all__ = [
     "Damping",
@@ -114,6 +115,7 @@ class TrainingLimits(NamedTuple):
     damping: float = 1e-2
 
 
+@one_blas_thread()
 def train_network(
     network: TanhNetwork, inputs: FloatArray, target: FloatArray, importance: FloatArray, limits: TrainingLimits
 ) -> TanhNetwork:

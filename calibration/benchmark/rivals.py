@@ -1,0 +1,124 @@
+"""The other methods on the draws that ours had: PSO, GA, CMA-ES, robust least squares, the paper's own training."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from .comparators import Comparison, run_cma, run_genetic, run_particle_swarm, run_robust_nls
+from .ledger import Ledger
+from .problem import NOISE_READINGS, Draw, PaperProblem, Reading
+
+__all__ = ["PAPER_LENGTH", "SearchSizes", "run_adam_study", "run_pymoo_study", "run_searches"]
+
+PAPER_LENGTH = 50_000
+"""Iterations of every method in [luo2024pinn]."""
+_TENTH = PAPER_LENGTH // 10
+_CMA_EVALUATIONS = 40_000
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class SearchSizes:
+    """How many draws.
+
+    Attributes:
+        full: At the paper's length.
+        tenth: At a tenth of it.
+        pymoo_full: With pymoo's own code at the paper's length, which is some thirty times slower.
+        pymoo_tenth: The same at a tenth.
+    """
+
+    full: int
+    tenth: int
+    pymoo_full: int
+    pymoo_tenth: int
+
+
+def run_searches(ledger: Ledger, sizes: SearchSizes, progress: Progress) -> None:
+    """PSO and GA on `full` draws at the paper's length and on `tenth` at a tenth, and what else there is.
+
+    Without noise there is one data set, and the seed is the search's. Order: one draw at full length, then ten at a
+    tenth, so that a run that is cut short has some of both.
+    """
+    problem = PaperProblem()
+    for seed in range(sizes.full):
+        for method in ("PSO", "GA"):
+            _compare(ledger, problem.draw("none", seed), (method, PAPER_LENGTH), progress)
+    for seed, iterations in _interleaved(sizes):
+        for reading in NOISE_READINGS:
+            draw = problem.draw(reading, seed)
+            for method in ("PSO", "GA"):
+                _compare(ledger, draw, (method, iterations), progress)
+            if iterations == _TENTH:
+                _compare(ledger, draw, ("robust NLS", 0), progress)
+                if seed < sizes.full:
+                    _compare(ledger, draw, ("CMA-ES", _CMA_EVALUATIONS), progress)
+
+
+def _interleaved(sizes: SearchSizes) -> list[tuple[int, int]]:
+    """Seed and iterations of each run."""
+    full = [(seed, PAPER_LENGTH) for seed in range(sizes.full)]
+    short = [(seed, _TENTH) for seed in range(sizes.tenth)]
+    plan: list[tuple[int, int]] = []
+    while full or short:
+        plan += full[:1] + short[:10]
+        full, short = full[1:], short[10:]
+    return plan
+
+
+def run_pymoo_study(ledger: Ledger, sizes: SearchSizes, progress: Progress) -> None:
+    """The same searches as pymoo runs them, on a few draws, to hold the compiled ones against."""
+    for count, iterations in ((sizes.pymoo_tenth, _TENTH), (sizes.pymoo_full, PAPER_LENGTH)):
+        for seed in range(count):
+            for reading in NOISE_READINGS:
+                for method in ("PSO (pymoo)", "GA (pymoo)"):
+                    _compare(ledger, PaperProblem().draw(reading, seed), (method, iterations), progress)
+
+
+def run_adam_study(ledger: Ledger, steps: int, progress: Progress) -> None:
+    """The paper's own training on the noise-free data and on one draw of each noise reading."""
+    from .adam import run_adam
+
+    readings: tuple[Reading, ...] = ("none", *NOISE_READINGS)
+    for reading in readings:
+        key = {"study": "adam", "method": "Adam", "iterations": steps, "reading": reading}
+        for seed in ledger.missing(range(1), **key):
+            progress(f"Adam, {reading} noise")
+            draw = PaperProblem().draw(reading, seed)
+            ledger.append(_row(run_adam(draw, seed, steps), draw, key))
+
+
+def _compare(ledger: Ledger, draw: Draw, what: tuple[str, int], progress: Progress) -> None:
+    method, iterations = what
+    key = {"study": "search", "method": method, "iterations": iterations, "reading": draw.reading}
+    if ledger.rows(**key, seed=draw.seed):
+        return
+    progress(f"{method}, {draw.reading} noise, {iterations} iterations, draw {draw.seed + 1}")
+    ledger.append(_row(_search(method)(draw, iterations, draw.seed), draw, key))
+
+
+def _search(method: str) -> Callable[[Draw, int, int], Comparison]:
+    from .compiled_search import run_compiled
+
+    searches: Mapping[str, Callable[[Draw, int, int], Comparison]] = {
+        "PSO": lambda draw, iterations, seed: run_compiled("PSO", draw, iterations, seed),
+        "GA": lambda draw, iterations, seed: run_compiled("GA", draw, iterations, seed),
+        "PSO (pymoo)": run_particle_swarm,
+        "GA (pymoo)": run_genetic,
+        "CMA-ES": run_cma,
+        "robust NLS": lambda draw, _, seed: run_robust_nls(draw, seed),
+    }
+    return searches[method]
+
+
+def _row(found: Comparison, draw: Draw, key: dict[str, Any]) -> dict[str, Any]:
+    row = key | {
+        "seed": draw.seed,
+        "values": found.values,
+        "nll": found.negative_log_likelihood,
+        "seconds": found.seconds,
+    }
+    return row | ({"fitness": found.fitness, "course": found.course} if draw.seed == 0 else {})

@@ -1,0 +1,37 @@
+"""Linear algebra on one thread while a small network is trained.
+
+Its matrices have a few hundred rows. Shared among threads, such a product takes as long as they wait for each other:
+on two cores a training is 3 to 50 times slower, most where other work keeps the cores busy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache
+from typing import Any
+
+__all__ = ["one_blas_thread"]
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Hold numpy's and scipy's linear algebra to one thread; does nothing where threadpoolctl is not installed."""
+    controller = _controller()
+    if controller is None:
+        yield
+        return
+    with controller.limit(limits=1, user_api="blas"):
+        yield
+
+
+@cache
+def _controller() -> Any:
+    """The libraries loaded, looked up once: that takes milliseconds, setting them takes microseconds."""
+    try:
+        from threadpoolctl import ThreadpoolController  # type: ignore[import-untyped]
+    except ImportError:
+        return None
+    import scipy.linalg  # noqa: F401  # its own copy of the library must be loaded to be found
+
+    return ThreadpoolController()
