@@ -1,4 +1,4 @@
-"""A second look where no physics was named that covers the mismatch: fine ripple, and how the drive follows."""
+"""A second look where no physics was named that covers the mismatch: soft presliding, fine ripple, a late drive."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from .generic import time_since_reversal
 from .location import excess_maps
 from .result import Diagnosis, DiagnosisRecord, Evidence, HeldOut, NamedEffect, Quantity, Rival, RowSeries
 from .sentence import sentences
+from .soft_presliding import SoftPresliding, find_soft_presliding
 from .track import FloatArray
 
 __all__ = ["second_look"]
@@ -53,6 +54,10 @@ def second_look(recordings: Sequence[Recording], diagnosis: Diagnosis, seed: int
     coarse = _ripple_of(diagnosis)
     if _stands(diagnosis) and coarse is None:
         return diagnosis
+    bristles = [] if _stands(diagnosis) else [find_soft_presliding(one) for one in recordings]
+    soft = [one for one in bristles if one is not None]
+    if len(soft) == len(recordings):
+        return _with_presliding(recordings, diagnosis, soft, seed)
     ripples = [find_fine_ripple(one, seed) for one in recordings]
     found = [one for one in ripples if one is not None]
     if len(found) < len(recordings) or (coarse is not None and not _finer(found[0].harmonics[0], coarse)):
@@ -115,6 +120,38 @@ def _with_ripple(
     return Diagnosis(
         record, evidence, diagnosis.base_model, _extended(diagnosis.base_model, ripples[0].harmonics), None
     )
+
+
+def _with_presliding(
+    recordings: Sequence[Recording], diagnosis: Diagnosis, soft: Sequence[SoftPresliding], seed: int
+) -> Diagnosis:
+    unit, position = recordings[0].metadata.torque_unit, recordings[0].metadata.position_unit
+    before, after = (np.concatenate([getattr(one, side) for one in soft]) for side in ("before", "after"))
+    held = _held_out(before, after, _floor(soft), (unit, seed))
+    first, known = soft[0], EFFECTS["presliding_hysteresis"]
+    wide, half = float(np.exp(1.96 * first.distance_error)), 1.96 * first.level_error
+    stiffness = first.level / first.distance
+    effect = NamedEffect(
+        name=known.name,
+        kind="physics",
+        parameters={
+            "breakaway_distance": Quantity(first.distance, position, (first.distance / wide, first.distance * wide)),
+            "coulomb_torque": Quantity(first.level, unit, (first.level - half, first.level + half)),
+            "sigma_0": Quantity(stiffness, f"{unit}/{position}", (stiffness / wide, stiffness * wide)),
+        },
+        share=held.explained,
+        equation=known.equation,
+        sentence=f"{known.says}, which fills much of this motion; nothing without memory explains it",
+        citation=known.citation,
+    )
+    series = tuple(
+        _series(name, one.samples, (one.before, one.after))
+        for name, one in zip(diagnosis.record.recordings, soft, strict=False)
+    )
+    record = _record(diagnosis, "missing_physics", (effect,), held)
+    extended = diagnosis.base_model.with_law(first.law) if diagnosis.base_model is not None else None
+    evidence = Evidence(series=series, maps=excess_maps(series, seed))
+    return Diagnosis(record, evidence, diagnosis.base_model, extended, None)
 
 
 def _parameters(harmonic: Harmonic, unit: str, position: str) -> dict[str, Quantity]:
@@ -222,9 +259,9 @@ def _held_out(before: FloatArray, after: FloatArray, floor: float, how: tuple[st
     )
 
 
-def _floor(ripples: Sequence[FineRipple]) -> float:
+def _floor(found: Sequence[FineRipple] | Sequence[SoftPresliding]) -> float:
     """Noise of single samples, from the differences of neighbours that nothing smooth explains [N·m]."""
-    steps = np.concatenate([np.diff(one.after) for one in ripples])
+    steps = np.concatenate([np.diff(one.after) for one in found])
     return float(np.median(np.abs(steps)) / (0.6745 * np.sqrt(2.0)))
 
 
