@@ -1,8 +1,9 @@
 """Identification of friction laws at the statistical limit."""
 
 from .design import SpeedPlan, expected_deviation, plan_informative_speeds
+from .discrepancy import DiscrepancyNetwork, fit_discrepancy
 from .dynamic import DynamicIdentification, identify_dynamic
-from .files import ModelFiles, save_identification
+from .files import ModelFiles, save_discrepancy, save_identification
 from .identify import IdentificationOptions, identify
 from .result import IdentificationResult, Interval, NoiseEstimate, Status
 from .selection import LawChoice, choose_law
@@ -10,6 +11,7 @@ from .uncertainty import BootstrapSample, block_bootstrap, profile_interval, pro
 
 __all__ = [
     "BootstrapSample",
+    "DiscrepancyNetwork",
     "DynamicIdentification",
     "IdentificationOptions",
     "IdentificationResult",
@@ -22,10 +24,12 @@ __all__ = [
     "block_bootstrap",
     "choose_law",
     "expected_deviation",
+    "fit_discrepancy",
     "identify",
     "identify_dynamic",
     "plan_informative_speeds",
     "profile_interval",
     "profile_likelihood",
+    "save_discrepancy",
     "save_identification",
 ]

@@ -51,6 +51,11 @@ class DiscrepancyNetwork:
     held_out: dict[float, float]
     message: str
 
+    @property
+    def departs(self) -> bool:
+        """Whether held-out points asked for it."""
+        return bool(np.isfinite(self.weight))
+
 
 class _Anchor(NamedTuple):
     """Where the closed form holds the network."""

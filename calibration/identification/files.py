@@ -1,4 +1,4 @@
-"""An identification as files: `friction.json` and `friction.onnx`."""
+"""An identification as files: `friction.json`, `friction.onnx`, and the network that departs from the law."""
 
 from __future__ import annotations
 
@@ -6,12 +6,15 @@ import os
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
 from fricomp.model import save_model
 
-from ..network import save_network
+from ..network import TanhNetwork, save_network
+from .discrepancy import DiscrepancyNetwork
 from .result import IdentificationResult
 
-__all__ = ["ModelFiles", "save_identification"]
+__all__ = ["ModelFiles", "save_discrepancy", "save_identification"]
 
 
 class ModelFiles(NamedTuple):
@@ -37,18 +40,46 @@ def save_identification(result: IdentificationResult, folder: str | os.PathLike[
     """
     files = Path(folder) / "friction.json", Path(folder) / "friction.onnx"
     digest = save_model(result.model, files[0])
-    model, distillation = result.model, result.distillation
-    validity = model.validity
-    metadata = {
-        "input": f"velocity [{model.position_unit}/s], normal_load (load at {distillation.network.load_offset:g} "
+    about = {
+        "largest_deviation_from_model": f"{result.distillation.largest_error:.3g} of the largest torque",
+        "trained_on": "the closed form, by collocation",
+    }
+    save_network(result.network, files[1], _metadata(result, result.network, digest) | about)
+    return ModelFiles(*files, digest)
+
+
+def save_discrepancy(
+    found: DiscrepancyNetwork, result: IdentificationResult, folder: str | os.PathLike[str], model_sha256: str
+) -> Path:
+    """Write the network that departs from the closed form as `friction_departed.onnx`.
+
+    Args:
+        found: The network.
+        result: The identification that it departs from.
+        folder: Where to write.
+        model_sha256: Hash of that identification's JSON file.
+
+    Raises:
+        ExportError: The network cannot be written.
+    """
+    path = Path(folder) / "friction_departed.onnx"
+    about = {
+        "trained_on": f"the data, and the closed form with weight {found.weight:g}",
+        "held_out_error": f"{found.held_out[found.weight]:.3g} noise deviations",
+        "held_out_error_of_model": f"{found.held_out[np.inf]:.3g} noise deviations",
+    }
+    save_network(found.network, path, _metadata(result, found.network, model_sha256) | about)
+    return path
+
+
+def _metadata(result: IdentificationResult, network: TanhNetwork, digest: str) -> dict[str, str]:
+    model, validity = result.model, result.model.validity
+    return {
+        "input": f"velocity [{model.position_unit}/s], normal_load (load at {network.load_offset:g} "
         "where it is not known)",
         "output": f"friction torque [{model.torque_unit}]",
         "joint": model.joint,
         "velocity_range": " ".join(f"{v:.9g}" for v in validity.velocity or ()),
         "normal_load_range": " ".join(f"{v:.9g}" for v in validity.normal_load or ()),
         "model_json_sha256": digest,
-        "largest_deviation_from_model": f"{distillation.largest_error:.3g} of the largest torque",
-        "trained_on": "the closed form, by collocation",
     }
-    save_network(distillation.network, files[1], metadata)
-    return ModelFiles(*files, digest)

@@ -14,7 +14,7 @@ from .likelihood import Noise, Whitened
 from .observation import Observations
 from .start import starting_points
 
-__all__ = ["Optimum", "fit_likelihood", "optimum_at", "refine"]
+__all__ = ["Optimum", "bounded", "fit_likelihood", "optimum_at", "refine"]
 
 _LARGEST_LOG = 60.0
 
@@ -96,7 +96,7 @@ def refine(
         gtol=1e-14,
         max_nfev=evaluations,
     )
-    return optimum_at(_bounded(fit.x), law, observations, noise)
+    return optimum_at(bounded(fit.x), law, observations, noise)
 
 
 class _Memo:
@@ -109,7 +109,7 @@ class _Memo:
     def _evaluate(self, logs: FloatArray) -> Whitened:
         if self._whitened is None or not np.array_equal(logs, self._at):
             law, observations, noise = self._problem
-            magnitude, jacobian = law.evaluate(_bounded(logs), observations)
+            magnitude, jacobian = law.evaluate(bounded(logs), observations)
             self._at = np.array(logs)
             self._whitened = noise.whiten(observations.magnitude, magnitude, jacobian)
         return self._whitened
@@ -121,6 +121,6 @@ class _Memo:
         return self._evaluate(logs).jacobian
 
 
-def _bounded(logs: FloatArray) -> FloatArray:
+def bounded(logs: FloatArray) -> FloatArray:
     """Keep the exponential finite; no friction parameter lies beyond e^60."""
     return np.clip(logs, -_LARGEST_LOG, _LARGEST_LOG)

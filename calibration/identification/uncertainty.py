@@ -11,7 +11,7 @@ from scipy.stats import chi2
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 
-from .optimum import refine
+from .optimum import bounded, refine
 from .result import IdentificationResult, Interval
 
 __all__ = ["BootstrapSample", "block_bootstrap", "profile_interval", "profile_likelihood"]
@@ -97,7 +97,7 @@ def _held(result: IdentificationResult, index: int, log_value: float) -> float:
 
     def whitened(some: FloatArray) -> tuple[FloatArray, FloatArray]:
         logs[free] = some
-        magnitude, jacobian = form.evaluate(logs, points)
+        magnitude, jacobian = form.evaluate(bounded(logs), points)
         white = noise.whiten(points.magnitude, magnitude, jacobian)
         return white.residual, white.jacobian[:, free]
 

@@ -9,8 +9,10 @@ import typer
 
 if TYPE_CHECKING:
     import numpy as np
+    from rich.table import Table
 
     from fricomp.calibration import IdentificationResult
+    from fricomp.calibration.identification import DiscrepancyNetwork
     from fricomp.calibration.rigid_body import MotionIdentification
     from fricomp.recording import Finding
 
@@ -22,7 +24,8 @@ app = typer.Typer()
 @app.command(
     epilog="fricomp identify points.csv --out runs/joint_1\n\n"
     "fricomp identify recording.csv --gravity --out runs/shoulder\n\n"
-    "fricomp identify points.csv --noise relative --loss robust --law auto"
+    "fricomp identify points.csv --noise relative --loss robust --law auto\n\n"
+    "fricomp identify points.csv --depart --out runs/joint_1"
 )
 def identify(
     file: Annotated[Path, typer.Argument(help="Recording, or CSV with the columns velocity, torque\\[, normal_load].")],
@@ -35,11 +38,13 @@ def identify(
     law: Annotated[str, typer.Option(help="stribeck, symmetric_stribeck, coulomb, ... or auto.")] = "stribeck",
     gravity: Annotated[bool, typer.Option(help="For a recording: gravity acts on the joint.")] = False,
     seed: Annotated[int, typer.Option(help="Of the network's first weights.")] = 0,
+    depart: Annotated[bool, typer.Option(help="Let a network leave the law where held-out points ask for it.")] = False,
 ) -> None:
     """Identify friction; with a recording, inertia, gravity and offset first."""
     import numpy as np
 
     from fricomp.calibration import identify as identify_points
+    from fricomp.calibration.identification import fit_discrepancy
     from fricomp.calibration.identification.page import write_identification_report
     from fricomp.calibration.table import is_friction_table, read_friction_table
     from fricomp.recording.unit_checks import suspect_degrees_per_second
@@ -53,13 +58,15 @@ def identify(
             table.velocity, table.torque, table.normal_load, method, noise, seed, law=law, loss=loss
         )  # fmt: skip
     else:
-        _refuse_point_options(file, method, noise, loss, seed)
+        _refuse_point_options(file, method, noise, loss, seed, depart)
         motion = _identify_recording(file, gravity, law, notes)
         result = motion.friction
         notes.insert(0, _rigid_sentence(motion))
     out.mkdir(parents=True, exist_ok=True)
+    free = fit_discrepancy(result, seed=seed) if depart else None
+    notes += [f"Law or network: {free.message}."] if free else []
     write_identification_report(result, out, notes, {"file": file.name, "seed": str(seed), "loss": loss})
-    _finish(result, out)
+    _finish(result, free, out)
     for note in notes:
         typer.echo(note)
 
@@ -68,7 +75,7 @@ def _careful(finding: Finding) -> str:
     return f"Careful: {finding.message.rstrip('.')}: {finding.advice}."
 
 
-def _refuse_point_options(file: Path, method: str, noise: str, loss: str, seed: int) -> None:
+def _refuse_point_options(file: Path, method: str, noise: str, loss: str, seed: int, depart: bool) -> None:
     """A recording is identified by filtered regression, which these options do not reach."""
     from fricomp.errors import IdentificationError
 
@@ -77,6 +84,7 @@ def _refuse_point_options(file: Path, method: str, noise: str, loss: str, seed: 
         ("--noise", noise, "auto"),
         ("--loss", loss, "gaussian"),
         ("--seed", seed, 0),
+        ("--depart", depart, False),
     )
     changed = [option for option, value, default in settings if value != default]
     if changed:
@@ -122,11 +130,11 @@ def _rigid_sentence(motion: MotionIdentification) -> str:
     )
 
 
-def _finish(result: IdentificationResult, out: Path) -> None:
-    """Write the model and print the table."""
+def _finish(result: IdentificationResult, free: DiscrepancyNetwork | None, out: Path) -> None:
+    """Write the model and the networks, print the tables."""
     from rich.table import Table
 
-    from fricomp.calibration.identification import save_identification
+    from fricomp.calibration.identification import save_discrepancy, save_identification
     from fricomp.cli.terminal import console
 
     files = save_identification(result, out)
@@ -138,3 +146,22 @@ def _finish(result: IdentificationResult, out: Path) -> None:
     screen.print(table)
     screen.print(f"{result.status}: {result.message}")
     screen.print(f"Model {files.model}, network {files.network}, report {out / 'report.html'}")
+    if free is None:
+        return
+    screen.print(_held_out_table(free))
+    if free.departs:
+        screen.print(f"Network that departs {save_discrepancy(free, result, out, files.model_sha256)}")
+
+
+def _held_out_table(free: DiscrepancyNetwork) -> Table:
+    """Closed form, networks held by it less and less, and the one held by the data alone."""
+    from rich.table import Table
+
+    from fricomp.calibration.identification.discrepancy import DATA_DRIVEN
+
+    names = {float("inf"): "closed form", DATA_DRIVEN: "network, data alone"}
+    table = Table("predicted by", "held-out error [noise deviations]", "", box=None, pad_edge=False)
+    for weight, error in free.held_out.items():
+        name = names.get(weight, f"network, closed form weighs {weight:g}")
+        table.add_row(name, f"{error:.3f}", "chosen" if weight == free.weight else "")
+    return table

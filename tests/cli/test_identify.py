@@ -2,10 +2,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
-
 from fricomp.calibration.benchmark.problem import PaperProblem
 from fricomp.calibration.table import is_friction_table, read_friction_table
+from typer.testing import CliRunner
+
 from fricomp.cli.identify import app
 from fricomp.errors import RecordingError
 from fricomp.model import load_model
@@ -25,6 +25,22 @@ def test_identifies_a_table_and_writes_model_network_and_report(tmp_path: Path) 
     assert done.exit_code == 0, done.output
     assert {"friction.json", "friction.onnx", "report.html"} <= {path.name for path in out.iterdir()}
     assert load_model(out / "friction.json").forward.static_torque == pytest.approx(0.6, rel=0.1)
+
+
+def test_a_network_departs_where_held_out_points_ask_for_it(tmp_path: Path) -> None:
+    side = np.linspace(0.02, 1.0, 30)
+    speed, sign = np.concatenate([side, side]), np.repeat([1.0, -1.0], len(side))
+    hump = 0.3 * np.exp(-(((speed - 0.45) / 0.12) ** 2))
+    torque = sign * (0.15 + 0.45 * np.exp(-((speed / 0.05) ** 2)) + 0.02 * speed + hump)
+    torque += 0.005 * np.random.default_rng(0).normal(size=len(torque))
+    table = tmp_path / "points.csv"
+    np.savetxt(table, np.column_stack([sign * speed, torque]), delimiter=",", header="velocity,torque", comments="")
+    call = [str(table), "--out", str(tmp_path / "out"), "--method", "least_squares", "--noise", "absolute", "--depart"]
+    done = CliRunner().invoke(app, call)
+    assert done.exit_code == 0, done.output
+    assert "the data depart from the law" in done.output
+    assert "network, data alone" in done.output
+    assert (tmp_path / "out" / "friction_departed.onnx").exists()
 
 
 def test_a_table_is_told_from_a_recording(tmp_path: Path) -> None:
