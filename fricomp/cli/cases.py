@@ -60,6 +60,35 @@ def make(
     )
 
 
+@app.command(epilog="fricomp cases inject emps --effect cogging --strength 2 --out runs/cases")
+def inject(
+    source: Annotated[str, typer.Argument(help="Public recording; its data must be here.")],
+    out: Annotated[Path, typer.Option(help="Folder for the case; the answer goes into OUT.answers.")],
+    effect: Annotated[str, typer.Option(help="What is put into it; nothing by default.")] = "",
+    strength: Annotated[str, typer.Option(help="1, 2 or 5 times what a base refit leaves of the recording.")] = "2",
+    seed: Annotated[int, typer.Option(help="Draws order and phase.")] = 1,
+) -> None:
+    """Add the torque of a known effect, along the measured motion, to a real recording."""
+    import json
+
+    from fricomp.cli.terminal import console
+    from fricomp.sim_bench.real import InjectedSpec
+    from fricomp.sim_bench.real import inject as inject_effect
+
+    spec = InjectedSpec(source, effect, strength if effect else "", seed)
+    made = inject_effect(spec)
+    folder, answers = out / spec.name, out.with_name(out.name + ".answers")
+    for place in (folder, answers):
+        place.mkdir(parents=True, exist_ok=True)
+    for name, content in made.files.items():
+        (folder / name).write_bytes(content)
+    (answers / f"{spec.name}.json").write_bytes(made.answer)
+    show = console()
+    show.print(f"{folder}: strength {json.loads(made.answer)['enr']:.3g}", soft_wrap=True)
+    show.print(f"answer {answers / spec.name}.json", soft_wrap=True)
+    show.print(f"try: fricomp diagnose {folder} --out {out / 'diagnosis'}", soft_wrap=True)
+
+
 @app.command("list", epilog="fricomp cases list")
 def list_names() -> None:
     """List effects with their forms, motions, noises, cores, strengths and faults."""

@@ -1,34 +1,48 @@
 """Proof of the diagnosis on concealed cases: sealing, running in another process, scoring."""
 
-from .executor import open_executor
 from .failures import format_failures
+from .injected import plan_bare, plan_injected
 from .page import write_page
 from .plan import GROUPS, PlannedCase, plan_cases, plan_clear_cases
-from .run import read_scores, run_proof
+from .run import count_open, keep_data, read_refused, read_scores, run_proof
 from .run_log import append_entry, next_run, read_entries
 from .score import Score
 from .seeds import development_seeds, diagnosis_tree, scored_seeds
+from .settings import RunSettings, load_or_start, log_outcome, plan_run, seeds_of, watch
+from .speed_up import SpeedUp, measure_speed_up
 from .summary import Figure, compute_figures, compute_power, is_wrong
 
 __all__ = [
     "GROUPS",
     "Figure",
     "PlannedCase",
+    "RunSettings",
     "Score",
+    "SpeedUp",
     "append_entry",
     "compute_figures",
     "compute_power",
+    "count_open",
     "development_seeds",
     "diagnosis_tree",
     "format_failures",
     "is_wrong",
+    "keep_data",
+    "load_or_start",
+    "log_outcome",
+    "measure_speed_up",
     "next_run",
-    "open_executor",
+    "plan_bare",
     "plan_cases",
     "plan_clear_cases",
+    "plan_injected",
+    "plan_run",
     "read_entries",
+    "read_refused",
     "read_scores",
     "run_proof",
     "scored_seeds",
+    "seeds_of",
+    "watch",
     "write_page",
 ]

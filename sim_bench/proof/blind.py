@@ -12,9 +12,10 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from fricomp.errors import DiagnosisError
+from fricomp.errors import DiagnosisError, FricompError
 
 from ..concealed import CaseSpec, case_id, generate, record_again, write_answer, write_case
+from ..real.injection import InjectedSpec, inject
 
 __all__ = ["BlindAnswer", "Prepared", "diagnose_blind", "prepare", "prepare_follow_up"]
 
@@ -57,8 +58,10 @@ class BlindAnswer:
     error: str
 
 
-def prepare(spec: CaseSpec, salt: str) -> Prepared:
+def prepare(spec: CaseSpec | InjectedSpec, salt: str) -> Prepared:
     """Make a case and its answer."""
+    if isinstance(spec, InjectedSpec):
+        return _prepare_injected(spec, salt)
     try:
         case = generate(spec)
     except DiagnosisError as error:
@@ -70,13 +73,23 @@ def prepare(spec: CaseSpec, salt: str) -> Prepared:
         return Prepared(folder.name, files, answer.read_bytes())
 
 
-def prepare_follow_up(spec: CaseSpec, motion: bytes) -> Prepared:
+def _prepare_injected(spec: InjectedSpec, salt: str) -> Prepared:
+    try:
+        made = inject(spec, salt)
+    except FricompError as error:
+        return Prepared(spec.name, {}, b"", refused=str(error))
+    return Prepared(spec.name, made.files, made.answer)
+
+
+def prepare_follow_up(spec: CaseSpec | InjectedSpec, motion: bytes) -> Prepared:
     """Record the case's joint once more, on the motion that its diagnosis proposed.
 
     Args:
         spec: Of the case.
         motion: Table with the columns `time` [s], `position_reference` [rad] and `velocity_reference` [rad/s].
     """
+    if isinstance(spec, InjectedSpec):
+        return Prepared(spec.name, {}, b"", refused="nobody has the joint of a public recording here")
     try:
         again = record_again(generate(spec), _read_motion(motion))
     except DiagnosisError as error:

@@ -19,11 +19,11 @@ ANSWER, MOTION = "diagnosis.json", "motion.csv"
 
 def main() -> int:
     """Diagnose the case in the working folder; returns the exit status."""
-    friction = Path("friction.json")
+    friction, simulation = Path("friction.json"), Path("joint.xml")
     try:
         diagnosis = diagnose(
             [read_recording(path) for path in sorted(Path().glob("recording*.parquet"))],
-            "joint.xml",
+            simulation if simulation.exists() else None,
             friction=load_model(friction) if friction.exists() else None,
         )
         save_diagnosis(diagnosis, ANSWER)

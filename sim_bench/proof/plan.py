@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..concealed import CATALOGUE, CHOICES, OUTSIDE, CaseSpec
+from ..real.injection import InjectedSpec
 
 __all__ = ["GROUPS", "PlannedCase", "plan_cases", "plan_clear_cases"]
 
@@ -36,12 +37,12 @@ class PlannedCase:
     """One case of a proof.
 
     Attributes:
-        group: Key of `GROUPS`.
+        group: Key of `GROUPS`, or `injected` and `injected_null` for real recordings.
         spec: What to make.
     """
 
     group: str
-    spec: CaseSpec
+    spec: CaseSpec | InjectedSpec
 
 
 def plan_cases(count: int, seeds: Iterator[int], duration: float | None = None) -> list[PlannedCase]:

@@ -1,30 +1,33 @@
 """Running a proof: cases are made, sealed, diagnosed blind, opened and scored, as many at a time as there are workers.
 
 Each score becomes a Parquet file of its own in `scores/` at once, so that a run which is stopped goes on where it
-was; answers and diagnoses are kept beside it.
+was; answers and diagnoses are kept beside it, and `refused.jsonl` lists the cases that could not be made.
 """
 
 from __future__ import annotations
 
 import hashlib
+import json
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
 from fricomp.errors import DiagnosisError
 
-from ..concealed import case_id
+from ..fleet import always
 from .blind import BlindAnswer, Prepared, diagnose_blind, prepare, prepare_follow_up
+from .making import command_of, name_of
 from .plan import PlannedCase
 from .score import Score, read_diagnosis, score_case
 from .seal import SealBook
 
-__all__ = ["Diagnose", "read_scores", "run_proof"]
+__all__ = ["Diagnose", "count_open", "keep_data", "read_refused", "read_scores", "run_proof"]
 
 Diagnose = Callable[[dict[str, bytes]], BlindAnswer]
 
+_REFUSED = "refused.jsonl"
 _NO_ANSWER = BlindAnswer(b"", b"", 0.0, "no answer")
 
 
@@ -45,20 +48,28 @@ class _Run:
         for name in ("scores", "answers", "diagnoses"):
             (folder / name).mkdir(parents=True, exist_ok=True)
         self.seals = SealBook(folder / "seals.jsonl")
+        self.refused = read_refused(folder)
 
     def finished(self, planned: PlannedCase) -> bool:
-        return self._score_path(planned).exists()
+        return self._score_path(planned).exists() or name_of(planned.spec) in self.refused
+
+    def refuse(self, planned: PlannedCase, reason: str) -> None:
+        name = name_of(planned.spec)
+        self.refused[name] = reason
+        entry = {"case": name, "group": planned.group, "reason": reason, "command": command_of(planned.spec)}
+        with (self.folder / _REFUSED).open("a", encoding="utf-8") as file:
+            file.write(json.dumps(entry, ensure_ascii=False) + "\n")
 
     def salt_of(self, planned: PlannedCase) -> str:
         """The salt of one answer, not to be guessed without the run's own."""
-        return hashlib.sha256(f"{self.salt}:{case_id(planned.spec)}".encode()).hexdigest()[:32]
+        return hashlib.sha256(f"{self.salt}:{name_of(planned.spec)}".encode()).hexdigest()[:32]
 
     def seal(self, prepared: Prepared) -> None:
         self.seals.seal(prepared.case, prepared.answer)
         (self.folder / "answers" / f"{prepared.case}.json").write_bytes(prepared.answer)
 
     def score(self, planned: PlannedCase, blind: BlindAnswer, follow_up: BlindAnswer | None) -> Score:
-        name = case_id(planned.spec)
+        name = name_of(planned.spec)
         (self.folder / "diagnoses" / f"{name}.json").write_bytes(blind.diagnosis)
         answer = (self.folder / "answers" / f"{name}.json").read_bytes()
         self.seals.open(name, answer)
@@ -67,7 +78,7 @@ class _Run:
         return score
 
     def _score_path(self, planned: PlannedCase) -> Path:
-        return self.folder / "scores" / f"{case_id(planned.spec)}.parquet"
+        return self.folder / "scores" / f"{name_of(planned.spec)}.parquet"
 
 
 def run_proof(
@@ -78,8 +89,9 @@ def run_proof(
     salt: str,
     diagnose: Diagnose = diagnose_blind,
     progress: Callable[[Score | None], None] = lambda score: None,
+    go_on: Callable[[], bool] = always,
 ) -> list[Score]:
-    """Score all cases that the folder does not hold yet.
+    """Score all cases that the folder does not hold yet, in the order planned.
 
     Args:
         planned: The cases.
@@ -88,6 +100,7 @@ def run_proof(
         salt: Secret of the run.
         diagnose: What runs on a worker for the files of a case.
         progress: Called after each case; with None for one that could not be made.
+        go_on: Asked before each case; once it says no, those under way are finished and the rest is left.
 
     Returns:
         The scores of the planned cases, those of earlier runs in the folder included.
@@ -101,13 +114,13 @@ def run_proof(
         waiting[pool.submit(call, *arguments)] = pending
 
     while True:
-        while len(waiting) < 2 * workers and (each := next(todo, None)) is not None:
+        while len(waiting) < 2 * workers and go_on() and (each := next(todo, None)) is not None:
             submit(_Pending(each), prepare, each.spec, run.salt_of(each))
         if not waiting:
             break
         done, _ = wait(waiting, return_when=FIRST_COMPLETED)
         for future in done:
-            pending, result = waiting.pop(future), future.result()
+            pending, result = waiting.pop(future), _result_of(future)
             if isinstance(result, Prepared):
                 _take_prepared(run, pending, result, submit, diagnose, progress)
             elif pending.first is None and _asks_for_more(result):
@@ -115,8 +128,19 @@ def run_proof(
                 submit(first, prepare_follow_up, pending.planned.spec, result.motion)
             else:
                 progress(_finish(run, pending, result))
-    names = {case_id(each.spec) for each in planned}
+    names = {name_of(each.spec) for each in planned}
     return [score for score in read_scores(folder) if score.case in names]
+
+
+def _result_of(future: Future[Any]) -> BlindAnswer | Prepared:
+    """What a worker gave; a case whose making failed in an unforeseen way is refused, so that the others go on."""
+    try:
+        result: BlindAnswer | Prepared = future.result()
+    except (BrokenExecutor, AssertionError, DiagnosisError):
+        raise
+    except Exception as error:  # of a generator or of the cluster: one case must not end a run of thousands
+        return Prepared("", {}, b"", refused=f"{type(error).__name__}: {error}")
+    return result
 
 
 def _take_prepared(
@@ -129,6 +153,7 @@ def _take_prepared(
 ) -> None:
     """Seal a case and have it diagnosed, or diagnose it again with the recording of the proposed motion."""
     if prepared.refused and pending.first is None:
+        run.refuse(pending.planned, prepared.refused)
         progress(None)
     elif prepared.refused:
         progress(run.score(pending.planned, pending.first or _NO_ANSWER, None))
@@ -149,6 +174,34 @@ def _finish(run: _Run, pending: _Pending, result: BlindAnswer) -> Score:
     if pending.first is None:
         return run.score(pending.planned, result, None)
     return run.score(pending.planned, pending.first, result)
+
+
+def count_open(planned: Sequence[PlannedCase], folder: Path) -> int:
+    """How many of the planned cases the folder neither has a score of nor knows as refused."""
+    refused = read_refused(folder)
+    done = {path.stem for path in (folder / "scores").glob("*.parquet")} | set(refused)
+    return sum(name_of(each.spec) not in done for each in planned)
+
+
+def read_refused(folder: Path) -> dict[str, str]:
+    """Cases of a run that could not be made, each with the reason."""
+    path = folder / _REFUSED
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    return {entry["case"]: entry["reason"] for entry in map(json.loads, lines)}
+
+
+def keep_data(out: Path, folder: Path) -> None:
+    """Keep the seals and the scored answers of the run in `out` as data beside its page, in `folder`."""
+    import shutil
+
+    from pyarrow import concat_tables, parquet
+
+    folder.mkdir(parents=True, exist_ok=True)
+    tables = [parquet.read_table(path) for path in sorted((out / "scores").glob("*.parquet"))]
+    parquet.write_table(concat_tables(tables), folder / "scores.parquet")
+    shutil.copyfile(out / "seals.jsonl", folder / "seals.jsonl")
+    if (out / _REFUSED).exists():
+        shutil.copyfile(out / _REFUSED, folder / _REFUSED)
 
 
 def _write_score(score: Score, path: Path) -> None:

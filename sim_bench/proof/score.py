@@ -12,6 +12,7 @@ import numpy as np
 from fricomp.errors import DiagnosisError
 
 from .blind import BlindAnswer
+from .making import command_of
 from .plan import PlannedCase
 
 __all__ = ["Score", "interval_overlap", "read_diagnosis", "score_case"]
@@ -116,16 +117,16 @@ def score_case(planned: PlannedCase, answer: bytes, blind: BlindAnswer, follow_u
     truth, said = json.loads(answer), read_diagnosis(blind.diagnosis)
     naming = _score_names(truth, said)
     covered, total, worst = _score_parameters(truth, said)
-    effects, joint = truth["effects"], truth["joint"]
+    effects, joint, spec = truth["effects"], truth["joint"], truth["spec"]
     return Score(
         case=truth["id"],
         group=planned.group,
-        seed=str(planned.spec.seed),
-        excitation=planned.spec.excitation,
-        duration=planned.spec.duration,
+        seed=str(spec["seed"]),
+        excitation=spec["excitation"],
+        duration=spec["duration"],
         noise=joint["noise_kind"],
         core=joint["core"],
-        strength=planned.spec.strength if effects else "",
+        strength=spec["strength"] if effects else "",
         enr=truth["enr"],
         weakest_enr=min((each["separable_enr"] for each in effects), default=0.0),
         rows=truth["rows"],
@@ -137,7 +138,7 @@ def score_case(planned: PlannedCase, answer: bytes, blind: BlindAnswer, follow_u
         sets="+".join("|".join(each.get("indistinguishable_from", ())) for each in said["effects"]),
         **naming,
         verdict_right=_verdict_right(truth, said),
-        overlap=_score_location(truth, said, planned.spec.duration),
+        overlap=_score_location(truth, said, spec["duration"]),
         gap_closed=_gap_closed(said),
         noise_ratio=_number(said.get("noise_ratio")),
         parameters=total,
@@ -147,7 +148,7 @@ def score_case(planned: PlannedCase, answer: bytes, blind: BlindAnswer, follow_u
         resolved=follow_up is not None and _resolved(truth, read_diagnosis(follow_up.diagnosis)),
         seconds=blind.seconds,
         error=blind.error,
-        command=_command(planned),
+        command=command_of(planned.spec),
     )
 
 
@@ -168,16 +169,13 @@ def _score_names(truth: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
     named = [each["name"] for each in said["effects"]]
     sets = [{each["name"], *each.get("indistinguishable_from", ())} for each in said["effects"]]
     parameters_wanted = bool(wanted & set(_PARAMETERS))
-    judged = [name for name in named if parameters_wanted or name not in _PARAMETERS]
-    false = [
-        name
-        for name, group in zip(named, sets, strict=True)
-        if name in judged and name not in tolerated and not group & wanted
-    ]
+    ignored = tolerated - wanted | (set() if parameters_wanted else set(_PARAMETERS))
+    judged = [name for name in named if name not in ignored]
+    false = [name for name, group in zip(named, sets, strict=True) if name in judged and not group & wanted]
     found = [any(name in judged for name in names) for names in right]
     return {
         "top_right": bool(judged) and judged[0] in wanted,
-        "exact": all(found) and not [n for n in judged if n not in wanted | tolerated] and len(judged) <= len(right),
+        "exact": all(found) and set(judged) <= wanted and len(judged) <= len(right),
         "in_set": bool(right) and all(any(names & group for group in sets) for names in right),
         "set_size": float(np.mean([len(group) for group in sets])) if sets else 0.0,
         "false_names": len(false),
@@ -242,15 +240,3 @@ def _score_parameters(truth: dict[str, Any], said: dict[str, Any]) -> tuple[int,
 
 def _number(value: float | None) -> float:
     return float("nan") if value is None else float(value)
-
-
-def _command(planned: PlannedCase) -> str:
-    """The command that makes the case again."""
-    spec = planned.spec
-    parts = ["fricomp cases make", f"--seed {spec.seed}", *(f"--effect {name}" for name in spec.effects)]
-    parts += [f"--strength {spec.strength}", f"--excitation {spec.excitation}", f"--duration {spec.duration:g}"]
-    for option in ("noise", "core", "family", "form", "fault"):
-        value = getattr(spec, option)
-        parts += [f"--{option} {value}"] if value else []
-    parts += [f"--{flag}" for flag in ("shifted", "hidden") if getattr(spec, flag)]
-    return " ".join([*parts, "--out runs/cases"])

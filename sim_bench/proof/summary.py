@@ -14,6 +14,7 @@ from .statistics import ShareEstimate, compute_share, oracle_power
 __all__ = ["Figure", "PowerPoint", "compute_confusion", "compute_figures", "compute_power", "is_wrong"]
 
 _NOTHING = ("null", "hard_null")
+_ACCEPTED = ("consistent", "parameters")
 _WEAK = 0.95  # of a wanted strength still counts as that strength
 
 
@@ -79,7 +80,10 @@ def _median(name: str, target: str, values: Sequence[float], reached: Callable[[
 
 
 def compute_figures(scores: Sequence[Score]) -> list[Figure]:
-    """The figures of the proof, in the order of its targets."""
+    """The figures of the proof, in the order of its targets; those of real noise where effects were injected."""
+    injected = _where(scores, lambda s: s.group == "injected")
+    if injected or any(score.group == "injected_null" for score in scores):
+        return _figures_of_injected(injected)
     nothing = _where(scores, lambda s: s.group in _NOTHING)
     single = _where(scores, lambda s: s.group == "single")
     rich = _where(single, lambda s: s.excitation == "rich" and s.enr >= 0.2 * _WEAK)
@@ -106,6 +110,27 @@ def _figures_of_nothing(scores: Sequence[Score]) -> list[Figure]:
             0.02,
             _share(scores, lambda s: s.verdict not in ("consistent", "parameters")),
         ),
+    ]
+
+
+def _figures_of_injected(scores: Sequence[Score]) -> list[Figure]:
+    """Effects in real recordings, apart for those that the diagnosis finds complete as they are."""
+    figures = []
+    for what, wanted in (("complete without it", True), ("with more missing already", False)):
+        some = _where(scores, lambda s, wanted=wanted: s.noise.endswith(_ACCEPTED) is wanted)  # type: ignore[misc]
+        strong = _where(some, lambda s: s.enr >= _WEAK)
+        figures += [
+            _at_least(f"right name, recording {what}, ENR ≥ 1", 0.95, _share(strong, lambda s: s.top_right)),
+            _at_least(f"printed set holds it, recording {what}, ENR ≥ 1", 0.97, _share(strong, lambda s: s.in_set)),
+            _at_most(f"a name that is wrong, recording {what}", 0.05, _share(some, lambda s: s.false_names > 0)),
+        ]
+    coverage = compute_share(sum(s.covered for s in scores), sum(s.parameters for s in scores))
+    seconds = [score.seconds for score in scores]
+    return [
+        *figures,
+        Figure("95 % interval of a parameter holds what was injected", "–", str(coverage), None),
+        _median("time of a case [s]", "≤ 30", seconds, lambda m: m <= 30.0),
+        _at_most("no answer at all", 0.0, _share(scores, lambda s: s.verdict == "failed")),
     ]
 
 
@@ -177,7 +202,9 @@ def compute_confusion(scores: Sequence[Score], weakest: float = 0.5) -> dict[str
     """
     table: dict[str, Counter[str]] = {}
     for score in scores:
-        if score.group in ("single", "outside", *_NOTHING) and (score.enr >= weakest * _WEAK or not score.truth):
+        if score.group in ("single", "outside", "injected", *_NOTHING) and (
+            score.enr >= weakest * _WEAK or not score.truth
+        ):
             answer = score.named.split("+")[0] or f"({score.verdict})"
             table.setdefault(score.truth or "(nothing)", Counter())[answer] += 1
     return dict(sorted(table.items()))
@@ -185,6 +212,8 @@ def compute_confusion(scores: Sequence[Score], weakest: float = 0.5) -> dict[str
 
 def is_wrong(score: Score) -> bool:
     """Whether the answer belongs in the list of wrong ones: a false name, a miss at ENR 0.5 or more, or none."""
+    if score.group == "injected_null":  # nobody knows what is in it
+        return score.verdict == "failed"
     if score.verdict == "failed" or score.false_names:
         return True
     if score.group in _NOTHING:

@@ -1,7 +1,17 @@
 """The diagnosis on public recordings of real joints, beside what was published on them."""
 
 from .cases import REAL_CASES, RealCase
+from .injection import INJECTABLE, InjectedSpec, inject
 from .page import write_real_page
 from .run import RealOutcome, run_case
 
-__all__ = ["REAL_CASES", "RealCase", "RealOutcome", "run_case", "write_real_page"]
+__all__ = [
+    "INJECTABLE",
+    "REAL_CASES",
+    "InjectedSpec",
+    "RealCase",
+    "RealOutcome",
+    "inject",
+    "run_case",
+    "write_real_page",
+]

@@ -8,17 +8,21 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Sequence
 
-    from fricomp.sim_bench.proof import PlannedCase, Score
+    from fricomp.sim_bench.proof import PlannedCase, RunSettings, Score
 
 app = typer.Typer()
 
 _EPILOG = """fricomp bench mismatch --quick --out runs/mismatch
 
-fricomp bench mismatch --scored --cases 2000 --resume --page docs/proof.md --out runs/scored
+fricomp bench mismatch --scored --cases 2000 --minutes 60 --resume --page docs/proof.md --out runs/scored
 
-fricomp bench mismatch --cases 200 --executor dask://scheduler:8786 --out runs/mismatch"""
+fricomp bench mismatch --cases 200 --executor dask://scheduler:8786 --out runs/mismatch
+
+fricomp bench mismatch --injected --page docs/injected.md --out runs/injected
+
+fricomp bench mismatch --quick --speed-up 4 --out runs/speed"""
 _QUICK, _FULL = 12, 2000
 _LOG = Path("docs/proof/runs.jsonl")
 
@@ -28,97 +32,113 @@ def mismatch(
     out: Annotated[Path, typer.Option(help="Folder for seals, answers, diagnoses and scores.")],
     quick: Annotated[bool, typer.Option("--quick", help=f"{_QUICK} cases of 30 s.")] = False,
     clear: Annotated[bool, typer.Option("--clear", help="Every effect once, clear, 30 s, with nulls between.")] = False,
+    injected: Annotated[bool, typer.Option("--injected", help="Effects in real recordings; needs the data.")] = False,
     cases: Annotated[int | None, typer.Option(min=1, help=f"How many; {_FULL} by default.")] = None,
+    minutes: Annotated[float | None, typer.Option(min=0.0, help="Start no case after this; --resume goes on.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in OUT.")] = False,
     scored: Annotated[bool, typer.Option("--scored", help="Seeds that follow from the committed diagnosis.")] = False,
     first_seed: Annotated[int, typer.Option(help="First development seed.")] = 0,
     executor: Annotated[str, typer.Option(help="processes://N, serial or dask://host:port.")] = "processes",
+    workers: Annotated[int | None, typer.Option(min=1, help="Processes; one a core by default.")] = None,
     baselines: Annotated[int, typer.Option(min=0, help="Try the other methods on this many of the cases.")] = 0,
+    speed_up: Annotated[int, typer.Option(min=0, help="Only time this many cases with one worker and with two.")] = 0,
+    log: Annotated[Path, typer.Option(help="Log of the scored runs.")] = _LOG,
     page: Annotated[Path | None, typer.Option(help="Write this page, such as docs/proof.md.")] = None,
 ) -> None:
-    """Conceal physics in simulated joints, diagnose them blind, and score the answers."""
-    from fricomp.cli.terminal import console
-    from fricomp.sim_bench.proof import compute_figures, format_failures, write_page
+    """Conceal physics in joints, diagnose them blind, and score the answers.
 
-    count = cases or (_QUICK if quick else _FULL)
-    wanted = {"cases": count, "quick": quick, "clear": clear, "scored": scored, "first_seed": first_seed}
-    settings = _settings(out, wanted, resume)
-    planned = _plan(settings)
-    scores = _run(planned, out, executor, settings)
-    others = _compare(planned[:baselines], out, executor, scores)
-    show = console()
-    show.print(_table(compute_figures(scores)))
-    (out / "failures.md").write_text(format_failures(scores), encoding="utf-8")
-    show.print(f"{len(scores)} cases in {out}; wrong answers in {out / 'failures.md'}", soft_wrap=True)
+    Cases are interleaved: any beginning of a run is a fair sample of the whole, and a run that was stopped goes on.
+    """
+    from fricomp.sim_bench.proof import RunSettings, load_or_start, plan_run
+
+    wanted = RunSettings(cases or (_QUICK if quick else _FULL), quick, clear, scored, first_seed, injected=injected)
+    if speed_up:
+        _time_workers(plan_run(wanted)[:speed_up])
+        return
+    settings = load_or_start(out, wanted, resume=resume, log=log, repository=Path.cwd())
+    pool = (executor, workers)
+    scores, planned = _run(settings, out, pool, minutes, log)
+    others = _compare(planned[:baselines], out, pool, scores)
+    _show(scores, planned, out)
     if page is not None:
-        write_page(
-            scores, page, title=_title(settings, len(scores)), reproduce=_reproduce(settings, out), baselines=others
-        )
-        _keep_data(out, page.with_suffix(""))
-        show.print(f"{page} written", soft_wrap=True)
+        _write(page, settings, scores, len(planned), out, others)
 
 
-def _settings(out: Path, wanted: dict[str, Any], resume: bool) -> dict[str, Any]:
-    """What decides the cases; a run that is resumed keeps its own."""
-    import json
-    import secrets
+def _time_workers(planned: Sequence[PlannedCase]) -> None:
+    from fricomp.cli.terminal import console, progress
+    from fricomp.sim_bench.proof import measure_speed_up
 
-    from fricomp.errors import DiagnosisError
-    from fricomp.sim_bench.proof import append_entry, diagnosis_tree, next_run
-
-    path = out / "run.json"
-    if path.exists():
-        if not resume:
-            raise DiagnosisError(f"{out} holds a run: give --resume to go on with it, or another --out")
-        found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-        return found | {"cases": wanted["cases"]}
-    settings = wanted | {"salt": secrets.token_hex(16)}
-    if wanted["scored"]:
-        settings |= {"tree": diagnosis_tree(Path.cwd()), "run": next_run(_LOG)}
-        append_entry(
-            _LOG, {"run": settings["run"], "tree": settings["tree"], "event": "started", "cases": wanted["cases"]}
-        )
-    out.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(settings, indent=1) + "\n", encoding="utf-8")
-    return settings
+    with progress() as bar:
+        task = bar.add_task("one worker, then two", total=2 * len(planned))
+        found = measure_speed_up(planned, progress=lambda: bar.advance(task))
+    console().print(str(found), soft_wrap=True)
 
 
-def _plan(settings: dict[str, Any]) -> Sequence[PlannedCase]:
-    from fricomp.sim_bench.proof import development_seeds, plan_cases, plan_clear_cases, scored_seeds
-
-    seeds: Iterator[int] = development_seeds(settings["first_seed"])
-    if settings["scored"]:
-        seeds = scored_seeds(settings["tree"], settings["run"])
-    if settings["clear"]:
-        return plan_clear_cases(seeds)[: settings["cases"]]
-    return plan_cases(settings["cases"], seeds, 30.0 if settings["quick"] else None)
-
-
-def _run(planned: Sequence[PlannedCase], out: Path, executor: str, settings: dict[str, Any]) -> list[Score]:
+def _run(
+    settings: RunSettings, out: Path, executor: tuple[str, int | None], minutes: float | None, log: Path
+) -> tuple[list[Score], Sequence[PlannedCase]]:
+    """All scores of the run in its folder, and what it was to be."""
     from fricomp.cli.terminal import progress
-    from fricomp.sim_bench.proof import append_entry, compute_figures, open_executor, run_proof
+    from fricomp.sim_bench.fleet import open_executor
+    from fricomp.sim_bench.proof import compute_figures, count_open, log_outcome, run_proof, watch
 
-    with progress() as bar, open_executor(executor) as pool:
-        done = len(list((out / "scores").glob("*.parquet")))
-        task = bar.add_task("concealed cases", total=len(planned), completed=min(done, len(planned)))
-        scores = run_proof(planned, out, pool, salt=settings["salt"], progress=lambda _: bar.advance(task))
-    if settings["scored"]:
-        figures = {figure.name: figure.value for figure in compute_figures(scores)}
-        entry = {"run": settings["run"], "tree": settings["tree"], "event": "finished", "cases": len(scores)}
-        append_entry(_LOG, entry | {"figures": figures})
-    return scores
+    go_on = watch(settings, Path.cwd(), minutes)
+    with progress() as bar, open_executor(*executor) as pool:
+        task = bar.add_task("concealed cases", total=None)
+
+        def go(planned: Sequence[PlannedCase]) -> list[Score]:
+            bar.update(task, total=len(planned), completed=len(planned) - count_open(planned, out))
+            return run_proof(planned, out, pool, salt=settings.salt, progress=lambda _: bar.advance(task), go_on=go_on)
+
+        planned = _plan(settings, go)
+        scores = go(planned)
+    left = count_open(planned, out)
+    log_outcome(settings, log, left, len(scores), {figure.name: figure.value for figure in compute_figures(scores)})
+    return scores, planned
 
 
-def _compare(planned: Sequence[PlannedCase], out: Path, executor: str, scores: Sequence[Score]) -> str:
+def _plan(settings: RunSettings, go: Callable[[Sequence[PlannedCase]], list[Score]]) -> Sequence[PlannedCase]:
+    """The cases; where effects are injected, the recordings are diagnosed as they are first."""
+    from fricomp.errors import RecordingError
+    from fricomp.sim_bench.proof import plan_bare, plan_injected, plan_run, seeds_of
+
+    if not settings.injected:
+        return plan_run(settings)
+    bare = plan_bare()
+    if not bare:
+        raise RecordingError("no public recordings are here: set FRICOMP_DATA to the folder that holds them")
+    return [*bare, *plan_injected(go(bare), seeds_of(settings))][: settings.cases]
+
+
+def _compare(
+    planned: Sequence[PlannedCase], out: Path, executor: tuple[str, int | None], scores: Sequence[Score]
+) -> str:
     """The table of the other methods; that of an earlier call where none is asked for now."""
-    from fricomp.sim_bench.proof import open_executor
+    from fricomp.cli.terminal import progress
+    from fricomp.sim_bench.fleet import open_executor
     from fricomp.sim_bench.proof.baselines import compare_baselines, format_table
 
     path = out / "baselines.md"
     if planned:
-        with open_executor(executor) as (pool, _):
-            path.write_text(format_table(compare_baselines(planned, pool), scores) + "\n", encoding="utf-8")
+        with progress() as bar, open_executor(*executor) as pool:
+            task = bar.add_task("other methods", total=len(planned))
+            found = compare_baselines(planned, out / "baselines", pool, progress=lambda: bar.advance(task))
+        path.write_text(format_table(found, scores) + "\n", encoding="utf-8")
     return path.read_text(encoding="utf-8") if path.exists() else ""
+
+
+def _show(scores: Sequence[Score], planned: Sequence[PlannedCase], out: Path) -> None:
+    from fricomp.cli.terminal import console
+    from fricomp.sim_bench.proof import compute_figures, count_open, format_failures, read_refused
+
+    (out / "failures.md").write_text(format_failures(scores), encoding="utf-8")
+    show, left, refused = console(), count_open(planned, out), len(read_refused(out))
+    show.print(_table(compute_figures(scores)))
+    show.print(f"{len(scores)} cases in {out}; wrong answers in {out / 'failures.md'}", soft_wrap=True)
+    if refused:
+        show.print(f"{refused} cases could not be made; {out / 'refused.jsonl'} says why", soft_wrap=True)
+    if left:
+        show.print(f"{left} of {len(planned)} cases are left: --resume goes on", soft_wrap=True)
 
 
 def _table(figures: Sequence[Any]) -> Any:
@@ -132,24 +152,24 @@ def _table(figures: Sequence[Any]) -> Any:
     return table
 
 
-def _title(settings: dict[str, Any], count: int) -> str:
-    if settings["scored"]:
-        return f"Scored run {settings['run']} of the diagnosis with tree {settings['tree'][:12]}: {count} cases."
-    return f"Development seeds from {settings['first_seed']}: {count} cases. No scored run."
+def _write(page: Path, settings: RunSettings, scores: Sequence[Score], planned: int, out: Path, others: str) -> None:
+    from fricomp.cli.terminal import console
+    from fricomp.sim_bench.proof import keep_data, write_page
+
+    title, reproduce = _title(settings, len(scores), planned), _reproduce(settings, out)
+    write_page(scores, page, title=title, reproduce=reproduce, baselines=others)
+    keep_data(out, page.with_suffix(""))
+    console().print(f"{page} written", soft_wrap=True)
 
 
-def _reproduce(settings: dict[str, Any], out: Path) -> str:
-    seeds = "--scored" if settings["scored"] else f"--first-seed {settings['first_seed']}"
-    quick = "".join(f"--{name} " for name in ("quick", "clear") if settings[name])
-    return f"fricomp bench mismatch {quick}--cases {settings['cases']} {seeds} --page docs/proof.md --out {out.name}"
+def _title(settings: RunSettings, count: int, planned: int) -> str:
+    cases = f"{count} cases" if count >= planned else f"the first {count} of {planned} cases"
+    if settings.scored:
+        return f"Scored run {settings.run} of the diagnosis with tree {settings.tree[:12]}: {cases}."
+    return f"Development seeds from {settings.first_seed}: {cases}. No scored run."
 
 
-def _keep_data(out: Path, folder: Path) -> None:
-    """Seals and scored answers as data beside the page."""
-    import shutil
-
-    from pyarrow import concat_tables, parquet
-
-    tables = [parquet.read_table(path) for path in sorted((out / "scores").glob("*.parquet"))]
-    parquet.write_table(concat_tables(tables), folder / "scores.parquet")
-    shutil.copyfile(out / "seals.jsonl", folder / "seals.jsonl")
+def _reproduce(settings: RunSettings, out: Path) -> str:
+    seeds = "--scored" if settings.scored else f"--first-seed {settings.first_seed}"
+    kind = "".join(f"--{name} " for name in ("quick", "clear", "injected") if getattr(settings, name))
+    return f"fricomp bench mismatch {kind}--cases {settings.cases} {seeds} --page docs/proof.md --out {out.name}"

@@ -28,7 +28,7 @@ def real(
 
     from fricomp.cli.terminal import console, progress
     from fricomp.errors import DiagnosisError
-    from fricomp.sim_bench.proof import open_executor
+    from fricomp.sim_bench.fleet import open_executor
     from fricomp.sim_bench.real import REAL_CASES, run_case, write_real_page
 
     known = {case.name: case for case in REAL_CASES}

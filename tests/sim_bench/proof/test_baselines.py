@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from fricomp.sim_bench.concealed import CaseSpec, generate, write_case
+from fricomp.sim_bench.fleet import SerialExecutor
 from fricomp.sim_bench.proof import PlannedCase
 from fricomp.sim_bench.proof.baselines import METHODS, compare_baselines, format_table
 from fricomp.sim_bench.proof.baselines.data import BaselineData, fit_columns, load_data
 from fricomp.sim_bench.proof.baselines.library import build_library
 from fricomp.sim_bench.proof.baselines.methods import fit_base
-from fricomp.sim_bench.proof.executor import SerialExecutor
 
 
 @pytest.fixture(scope="module")
@@ -38,13 +38,17 @@ def test_the_right_term_closes_the_gap_of_its_effect(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_all_methods_answer_and_their_table_is_written() -> None:
+def test_all_methods_answer_and_their_table_is_written(tmp_path: Path) -> None:
     planned = [
         PlannedCase("null", CaseSpec(5, excitation="fourier", duration=12.0, family="harmonic")),
         PlannedCase("single", CaseSpec(6, ("load_coulomb",), "5", "fourier", 12.0, family="harmonic")),
     ]
-    scores = compare_baselines(planned, SerialExecutor())
+    scores = compare_baselines(planned[:1], tmp_path, (SerialExecutor(), 1))
+    (first,) = tmp_path.iterdir()
+    written = first.stat().st_mtime_ns
+    scores = compare_baselines(planned, tmp_path, (SerialExecutor(), 1))
     assert len(scores) == 2 * len(METHODS)
+    assert first.stat().st_mtime_ns == written  # what is compared is not compared again
     table = format_table(scores)
     assert all(f"| {method} |" in table for method in METHODS)
     assert all(np.isfinite(score.error) for score in scores)

@@ -18,7 +18,7 @@ from tests.sim_bench.proof.answering import always_consistent
 def quick_answers(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "200")
     monkeypatch.setattr(proof, "run_proof", partial(proof.run_proof, diagnose=always_consistent))
-    monkeypatch.setattr(proof, "plan_cases", lambda count, seeds, duration: _short(count))
+    monkeypatch.setattr(proof, "plan_run", lambda settings: _short(settings.cases))
 
 
 def _short(count: int) -> list[proof.PlannedCase]:

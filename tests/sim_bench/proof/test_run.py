@@ -8,18 +8,17 @@ import pytest
 
 from fricomp.errors import DiagnosisError
 from fricomp.sim_bench.concealed import CaseSpec, case_id
+from fricomp.sim_bench.fleet import SerialExecutor, open_executor
 from fricomp.sim_bench.proof import (
     PlannedCase,
     development_seeds,
     format_failures,
-    open_executor,
     plan_cases,
     read_scores,
     run_proof,
     write_page,
 )
 from fricomp.sim_bench.proof.blind import BlindAnswer, prepare
-from fricomp.sim_bench.proof.executor import SerialExecutor
 from tests.sim_bench.proof.answering import always_cogging, always_consistent, answer, dies_once
 
 _PLANNED = [

@@ -40,6 +40,7 @@ def _truth(*effects: dict[str, Any], verdict: str = "missing_physics", **fields:
         "rows": 2800,
         "location": {"time": [[1.0, 2.0]]},
         "joint": {"noise_kind": "white", "core": "lugre"},
+        "spec": {"seed": 1, "excitation": "rich", "duration": 60.0, "strength": "2"},
     }
     return json.dumps(record | fields).encode()
 

@@ -1,0 +1,118 @@
+"""Where many calls run: in processes here, in this process, or on a Dask cluster."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
+from contextlib import contextmanager
+from typing import Any, TypeVar
+
+from fricomp.errors import DiagnosisError, MissingExtraError
+
+__all__ = ["EXECUTORS", "SerialExecutor", "always", "open_executor", "stream"]
+
+EXECUTORS = "processes, processes://N, serial, dask://host:port, dask://local:N"
+
+_RETRIES = 2  # of a call whose worker died
+_AHEAD = 2  # calls under way for each worker, so that none waits for the next one
+_Item = TypeVar("_Item")
+
+
+class SerialExecutor(Executor):
+    """Runs each call at once in the calling thread."""
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """The finished future of `fn(*args, **kwargs)`."""
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+def always() -> bool:
+    """True: no reason to stop."""
+    return True
+
+
+@contextmanager
+def open_executor(address: str = "processes", workers: int | None = None) -> Iterator[tuple[Executor, int]]:
+    """An executor and the number of its workers, closed at the end.
+
+    Args:
+        address: `processes` or `processes://N` (N workers, by default one a core), `serial`, or `dask://host:port`
+            for the scheduler of a Dask cluster; `dask://local:N` starts a local one.
+        workers: How many, where the address does not say it.
+
+    Raises:
+        DiagnosisError: The address is none of these, no scheduler answers there, or a worker process died.
+        MissingExtraError: dask.distributed is not installed.
+    """
+    kind, _, rest = address.partition("://")
+    if workers is not None and (kind == "serial" or rest):
+        raise DiagnosisError(f"the executor {address!r} has its own number of workers: leave out --workers")
+    try:
+        if kind == "serial":
+            yield SerialExecutor(), 1
+        elif kind == "processes":
+            count = int(rest) if rest.isdecimal() and int(rest) > 0 else workers or os.cpu_count() or 1
+            with ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn")) as pool:
+                yield pool, count
+        elif kind == "dask" and rest:
+            yield from _open_dask(rest)
+        else:
+            raise DiagnosisError(f"unknown executor {address!r}: valid are {EXECUTORS}")
+    except BrokenExecutor as error:
+        raise DiagnosisError(
+            "a worker process died, killed or out of memory: what is finished is kept, --resume goes on with the rest"
+        ) from error
+
+
+def _open_dask(place: str) -> Iterator[tuple[Executor, int]]:
+    try:
+        import distributed
+    except ImportError as error:
+        raise MissingExtraError("dask.distributed", "bench") from error
+    dask: Any = distributed  # its functions carry no types
+    if place.startswith("local"):
+        workers = int(place.partition(":")[2] or 2)
+        local = dask.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
+        with local as cluster, dask.Client(cluster) as client:
+            yield client.get_executor(retries=_RETRIES), workers
+        return
+    try:
+        client = dask.Client(f"tcp://{place}", timeout="10s")
+    except OSError as error:
+        raise DiagnosisError(f"no Dask scheduler answers at {place}: {error}") from error
+    with client:
+        yield client.get_executor(retries=_RETRIES), max(1, len(client.ncores()))
+
+
+def stream(
+    items: Iterable[tuple[_Item, tuple[Any, ...]]],
+    call: Callable[..., Any],
+    executor: tuple[Executor, int],
+    go_on: Callable[[], bool] = always,
+) -> Iterator[tuple[_Item, Future[Any]]]:
+    """Finished futures as they come; a few calls a worker are under way, so that any number of items fits in memory.
+
+    Args:
+        items: What is reported beside the future, and the arguments of the call; taken one by one.
+        call: What a worker runs; it must be importable there.
+        executor: With the number of its workers, as `open_executor` gives it.
+        go_on: Asked before each call; no more are started once it says no.
+    """
+    pool, workers = executor
+    todo = iter(items)
+    waiting: dict[Future[Any], _Item] = {}
+    while True:
+        while len(waiting) < _AHEAD * workers and go_on() and (each := next(todo, None)) is not None:
+            waiting[pool.submit(call, *each[1])] = each[0]
+        if not waiting:
+            return
+        done, _ = wait(waiting, return_when=FIRST_COMPLETED)
+        for future in done:
+            yield waiting.pop(future), future
