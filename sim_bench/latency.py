@@ -132,7 +132,6 @@ def _seven_with_gate(every_feature: bool = True) -> Callable[[], None]:
     """
     make = full_compensator if every_feature else lambda: Compensator(bench_model())
     arm = ArmCompensator([make() for _ in range(N_JOINTS)])
-    torques = [joint.torque for joint in arm.joints]
     gate = SafetyGate([JointLimits(5.0, 1000.0, 10.0, (-3.0, 3.0), 90.0)] * N_JOINTS, period=1e-3, ramp_time=0.0)
     feedback = JointFeedback(N_JOINTS)
     feedback.position[:], feedback.velocity[:] = [0.1] * N_JOINTS, [0.029] * N_JOINTS
@@ -146,8 +145,7 @@ def _seven_with_gate(every_feature: bool = True) -> Callable[[], None]:
         feedback.time_ns = now
         gate.observe(feedback, now)
         if every_feature:
-            inputs = zip(torques, reference, feedback.velocity, error, load, strict=False)
-            wanted[:] = [torque(r, v, e, n) for torque, r, v, e, n in inputs]
+            arm.torque_into(wanted, reference, feedback.velocity, error, load)
         else:
             arm.torque_into(wanted, reference, feedback.velocity)
         gate.admit(wanted, out, now)

@@ -2,6 +2,7 @@
 
 from fricomp.control.adaptation import AdaptationSettings, OnlineAdaptation
 from fricomp.control.batch import compute_compensation, compute_friction
+from fricomp.control.bristle import FALLING_SHARE_WITHOUT_VELOCITY
 from fricomp.control.choice import choose_settings
 from fricomp.control.compensator import ArmCompensator, Compensator
 from fricomp.control.confidence import compute_confident_gain, compute_friction_deviation
@@ -10,6 +11,7 @@ from fricomp.control.gate import ABSURD_TORQUE_RATIO, SafetyGate, TripReason, Tr
 from fricomp.control.hot_path import TorqueFunction
 from fricomp.control.limit_cycle import LIMIT_CYCLE_MARGIN
 from fricomp.control.limits import JointLimits
+from fricomp.control.load import LoadModel, ReportedLoad
 from fricomp.control.loop import ControlLoop, LoopAdapter, LoopResult
 from fricomp.control.loop_check import GainScan, LoopCheck, check_loop
 from fricomp.control.loop_log import LoopLog, LoopTiming
@@ -18,7 +20,6 @@ from fricomp.control.network import NetworkCompensator
 from fricomp.control.position_loop import Controller, PositionController, Reference, ReferenceState, SineReference
 from fricomp.control.real_time import RealTimeOptions, RealTimeReport, real_time
 from fricomp.control.settings import CompensationSettings, LoopDynamics, Source
-from fricomp.control.term_torque import FALLING_SHARE_WITHOUT_VELOCITY
 
 __all__ = [
     "ABSURD_TORQUE_RATIO",
@@ -34,6 +35,7 @@ __all__ = [
     "FrictionCurves",
     "GainScan",
     "JointLimits",
+    "LoadModel",
     "LoopAdapter",
     "LoopCases",
     "LoopCheck",
@@ -48,6 +50,7 @@ __all__ = [
     "RealTimeReport",
     "Reference",
     "ReferenceState",
+    "ReportedLoad",
     "SafetyGate",
     "SimulatedLoop",
     "SineReference",

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from fricomp.control.compensator import Compensator
 from fricomp.control.curve import split_law
+from fricomp.control.extra_terms import build_extra
 from fricomp.errors import ParameterError
 
 __all__ = ["AdaptationSettings", "OnlineAdaptation"]
@@ -70,6 +71,8 @@ class OnlineAdaptation:
         self._settings = settings or AdaptationSettings()
         self._compensator = compensator
         self._curves = split_law(compensator.model.law)
+        terms = self._curves.extra
+        self._extra = build_extra(terms, compensator.settings) if terms else None
         self._dry_bounds = self._settings.dry_bounds or _identified(compensator, "coulomb_torque")
         self._viscous_bounds = self._settings.viscous_bounds or _identified(compensator, "viscous_coefficient")
         known = self._settings.sliding_velocity
@@ -91,16 +94,26 @@ class OnlineAdaptation:
         """Whether the last update changed nothing: at rest, slow, or just after a reversal."""
         return self._slid < self._settings.settling_time
 
-    def update(self, velocity: float, friction_torque: float) -> None:
+    def update(
+        self,
+        velocity: float,
+        friction_torque: float,
+        position: float = 0.0,
+        load_torque: float = 0.0,
+        temperature: float | None = None,
+    ) -> None:
         """Take one sample, once a period.
 
         Args:
             velocity: Measured, or the reference of a joint that follows well [rad/s] or [m/s].
             friction_torque: Torque applied minus that of the rigid body, in the model's torque unit.
+            position: [rad] or [m]; used by terms over position.
+            load_torque: Torque the joint transmits to its load; used by terms over load torque.
+            temperature: [°C]; used by terms over temperature.
         """
         speed, ahead = abs(velocity), velocity >= 0.0
         if (
-            not (math.isfinite(velocity) and math.isfinite(friction_torque))
+            not all(map(math.isfinite, (velocity, friction_torque, position, load_torque, temperature or 0.0)))
             or speed < self._fast
             or ahead != self._ahead
         ):
@@ -111,6 +124,10 @@ class OnlineAdaptation:
             return
         curve = self._curves.forward if ahead else self._curves.reverse
         dry, viscous = curve.dry(speed), curve.viscous * speed
+        if self._extra is not None:
+            extra = self._extra(speed, velocity, position, load_torque, temperature)
+            dry, viscous = dry + extra.dry, viscous + (extra.drag if ahead else -extra.drag)
+            friction_torque -= extra.held
         level = friction_torque if ahead else -friction_torque
         keep, rate = 1.0 - self._rate, self._rate
         dd, vv, dv = self._information

@@ -58,5 +58,5 @@ def compute_compensation(
     viscous = np.where(ahead, curves.forward.viscous, curves.reverse.viscous)
     torque = dry * np.tanh(direction / settings.smoothing) + viscous * drive
     low, high = settings.velocity_range
-    outside = np.abs(drive) - np.where(ahead, high, -low)
+    outside = np.maximum(drive - high, low - drive)
     return np.asarray(torque * np.clip(1.0 - outside / settings.fade_width, 0.0, 1.0), dtype=np.float64)

@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from typing import Any
 
+from fricomp.control.authority import compute_authority
 from fricomp.control.confidence import compute_confident_gain
 from fricomp.control.curve import FrictionCurves, split_law
 from fricomp.control.limit_cycle import HIGHEST_GAIN, LIMIT_CYCLE_MARGIN, find_gain_limit
@@ -42,6 +43,7 @@ def choose_settings(
     curves = split_law(model.law)
     velocity_range, range_notes = _velocity_range(model, curves)
     gain, gain_notes = _gain(model, velocity_range)
+    authority, authority_notes = compute_authority(model, curves, velocity_range)
     source, source_notes = _source(curves, loop)
     source = given.get("source", source)
     top = max(abs(edge) for edge in velocity_range)
@@ -52,18 +54,20 @@ def choose_settings(
         measured_share={"reference": 0.0, "blend": _DEFAULT_SHARE, "measured": 1.0}.get(source, 0.0),
         smoothing=max(smoothing, 3.0 * velocity_quantum) if is_measured else smoothing,
         gain=gain,
-        authority=_authority(model, curves, velocity_range),
+        authority=authority,
         velocity_range=velocity_range,
         fade_width=0.5 * top,
         dead_band=1.5 * velocity_quantum if is_measured else 0.0,
         load_range=model.validity.normal_load,
+        load_torque_range=model.validity.load_torque,
     )
     try:
         chosen = replace(chosen, **given)
     except TypeError:
         known = [name for name in CompensationSettings.__dataclass_fields__ if name != "notes"]
         raise ParameterError(f"unknown setting in {sorted(given)}; known: {', '.join(known)}") from None
-    notes = [*range_notes, *([] if "source" in given else source_notes), *([] if "gain" in given else gain_notes)]
+    found = {"source": source_notes, "gain": gain_notes, "authority": authority_notes}
+    notes = [*range_notes, *(note for name, said in found.items() if name not in given for note in said)]
     if loop is not None:
         chosen, margin_notes = _with_margin(curves, loop, chosen, given)
         notes += margin_notes
@@ -143,13 +147,3 @@ def _gain(model: FrictionModel, velocity_range: tuple[float, float]) -> tuple[fl
         return _DEFAULT_GAIN, [f"the model has no covariance; gain {_DEFAULT_GAIN:g}"]
     bounded = min(max(gain, 0.5), _HIGHEST_GAIN)
     return bounded, [f"gain {bounded:.3f} from the lower 95 % bound of the friction"]
-
-
-def _authority(model: FrictionModel, curves: FrictionCurves, velocity_range: tuple[float, float]) -> float:
-    loads = model.validity.normal_load
-    factor = max((float(curves.load.factor(edge)) for edge in loads), default=1.0) if loads else 1.0
-    largest = curves.largest(velocity_range, max(factor, 1.0))
-    if curves.extra:
-        law = type(model.law)(curves.extra)
-        largest += max(abs(float(law.torque(v))) for v in velocity_range)
-    return largest

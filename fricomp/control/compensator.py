@@ -9,6 +9,7 @@ from typing import Any
 
 from fricomp.control.choice import choose_settings
 from fricomp.control.curve import split_law
+from fricomp.control.extra_terms import LOAD_TERMS, POSITION_TERMS, TEMPERATURE_TERMS
 from fricomp.control.hot_path import HotPath, TorqueFunction, build_hot_path
 from fricomp.control.settings import CompensationSettings, LoopDynamics
 from fricomp.errors import ParameterError
@@ -30,6 +31,8 @@ class Compensator:
             that calling it costs no method lookup.
         model: What is compensated.
         settings: How; `settings.notes` says why.
+        inputs: What the model depends on besides velocity, of `position`, `load_torque`, `normal_load` (the size of the
+            transmitted torque) and `temperature`.
 
     Args:
         model: A model or the path of its file (`friction.json`).
@@ -63,6 +66,7 @@ class Compensator:
         self.model = _read(model)
         self.period = period
         self.settings = settings or choose_settings(self.model, loop=loop, velocity_quantum=velocity_quantum, **given)
+        self.inputs = _inputs(self.model)
         self._hot: HotPath = build_hot_path(split_law(self.model.law), self.settings, period)
         self.torque = self._hot.torque
 
@@ -105,18 +109,30 @@ class ArmCompensator:
             raise ParameterError("an arm needs at least one joint")
         self.joints = tuple(joints)
         self._torques: list[Callable[..., float]] = [joint.torque for joint in joints]
+        self._indices, self._unknown = range(len(joints)), [None] * len(joints)
 
     def torque_into(
-        self, out: MutableSequence[float], velocity_reference: Sequence[float], velocity: Sequence[float] | None = None
+        self,
+        out: MutableSequence[float],
+        velocity_reference: Sequence[float],
+        velocity: Sequence[float] | None = None,
+        position_error: Sequence[float] | None = None,
+        load: Sequence[float] | None = None,
     ) -> None:
-        """Fill `out` with the compensation of each joint, from reference and measured velocity [rad/s] or [m/s]."""
-        if velocity is None:
-            out[:] = [torque(reference) for torque, reference in zip(self._torques, velocity_reference, strict=True)]
-        else:
-            out[:] = [
-                torque(reference, measured)
-                for torque, reference, measured in zip(self._torques, velocity_reference, velocity, strict=True)
-            ]
+        """Fill `out` with the compensation of each joint; the inputs are those of `TorqueFunction`, one a joint.
+
+        Raises:
+            ParameterError: An input has another number of joints.
+        """
+        torques, unknown = self._torques, self._unknown
+        v = unknown if velocity is None else velocity
+        e = unknown if position_error is None else position_error
+        n = unknown if load is None else load
+        if not len(out) == len(torques) == len(velocity_reference) == len(v) == len(e) == len(n):
+            given = [len(values) for values in (out, velocity_reference, v, e, n)]
+            raise ParameterError(f"{given} values given for {len(torques)} joints")
+        for j in self._indices:  # on lists cheaper than any zip or map
+            out[j] = torques[j](velocity_reference[j], v[j], e[j], n[j])
 
     @property
     def rejected(self) -> int:
@@ -127,6 +143,14 @@ class ArmCompensator:
         """Forget the state of every joint."""
         for joint in self.joints:
             joint.reset()
+
+
+def _inputs(model: FrictionModel) -> frozenset[str]:
+    kinds = {"position": POSITION_TERMS, "load_torque": LOAD_TERMS, "temperature": TEMPERATURE_TERMS}
+    found = {name for name, terms in kinds.items() if any(isinstance(term, terms) for term in model.law.terms)}
+    # A normal load in any other unit than the joint's torque is known to the user alone.
+    transmitted = "transmitted" in model.provenance.notes.get("normal_load", "")
+    return frozenset(found | ({"normal_load"} if transmitted else set()))
 
 
 def _read(model: ModelSource) -> FrictionModel:

@@ -6,7 +6,6 @@ Pure Python floats in lists: for the seven joints of an arm that is several time
 from __future__ import annotations
 
 import math
-import operator
 import sys
 from collections.abc import MutableSequence, Sequence
 from dataclasses import dataclass
@@ -86,18 +85,23 @@ class SafetyGate:
                 raise ParameterError(f"{name} must be finite and at least {lowest:g} s, got {value!r}")
         self.limits = tuple(limits)
         self._period_ns = round(period * _NANOSECONDS)
-        self._ramp_ns = max(ramp_time * _NANOSECONDS, 1.0)
-        self._stale_ns = stale_after * _NANOSECONDS
+        self._ramp_ns = max(round(ramp_time * _NANOSECONDS), 1)
+        self._stale_ns = round(stale_after * _NANOSECONDS)
         self._torque_limits = [limit.torque for limit in limits]
         self._rates = [limit.torque_rate / _NANOSECONDS for limit in limits]
         self._steps = [rate * self._period_ns for rate in self._rates]
         highest = sys.float_info.max
         ranges = [limit.position or (-highest, highest) for limit in limits]
-        self._state_limits = ([limit.velocity for limit in limits], [r[0] for r in ranges], [r[1] for r in ranges])
-        self._hottest = [math.inf if limit.temperature is None else limit.temperature for limit in limits]
+        self._state_limits = (
+            [limit.velocity for limit in limits],
+            [low for low, _ in ranges],
+            [high for _, high in ranges],
+            [math.inf if limit.temperature is None else limit.temperature for limit in limits],
+        )
         self._last = [0.0] * len(limits)
+        self._indices = range(len(limits))
         self._armed = False
-        self._armed_ns = self._admitted_ns = self._feedback_ns = 0
+        self._open_ns = self._due_ns = self._feedback_ns = 0
         self._record: TripRecord | None = None
 
     @property
@@ -123,7 +127,8 @@ class SafetyGate:
         """
         self.raise_if_tripped()
         self._last[:] = [0.0] * len(self._last)
-        self._armed_ns = self._admitted_ns = self._feedback_ns = now_ns
+        self._feedback_ns = now_ns
+        self._open_ns, self._due_ns = now_ns + self._ramp_ns, now_ns + self._period_ns
         self._armed = True
         if self._record is not None:  # another thread has tripped it between the check and here
             self._armed = False
@@ -173,27 +178,36 @@ class SafetyGate:
                     self._trip_state(feedback, now_ns)
             except (TypeError, ValueError, OverflowError) as error:
                 self.trip("not_finite", f"the feedback cannot be read: {error}", now_ns)
-        self._check_age(now_ns)
+        if abs(now_ns - self._feedback_ns) > self._stale_ns:
+            self._trip_stale(now_ns)
         return self._record is None
 
     def _is_well(self, feedback: JointFeedback) -> bool:
-        """Whether no drive has a fault and every joint is within its limits; NaN is not within."""
+        """Whether no drive has a fault and every joint is within its limits; NaN is not within.
+
+        Raises:
+            ValueError: The state is that of another number of joints.
+        """
         position, velocity, temperature = feedback.position, feedback.velocity, feedback.temperature
         if not len(position) == len(velocity) == len(temperature) == len(self._last):
             raise ValueError(f"state of {len(position)} joints, expected {len(self._last)}")
-        # No position is as high as infinity, not even on a joint that turns freely.
-        for q, v, fastest, lowest, highest in zip(position, velocity, *self._state_limits, strict=False):
-            if not (-fastest <= v <= fastest and lowest <= q <= highest):
+        fastest, lowest, highest, hottest = self._state_limits
+        for j in self._indices:  # cheaper than any zip
+            limit = fastest[j]
+            # No position is as high as infinity, not even on a joint that turns freely.
+            if not (-limit <= velocity[j] <= limit and lowest[j] <= position[j] <= highest[j]):
                 return False
-        return not (any(feedback.fault) or any(map(operator.gt, temperature, self._hottest)))
+            if temperature[j] > hottest[j]:
+                return False
+        return not any(feedback.fault)
 
     def _trip_state(self, feedback: JointFeedback, now_ns: int) -> None:
         """Find out which limit it was."""
         if any(feedback.fault):
             self.trip("drive_fault", f"the drives report {list(feedback.fault)}", now_ns)
         state = zip(feedback.position, feedback.velocity, feedback.temperature, strict=True)
-        rows = zip(state, self._hottest, *self._state_limits, strict=True)
-        for joint, ((q, v, hot), hottest, fastest, lowest, highest) in enumerate(rows):
+        rows = zip(state, *self._state_limits, strict=True)
+        for joint, ((q, v, hot), fastest, lowest, highest, hottest) in enumerate(rows):
             if not (math.isfinite(q) and math.isfinite(v)):
                 self.trip("not_finite", f"joint {joint} reports position {q!r} and velocity {v!r}", now_ns)
             elif abs(v) > fastest:
@@ -220,26 +234,34 @@ class SafetyGate:
             wanted = list(map(float, torque_in))
         except (TypeError, ValueError, OverflowError) as error:
             self.trip("not_finite", f"the torque command {torque_in!r} cannot be read: {error}", now_ns)
-        if not self._armed or len(wanted) != len(last) or not self._check_age(now_ns):
+        if abs(now_ns - self._feedback_ns) > self._stale_ns:
+            self._trip_stale(now_ns)
+        if not self._armed or len(wanted) != len(last):
             return self._refuse(wanted, torque_out, now_ns)
-        elapsed, since = now_ns - self._admitted_ns, now_ns - self._armed_ns
-        steps = self._steps if elapsed >= self._period_ns else [rate * max(elapsed, 0) for rate in self._rates]
-        if since < self._ramp_ns or not self._is_within(wanted, steps):
+        if now_ns < self._open_ns or now_ns < self._due_ns or not self._is_within(wanted):
             if not all(map(self._is_sane, wanted, self._torque_limits)):
                 return self._refuse(wanted, torque_out, now_ns)
-            ramp = min(max(since / self._ramp_ns, 0.0), 1.0)
-            wanted = list(map(_bound, wanted, last, self._torque_limits, steps, [ramp] * len(wanted)))
+            wanted = self._bounded(wanted, now_ns)
         last[:] = torque_out[:] = wanted
-        self._admitted_ns = now_ns
+        self._due_ns = now_ns + self._period_ns
         # Another thread may have tripped the gate while this one was computing.
         return True if self._armed else self._close(torque_out)
 
-    def _is_within(self, wanted: list[float], steps: list[float]) -> bool:
+    def _is_within(self, wanted: list[float]) -> bool:
         """Whether nothing has to be bounded, which is the rule; NaN is never within."""
-        for tau, before, limit, step in zip(wanted, self._last, self._torque_limits, steps, strict=False):
-            if not (-limit <= tau <= limit and -step <= tau - before <= step):
+        last, limits, steps = self._last, self._torque_limits, self._steps
+        for j in self._indices:
+            torque = wanted[j]
+            if not (abs(torque) <= limits[j] and abs(torque - last[j]) <= steps[j]):
                 return False
         return True
+
+    def _bounded(self, wanted: list[float], now_ns: int) -> list[float]:
+        """Clamped, on the enable ramp, and within the steps that the time since the last command allows."""
+        elapsed = max(now_ns - self._due_ns + self._period_ns, 0)
+        steps = self._steps if elapsed >= self._period_ns else [rate * elapsed for rate in self._rates]
+        ramp = min(max((now_ns - self._open_ns + self._ramp_ns) / self._ramp_ns, 0.0), 1.0)
+        return list(map(_bound, wanted, self._last, self._torque_limits, steps, [ramp] * len(wanted)))
 
     @staticmethod
     def _is_sane(torque: float, limit: float) -> bool:
@@ -258,12 +280,9 @@ class SafetyGate:
                 self.trip("absurd_command", f"torque command {wanted}, absurd beyond {absurd}", now_ns)
         return self._close(torque_out)
 
-    def _check_age(self, now_ns: int) -> bool:
-        if -self._stale_ns <= now_ns - self._feedback_ns <= self._stale_ns:
-            return True
+    def _trip_stale(self, now_ns: int) -> None:
         age, limit = (now_ns - self._feedback_ns) / 1e6, self._stale_ns / 1e6
         self.trip("stale", f"the data of the joints is {age:.1f} ms old, limit {limit:.1f} ms", now_ns)
-        return False
 
     def _close(self, torque_out: MutableSequence[float] | Any) -> bool:
         for joint in range(len(self._last)):

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 from math import exp, inf, tanh
 from typing import Protocol
 
+from fricomp.control.bristle import FALLING_SHARE_WITHOUT_VELOCITY, build_bristle
 from fricomp.control.curve import FrictionCurves
+from fricomp.control.extra_terms import build_extra
 from fricomp.control.settings import CompensationSettings
-from fricomp.control.term_torque import FALLING_SHARE_WITHOUT_VELOCITY, build_bristle, build_extra
 
 __all__ = ["HotPath", "TorqueFunction", "build_hot_path"]
 
@@ -71,17 +72,25 @@ def build_hot_path(  # noqa: C901
         period: Control period [s].
     """
     bristle, reset_bristle = build_bristle(curves, period) if curves.bristle is not None else (None, _nothing)
-    extra = build_extra(curves, settings) if curves.extra else None
+    extra = build_extra(curves.extra, settings) if curves.extra else None
+    square = curves.forward.exponent == curves.reverse.exponent == 2.0
     measured, share, keep = settings.source == "measured", settings.measured_share, 1.0 - settings.measured_share
     unseen = FALLING_SHARE_WITHOUT_VELOCITY if settings.source == "blend" else 1.0
-    band, error_rate, error_band = settings.dead_band, settings.error_rate, settings.error_band
-    rest, smoothing, gain, fade = settings.rest_velocity, settings.smoothing, settings.gain, 1.0 / settings.fade_width
-    low, high = settings.velocity_range
-    forward, reverse = (*curves.forward, high), (*curves.reverse, -low)
-    low_load, high_load = settings.load_range or (-inf, inf)
+    smoothing, gain, fade = settings.smoothing, settings.gain, 1.0 / settings.fade_width
+    forward, reverse = tuple(curves.forward), tuple(curves.reverse)
     per_load = curves.load.load_sensitivity / curves.load.reference_load
     insensitive = 1.0 - curves.load.load_sensitivity
-    authority, rate = settings.authority, settings.torque_rate * period
+    error_rate = settings.error_rate
+    # Both ends of every range, because a sign costs as much as a comparison.
+    low, high = settings.velocity_range
+    low_load, high_load = settings.load_range or (-inf, inf)
+    if per_load > 0.0:  # below this load dry friction would drive
+        low_load = max(low_load, -insensitive / per_load)
+    low_band, high_band = -settings.dead_band, settings.dead_band
+    low_error, high_error = -settings.error_band, settings.error_band
+    low_rest, high_rest = -settings.rest_velocity, settings.rest_velocity
+    lowest, highest = -settings.authority, settings.authority
+    fall, climb = -settings.torque_rate * period, settings.torque_rate * period
     dry_gain = viscous_gain = gain
     last, rejected = 0.0, 0
 
@@ -102,50 +111,55 @@ def build_hot_path(  # noqa: C901
             if velocity is not None:
                 total += velocity
                 if measured:
-                    drive = velocity - band if velocity > band else velocity + band if velocity < -band else 0.0
+                    drive = velocity - high_band if velocity > high_band else min(velocity - low_band, 0.0)
                 blended = keep * drive + share * velocity
             direction = drive
             if position_error is not None:
                 total += position_error
-                if position_error > error_band:
-                    direction += error_rate * (position_error - error_band)
-                elif position_error < -error_band:
-                    direction += error_rate * (position_error + error_band)
+                if position_error > high_error:
+                    direction += error_rate * (position_error - high_error)
+                elif position_error < low_error:
+                    direction += error_rate * (position_error - low_error)
             if load is not None:
                 total += load
                 factor = insensitive + per_load * (
                     high_load if load > high_load else low_load if load < low_load else load
                 )
-                if factor < 0.0:
-                    factor = 0.0
             if total - total != 0.0:  # infinite or NaN; what follows would turn either into a torque
                 raise ValueError
             if direction >= 0.0:
-                coulomb, rise, stribeck_velocity, exponent, viscous, edge = forward
+                coulomb, rise, stribeck_velocity, exponent, viscous = forward
             else:
-                coulomb, rise, stribeck_velocity, exponent, viscous, edge = reverse
+                coulomb, rise, stribeck_velocity, exponent, viscous = reverse
                 blended = -blended
             if bristle is None:
-                falling = exp(-((blended / stribeck_velocity) ** exponent)) if blended > 0.0 else 1.0
+                falling = 1.0
+                if blended > 0.0:
+                    ratio = blended / stribeck_velocity
+                    falling = exp(-ratio * ratio if square else -(ratio**exponent))
                 if velocity is None:
                     falling *= unseen
-                elif -rest < velocity < rest:
-                    falling += (1.0 - falling) * (1.0 - abs(velocity) / rest)
+                elif low_rest < velocity < high_rest:
+                    falling += (1.0 - falling) * (1.0 - abs(velocity) / high_rest)
                 tau = factor * (coulomb + rise * falling) * tanh(direction / smoothing)
             else:
                 tau = bristle(drive, factor)
-            tau = dry_gain * tau + viscous_gain * viscous * drive
-            if not -edge <= drive <= edge:
-                left = 1.0 - (abs(drive) - edge) * fade
+            if extra is None:
+                tau = dry_gain * tau + viscous_gain * viscous * drive
+            else:
+                dry, drag, held = extra(blended, drive, position, load_torque, temperature)
+                tau = dry_gain * (tau + dry * tanh(direction / smoothing)) + viscous_gain * (viscous * drive + drag)
+            if not low <= drive <= high:
+                left = 1.0 - (drive - high if drive > high else low - drive) * fade
                 tau = tau * left if left > 0.0 else 0.0
             if extra is not None:
-                tau += extra(drive, position, load_torque, temperature)
-            if not -authority <= tau <= authority:
+                tau += gain * held
+            if not lowest <= tau <= highest:
                 if tau != tau:
                     raise ValueError
-                tau = authority if tau > 0.0 else -authority
-            if not -rate <= tau - last <= rate:
-                tau = last + rate if tau > last else last - rate
+                tau = highest if tau > 0.0 else lowest
+            if not fall <= tau - last <= climb:
+                tau = last + climb if tau > last else last + fall
             last = tau
             return tau
         except (TypeError, ValueError, OverflowError):

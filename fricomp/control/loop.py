@@ -8,11 +8,15 @@ import threading
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import add
 from types import FrameType
 from typing import Any, Protocol
 
+from fricomp.control.adaptation import AdaptationSettings
 from fricomp.control.compensator import Compensator
 from fricomp.control.gate import SafetyGate, TripRecord
+from fricomp.control.load import LoadModel
+from fricomp.control.loop_compensation import LoopCompensation
 from fricomp.control.loop_log import LoopLog
 from fricomp.control.position_loop import Controller, Reference, ReferenceState
 from fricomp.control.real_time import RealTimeOptions, RealTimeReport, real_time
@@ -81,6 +85,9 @@ class ControlLoop:
         reference: The motion.
         controller: The user's controller; None in a mode where the drive closes the loop itself.
         compensators: One a joint, or None for none.
+        load: Knows the torque that the joints carry, for models that depend on it and for adaptation; without it the
+            controller is asked where it has `load_into`, else the torque that the drives report serves.
+        adaptation: Lets the compensators follow slow changes of the friction; off unless given.
         period: Control period [s].
         mode: `torque`, or `velocity` or `position` with the compensation as torque feed-forward.
         log_capacity: Rows that the log keeps.
@@ -98,6 +105,8 @@ class ControlLoop:
         controller: Controller | None,
         *,
         compensators: Sequence[Compensator] | None = None,
+        load: LoadModel | None = None,
+        adaptation: AdaptationSettings | None = None,
         period: float = 1e-3,
         mode: CommandMode = "torque",
         log_capacity: int = 60_000,
@@ -116,7 +125,9 @@ class ControlLoop:
                     f"the drive takes {joint.torque_unit}: identify it on this drive"
                 )
         self.adapter, self.reference, self.controller = adapter, reference, controller
-        self.compensators = tuple(compensators or ())
+        if load is None and isinstance(controller, LoadModel):
+            load = controller
+        self.compensation = LoopCompensation(compensators or (), len(joints), period, load=load, adaptation=adaptation)
         self.period, self.mode = period, mode
         self.options = options or RealTimeOptions(freeze_garbage=False)
         self.most_skipped = most_skipped
@@ -138,8 +149,7 @@ class ControlLoop:
         """
         adapter, signals = self.adapter, _Signals(self._stop)
         adapter.configure(self.mode, self.period)
-        for compensator in self.compensators:
-            compensator.reset()
+        self.compensation.reset()
         cycles = 0
         with real_time(self.options) as granted, signals:
             try:
@@ -153,8 +163,7 @@ class ControlLoop:
                 trip = adapter.gate.trip_record
                 adapter.safe_stop("end of the loop")
         signals.raise_interrupt()
-        rejected = sum(compensator.rejected for compensator in self.compensators)
-        return LoopResult(self.log, cycles, self._skipped, rejected, trip, granted)
+        return LoopResult(self.log, cycles, self._skipped, self.compensation.rejected, trip, granted)
 
     def _first_feedback(self) -> JointFeedback:
         feedback, clock = JointFeedback(self._n), self.adapter.clock
@@ -170,9 +179,9 @@ class ControlLoop:
         adapter, clock, gate, n = self.adapter, self.adapter.clock, self.adapter.gate, self._n
         now_ns, sleep_until, read_into, write = clock.now_ns, clock.sleep_until, adapter.read_into, adapter.write
         sample, counter, append, stop = self.reference.sample, time.perf_counter_ns, self.log.append, self._stop
-        torques = [compensator.torque for compensator in self.compensators]
+        controller, compensate = self.controller, self.compensation.update
         command, goal, seen = JointCommand(n), ReferenceState(n), ReferenceState(n)
-        compensation, wanted, joints = [0.0] * n, [0.0] * n, range(n)
+        wanted = [0.0] * n
         period = round(self.period * 1e9)
         start = deadline = now_ns() + period
         end, cycles = start + round(duration * 1e9), 0
@@ -182,17 +191,10 @@ class ControlLoop:
             read_into(feedback)
             sample((now - start) * 1e-9, goal)
             sample(max(feedback.time_ns - start, 0) * 1e-9, seen)
-            if self.controller is not None:
-                self.controller.torque_into(wanted, feedback, seen)
-            for j, torque in enumerate(torques):
-                compensation[j] = torque(
-                    goal.velocity[j],
-                    feedback.velocity[j],
-                    seen.position[j] - feedback.position[j],
-                    position=feedback.position[j],
-                )
-            for j in joints:
-                command.torque[j] = wanted[j] + compensation[j]
+            if controller is not None:
+                controller.torque_into(wanted, feedback, seen)
+            compensation = compensate(feedback, goal, seen)
+            command.torque[:] = map(add, wanted, compensation)
             command.position, command.velocity = goal.position, goal.velocity
             if not write(command):
                 break

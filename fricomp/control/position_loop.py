@@ -79,11 +79,14 @@ class SineReference:
     def sample(self, time: float, state: ReferenceState) -> None:
         """Fill in the sine at `time` [s]."""
         omega, time = 2.0 * math.pi * self.frequency, max(time - self.rest, 0.0)
-        sine, cosine = math.sin(omega * time), math.cos(omega * time)
-        for joint, (amplitude, centre) in enumerate(zip(self.amplitude, self.centre, strict=True)):
-            state.position[joint] = centre + amplitude * (1.0 - cosine)
-            state.velocity[joint] = amplitude * omega * sine
-            state.acceleration[joint] = amplitude * omega * omega * cosine if time > 0.0 else 0.0
+        rise, slope = 1.0 - math.cos(omega * time), omega * math.sin(omega * time)
+        bend = omega * omega * math.cos(omega * time) if time > 0.0 else 0.0
+        position, velocity, acceleration = state.position, state.velocity, state.acceleration
+        centre = self.centre
+        for j, amplitude in enumerate(self.amplitude):
+            position[j] = centre[j] + amplitude * rise
+            velocity[j] = amplitude * slope
+            acceleration[j] = amplitude * bend
 
 
 @dataclass(frozen=True)
@@ -116,12 +119,7 @@ class PositionController:
 
     def torque_into(self, out: list[float], feedback: JointFeedback, reference: ReferenceState) -> None:
         """Fill in the torque of each joint."""
-        q, v, goal = feedback.position, feedback.velocity, reference
-        for joint, (stiffness, damping, inertia) in enumerate(
-            zip(self.stiffness, self.damping, self.inertia, strict=True)
-        ):
-            out[joint] = (
-                stiffness * (goal.position[joint] - q[joint])
-                + damping * (goal.velocity[joint] - v[joint])
-                + inertia * goal.acceleration[joint]
-            )
+        q, v, q_ref, v_ref = feedback.position, feedback.velocity, reference.position, reference.velocity
+        stiffness, damping, acceleration = self.stiffness, self.damping, reference.acceleration
+        for j, inertia in enumerate(self.inertia):
+            out[j] = stiffness[j] * (q_ref[j] - q[j]) + damping[j] * (v_ref[j] - v[j]) + inertia * acceleration[j]

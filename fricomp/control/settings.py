@@ -49,7 +49,10 @@ class CompensationSettings:
 
     With x = v_r, or the measured velocity beyond its dead band where that is the source,
 
-    tau = gain (tanh((x + k e)/smoothing) dry(s) + viscous v),  s = max(0, sgn(x) ((1-w) v_r + w v_measured))
+    tau = gain (tanh((x + k e)/smoothing) dry(s) + viscous x),  s = max(0, sgn(x) ((1-w) v_r + w v_measured))
+
+    Terms over load and position that resist like dry friction are part of dry, those that drag go with the viscous
+    term, and what holds a position is added with the gain alone.
 
     Attributes:
         source: What decides the direction. `blend` takes the direction from the reference and the speed on the
@@ -65,7 +68,8 @@ class CompensationSettings:
         error_band: Position error that gives none [rad] or [m].
         velocity_range: Range of validity; outside it the compensation fades [rad/s] or [m/s].
         fade_width: Width over which it fades to zero [rad/s] or [m/s].
-        load_range: Loads beyond it count as its ends; None for no bound.
+        load_range: Normal loads beyond it count as its ends; None for no bound.
+        load_torque_range: The same for the torque that the joint transmits to its load.
         notes: Why it is so, in sentences.
 
     Raises:
@@ -85,6 +89,7 @@ class CompensationSettings:
     error_rate: float = 0.0
     error_band: float = 0.0
     load_range: tuple[float, float] | None = None
+    load_torque_range: tuple[float, float] | None = None
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:

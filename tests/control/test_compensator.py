@@ -163,8 +163,17 @@ def test_arm_is_its_joints() -> None:
     assert out == [Compensator(make_model()).torque(0.1), Compensator(make_model(Coulomb(0.3))).torque(-0.2)]
     arm.torque_into(out, [math.nan, 0.1], [0.0, 0.0])
     assert (out[0], arm.rejected) == (0.0, 1)
+    with pytest.raises(ParameterError, match="for 2 joints"):
+        arm.torque_into(out, [0.1, 0.1], [0.1])
     with pytest.raises(ParameterError, match="at least one"):
         ArmCompensator([])
+
+
+def test_arm_hands_on_every_input() -> None:
+    arm, out = ArmCompensator([Compensator(make_model(), error_rate=2.0)] * 2), [0.0, 0.0]
+    arm.torque_into(out, [0.1, -0.2], [0.1, -0.1], [0.01, 0.0], [1.2, 0.7])
+    one = Compensator(make_model(), error_rate=2.0)
+    assert out == [one.torque(0.1, 0.1, 0.01, 1.2), one.torque(-0.2, -0.1, 0.0, 0.7)]
 
 
 @pytest.mark.parametrize(

@@ -1,17 +1,13 @@
-"""The parts of a compensation that not every law has: the bristle, and terms that fit no curve."""
+"""The bristle of a compensation, which not every law has."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import exp, tanh
-
-import numpy as np
+from math import exp
 
 from fricomp.control.curve import FrictionCurves
-from fricomp.control.settings import CompensationSettings
-from fricomp.laws import OperatingPoint
 
-__all__ = ["FALLING_SHARE_WITHOUT_VELOCITY", "build_bristle", "build_extra"]
+__all__ = ["FALLING_SHARE_WITHOUT_VELOCITY", "build_bristle"]
 
 FALLING_SHARE_WITHOUT_VELOCITY = 0.5
 """Share of F_s - F_c that `blend` uses while no velocity is measured: half way between sticking and overshooting."""
@@ -43,20 +39,3 @@ def build_bristle(curves: FrictionCurves, period: float) -> tuple[Callable[[floa
         z = 0.0
 
     return bristle, reset
-
-
-def build_extra(curves: FrictionCurves, settings: CompensationSettings) -> Callable[..., float]:
-    """Terms that fit no curve, evaluated in both directions and blended over the change of direction."""
-    terms, smoothing, gain = curves.extra, settings.smoothing, settings.gain
-    low, high = settings.velocity_range
-
-    def extra(drive: float, position: float, load_torque: float, temperature: float | None) -> float:
-        speed = min(abs(drive), high if drive >= 0.0 else -low)
-        point = OperatingPoint(
-            np.array([speed, -speed]), position=position, load_torque=load_torque, temperature=temperature
-        )
-        both = sum((np.broadcast_to(np.asarray(term.torque(point)), 2) for term in terms), np.zeros(2))
-        ahead, back = both.tolist()
-        return float(gain * 0.5 * (ahead + back + tanh(drive / smoothing) * (ahead - back)))
-
-    return extra
