@@ -100,9 +100,15 @@ def merged(intervals: Sequence[Interval], gap: float) -> list[Interval]:
     return result
 
 
-def locate(series: Sequence[RowSeries], energy: Sequence[FloatArray]) -> Location:
-    """Intervals of each quantity that hold most of `energy`; a quantity that singles nothing out is left out."""
-    location: Location = {"time": _times(series, energy)}
+def locate(series: Sequence[RowSeries], energy: Sequence[FloatArray], *, rows: int = 1) -> Location:
+    """Intervals of each quantity that hold most of `energy`; a quantity that singles nothing out is left out.
+
+    Args:
+        series: Rows of each recording.
+        energy: Of each row. Shapes (n_rows,).
+        rows: Neighbouring rows that are averaged where the energy is noisy.
+    """
+    location: Location = {"time": _times(series, energy, rows)}
     pooled = np.concatenate(list(energy))
     for name in ("velocity", "position", "load_torque", "acceleration", "time_since_reversal", "temperature"):
         parts = [getattr(s, name) for s in series]
@@ -118,15 +124,15 @@ def locate(series: Sequence[RowSeries], energy: Sequence[FloatArray]) -> Locatio
     return location
 
 
-def _times(series: Sequence[RowSeries], energy: Sequence[FloatArray]) -> list[Interval]:
+def _times(series: Sequence[RowSeries], energy: Sequence[FloatArray], rows: int) -> list[Interval]:
     """Time windows of the first recording whose rows carry most of the energy."""
     e, time = np.maximum(energy[0], 0.0), series[0].time
-    smooth = np.convolve(e, np.ones(5) / 5.0, mode="same")
+    smooth = np.convolve(e, np.ones(rows) / rows, mode="same")
     order = np.argsort(-smooth)
     held = np.cumsum(e[order]) / max(float(e.sum()), 1e-30)
     chosen = np.sort(order[: int(np.searchsorted(held, _SHARE)) + 1])
     half = 0.5 * float(np.median(np.diff(time)))
-    return merged([(float(time[i] - half), float(time[i] + half)) for i in chosen], 4.0 * half)
+    return merged([(float(time[i] - half), float(time[i] + half)) for i in chosen], (rows - 1 + 1e-6) * half)
 
 
 def change_points(series: Sequence[RowSeries]) -> tuple[tuple[float, ...], ...]:

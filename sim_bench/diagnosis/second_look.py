@@ -54,7 +54,9 @@ def second_look(recordings: Sequence[Recording], diagnosis: Diagnosis, seed: int
     coarse = _ripple_of(diagnosis)
     if _stands(diagnosis) and coarse is None:
         return diagnosis
-    bristles = [] if _stands(diagnosis) else [find_soft_presliding(one) for one in recordings]
+    # A base that already stands at its noise has a bristle of its own: a softer one is sought only beyond that.
+    settled = _stands(diagnosis) or diagnosis.verdict in ("consistent", "parameters")
+    bristles = [] if settled else [find_soft_presliding(one) for one in recordings]
     soft = [one for one in bristles if one is not None]
     if len(soft) == len(recordings):
         return _with_presliding(recordings, diagnosis, soft, seed)

@@ -61,8 +61,8 @@ class SoftPresliding:
     @property
     def law(self) -> FrictionLaw:
         """The bristle as a friction law."""
-        curves = (StribeckCurve(self.level, self.level, 1.0, max(viscous, 0.0)) for viscous in self.viscous)
-        return FrictionLaw((LuGre(*curves, sigma_0=self.level / self.distance, sigma_1=0.0),))
+        forward, reverse = (StribeckCurve(self.level, self.level, 1.0, max(one, 0.0)) for one in self.viscous)
+        return FrictionLaw((LuGre(forward, reverse, sigma_0=self.level / self.distance, sigma_1=0.0),))
 
 
 @compiled
@@ -114,7 +114,7 @@ class _Motion:
     def of(cls, recording: Recording) -> _Motion:
         dt = recording.sample_period
         t = np.asarray(recording.time) - recording.time[0]
-        grid = np.arange(int(t[-1] / dt) + 1) * dt
+        grid = np.arange(int(t[-1] / dt) + 1, dtype=np.float64) * np.float64(dt)
         position, torque = (np.interp(grid, t, one) for one in (recording.position, recording.torque))
         velocity = smooth_derivative(position, dt)
         acceleration = smooth_derivative(velocity, dt)
@@ -151,7 +151,7 @@ class _Motion:
     def left_out(self, distance: float, memoryless: bool = False) -> FloatArray:
         """Error on blocks that took no part in the fit [N·m]. Shape (n_kept,)."""
         table = self.table(distance, memoryless)
-        return error_on_left_out_blocks(table / np.linalg.norm(table, axis=0), self.torque[self.keep])
+        return error_on_left_out_blocks(table / np.maximum(np.linalg.norm(table, axis=0), 1e-12), self.torque[self.keep])
 
     def nearest(self, distances: FloatArray) -> tuple[FloatArray | None, FloatArray]:
         """Three distances about the best one, and its error; None where the best one is at an end of the range."""

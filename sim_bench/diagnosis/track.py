@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -180,7 +181,7 @@ def sampling_jitter(position: FloatArray, velocity: FloatArray) -> float:
         return 0.0
     edges = np.quantile(speed[moving], np.linspace(0.0, 1.0, 7))
     squares, variances = [], []
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         inside = (speed >= low) & (speed <= high)
         four, five = (np.median(np.abs(one[inside[: one.size]])) / 0.6745 for one in (fourth, fifth))
         if five**2 < 0.7 * 3.6 * four**2:

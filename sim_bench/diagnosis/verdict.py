@@ -25,6 +25,7 @@ from .result import (
     DiagnosisRecord,
     Evidence,
     HeldOut,
+    Location,
     NamedEffect,
     NextExperiment,
     Quantity,
@@ -83,8 +84,7 @@ def conclude(answer: Answer) -> Diagnosis:
     effects = [*effects, *compared.effects, *velocity_lag(answer.recordings)]
     effects.sort(key=lambda effect: -effect.share)
     verdict = _verdict(effects, unknown)
-    energy = [np.maximum((s.before / s.spread) ** 2 - 1.0, 0.0) for s in series]
-    location = locate(series, energy) if chosen is not None or unknown else {}
+    location = _location(series, chosen, unknown)
     record = DiagnosisRecord(
         schema=DIAGNOSIS_SCHEMA,
         verdict=verdict,  # type: ignore[arg-type]
@@ -224,6 +224,15 @@ def _compare(answer: Answer, chosen: Explanation | None) -> Comparison:
         more = compare_friction(plant, deviations, answer.friction, answer.unit)
         result = Comparison(result.effects + more.effects, result.changes + more.changes)
     return result
+
+
+def _location(series: tuple[RowSeries, ...], chosen: Explanation | None, unknown: bool) -> Location:
+    """Where the mismatch sits: what was named after the base refit, free of noise; else all that exceeds the noise."""
+    if chosen is not None:
+        return locate(series, [(one.before - one.after) ** 2 for one in series])
+    if unknown:
+        return locate(series, [np.maximum((one.before / one.spread) ** 2 - 1.0, 0.0) for one in series], rows=5)
+    return {}
 
 
 def _verdict(effects: list[NamedEffect], unknown: bool) -> str:
