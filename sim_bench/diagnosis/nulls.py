@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
+from scipy.optimize import nnls
 
 from .observer import Contribution, Job, Observation, Plant, shifted
 from .problem import Problem, Weights, improved
-from .track import FloatArray, Track, smooth_derivative, without_spikes
+from .track import FloatArray, TorqueNoise, Track, smooth_derivative, without_spikes
 
 __all__ = ["Nulls", "make_nulls"]
 
@@ -19,6 +20,9 @@ _STIFFNESS = 1.6  # factor on the bristle stiffness that its unknown law stands 
 _DOUBT = 0.5  # part of its effect on a row that counts as uncertain
 _TORQUE_WINDOW = 0.011  # [s] smoothing that separates the applied torque from its noise
 _DELAY_SPREAD = 5e-5  # [s]
+_FEW = 8  # nulls from which the noise is matched
+_MEMORY = 0.9  # correlation of coloured noise where the samples show none
+_CORRECTION = (0.7, 1.4)  # of the matched noise, for what does not add up in squares
 
 
 @dataclass(frozen=True)
@@ -28,12 +32,10 @@ class Nulls:
     Attributes:
         rows: For each recording, shape (n_nulls, n_rows) [N·m].
         weights: Their mean, spread and correlation.
-        noise_scale: Factor on the torque noise found in the samples that makes nulls as noisy as the recording.
     """
 
     rows: tuple[FloatArray, ...]
     weights: Weights
-    noise_scale: float
 
     @property
     def count(self) -> int:
@@ -44,7 +46,7 @@ class Nulls:
         """The same nulls with noise larger by `factor`."""
         rows = tuple(m + factor * (r - m) for r, m in zip(self.rows, self.weights.mean, strict=True))
         spread = tuple(factor * s for s in self.weights.spread)
-        return Nulls(rows, replace(self.weights, spread=spread), self.noise_scale * factor)
+        return Nulls(rows, replace(self.weights, spread=spread))
 
     def vectors(self) -> list[FloatArray]:
         """Each null as a weighted residual vector."""
@@ -55,14 +57,64 @@ def make_nulls(problem: Problem, plant: Plant, effects: Sequence[Contribution], 
     """Simulate `count` nulls of `plant` with `effects`; their noise is matched to that of the residual."""
     data = problem.rows(problem.runs([plant], [effects])[0])
     calm = replace(problem, tracks=tuple(replace(track, torque=_smooth(track)) for track in problem.tracks))
-    truth = calm.runs([plant], [effects])[0]
-    scale = 1.0
-    few = 8
-    for _ in range(2):
-        rows = _rows(problem, plant, effects, truth, few, scale, seed)
-        scale *= float(np.clip(_noise_ratio(data, rows), 0.2, 5.0))
-    rows = _rows(problem, plant, effects, truth, count, scale, seed + 1)
-    return Nulls(tuple(rows), _weights(rows, _presliding(problem, plant, effects)), scale)
+    chain = _Chain(problem, plant, tuple(effects), tuple(calm.runs([plant], [effects])[0]))
+    noises = [_matched_noise(chain, index, rows, seed) for index, rows in enumerate(data)]
+    rows = [chain.rows(index, noise, count, seed + 1) for index, noise in enumerate(noises)]
+    return Nulls(tuple(rows), _weights(rows, _presliding(problem, plant, effects)))
+
+
+@dataclass(frozen=True)
+class _Chain:
+    """What makes a null: the joint moved as the fitted model says, and its sensors.
+
+    Attributes:
+        problem: The recordings and their rows.
+        plant: The fitted joint.
+        effects: What effects add along each recording.
+        truth: The model's motion under each recording's torque without noise.
+    """
+
+    problem: Problem
+    plant: Plant
+    effects: tuple[Contribution, ...]
+    truth: tuple[Observation, ...]
+
+    def rows(self, index: int, noise: TorqueNoise, count: int, seed: int) -> FloatArray:
+        """Rows of `count` nulls of one recording, shape (count, n_rows) [N·m]."""
+        track, one, effect = self.problem.tracks[index], self.truth[index], self.effects[index]
+        rng = np.random.default_rng([seed, index])
+        applied = _smooth(track) + shifted(one.missing, -self.plant.delay / track.dt)
+        nulls = [_null(track, one.position, applied, noise, rng) for _ in range(count)]
+        first = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
+        nulls = [improved(null, run) for null, run in zip(nulls, first, strict=True)]
+        runs = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
+        return np.stack([self.problem.grids[index].of(run.missing) for run in runs])
+
+
+def _matched_noise(chain: _Chain, index: int, data: FloatArray, seed: int) -> TorqueNoise:
+    """Torque noise with which the rows of nulls vary as those of the data do, over one and several rows.
+
+    Samples alone cannot tell noise from torque that a controller really made of the encoder's steps; rows can, since
+    real torque moves the joint.
+    """
+    seen = chain.problem.tracks[index].torque_noise
+    size = seen.size or 1e-3 * float(np.std(chain.problem.tracks[index].torque))
+    memory = seen.memory if seen.coloured > 0.0 else _MEMORY
+    kinds = (TorqueNoise(0.0, 0.0, 0.0), TorqueNoise(size, 0.0, 0.0, seen.freedom), TorqueNoise(0.0, size, memory))
+    without, white, coloured = (_variation(chain.rows(index, kind, _FEW, seed)) for kind in kinds)
+    target = _variation(data[None])
+    columns = np.stack([white - without, coloured - without], axis=1) / target[:, None]
+    found, _ = nnls(np.maximum(columns, 0.0), np.maximum(target - without, 0.0) / target)
+    noise = TorqueNoise(size * float(np.sqrt(found[0])), size * float(np.sqrt(found[1])), memory, seen.freedom)
+    again = _variation(chain.rows(index, noise, _FEW, seed))
+    factor = float(np.clip(np.sqrt(target[0] / again[0]), *_CORRECTION))
+    return noise._replace(white=factor * noise.white, coloured=factor * noise.coloured)
+
+
+def _variation(rows: FloatArray) -> FloatArray:
+    """Squared typical second difference over one, two and four rows, which no smooth torque reaches [(N·m)²]."""
+    spans = [rows[:, 2 * k :] - 2.0 * rows[:, k:-k] + rows[:, : -2 * k] for k in (1, 2, 4)]
+    return np.array([max(float(np.median(np.abs(one))) ** 2, 1e-30) for one in spans])
 
 
 def _presliding(problem: Problem, plant: Plant, effects: Sequence[Contribution]) -> list[FloatArray]:
@@ -76,28 +128,6 @@ def _presliding(problem: Problem, plant: Plant, effects: Sequence[Contribution])
     return [0.5 * np.abs(a - b) for a, b in zip(problem.rows(softer), problem.rows(stiffer), strict=True)]
 
 
-def _rows(
-    problem: Problem,
-    plant: Plant,
-    effects: Sequence[Contribution],
-    truth: Sequence[Observation],
-    count: int,
-    scale: float,
-    seed: int,
-) -> list[FloatArray]:
-    """Rows of nulls for each recording, shape (count, n_rows)."""
-    result = []
-    for index, (track, one, effect) in enumerate(zip(problem.tracks, truth, effects, strict=True)):
-        rng = np.random.default_rng([seed, index])
-        applied = _smooth(track) + shifted(one.missing, -plant.delay / track.dt)
-        nulls = [_null(track, one.position, applied, scale, rng) for _ in range(count)]
-        first = problem.observe([Job(null, plant, effect) for null in nulls])
-        nulls = [improved(null, run) for null, run in zip(nulls, first, strict=True)]
-        runs = problem.observe([Job(null, plant, effect) for null in nulls])
-        result.append(np.stack([problem.grids[index].of(run.missing) for run in runs]))
-    return result
-
-
 def _smooth(track: Track) -> FloatArray:
     """Recorded torque without most of its noise [N·m]."""
     width = max(3, 2 * round(_TORQUE_WINDOW / track.dt / 2) + 1)
@@ -106,26 +136,18 @@ def _smooth(track: Track) -> FloatArray:
     return smooth
 
 
-def _null(track: Track, position: FloatArray, applied: FloatArray, scale: float, rng: np.random.Generator) -> Track:
+def _null(
+    track: Track, position: FloatArray, applied: FloatArray, noise: TorqueNoise, rng: np.random.Generator
+) -> Track:
     """The recording of a joint moved along `position` by `applied`: fresh noise, rounding and a small delay."""
     torque = shifted(applied, rng.normal(0.0, _DELAY_SPREAD) / track.dt)
     if track.jitter > 0.0:
         late = track.jitter / track.dt * rng.standard_normal(track.size)
         torque, position = torque + late * np.gradient(torque), position + late * np.gradient(position)
-    noise = track.torque_noise
-    torque = without_spikes(torque + scale * noise.draw(track.size, rng), scale * noise.size)
+    torque = without_spikes(torque + noise.draw(track.size, rng), noise.size)
     if track.resolution > 0.0:
         position = np.round(position / track.resolution + rng.uniform()) * track.resolution
     return replace(track, position=position, torque=torque, velocity=smooth_derivative(position, track.dt))
-
-
-def _noise_ratio(data: Sequence[FloatArray], nulls: Sequence[FloatArray]) -> float:
-    """How much noisier the data's rows are than the nulls', from second differences, which no smooth torque reaches."""
-    ratios = [
-        np.median(np.abs(np.diff(d, 2))) / np.median(np.abs(np.diff(n, 2, axis=1)))
-        for d, n in zip(data, nulls, strict=True)
-    ]
-    return float(np.mean(ratios))
 
 
 def _weights(rows: Sequence[FloatArray], presliding: Sequence[FloatArray]) -> Weights:
