@@ -92,14 +92,14 @@ class LinkAdapter(JointAdapter, Generic[Link]):
 
     @final
     def _take_reported(self, feedback: JointFeedback) -> bool:
-        """Hand over the drives' state if all have reported anew."""
+        """Hand over the drives' state if all have reported anew; the lists themselves, which nobody else changes."""
         if not self._arrivals.take():
             return False
         source = self._reported
         feedback.time_ns = self.clock.now_ns()
-        feedback.position[:], feedback.velocity[:] = source.position, source.velocity
-        feedback.torque[:], feedback.current[:] = source.torque, source.current
-        feedback.temperature[:], feedback.fault[:] = source.temperature, source.fault
+        feedback.position, feedback.velocity = source.position, source.velocity
+        feedback.torque, feedback.current = source.torque, source.current
+        feedback.temperature, feedback.fault = source.temperature, source.fault
         return True
 
     def _close(self) -> None:

@@ -79,6 +79,7 @@ class Transmission:
             drive,
             position_quantum=drive.position_quantum / self.gear_ratio,
             velocity_quantum=drive.velocity_quantum / self.gear_ratio,
+            velocity_command_quantum=drive.velocity_command_quantum / self.gear_ratio,
             velocity_limit=drive.velocity_limit / self.gear_ratio,
             torque_quantum=drive.torque_quantum * self.gear_ratio,
             torque_limit=drive.torque_limit * self.gear_ratio,

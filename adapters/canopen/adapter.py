@@ -144,6 +144,7 @@ class CanOpenAdapter(CanAdapter):
                 joint.name,
                 position_quantum=drive.scaling.position,
                 velocity_quantum=drive.scaling.velocity,
+                velocity_command_quantum=drive.scaling.velocity,
                 torque_quantum=drive.scaling.torque,
                 torque_limit=drive.scaling.highest_torque,
                 velocity_limit=drive.scaling.highest_velocity,

@@ -10,9 +10,10 @@ from fricomp.errors import AdapterConfigurationError, AdapterError, AdapterTimeo
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, JointFeedback, Watchdog
 
 from ..bus_budget import BusBudget, serial_time
-from ..configuration import JointConfiguration, SerialAdapterConfiguration, convert
+from ..configuration import convert
 from ..link import SerialLink
 from ..serial_adapter import SerialAdapter
+from .configuration import DynamixelConfiguration
 from .control_table import (
     BUS_WATCHDOG,
     CONDITION,
@@ -46,7 +47,7 @@ from .packet import (
 )
 from .packet_buffer import PacketBuffer
 
-__all__ = ["DynamixelAdapter", "DynamixelConfiguration", "DynamixelJointConfiguration"]
+__all__ = ["DynamixelAdapter"]
 
 ALERT, ERROR_MASK = 0x80, 0x7F
 FAULT_NOT_ENABLED = 0x100
@@ -58,32 +59,6 @@ STATE_LAYOUT = struct.Struct("<hii")
 LARGEST_GOAL = {2: 0x7FFF, 4: 0x7FFFFFFF}
 # Of a status packet beside its data, and of the one that asks for it.
 STATUS_BYTES = 11
-
-
-class DynamixelJointConfiguration(JointConfiguration, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """One servo.
-
-    Attributes:
-        torque_constant: [N·m/A]; if given, torques and limits are in N·m, else everything stays in amperes.
-    """
-
-    torque_constant: float | None = None
-
-
-class DynamixelConfiguration(SerialAdapterConfiguration, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Dynamixel X servos on one line."""
-
-    joints: tuple[DynamixelJointConfiguration, ...]
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        for joint in self.joints:
-            if not 0 <= joint.id <= 252:
-                raise ValueError(f"joint {joint.name!r}: servos are numbered 0 to 252, got {joint.id}")
-            if joint.torque_constant is not None and not joint.torque_constant > 0.0:
-                raise ValueError(f"joint {joint.name!r}: torque_constant must be positive, got {joint.torque_constant}")
-        if not WATCHDOG_COUNT <= self.watchdog <= 127 * WATCHDOG_COUNT:
-            raise ValueError(f"the watchdog of these servos runs from 0.02 to 2.54 s, got {self.watchdog}")
 
 
 class DynamixelAdapter(SerialAdapter):
@@ -235,6 +210,7 @@ class DynamixelAdapter(SerialAdapter):
             torque_unit="N·m" if named.torque_constant else "A",
             position_quantum=POSITION_COUNT,
             velocity_quantum=VELOCITY_COUNT,
+            velocity_command_quantum=VELOCITY_COUNT,
             torque_quantum=count,
             torque_limit=self._read_item(servo, CURRENT_LIMIT) * count,
         )

@@ -12,21 +12,16 @@ from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, J
 
 from ..bus_budget import BusBudget, can_frame_bits
 from ..can_adapter import CanAdapter
-from ..configuration import CanAdapterConfiguration, JointConfiguration, convert
+from ..configuration import convert
 from ..link import CanFrame, CanLink
-from .codec import MitRanges
-from .cybergear import CyberGearMotor
-from .motor import AkMotor, DamiaoMotor, Motor, MotorState, RobstrideMotor
-from .profile import Register, RegisterType, find_model
+from ..transmission import Transmission
+from .configuration import MitConfiguration, make_motor
+from .motor import MotorState
+from .profile import Register, RegisterType
+from .velocity_loop import MotorVelocityLoop, loop_gains
 
-__all__ = ["MitAdapter", "MitConfiguration", "MitJointConfiguration"]
+__all__ = ["MitAdapter"]
 
-DIALECTS: Mapping[str, type[Motor]] = {
-    "damiao": DamiaoMotor,
-    "ak": AkMotor,
-    "robstride": RobstrideMotor,
-    "cybergear": CyberGearMotor,
-}
 FORMATS: Mapping[RegisterType, str] = {"float32": "<f", "uint32": "<I", "uint8": "<Bxxx"}
 
 # Beyond every vendor's own codes.
@@ -35,26 +30,6 @@ FAULT_POSITION_EDGE = 0x1002  # its position code is at the edge, so that it may
 
 # A motor rests while it is asked for its state; more often than this would only load the bus [ns].
 POLL_PERIOD_NS = 2_000_000
-
-
-class MitJointConfiguration(JointConfiguration, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """One motor.
-
-    Attributes:
-        model: `vendor/model`, such as `damiao/DM4310`.
-        feedback_id: Identifier of its answers; the vendor's default if not given.
-        ranges: Ranges set on the motor if they are not the model's: `[position, velocity, torque]`.
-    """
-
-    model: str
-    feedback_id: int | None = None
-    ranges: tuple[float, float, float] | None = None
-
-
-class MitConfiguration(CanAdapterConfiguration, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """MIT-mode motors on one CAN bus."""
-
-    joints: tuple[MitJointConfiguration, ...]
 
 
 class MitAdapter(CanAdapter):
@@ -78,6 +53,12 @@ class MitAdapter(CanAdapter):
         self._joints_of: dict[int, list[int]] = {}
         for joint, motor in enumerate(self._motors):
             self._joints_of.setdefault(motor.answer_key, []).append(joint)
+        self._gains = tuple(
+            loop_gains(joint.stiffness, joint.damping, motor, joint.name)
+            for joint, motor in zip(configuration.joints, self._motors, strict=True)
+        )
+        self._loops: list[MotorVelocityLoop] = []
+        self._period = 0.0
         self._edges = [motor.ranges.position - 0.5 * motor.quanta[0] for motor in self._motors]
         self._enabled_flags: list[bool | None] = [None] * len(self._motors)
         self._answers: list[dict[int, bytes]] = [{} for _ in self._motors]
@@ -100,9 +81,9 @@ class MitAdapter(CanAdapter):
         for joint in range(len(self._motors)):
             self._check_ranges(joint)
         self._poll_all()
-        return Capabilities(
-            tuple(map(self._declare, range(len(self._motors)))), ("torque",), self._highest_rate(), self._watchdog
-        )
+        joints = tuple(map(self._declare, range(len(self._motors))))
+        modes: tuple[CommandMode, ...] = ("torque", "velocity") if all(self._gains) else ("torque",)
+        return Capabilities(joints, modes, self._highest_rate(), self._watchdog)
 
     def _declare(self, joint: int) -> JointCapabilities:
         motor = self._motors[joint]
@@ -172,6 +153,7 @@ class MitAdapter(CanAdapter):
                         f"joint {name!r}: the motor stays in mode {found:g}; torque needs {needed.required}"
                     )
         self._watchdog = self._set_watchdogs(period)
+        self._period = period
 
     def _set_watchdogs(self, period: float) -> Watchdog | None:
         wanted, confirmed = self._configuration.watchdog, True
@@ -197,7 +179,17 @@ class MitAdapter(CanAdapter):
                 [motor.enable_frame if frames == "enable" else motor.torque_frame(0.0) for motor in self._motors]
             )
         self._wait(self._all_enabled, self._configuration.response_timeout, "not all motors reported to be enabled")
+        self._loops = self._make_loops()
         self._running = True
+
+    def _make_loops(self) -> list[MotorVelocityLoop]:
+        """Velocity loops, at rest where the motors are; none where no gains are configured."""
+        transmissions = self.options.transmissions or (Transmission(),) * len(self._motors)
+        limits = [
+            abs(t.torque_to_drive(limit.torque)) for t, limit in zip(transmissions, self.options.limits, strict=True)
+        ]
+        rows = zip(self._motors, self._gains, limits, self._reported.position, strict=True)
+        return [MotorVelocityLoop(m, g, limit, self._period, at) for m, g, limit, at in rows if g is not None]
 
     def _all_enabled(self) -> bool:
         self._raise_if_stopped()
@@ -209,8 +201,12 @@ class MitAdapter(CanAdapter):
             raise DriveFault(f"the motors report {self._reported.fault}: clear_faults() once the cause is gone")
 
     def _write(self, command: JointCommand, mode: CommandMode) -> None:
-        torque = command.torque
-        self._send([motor.torque_frame(torque[joint]) for joint, motor in enumerate(self._motors)])
+        torque, reported = command.torque, self._reported
+        if mode == "torque":
+            self._send([motor.torque_frame(torque[joint]) for joint, motor in enumerate(self._motors)])
+            return
+        rows = zip(self._loops, command.velocity, torque, reported.position, reported.velocity, strict=True)
+        self._send([loop.frame(velocity, ff, at, moving) for loop, velocity, ff, at, moving in rows])
 
     def _read_into(self, feedback: JointFeedback) -> bool:
         if not self.enabled and self.clock.now_ns() - self._polled_ns > POLL_PERIOD_NS:
@@ -286,22 +282,3 @@ class MitAdapter(CanAdapter):
 
     def _health(self) -> dict[str, float | str]:
         return {"foreign_or_damaged_frames": float(self.n_damaged)}
-
-
-def make_motor(joint: MitJointConfiguration) -> Motor:
-    """The motor of a joint.
-
-    Raises:
-        AdapterConfigurationError: Its model is unknown, or an identifier is out of range.
-    """
-    profile, ranges = find_model(joint.model)
-    if joint.ranges is not None:
-        ranges = MitRanges(*joint.ranges, kp=ranges.kp, kd=ranges.kd)
-    feedback_id = joint.feedback_id
-    if feedback_id is None:
-        feedback_id = profile.feedback_id if profile.feedback_offset is None else joint.id + profile.feedback_offset
-    highest = 0xFF if profile.dialect in ("cybergear", "robstride") else 0x7FE
-    for what, number, lowest in (("id", joint.id, 1), ("feedback_id", feedback_id, 0)):
-        if not lowest <= number <= highest:
-            raise AdapterConfigurationError(f"joint {joint.name!r}: {what} {number} is not in {lowest}..{highest}")
-    return DIALECTS[profile.dialect](joint.id, feedback_id, ranges, profile.registers)

@@ -29,6 +29,8 @@ class CyberGearMotor(Motor):
         registers: Its parameters.
     """
 
+    gain_codes = CODES_16
+
     def __init__(self, address: int, feedback_id: int, ranges: MitRanges, registers: Registers) -> None:
         super().__init__(address, feedback_id, ranges, registers)
         self.enable_frame = self._frame(ENABLE, feedback_id)

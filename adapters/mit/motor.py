@@ -9,7 +9,7 @@ from typing import NamedTuple
 from fricomp.errors import AdapterConfigurationError
 
 from ..link import CanFrame
-from .codec import MitCodec, MitRanges
+from .codec import CODES_12, MitCodec, MitRanges
 from .profile import Register, Registers
 
 __all__ = ["AkMotor", "DamiaoMotor", "Motor", "MotorState", "RobstrideMotor"]
@@ -48,10 +48,12 @@ class Motor(ABC):
 
     Attributes:
         quanta: Steps of position [rad], velocity [rad/s] and torque [N·m].
+        gain_codes: Number of steps from zero to the highest stiffness and damping.
         answer_key: Lower 16 bits of the identifiers of its answers.
     """
 
     quanta: tuple[float, float, float]
+    gain_codes = CODES_12
 
     def __init__(self, address: int, feedback_id: int, ranges: MitRanges, registers: Registers) -> None:
         self.address = address
@@ -73,6 +75,14 @@ class Motor(ABC):
             AdapterValueError: It is not finite.
         """
         return CanFrame(self.address, self.codec.encode_torque(torque))
+
+    def command_frame(self, position: float, velocity: float, kp: float, kd: float, torque: float) -> CanFrame:
+        """A whole command [rad], [rad/s], [N·m/rad], [N·m·s/rad], [N·m]; values beyond a range saturate.
+
+        Raises:
+            AdapterValueError: A value is not finite.
+        """
+        return CanFrame(self.address, self.codec.encode(position, velocity, kp, kd, torque))
 
     @abstractmethod
     def decode(self, frame: CanFrame) -> MotorState | None:

@@ -25,7 +25,7 @@ from .codec import (
     encode_text,
     pad,
 )
-from .fdcanusb import CommandLine, LineBuffer, decode_line, encode_line
+from .fdcanusb import HEAD_SIZE, CommandLine, LineBuffer, decode_known, decode_line, encode_line, line_heads
 
 __all__ = ["MoteusAdapter", "MoteusConfiguration"]
 
@@ -74,6 +74,7 @@ class MoteusAdapter(SerialAdapter):
         self._configuration = configuration
         self._addresses = [joint.id for joint in configuration.joints]
         self._joint_of = {address: joint for joint, address in enumerate(self._addresses)}
+        self._joint_of_head = {head: joint for source, joint in self._joint_of.items() for head in line_heads(source)}
         transmissions = self.options.transmissions or (Transmission(),) * len(self._addresses)
         # A second barrier, in the drive: nothing of its own loop goes beyond the limit either.
         self._highest = [
@@ -98,22 +99,30 @@ class MoteusAdapter(SerialAdapter):
     # -- receiving ------------------------------------------------------------------------------------------
 
     def _on_bytes(self, data: bytes) -> None:
-        joint_of = self._joint_of
+        joint_of_head = self._joint_of_head
         for line in self._lines.take(data):
             if len(line) <= 3 and line in NOTHING_TO_TELL:
                 continue
-            frame = decode_line(line)
-            joint = None if frame is None else joint_of.get(frame.source)
-            if frame is None or joint is None:
-                self.n_damaged += not line.startswith(b"OK") and bool(line.strip())
-                continue
-            state = decode_state(frame.data)
-            if state is not None:
+            joint = joint_of_head.get(line[:HEAD_SIZE])
+            content = None if joint is None else decode_known(line)
+            state = None if content is None else decode_state(content)
+            if joint is not None and state is not None:
                 self._take_state(joint, state)
-            elif (text := decode_text(frame.data)) is not None:
-                self._texts[joint] = (self._texts[joint] + text)[-4 * LONGEST_TEXT :]
             else:
-                self.n_damaged += 1
+                self._on_other(line)
+
+    def _on_other(self, line: bytes) -> None:
+        """A line that is not the usual answer to a query."""
+        frame = decode_line(line)
+        joint = None if frame is None else self._joint_of.get(frame.source)
+        if frame is None or joint is None:
+            self.n_damaged += not line.startswith(b"OK") and bool(line.strip())
+        elif (state := decode_state(frame.data)) is not None:
+            self._take_state(joint, state)
+        elif (text := decode_text(frame.data)) is not None:
+            self._texts[joint] = (self._texts[joint] + text)[-4 * LONGEST_TEXT :]
+        else:
+            self.n_damaged += 1
 
     def _take_state(self, joint: int, state: MoteusState) -> None:
         reported = self._reported

@@ -9,10 +9,20 @@ from fricomp.joint import CommandMode
 
 from .codec import POSITION_HEAD, REFERENCES, encode_command, encode_references, pad
 
-__all__ = ["CommandLine", "LineBuffer", "ReceivedFrame", "decode_line", "encode_line"]
+__all__ = [
+    "HEAD_SIZE",
+    "CommandLine",
+    "LineBuffer",
+    "ReceivedFrame",
+    "decode_known",
+    "decode_line",
+    "encode_line",
+    "line_heads",
+]
 
 REPLY_WANTED = 0x8000
 LONGEST_LINE = 256
+HEAD_SIZE = len("rcv 0100 ")
 
 
 class ReceivedFrame(NamedTuple):
@@ -39,6 +49,19 @@ def decode_line(line: bytes) -> ReceivedFrame | None:
     try:
         _, source, data, *_ = line.split(None, 3)
         return ReceivedFrame(int(source, 16) >> 8 & 0x7F, unhexlify(data))
+    except ValueError:
+        return None
+
+
+def line_heads(source: int) -> tuple[bytes, bytes]:
+    """How the lines of frames from a controller to us usually begin."""
+    return b"rcv %02x00 " % source, b"rcv %02X00 " % source
+
+
+def decode_known(line: bytes) -> bytes | None:
+    """The data in a line with one of `line_heads`; None if it has to be looked at more closely."""
+    try:
+        return unhexlify(line[HEAD_SIZE:].partition(b" ")[0])
     except ValueError:
         return None
 

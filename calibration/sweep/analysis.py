@@ -13,7 +13,7 @@ from fricomp.recording import Recording, RecordingMetadata
 
 from .block import Kind, SweepData
 from .breakaway import Breakaway, measure_breakaway
-from .point import FrictionPoint, half_differences, match_windows, measure_points
+from .point import FrictionPoint, half_differences, match_windows, measure_points, without_transient
 from .rigid_body_fit import RigidBodyFit, fit_rigid_body
 from .steadiness import Mean, mean_of
 
@@ -59,6 +59,7 @@ class SweepAnalysis:
         assistance: Torque that the drive itself adds in the direction of motion [N·m] or [N]; None where it cannot
             be seen because the drive closes the loop.
         metadata: Of the recording.
+        sample_rate: Of the plateaus [Hz].
     """
 
     points: tuple[FrictionPoint, ...]
@@ -70,6 +71,7 @@ class SweepAnalysis:
     drift: tuple[Drift, ...]
     assistance: Mean | None
     metadata: RecordingMetadata
+    sample_rate: float = 500.0
 
     @property
     def steady(self) -> tuple[FrictionPoint, ...]:
@@ -117,6 +119,8 @@ def analyse_sweep(data: SweepData, *, normal_load: str = "none", gravity_unknown
             raise IdentificationError(
                 "no forward and reverse plateau have settled over the same positions: stay longer on each (--dwell)"
             )
+    else:
+        parts = tuple(map(without_transient, parts))
     metadata = parts[0].samples.metadata
     quantum = metadata.encoder_resolution or 0.0
     offset = _offset(data)
@@ -141,6 +145,7 @@ def analyse_sweep(data: SweepData, *, normal_load: str = "none", gravity_unknown
         drift=_drift(points),
         assistance=_assistance([part.samples for part in parts], [p.velocity for p in points]),
         metadata=metadata,
+        sample_rate=1.0 / float(np.median([part.samples.sample_period for part in parts])),
     )
 
 
@@ -152,14 +157,33 @@ def _torque_source(gravity_unknown: bool, modelled: bool) -> TorqueSource:
 
 def _offset(data: SweepData) -> Mean:
     """Zero of the torque sensor, from all rests; zero and unknown where there is none."""
-    rests = [mean_of(samples.torque) for _, samples in data.of_kind("tare")]
+    rests = [_rest(samples) for _, samples in data.of_kind("tare")]
     if not rests:
         return Mean(0.0, 0.0)
     values, deviations = np.array([r.value for r in rests]), np.array([r.deviation for r in rests])
     # A zero that has moved between the rests is known no better than half of that.
-    own = float(np.sqrt(np.sum(deviations**2))) / len(rests)
+    own = max(float(np.sqrt(np.sum(deviations**2))) / len(rests), _rounding(data) if not np.any(deviations) else 0.0)
     moved = 0.5 * float(np.ptp(values))
     return Mean(float(values.mean()), max(own, moved if moved > 3.0 * own else 0.0))
+
+
+def _rest(samples: Recording) -> Mean:
+    """Zero from one rest. A reading that never changes is known to its step only: the zero is where it is nearest to
+    none, because a code for exactly no torque is one that some drives do not have."""
+    mean = mean_of(samples.torque)
+    if np.ptp(samples.torque) > 0.0:
+        return mean
+    half = 0.5 * _torque_quantum(samples)
+    return Mean(float(np.sign(mean.value)) * max(abs(mean.value) - half, 0.0), 0.0)
+
+
+def _torque_quantum(samples: Recording) -> float:
+    return float(samples.metadata.extra.get("torque_quantum", 0.0))
+
+
+def _rounding(data: SweepData) -> float:
+    """Standard deviation of a reading that is rounded to its step [N·m] or [N]."""
+    return max(_torque_quantum(samples) for _, samples in data.of_kind("tare")) / float(np.sqrt(12.0))
 
 
 def _with_normal_load(points: Sequence[FrictionPoint], choice: str) -> tuple[tuple[FrictionPoint, ...], str]:

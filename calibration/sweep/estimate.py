@@ -37,6 +37,9 @@ FEWEST_POINTS = 10
 # Between two counts the loop does not see the joint, whose speed ripples by about this many counts a second: 0.4 to
 # 1.3 mrad/s were measured on the stand-in, whose count is 24 µrad [1/s].
 RIPPLE_RATE = 30.0
+# Counts a second, over the samples, up to which the torque resolves each of them; the torque sensor's own filter may
+# hide half of what it shows.
+RESOLVED, RIPPLE_MARGIN = 0.4, 2.0
 # Scatter below this fraction of the largest torque is rounding [1].
 LEAST_LEVEL = 1e-9
 
@@ -120,7 +123,8 @@ def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings)
         ),
     )
     statistical = result.standard_deviations
-    shared = [_sensitivity(result, _ripple_shift(result, metadata.encoder_resolution or 0.0))]
+    swing = hidden_swing(result, points, metadata.encoder_resolution or 0.0, analysis.sample_rate)
+    shared = [_sensitivity(result, _ripple_shift(result, swing))]
     if not both_alike:
         shared.append(_sensitivity(result, analysis.offset.deviation * result.observations.sign))
     covariance = result.covariance + sum(np.outer(change, change) for change in shared)
@@ -169,16 +173,44 @@ def _loads(points: Sequence[FrictionPoint]) -> ArrayLike | None:
     return loads if len(loads) == len(points) else None
 
 
-def _ripple_shift(result: IdentificationResult, count: float) -> FloatArray:
-    """Shift of the mean friction magnitude by a speed that swings by what `count` [rad] or [m] hides. Shape (n,)."""
-    speed, ripple = result.observations.speed, RIPPLE_RATE * count
+def hidden_swing(
+    result: IdentificationResult, points: Sequence[FrictionPoint], count: float, sample_rate: float
+) -> float:
+    """How far the speed may swing unseen by the encoder [rad/s] or [m/s].
+
+    Of a coarse encoder each count is resolved by the torque samples, and a swing of the speed shows in the torque: a
+    loop under which the joint slid steadily down the falling branch damps more than that branch falls, so that a
+    swing is at most the torque's over the steepest fall.
+
+    Args:
+        result: The identified friction.
+        points: That were used.
+        count: Step of the encoder [rad] or [m].
+        sample_rate: [Hz].
+    """
+    usual = RIPPLE_RATE * count
+    speeds = np.geomspace(*(edge(result.observations.speed) for edge in (np.min, np.max)), 400)
+    loads = result.observations.normal_load
+    load = None if loads is None else float(loads.mean())
+    slope = np.gradient(np.abs(result.model.torque(speeds, normal_load=load)), speeds)
+    steepest, bend = -float(np.min(slope)), float(speeds[np.argmin(slope)])
+    if count <= 0.0 or steepest <= 0.0:
+        return usual
+    if bend / count > RESOLVED * sample_rate:
+        return usual
+    return min(usual, RIPPLE_MARGIN * float(np.median([point.ripple for point in points])) / steepest)
+
+
+def _ripple_shift(result: IdentificationResult, swing: float) -> FloatArray:
+    """Shift of the mean friction magnitude by a speed that swings by `swing` [rad/s] or [m/s]. Shape (n,)."""
+    speed = result.observations.speed
     points = result.observations
 
     def level(change: float) -> FloatArray:
         velocity = points.sign * np.maximum(speed + change, 0.5 * speed)
         return np.abs(result.model.torque(velocity, normal_load=points.normal_load))
 
-    return np.asarray(0.5 * (level(-ripple) + level(ripple)) - level(0.0))
+    return np.asarray(0.5 * (level(-swing) + level(swing)) - level(0.0))
 
 
 def _sensitivity(result: IdentificationResult, shift: FloatArray) -> FloatArray:

@@ -15,6 +15,7 @@ from fricomp.laws import FloatArray
 
 from .profile import Trapezoid, move_profile
 from .settings import SweepSettings
+from .settling import longest_settling
 from .speed import log_spaced, parse_speeds
 
 __all__ = [
@@ -52,12 +53,14 @@ class Travel:
         high: [rad] or [m].
         speed_limit: [rad/s] or [m/s].
         quantum: Step of its encoder [rad] or [m].
+        speed_quantum: Step of the speeds it can be told [rad/s] or [m/s]; 0 where any can.
     """
 
     low: float
     high: float
     speed_limit: float
     quantum: float = 0.0
+    speed_quantum: float = 0.0
 
     @property
     def length(self) -> float:
@@ -146,12 +149,21 @@ def travel_of(joint: JointCapabilities, limits: tuple[float, float] | None, spee
     low, high = limits or joint.position_limits or (at - 0.5 * FREE_RANGE, at + 0.5 * FREE_RANGE)
     margin = MARGIN * (high - low)
     speed = 0.8 * min(speed_limit, joint.velocity_limit)
-    return Travel(low + margin, high - margin, speed, joint.position_quantum)
+    return Travel(low + margin, high - margin, speed, joint.position_quantum, joint.velocity_command_quantum)
 
 
 def top_speed(travel: Travel, settings: SweepSettings) -> float:
     """The highest speed at which a plateau fits into the travel [rad/s] or [m/s]."""
     return min(travel.speed_limit, travel.length / (settings.ramp + settings.settle / 3.0 + SHORTEST_DWELL))
+
+
+def possible_speeds(speeds: Sequence[float] | FloatArray, travel: Travel, settings: SweepSettings) -> FloatArray:
+    """The nearest speeds that the drive can be told [rad/s] or [m/s]. Shape (n,)."""
+    wanted, step = np.asarray(speeds, dtype=np.float64), travel.speed_quantum
+    if step <= 0.0:
+        return wanted
+    most = np.floor(top_speed(travel, settings) / step)
+    return np.asarray(np.clip(np.round(wanted / step), 1.0, max(most, 1.0)) * step)
 
 
 def default_speeds(travel: Travel, settings: SweepSettings) -> FloatArray:
@@ -177,7 +189,8 @@ def plan_plateaus(
         ParameterError: A speed is too high for the travel.
     """
     generator = np.random.default_rng([settings.seed, first])
-    visits = [float(speed) for _ in range(settings.repeats) for speed in generator.permutation(np.asarray(speeds))]
+    wanted = np.asarray(speeds) if travel.speed_quantum <= 0.0 else np.unique(possible_speeds(speeds, travel, settings))
+    visits = [float(speed) for _ in range(settings.repeats) for speed in generator.permutation(wanted)]
     plateaus: list[Plateau] = []
     for visit, speed in enumerate(visits):
         shape = _shape(speed, travel, settings, place=visit % settings.positions)
@@ -202,7 +215,8 @@ def plan_velocities(
         ParameterError: A speed is too high for the travel.
     """
     generator = np.random.default_rng([settings.seed, first])
-    wanted = generator.permutation(np.asarray(velocities, dtype=np.float64))
+    signed = np.asarray(velocities, dtype=np.float64)
+    wanted = generator.permutation(np.sign(signed) * possible_speeds(np.abs(signed), travel, settings))
     forward, reverse = wanted[wanted > 0.0].tolist(), wanted[wanted < 0.0].tolist()
     mixed = [v for pair in zip_longest(forward, reverse) for v in pair if v is not None]
     shapes = [_shape(abs(v), travel, settings) for v in mixed]
@@ -227,7 +241,7 @@ def _shape(speed: float, travel: Travel, settings: SweepSettings, place: int = 0
         )
     dwell = min(max(settings.dwell, COUNTS * travel.quantum / speed), LONGEST_DWELL)
     room = travel.length / speed - settings.ramp
-    settle = min(settings.settle, room / 3.0)
+    settle = min(max(settings.settle, longest_settling(speed, travel.quantum)), room / 3.0)
     dwell = min(dwell, room - settle)
     half = 0.5 * speed * (settings.ramp + settle + dwell)
     centre = travel.low + (place + 0.5) / settings.positions * travel.length

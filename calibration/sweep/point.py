@@ -10,9 +10,9 @@ import numpy as np
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 
-from .steadiness import Verdict, judge_plateau, mean_of
+from .steadiness import Verdict, find_transient, judge_plateau, mean_of
 
-__all__ = ["FrictionPoint", "SettledPart", "half_differences", "match_windows", "measure_points"]
+__all__ = ["FrictionPoint", "SettledPart", "half_differences", "match_windows", "measure_points", "without_transient"]
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,7 @@ class FrictionPoint:
         velocity: Mean, from the distance travelled [rad/s] or [m/s].
         torque: Mean friction torque, with the sign of the velocity [N·m] or [N].
         deviation: Standard error of `torque` from the scatter inside the plateau [N·m] or [N].
+        ripple: Standard deviation of the torque within the plateau, noise included [N·m] or [N].
         duration: Of the settled part [s].
         verdict: `steady`, or why it is not used.
         load_torque: Mean rigid-body torque [N·m] or [N].
@@ -63,6 +64,7 @@ class FrictionPoint:
     normal_load: float | None = None
     temperature: float | None = None
     is_first_again: bool = False
+    ripple: float = 0.0
 
 
 def measure_points(
@@ -104,6 +106,7 @@ def _measure(part: SettledPart, offset: float, lag: float, quantum: float, torqu
         normal_load=None if samples.normal_load is None else float(samples.normal_load.mean()),
         temperature=None if samples.temperature is None else float(samples.temperature.mean()),
         is_first_again=part.is_first_again,
+        ripple=float(np.std(friction)),
     )
 
 
@@ -111,6 +114,13 @@ def _mean_velocity(time: FloatArray, position: FloatArray) -> float:
     """Slope of the straight line through the positions [rad/s] or [m/s]."""
     centred = time - time.mean()
     return float(centred @ position / (centred @ centred))
+
+
+def without_transient(part: SettledPart) -> SettledPart:
+    """A settled part without what its torque still shows of the way there."""
+    samples = part.samples
+    load = 0.0 if samples.load_torque is None else samples.load_torque
+    return replace(part, samples=samples.rows(slice(find_transient(samples.torque - load), None)))
 
 
 def match_windows(parts: Sequence[SettledPart]) -> tuple[SettledPart, ...]:

@@ -4,13 +4,24 @@ from __future__ import annotations
 
 from math import isfinite
 
-__all__ = ["SettleDetector"]
+__all__ = ["SettleDetector", "longest_settling"]
 
-# Consecutive windows that must agree, their tolerance, and the encoder counts a window must hold so that
-# quantisation alone stays inside it.
+# Consecutive windows that must agree, their tolerance, and the encoder counts that all of them hold together. A window
+# ends where the encoder counts, so that it is known to a sample and not only to a count.
 WINDOWS = 4
 TOLERANCE = 0.04
-COUNTS = 60
+COUNTS = 32
+SHORTEST = 0.025  # window [s]
+
+
+def longest_settling(speed: float, quantum: float) -> float:
+    """Time within which even a coarse encoder shows that a plateau has settled, twice over [s].
+
+    Args:
+        speed: [rad/s] or [m/s].
+        quantum: Step of the encoder [rad] or [m].
+    """
+    return 2.0 * COUNTS * quantum / speed
 
 
 class SettleDetector:
@@ -19,14 +30,16 @@ class SettleDetector:
     Args:
         velocity: Reference [rad/s] or [m/s].
         quantum: Step of the encoder [rad] or [m].
-        window: Shortest window [s].
+        period: Between samples [s].
     """
 
-    def __init__(self, velocity: float, quantum: float, window: float = 0.025) -> None:
+    def __init__(self, velocity: float, quantum: float, period: float) -> None:
         self._velocity = velocity
-        self._window = max(window, COUNTS * quantum / abs(velocity) / WINDOWS)
+        count = quantum / abs(velocity)
+        # The end of a window is known to a count or to a sample, whichever is the finer.
+        self._window = max(SHORTEST, COUNTS * count / WINDOWS, min(count, period) / (0.5 * TOLERANCE))
         self._since = float("nan")
-        self._from = 0.0
+        self._from = self._last = 0.0
         self._agreed = 0
 
     def update(self, time: float, position: float) -> bool:
@@ -38,9 +51,10 @@ class SettleDetector:
         """
         if not isfinite(self._since):
             self._since, self._from = time, position
-        elif time - self._since >= self._window:
+        elif position != self._last and time - self._since >= self._window:
             mean = (position - self._from) / (time - self._since)
             close = abs(mean - self._velocity) <= TOLERANCE * abs(self._velocity)
             self._agreed = self._agreed + 1 if close else 0
             self._since, self._from = time, position
+        self._last = position
         return self._agreed >= WINDOWS

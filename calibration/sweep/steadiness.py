@@ -9,7 +9,7 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
-__all__ = ["BATCHES", "Mean", "Verdict", "judge_plateau", "mean_of"]
+__all__ = ["BATCHES", "Mean", "Verdict", "find_transient", "judge_plateau", "mean_of"]
 
 Verdict = Literal["steady", "unsettled", "stick_slip", "saturated", "short"]
 
@@ -21,6 +21,8 @@ SPREAD = 0.35
 # Encoder counts that a window must hold, so that quantisation is not taken for sticking.
 COUNTS = 12
 SHORTEST_WINDOW = 0.01
+# Standard errors between the means of a transient and of the rest.
+ANOTHER_MEAN = 3.0
 # Fraction of the torque limit at which the drive may be saturated.
 SATURATED = 0.98
 
@@ -43,6 +45,24 @@ def mean_of(samples: FloatArray) -> Mean:
     batches = np.array([batch.mean() for batch in np.array_split(samples, min(BATCHES, len(samples)))])
     spread = float(np.std(batches, ddof=1)) if len(batches) > 1 else 0.0
     return Mean(float(samples.mean()), spread / np.sqrt(len(batches)))
+
+
+def find_transient(samples: FloatArray) -> int:
+    """Number of samples at the start, half of them at most, that still belong to the way to the plateau.
+
+    The rule of least standard error: what is cut off makes the mean of the rest most certain [white1997]. It is cut
+    off only if its own mean is another one, so that nothing is taken from plain noise.
+    """
+    if len(samples) < BATCHES:
+        return 0
+    parts = np.array_split(samples, BATCHES)
+    batches = np.array([part.mean() for part in parts])
+    n_cut = int(np.argmin([np.var(batches[n:]) / (BATCHES - n) for n in range(BATCHES // 2 + 1)]))
+    if n_cut == 0:
+        return 0
+    gap = abs(float(batches[:n_cut].mean() - batches[n_cut:].mean()))
+    error = float(np.std(batches[n_cut:], ddof=1)) * np.sqrt(1.0 / n_cut + 1.0 / (BATCHES - n_cut))
+    return sum(len(part) for part in parts[:n_cut]) if gap > ANOTHER_MEAN * error else 0
 
 
 def judge_plateau(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import isfinite
 
 import numpy as np
 
@@ -18,12 +17,11 @@ from .block import BlockLabel, SweepData
 from .log import CycleLog
 from .motion import MotionRunner
 from .plan import Plateau, SweepPlan, Travel, default_speeds, move_speed, plan_plateaus, travel_of
-from .profile import Trapezoid
 from .rigid_body import RigidBody, derivatives
 from .settings import SweepSettings
-from .settling import SettleDetector
 from .sign_check import SignCheck, check_signs
 from .velocity_loop import DriveLoop, HostLoop, LimpLoop, VelocityLoop
+from .visit import PlateauVisit
 
 __all__ = ["Progress", "Sweep", "SweepContext", "loop_period"]
 
@@ -34,11 +32,9 @@ SIGN_CHECK_RISE = 3.0
 CREEP_RATIO = 0.2
 # Encoder counts after which a joint has given way, and the time after which it counts as held fast [s].
 BREAKAWAY_MOTION = 16
-LONGEST_CREEP = 6.0
+LONGEST_CREEP = 30.0
 # Cycles a second of the loop by who closes it [Hz].
 DRIVE_RATE, HOST_RATE = 500.0, 1000.0
-# Cycles before a plateau's end that are left out of it, so that nothing of the ramp gets into its means.
-EDGE = 5
 # Rest before the torque sensor is read [s].
 REST = 0.3
 # Time between a run that was interrupted and its continuation, in the recording [s].
@@ -110,7 +106,10 @@ class SweepContext:
             velocity_limit=limits.velocity,
             continuous=limits.position is None and declared.position_limits is None,
             source="fricomp calibrate",
-            extra={"torque_limit": min(limits.torque, declared.torque_limit)},
+            extra={
+                "torque_limit": min(limits.torque, declared.torque_limit),
+                "torque_quantum": declared.torque_quantum,
+            },
         )
 
 
@@ -199,6 +198,8 @@ class Sweep:
         """Ramp the torque at several positions, both ways, until the joint gives way."""
         travel, count = self.travel, self.context.settings.breakaway_positions
         creep = CREEP_RATIO * float(lowest_speed)
+        if travel.speed_quantum > creep:
+            return  # the drive cannot be told to go as slowly
         for index, place in enumerate(np.linspace(0.15, 0.85, count) if count else ()):
             self._report("breakaway", index / count)
             pending = [n for n in (2 * index, 2 * index + 1) if not self.data.has("breakaway", n)]
@@ -262,30 +263,11 @@ class Sweep:
         if not (plateau.is_return and self._visited == plateau.number - 1):
             runner.move_to(plateau.start, move_speed(self.travel), self.context.settings.ramp)
         self._visited = plateau.number
-        detector = SettleDetector(plateau.velocity, quantum)
-        latest = plateau.ramp + plateau.settle
-        began_ns = ended_ns = 0
-        end = float("inf")
-        settled = False
-
-        def reference(time: float) -> float | None:
-            nonlocal began_ns, ended_ns, end, settled
-            if time >= plateau.ramp and not isfinite(end):
-                settled = detector.update(runner.feedback.time_ns * 1e-9, runner.position)
-                if settled or time >= latest:
-                    end, began_ns = time + plateau.dwell, runner.feedback.time_ns
-            if time >= end - EDGE * runner.period and not ended_ns:
-                ended_ns = runner.feedback.time_ns
-            if time >= end + plateau.ramp:
-                return None
-            return Trapezoid(plateau.velocity, plateau.ramp, max(end, latest) - plateau.ramp).velocity_at(
-                time if time < end else time + max(end, latest) - end
-            )
-
-        log = runner.follow(reference)
+        visit = PlateauVisit(plateau, quantum, runner.period, runner.position)
+        log = runner.follow(lambda time: visit.velocity_at(time, runner.feedback.time_ns, runner.position))
         label = BlockLabel(
-            "plateau", plateau.number, plateau.velocity, self._seconds(began_ns), self._seconds(ended_ns), settled,
-            plateau.is_first_again,
+            "plateau", plateau.number, plateau.velocity, self._seconds(visit.start_ns), self._seconds(visit.stop_ns),
+            visit.settled, plateau.is_first_again,
         )  # fmt: skip
         self.write(log, label)
 

@@ -24,6 +24,7 @@ class JointCapabilities:
         torque_kind: Whether the reported torque is measured, estimated from current, or the command itself.
         position_quantum: Step of the reported position [rad] or [m]; 0 where it is continuous.
         velocity_quantum: Step of the reported velocity [rad/s] or [m/s].
+        velocity_command_quantum: Step of the velocity that can be commanded [rad/s] or [m/s].
         torque_quantum: Step of the commanded torque, in `torque_unit`.
         torque_limit: Largest torque the drive accepts, in `torque_unit`.
         velocity_limit: Largest velocity [rad/s] or [m/s].
@@ -36,6 +37,7 @@ class JointCapabilities:
     torque_kind: TorqueKind = "estimated"
     position_quantum: float = 0.0
     velocity_quantum: float = 0.0
+    velocity_command_quantum: float = 0.0
     torque_quantum: float = 0.0
     torque_limit: float = float("inf")
     velocity_limit: float = float("inf")

@@ -92,7 +92,7 @@ def make_canopen(n_joints: int) -> AdapterBench:
 def make_mit(n_joints: int) -> AdapterBench:
     """Damiao."""
     from fricomp.adapters.mit import MitAdapter
-    from fricomp.adapters.mit.adapter import MitConfiguration
+    from fricomp.adapters.mit.configuration import MitConfiguration
 
     from ..twins.mit import MitMotor, MitSettings
 
@@ -150,7 +150,7 @@ def make_moteus(n_joints: int) -> AdapterBench:
 def make_dynamixel(n_joints: int) -> AdapterBench:
     """Current mode, in amperes."""
     from fricomp.adapters.dynamixel import DynamixelAdapter
-    from fricomp.adapters.dynamixel.adapter import DynamixelConfiguration
+    from fricomp.adapters.dynamixel.configuration import DynamixelConfiguration
 
     from ..twins.dynamixel import DynamixelServo, DynamixelSettings, DynamixelTwin
 

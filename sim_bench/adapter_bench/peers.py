@@ -226,16 +226,19 @@ class _SdkPort:
 def _dynamixel(rng: random.Random, n: int) -> Iterator[Pair]:
     from dynamixel_sdk import Protocol2PacketHandler
 
-    from fricomp.adapters.dynamixel.packet import sync_write_packet
+    from fricomp.adapters.dynamixel.packet import SyncWriter
 
     handler, port = Protocol2PacketHandler(), _SdkPort()
+    items = ((102, 2, 1193), (104, 4, 1023), (116, 4, 1_048_575))
+    writers = {address: SyncWriter(address, size, b"\x01\x02") for address, size, _ in items}
     for number in range(n):
-        address, size, top = ((102, 2, 1193), (104, 4, 1023), (116, 4, 1_048_575))[number % 3]
-        goals = {servo: rng.randint(-top, top).to_bytes(size, "little", signed=True) for servo in (1, 2)}
-        parameters = [byte for servo, goal in goals.items() for byte in (servo, *goal)]
+        address, size, top = items[number % 3]
+        counts = [rng.randint(-top, top) for _ in (1, 2)]
+        goals = [(servo, *count.to_bytes(size, "little", signed=True)) for servo, count in enumerate(counts, 1)]
+        parameters = [byte for goal in goals for byte in goal]
         port.is_using = False
         handler.syncWriteTxOnly(port, address, size, parameters, len(parameters))
-        mine = sync_write_packet(address, goals)
+        mine = writers[address].encode(counts)
         yield repr(goals), mine, port.sent, NOT_STUFFED if b"\xff\xff\xfd" in bytes(parameters) else ""
 
 

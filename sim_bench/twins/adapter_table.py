@@ -16,6 +16,7 @@ from .twin import DriveTwin
 __all__ = ["adapter_configuration", "adapter_table", "twin_address"]
 
 VELOCITY_SHARE = 0.8
+LARGEST_DAMPING = 5.0  # of every MIT dialect that has a twin
 
 
 def twin_address(twin: DriveTwin) -> str | None:
@@ -38,11 +39,20 @@ def adapter_table(protocol: str, twin: DriveTwin) -> dict[str, Any]:
         }
         if limits.position is not None:
             allowed["position"] = list(limits.position)
-        joint = {"name": name, **drive.settings.adapter_entry(), "limits": allowed}
+        joint = {"name": name, **drive.settings.adapter_entry(), **_gains(protocol, drive), "limits": allowed}
         if drive.axis.gear_ratio != 1.0:
             joint["transmission"] = {"gear_ratio": drive.axis.gear_ratio}
         joints.append(joint)
     return {"joints": joints}
+
+
+def _gains(protocol: str, drive: Any) -> dict[str, float]:
+    """Gains of the velocity mode of MIT motors: as damped as suits the joint, softer where its range ends before."""
+    if protocol != "mit":
+        return {}
+    stiffness, damping = drive.axis.loop_gains
+    share = min(1.0, LARGEST_DAMPING / damping)
+    return {"stiffness": stiffness * share**2, "damping": damping * share}
 
 
 def adapter_configuration(protocol: str, twin: DriveTwin, endpoints: str = "") -> str:

@@ -14,9 +14,9 @@ from fricomp.adapters.canopen import CanOpenAdapter
 from fricomp.adapters.canopen.configuration import CanOpenConfiguration
 from fricomp.adapters.configuration import convert
 from fricomp.adapters.dynamixel import DynamixelAdapter
-from fricomp.adapters.dynamixel.adapter import DynamixelConfiguration
+from fricomp.adapters.dynamixel.configuration import DynamixelConfiguration
 from fricomp.adapters.mit import MitAdapter
-from fricomp.adapters.mit.adapter import MitConfiguration
+from fricomp.adapters.mit.configuration import MitConfiguration
 from fricomp.adapters.moteus import MoteusAdapter
 from fricomp.adapters.moteus.adapter import MoteusConfiguration
 from fricomp.adapters.odrive import OdriveAdapter

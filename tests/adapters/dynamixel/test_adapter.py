@@ -11,8 +11,9 @@ from dynamixel_sdk import Protocol2PacketHandler
 
 from fricomp.adapters.configuration import convert
 from fricomp.adapters.dynamixel import DynamixelAdapter
-from fricomp.adapters.dynamixel.adapter import DynamixelConfiguration, encode_goals
+from fricomp.adapters.dynamixel.adapter import encode_goals
 from fricomp.adapters.dynamixel.checksum import compute_crc
+from fricomp.adapters.dynamixel.configuration import DynamixelConfiguration
 from fricomp.adapters.dynamixel.packet import (
     SyncWriter,
     encode_packet,

@@ -13,7 +13,7 @@ from fricomp.adapters import open_adapter
 from fricomp.adapters.configuration import convert
 from fricomp.adapters.link import CanFrame
 from fricomp.adapters.mit import MitAdapter
-from fricomp.adapters.mit.adapter import MitConfiguration
+from fricomp.adapters.mit.configuration import MitConfiguration
 from fricomp.errors import AdapterConfigurationError, AdapterError, AdapterTimeout
 from fricomp.testing import AdapterRig, GoldenCommand
 from fricomp.testing.conformance import AdapterConformance

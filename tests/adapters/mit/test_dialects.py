@@ -11,7 +11,7 @@ import pytest
 from fricomp.adapters.configuration import convert
 from fricomp.adapters.link import CanFrame
 from fricomp.adapters.mit import MitAdapter, MitCodec, MitRanges
-from fricomp.adapters.mit.adapter import MitConfiguration, make_motor
+from fricomp.adapters.mit.configuration import MitConfiguration, make_motor
 from fricomp.adapters.mit.profile import vendor_profiles
 from fricomp.errors import AdapterConfigurationError, AdapterValueError
 from fricomp.testing import AdapterRig, GoldenCommand

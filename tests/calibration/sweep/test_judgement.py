@@ -72,7 +72,7 @@ def test_the_error_of_a_mean_covers_correlated_noise() -> None:
 
 
 def test_settling_waits_for_the_speed() -> None:
-    detector, settled_at = SettleDetector(0.1, QUANTUM), None
+    detector, settled_at = SettleDetector(0.1, QUANTUM, 1.0 / RATE), None
     time, position = 0.0, 0.0
     while settled_at is None and time < 3.0:
         time += 1.0 / RATE
@@ -84,7 +84,7 @@ def test_settling_waits_for_the_speed() -> None:
 
 
 def test_a_joint_that_sticks_never_settles() -> None:
-    detector = SettleDetector(0.1, QUANTUM)
+    detector = SettleDetector(0.1, QUANTUM, 1.0 / RATE)
     assert not any(detector.update(k / RATE, 0.0) for k in range(1000))
 
 
