@@ -42,7 +42,9 @@ def diagnose(
     simulated: Annotated[
         Path | None, typer.Option(help="Recording that your simulator made under the same commands.")
     ] = None,
-    controller: Annotated[Path | None, typer.Option(help="Controller of the joint (TOML), for the report.")] = None,
+    controller: Annotated[
+        Path | None, typer.Option(help="PD or PID loop that moved the joint (TOML); it is estimated without it.")
+    ] = None,
     thorough: Annotated[bool, typer.Option("--thorough", help="More nulls for the thresholds; takes longer.")] = False,
     each: Annotated[
         bool, typer.Option("--each", help="Every recording on its own, each into a subfolder of --out.")
@@ -116,11 +118,9 @@ def run_diagnosis(
         def say(what: str) -> None:
             bar.update(task, description=what)
 
-        controller = _read_controller(given["controller"])
         diagnosis = with_names(_diagnose(series, options, given, say), [path.stem for path in paths])
         say("writing the report")
-        facts = _facts(paths, series, options, given) | controller
-        facts |= {"time taken": f"{perf_counter() - start:.1f} s"}
+        facts = _facts(paths, series, options, given) | {"time taken": f"{perf_counter() - start:.1f} s"}
         write_diagnosis(diagnosis, out, simulation=options["simulation"], joint=options["joint"], facts=facts)
     return diagnosis
 
@@ -133,9 +133,11 @@ def _diagnose(
     from fricomp.model import load_model
     from fricomp.recording import read_recording
     from fricomp.sim_bench.diagnosis import diagnose as diagnose_joint
+    from fricomp.sim_bench.diagnosis import read_controller
     from fricomp.sim_bench.diagnosis.simulated import read_simulated, without_known
 
     settings: dict[str, Any] = {**options, "progress": say}
+    settings["controller"] = read_controller(given["controller"]) if given["controller"] is not None else None
     if given["simulated"] is None:
         friction = load_model(given["friction"]) if given["friction"] is not None else None
         return diagnose_joint(series, friction=friction, **settings)
@@ -145,26 +147,6 @@ def _diagnose(
     known = read_simulated(read_recording(given["simulated"]), seed=options["seed"], progress=say)
     settings["simulation"] = known.rigid
     return without_known(diagnose_joint(series, friction=known.friction, **settings), known)
-
-
-def _read_controller(path: Path | None) -> dict[str, str]:
-    """The controller's settings for the report; the simulation is held to the recording by an observer instead.
-
-    Raises:
-        DiagnosisError: The file cannot be read.
-    """
-    import tomllib
-
-    from fricomp.errors import DiagnosisError
-
-    if path is None:
-        return {}
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, tomllib.TOMLDecodeError) as error:
-        raise DiagnosisError(f"cannot read the controller {path}: {error}") from error
-    settings = table.get("controller", table)
-    return {"controller (not needed: an observer holds the simulation)": str(settings)}
 
 
 def _facts(
@@ -182,12 +164,12 @@ def _facts(
 
 def _print_diagnosis(diagnosis: Diagnosis, out: Path) -> None:
     from fricomp.cli.terminal import console
-    from fricomp.sim_bench.diagnosis.presentation import change_table, effect_table, error_table
+    from fricomp.sim_bench.diagnosis.presentation import change_table, effect_table, error_table, forward_table
 
     show, record = console(), diagnosis.record
     for number, sentence in enumerate(record.sentences):
         show.print(sentence, style="bold" if number == 0 else None, markup=False)
-    for table in (effect_table(record), change_table(record), error_table(record)):
+    for table in (effect_table(record), change_table(record), error_table(record), forward_table(record)):
         if table is not None:
             show.print()
             show.print(_rich(table))

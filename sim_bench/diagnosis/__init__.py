@@ -4,6 +4,7 @@ The data flow, one module a step: `checks` → `loading` → `weak_form` → `pr
 `screening` → `search` (joint refits) → `confirmation` → `verdict`.
 """
 
+from .controller import Controller, estimate_controller, read_controller
 from .diagnose import diagnose
 from .result import (
     DIAGNOSIS_SCHEMA,
@@ -12,6 +13,7 @@ from .result import (
     DiagnosisRecord,
     Distinguishability,
     Evidence,
+    Forward,
     HeldOut,
     NamedEffect,
     NextExperiment,
@@ -27,10 +29,12 @@ from .rigid import RigidJoint, read_simulation
 __all__ = [
     "DIAGNOSIS_SCHEMA",
     "Change",
+    "Controller",
     "Diagnosis",
     "DiagnosisRecord",
     "Distinguishability",
     "Evidence",
+    "Forward",
     "HeldOut",
     "NamedEffect",
     "NextExperiment",
@@ -40,7 +44,9 @@ __all__ = [
     "RowSeries",
     "diagnose",
     "diagnosis_json_schema",
+    "estimate_controller",
     "load_diagnosis",
+    "read_controller",
     "read_simulation",
     "save_diagnosis",
 ]

@@ -14,13 +14,16 @@ from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
 from .checks import reasons_against, remarks_on
+from .controller import Controller, estimate_controller
+from .forward import forward_error
 from .loading import build_tracks, low_rate
 from .observer import Observer
-from .preparation import prepare
+from .preparation import Prepared, prepare
 from .result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord
 from .rigid import RigidJoint, read_simulation
-from .search import search
+from .search import Found, search
 from .second_look import second_look
+from .sentence import forward_sentence
 from .verdict import Answer, conclude
 from .weak_form import rest_speed_of
 
@@ -37,6 +40,7 @@ def diagnose(
     *,
     joint: str | None = None,
     friction: FrictionModel | None = None,
+    controller: Controller | None = None,
     thorough: bool = False,
     seed: int = 0,
     progress: Callable[[str], None] | None = None,
@@ -48,6 +52,7 @@ def diagnose(
         simulation: MJCF or URDF whose inertia and gravity are compared; None to identify them with the friction.
         joint: Name of the joint in the simulation and in the recordings; None where there is only one.
         friction: Friction model that is compared; None to identify it from the recordings.
+        controller: The loop that moved the joint; None to estimate it where the reference was recorded.
         thorough: Use more nulls for the thresholds.
         seed: Of the nulls and bootstraps; the same seed gives the same answer.
         progress: Called with a few words before each step.
@@ -76,9 +81,29 @@ def diagnose(
         found = search(prepared)
         say("confirming on held-out data")
         answer = conclude(Answer(tuple(given), prepared, found, rigid, friction, seed))
-        return _remarked(second_look(given, answer, seed), remarks_on(given))
+        looked = second_look(given, answer, seed)
+        if looked is answer:
+            say("simulating forward in MuJoCo")
+            looked = _with_forward(looked, given[0], prepared, found, controller)
+        return _remarked(looked, remarks_on(given))
     except (np.linalg.LinAlgError, FloatingPointError, ParameterError) as error:
         raise DiagnosisError(f"the recording cannot be explained by any joint model: {error}") from error
+
+
+def _with_forward(
+    diagnosis: Diagnosis, recording: Recording, prepared: Prepared, found: Found, controller: Controller | None
+) -> Diagnosis:
+    """The diagnosis with a forward simulation of the held-out end of the first recording, where a loop is known."""
+    loop = estimate_controller(recording) if controller is None else controller
+    if loop is None:
+        return diagnosis
+    named = {effect.name for effect in diagnosis.effects}
+    chosen = found.best if found.best is not None and set(found.best.names) <= named else None
+    forward = forward_error(recording, prepared, chosen, loop)
+    if forward is None:
+        return diagnosis
+    record = with_fields(diagnosis.record, forward=forward)
+    return replace(diagnosis, record=with_fields(record, sentences=(*record.sentences, forward_sentence(forward))))
 
 
 def _remarked(diagnosis: Diagnosis, remarks: Sequence[str]) -> Diagnosis:

@@ -21,6 +21,7 @@ __all__ = [
     "DiagnosisRecord",
     "Distinguishability",
     "Evidence",
+    "Forward",
     "HeldOut",
     "NamedEffect",
     "NextExperiment",
@@ -93,6 +94,24 @@ class HeldOut(msgspec.Struct, frozen=True, kw_only=True):
     explained: float
 
 
+class Forward(msgspec.Struct, frozen=True, kw_only=True):
+    """Position errors of a forward simulation in MuJoCo under the recorded reference, on time that took no part.
+
+    Attributes:
+        rmse_before: Of the base model.
+        rmse_after: Of the model with the named effects.
+        unit: Unit of both.
+        controller: The loop that moved the joint, and where it comes from.
+        interval: The time that was simulated [s], of the first recording.
+    """
+
+    rmse_before: float
+    rmse_after: float
+    unit: str
+    controller: str
+    interval: Interval
+
+
 class NextExperiment(msgspec.Struct, frozen=True, kw_only=True):
     """A motion that would tell apart what this recording cannot."""
 
@@ -141,6 +160,7 @@ class DiagnosisRecord(msgspec.Struct, frozen=True, kw_only=True):
         effects: What was named, of any kind, strongest first.
         sentences: The answer in plain words, most important first.
         heldout: Errors before and after; None where nothing could be simulated.
+        forward: Errors of a forward simulation; None where no loop is known or no reference was recorded.
         location: Where the mismatch of the base model sits, as intervals by quantity.
         next_experiment: What to record next, where something could not be told apart.
         noise_ratio: Residual of the base model over its noise floor.
@@ -158,6 +178,7 @@ class DiagnosisRecord(msgspec.Struct, frozen=True, kw_only=True):
     effects: tuple[NamedEffect, ...] = ()
     sentences: tuple[str, ...] = ()
     heldout: HeldOut | None = None
+    forward: Forward | None = None
     location: Location = {}
     next_experiment: NextExperiment | None = None
     noise_ratio: float | None = None

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from .result import DiagnosisRecord, NamedEffect
+from .result import DiagnosisRecord, Forward, NamedEffect
 
-__all__ = ["sentences"]
+__all__ = ["forward_sentence", "sentences"]
 
 _OPENING = {
     "consistent": "Nothing is missing: the residual is what the sensors' noise leaves.",
@@ -31,6 +31,17 @@ def sentences(record: DiagnosisRecord) -> tuple[str, ...]:
     if record.verdict == "unknown_physics":
         lines.append(_where(record))
     return tuple(line for line in lines if line)
+
+
+def forward_sentence(forward: Forward) -> str:
+    """What a forward simulation showed."""
+    low, high = forward.interval
+    before, after = f"{forward.rmse_before:.3g}", f"{forward.rmse_after:.3g} {forward.unit}"
+    errors = f"falls from {before} to {after}" if before != after.split(maxsplit=1)[0] else f"is {after}"
+    return (
+        f"Simulated forward in MuJoCo from {low:.3g} to {high:.3g} s, which took no part, the position error {errors}; "
+        f"{forward.controller}."
+    )
 
 
 def _effect(effect: NamedEffect) -> str:

@@ -3,7 +3,7 @@
 from .files import WrittenDiagnosis, write_diagnosis
 from .fleet import write_fleet
 from .page import diagnosis_charts, diagnosis_page
-from .tables import base_table, change_table, effect_table, error_table, location_table
+from .tables import base_table, change_table, effect_table, error_table, forward_table, location_table
 from .wording import VERDICT_TITLES, Units, format_interval, format_location, format_quantity, with_names
 
 __all__ = [
@@ -19,6 +19,7 @@ __all__ = [
     "format_interval",
     "format_location",
     "format_quantity",
+    "forward_table",
     "location_table",
     "with_names",
     "write_diagnosis",

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 from fricomp.report import Chart, ReportPage, Section, Table
 
-from ..result import Diagnosis, NamedEffect
+from ..result import Diagnosis, DiagnosisRecord, NamedEffect
 from .maps import map_chart, plane_chart
 from .over_time import motion_chart, time_chart
-from .tables import base_table, change_table, effect_table, error_table, location_table
+from .tables import base_table, change_table, effect_table, error_table, forward_table, location_table
 from .weighing import distinguishability_chart, order_chart, rival_chart, rival_table
 from .wording import VERDICT_TITLES, Units
 
@@ -52,7 +52,13 @@ def diagnosis_page(
     record, units = diagnosis.record, Units.of(diagnosis)
     over_time = [chart for name, chart in charts.items() if name.startswith("over-time")]
     sections = [
-        _section("What was found", effect_table(record), *_explanations(record.effects), error_table(record)),
+        _section(
+            "What was found",
+            effect_table(record),
+            *_explanations(record.effects),
+            error_table(record),
+            forward_table(record),
+        ),
         _section("What changed in the simulation", change_table(record)),
         _section("Before and after", *over_time),
         _section("Where it sits", location_table(record, units), charts.get("where"), charts.get("planes")),
@@ -71,6 +77,10 @@ def diagnosis_page(
         sections=tuple(section for section in sections if section is not None),
         facts=_key_figures(diagnosis, units),
     )
+
+
+def _errors(record: DiagnosisRecord) -> list[Table | None]:
+    return [error_table(record), forward_table(record)]
 
 
 def _joint(name: str) -> str:

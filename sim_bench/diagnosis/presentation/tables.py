@@ -43,6 +43,19 @@ def error_table(record: DiagnosisRecord) -> Table | None:
     return Table(("error on held-out data", f"RMS [{found.unit}]", "change (95 % interval)"), tuple(rows), caption)
 
 
+def forward_table(record: DiagnosisRecord) -> Table | None:
+    """Position error of the forward simulation before and after; None where none was made."""
+    found = record.forward
+    if found is None:
+        return None
+    rows: list[tuple[str, ...]] = [("with what the simulation has, refitted", f"{found.rmse_before:.4g}")]
+    if record.effects:
+        rows.append(("with what was named", f"{found.rmse_after:.4g}"))
+    low, high = found.interval
+    caption = f"Simulated in MuJoCo from {low:.3g} to {high:.3g} s, which took no part. {found.controller}."
+    return Table(("position error of a forward simulation", f"RMS [{found.unit}]"), tuple(rows), caption)
+
+
 def change_table(record: DiagnosisRecord) -> Table | None:
     """Parameters of the given simulation that the refit moved; None where there are none."""
     rows = tuple(

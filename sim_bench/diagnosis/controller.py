@@ -1,0 +1,184 @@
+"""The loop that moved the joint: read from a file, or estimated from reference, position and torque."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+import numpy as np
+from scipy.signal import lfilter
+
+from fricomp.errors import DiagnosisError
+from fricomp.recording import Recording
+
+from .track import FloatArray, smooth_derivative
+
+__all__ = ["Controller", "estimate_controller", "read_controller"]
+
+_EXPLAINED = 0.9  # part of the torque's variance that an estimated controller must explain, on blocks left out
+_WORTH = 0.1  # of the unexplained variance that one more gain must take
+_CUTOFFS = (None, 15.0, 30.0, 60.0, 120.0)  # [Hz] of the filter on the velocity
+_FOLDS = 5
+_LONGEST = 40_000  # samples for the estimate
+
+
+@dataclass(frozen=True)
+class Controller:
+    """torque = P (q_ref - q) + D (d v_ref - v) + I ∫(q_ref - q) dt + A a_ref + b.
+
+    Attributes:
+        proportional_gain: P [N·m/rad].
+        derivative_gain: D [N·m·s/rad].
+        integral_gain: I [N·m/(rad·s)].
+        reference_share: d, the part of the reference's velocity that D sees: 1 for most loops, 0 where it damps only.
+        acceleration_gain: A [kg·m²].
+        bias: b [N·m].
+        velocity_filter_frequency: Of the first-order filter on v [Hz]; None without one.
+        torque_limit: [N·m]; None without one.
+        source: "given" or "estimated".
+        explained: Part of the torque's variance that it explains; 1 for one that was given.
+    """
+
+    proportional_gain: float
+    derivative_gain: float = 0.0
+    integral_gain: float = 0.0
+    reference_share: float = 1.0
+    acceleration_gain: float = 0.0
+    bias: float = 0.0
+    velocity_filter_frequency: float | None = None
+    torque_limit: float | None = None
+    source: str = "given"
+    explained: float = 1.0
+
+    @property
+    def kind(self) -> str:
+        """P, PD, PI or PID."""
+        return "P" + "I" * (self.integral_gain != 0.0) + "D" * (self.derivative_gain != 0.0)
+
+    def describe(self, torque: str, position: str) -> str:
+        """Kind and gains in one line, in these units of torque and position."""
+        parts = [f"proportional {self.proportional_gain:.4g} {torque}/{position}"]
+        if self.integral_gain:
+            parts.append(f"integral {self.integral_gain:.4g} {torque}/({position}·s)")
+        if self.derivative_gain:
+            parts.append(f"derivative {self.derivative_gain:.4g} {torque}·s/{position}")
+        if self.acceleration_gain:
+            parts.append(f"acceleration {self.acceleration_gain:.4g} {torque}·s²/{position}")
+        how = f"estimated, explains {self.explained:.1%} of the torque" if self.source == "estimated" else self.source
+        return f"{self.kind} controller ({how}): {', '.join(parts)}"
+
+
+class _File(msgspec.Struct, forbid_unknown_fields=True):
+    """The table `[controller]`."""
+
+    proportional_gain: float
+    derivative_gain: float = 0.0
+    integral_gain: float = 0.0
+    reference_share: float = 1.0
+    acceleration_gain: float = 0.0
+    velocity_filter_frequency: float | None = None
+    torque_limit: float | None = None
+    kind: str = ""
+    frequency: float | None = None
+
+
+def read_controller(path: str | Path) -> Controller:
+    """Read a controller from TOML, from its table `[controller]` or from the top of the file.
+
+    Raises:
+        DiagnosisError: The file cannot be read, or a gain is missing, unknown or not a number.
+    """
+    try:
+        table = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        found = msgspec.convert(table.get("controller", table), _File)
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise DiagnosisError(f"cannot read the controller {path}: {error}") from error
+    except msgspec.ValidationError as error:
+        known = ", ".join(_File.__struct_fields__)
+        raise DiagnosisError(f"the controller {path} is no PD or PID loop: {error}; its keys are {known}") from error
+    gains = {name: getattr(found, name) for name in _File.__struct_fields__ if name not in ("kind", "frequency")}
+    return Controller(**gains)
+
+
+def estimate_controller(recording: Recording) -> Controller | None:
+    """The PD or PID loop that explains the torque by reference and position; None where none does.
+
+    Gains are least squares; one that takes little on blocks that were left out is not in the loop.
+    """
+    if recording.position_reference is None or len(recording) < 500:
+        return None
+    told = recording.torque if recording.torque_command is None else recording.torque_command
+    torque = np.asarray(told)[:_LONGEST]
+    found = [_loop(_columns(recording, cutoff), torque, cutoff) for cutoff in _CUTOFFS]
+    best = max(found, key=lambda one: one.explained)
+    stable = best.proportional_gain > 0.0 and best.derivative_gain >= 0.0
+    return best if stable and best.explained > _EXPLAINED else None
+
+
+def _loop(columns: dict[str, FloatArray], torque: FloatArray, cutoff: float | None) -> Controller:
+    """The loop that explains `torque`, without the terms that hardly help."""
+    chosen = ["error", "velocity", "reference", "integral", "acceleration"]
+    left = _unexplained(columns, chosen, torque)
+    for name in ("acceleration", "integral", "reference", "velocity"):
+        trial = [one for one in chosen if one != name]
+        unexplained = _unexplained(columns, trial, torque)
+        if unexplained * (1.0 - _WORTH) < left and not (name == "velocity" and "reference" in chosen):
+            chosen, left = trial, unexplained
+    weights = dict(zip([*chosen, "bias"], _fit(columns, chosen, torque), strict=True))
+    damping = weights.get("velocity", 0.0)
+    return Controller(
+        proportional_gain=weights["error"],
+        derivative_gain=damping,
+        integral_gain=weights.get("integral", 0.0),
+        reference_share=weights.get("reference", 0.0) / damping if damping > 0.0 else 1.0,
+        acceleration_gain=weights.get("acceleration", 0.0),
+        bias=weights["bias"],
+        velocity_filter_frequency=cutoff if damping else None,
+        source="estimated",
+        explained=1.0 - left,
+    )
+
+
+def _columns(recording: Recording, cutoff: float | None) -> dict[str, FloatArray]:
+    """What the terms of a loop multiply; its velocity is the filtered difference of positions. Shapes (n,)."""
+    dt = recording.sample_period
+    reference, position = np.asarray(recording.position_reference), np.asarray(recording.position)
+    error = reference - position
+    wanted = recording.velocity_reference
+    wanted = np.gradient(reference, dt) if wanted is None else np.asarray(wanted)
+    seen = np.diff(position, prepend=position[0]) / dt
+    if cutoff is not None:
+        keep = float(np.exp(-2.0 * np.pi * cutoff * dt))
+        seen = lfilter([1.0 - keep], [1.0, -keep], seen)
+    columns = {
+        "error": error,
+        "velocity": -seen,
+        "reference": wanted,
+        "integral": np.cumsum(error) * dt,
+        "acceleration": smooth_derivative(wanted, dt),
+    }
+    return {name: values[:_LONGEST] for name, values in columns.items()}
+
+
+def _table(columns: dict[str, FloatArray], names: list[str]) -> FloatArray:
+    return np.column_stack([*(columns[name] for name in names), np.ones(columns["error"].size)])
+
+
+def _fit(columns: dict[str, FloatArray], names: list[str], torque: FloatArray) -> list[float]:
+    table = _table(columns, names)
+    size = np.linalg.norm(table, axis=0) + 1e-30
+    return [float(one) for one in np.linalg.lstsq(table / size, torque, rcond=1e-9)[0] / size]
+
+
+def _unexplained(columns: dict[str, FloatArray], names: list[str], torque: FloatArray) -> float:
+    """Part of the torque's variance that is left on blocks that took no part."""
+    table, error = _table(columns, names), np.empty(torque.size)
+    size = np.linalg.norm(table, axis=0) + 1e-30
+    for part in np.array_split(np.arange(torque.size), _FOLDS):
+        kept = np.delete(np.arange(torque.size), part)
+        error[part] = torque[part] - table[part] @ (
+            np.linalg.lstsq(table[kept] / size, torque[kept], rcond=1e-9)[0] / size
+        )
+    return float(np.mean(error**2) / max(float(np.var(torque)), 1e-30))
