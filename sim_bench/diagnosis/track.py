@@ -20,6 +20,7 @@ FloatArray = NDArray[np.float64]
 _VELOCITY_WINDOW = 0.021  # [s] longest Savitzky-Golay window that keeps the reversals of a joint
 _SPIKE = 5.0  # noise deviations from the median of seven samples, beyond which a sample is no measurement
 _SHORTEST_WINDOW = 7  # samples, for slow recordings
+_WHITE = 0.7  # variance by fifth over that by fourth differences, below which these hold motion
 _FEW = 0.1  # share of moving samples below which resting ones are used as well
 # Student's noise: degrees of freedom; robust over true deviation of its second differences, and their 0.99 quantile
 # over their median (four million draws each). The last one stands for normal noise.
@@ -174,7 +175,7 @@ def sampling_jitter(position: FloatArray, velocity: FloatArray) -> float:
     Fourth differences hold next to nothing of a smooth motion; where they are not white after all, there is no
     telling noise from motion and the answer is 0.
     """
-    fourth, fifth = np.diff(position, 4), np.diff(position, 5)
+    fourth, fifth = np.diff(position, 4) ** 2 / 70.0, np.diff(position, 5) ** 2 / 252.0
     speed = np.abs(velocity[2:-2])
     moving = speed > 0.05 * np.quantile(speed, 0.98)
     if np.sum(moving) < 100:
@@ -183,15 +184,20 @@ def sampling_jitter(position: FloatArray, velocity: FloatArray) -> float:
     squares, variances = [], []
     for low, high in pairwise(edges):
         inside = (speed >= low) & (speed <= high)
-        four, five = (np.median(np.abs(one[inside[: one.size]])) / 0.6745 for one in (fourth, fifth))
-        if five**2 < 0.7 * 3.6 * four**2:
+        variance, check = (_trimmed_mean(one[inside[: one.size]]) for one in (fourth, fifth))
+        if check < _WHITE * variance and low >= edges[3]:
             return 0.0
         squares.append(float(np.mean(speed[inside] ** 2)))
-        variances.append(float(four**2 / 70.0))
+        variances.append(variance)
     A = np.stack([np.ones(len(squares)), np.array(squares)], axis=1)
     weight = 1.0 / np.maximum(np.array(variances), 1e-30)
     found, _ = nnls(A * weight[:, None], np.array(variances) * weight)
     return float(np.sqrt(found[1]))
+
+
+def _trimmed_mean(values: FloatArray) -> float:
+    """Mean without the largest two per cent."""
+    return float(np.mean(values[values <= np.quantile(values, 0.98)]))
 
 
 def torque_noise(values: FloatArray, calm: NDArray[np.bool_] | None = None) -> TorqueNoise:
