@@ -13,6 +13,7 @@ BENCHMARKS = {
     "latency": "Cost of the compensator and lateness of the loop.",
     "tracking": "Tracking with and without compensation.",
     "adapters": "Every adapter against its twin and an independent peer.",
+    "fleet": "Joints a second, identified in one call and one by one.",
     "mismatch": "Named physics in concealed cases.",
     "real": "Diagnosis on public recordings of real joints.",
 }

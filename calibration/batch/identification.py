@@ -1,0 +1,194 @@
+"""`identify_batch`: the friction of thousands of joints from their plateaus, in one call."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fricomp.errors import IdentificationError
+from fricomp.laws import FloatArray, FrictionLaw
+
+from ..identification.form import separable_law
+from ..identification.observation import Observations
+from ..identification.result import Status
+from .likelihood import BatchNoise, Linearised, compute_curve, compute_information, likelihood_of, linearise
+from .points import PointBatch, observe_all, stack_points
+from .projection import find_starts
+from .refinement import refine_all
+
+if TYPE_CHECKING:
+    import torch
+
+__all__ = ["BatchIdentification", "identify_batch"]
+
+_FORM = separable_law("stribeck")
+_CHUNK = 2_000_000  # values at once on a processor: 16 MB in each temporary array
+_CLOSE_ENOUGH = 0.05  # distance from the optimum that counts as converged [standard deviations]
+
+
+@dataclass(frozen=True)
+class BatchIdentification:
+    """Friction of many joints; arrays are read-only, their first axis is the joint.
+
+    Attributes:
+        parameter_names: Dotted names, in the order of the columns.
+        values: Shape (n_joints, 8).
+        covariance: Inverse Fisher information. Shape (n_joints, 8, 8).
+        noise: `relative` or `absolute`, whichever was likelier. Shape (n_joints,).
+        noise_level: Of the torque [1] or [N·m or N]. Shape (n_joints,).
+        negative_log_likelihood: Shape (n_joints,).
+        distance: From the likelihood's stationary point, in standard deviations. Shape (n_joints,).
+    """
+
+    parameter_names: tuple[str, ...]
+    values: FloatArray
+    covariance: FloatArray
+    noise: np.ndarray[tuple[int], np.dtype[np.str_]]
+    noise_level: FloatArray
+    negative_log_likelihood: FloatArray
+    distance: FloatArray
+
+    def __post_init__(self) -> None:
+        for values in vars(self).values():
+            if isinstance(values, np.ndarray):
+                values.flags.writeable = False
+
+    def __len__(self) -> int:
+        """Number of joints."""
+        return len(self.values)
+
+    @property
+    def standard_deviations(self) -> FloatArray:
+        """Shape (n_joints, 8)."""
+        return np.asarray(np.sqrt(np.maximum(np.diagonal(self.covariance, axis1=1, axis2=2), 0.0)))
+
+    @property
+    def status(self) -> list[Status]:
+        """How each joint ended."""
+        vague = np.any(self.standard_deviations > self.values, axis=1)
+        far = self.distance > _CLOSE_ENOUGH
+        return [
+            Status.NOT_CONVERGED if f else Status.NOT_IDENTIFIABLE if v else Status.CONVERGED
+            for f, v in zip(far, vague, strict=True)
+        ]
+
+    def law(self, index: int) -> FrictionLaw:
+        """The friction law of one joint."""
+        return _FORM.law(dict(zip(self.parameter_names, self.values[index].tolist(), strict=True)))
+
+
+def identify_batch(
+    velocity: Sequence[ArrayLike],
+    torque: Sequence[ArrayLike],
+    noise: Literal["auto", "relative", "absolute"] = "auto",
+    *,
+    device: str = "cpu",
+) -> BatchIdentification:
+    """Identify the eight Stribeck parameters of many joints; the optimum is that of `identify` one by one.
+
+    Variable projection over the Stribeck velocity finds the basins, Levenberg-Marquardt ends in the likelihood's
+    optimum, both in float64 for all joints together.
+
+    Args:
+        velocity: For each joint, [rad/s] or [m/s]; lengths may differ. Shapes (n_points,).
+        torque: Friction torque with the sign of the velocity [N·m] or [N]. Shapes (n_points,).
+        noise: `relative` to the model's torque, `absolute`, or `auto`: whichever is likelier, for each joint.
+        device: Of torch, such as `cpu` or `cuda`.
+
+    Raises:
+        IdentificationError: The points of a joint cannot be used; the message says which joint and why.
+        MissingExtraError: torch is not installed.
+    """
+    choices: dict[str, tuple[BatchNoise, ...]] = {
+        "auto": ("relative", "absolute"),
+        "relative": ("relative",),
+        "absolute": ("absolute",),
+    }
+    if noise not in choices:
+        raise IdentificationError(f"unknown noise {noise!r}; use {', '.join(choices)}")
+    joints = observe_all(velocity, torque)
+    parts = [_identify(stack_points(chunk, device), choices[noise]) for chunk in _chunks(joints, device)]
+    columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
+    return BatchIdentification(_FORM.names, *columns)
+
+
+def _chunks(joints: Sequence[Observations], device: str) -> list[Sequence[Observations]]:
+    """Joints in batches that fit into the caches of a processor, or into the memory of a graphics card."""
+    longest = max(points.size for points in joints)
+    size = max(1, _CHUNK * (1 if device == "cpu" else 40) // (48 * longest))
+    return [joints[at : at + size] for at in range(0, len(joints), size)]
+
+
+class _Fit(NamedTuple):
+    """Optima under one noise model."""
+
+    logs: torch.Tensor
+    likelihood: torch.Tensor
+
+
+def _identify(points: PointBatch, kinds: tuple[BatchNoise, ...]) -> list[np.ndarray]:
+    """The columns of `BatchIdentification` for one batch."""
+    import torch
+
+    fits = [_fit(points, kind) for kind in kinds]
+    best = torch.stack([fit.likelihood for fit in fits]).argmin(dim=0)
+    described = [_describe(fit, points, kind) for fit, kind in zip(fits, kinds, strict=True)]
+    choice = best.cpu().numpy()
+    return [np.stack(column)[choice, np.arange(len(choice))] for column in zip(*described, strict=True)]
+
+
+def _fit(points: PointBatch, noise: BatchNoise) -> _Fit:
+    """The best optimum of each joint over its starts."""
+    import torch
+
+    starts = find_starts(points, noise)
+    mine = points.select(starts.joint)
+    logs = refine_all(starts.logs, mine, noise)
+    likelihood = likelihood_of(linearise(compute_curve(logs, mine), mine, noise).cost, mine)
+    order = torch.argsort(likelihood, descending=True)  # the best of each joint is written last
+    row = torch.empty(len(points.speed), dtype=torch.int64, device=logs.device)
+    lowest = torch.full_like(likelihood[: len(row)], torch.inf)
+    lowest = lowest.scatter_reduce(0, starts.joint, likelihood, "amin")
+    winners = order[likelihood[order] == lowest[starts.joint[order]]]
+    row[starts.joint[winners]] = winners
+    return _Fit(logs[row], likelihood[row])
+
+
+def _describe(fit: _Fit, points: PointBatch, noise: BatchNoise) -> list[np.ndarray]:
+    """Values, covariance, noise, its level, likelihood and distance, as columns."""
+    import torch
+
+    curve = compute_curve(fit.logs, points)
+    values = torch.exp(fit.logs)
+    freedom = (points.count - values.shape[1]).clamp(min=1.0)
+    error = (points.magnitude - curve.magnitude) * points.given / (curve.magnitude if noise == "relative" else 1.0)
+    level = ((error**2).sum(dim=(1, 2)) / freedom).sqrt()
+    inverse = _invert(compute_information(curve, level, points, noise))
+    covariance = inverse * values[:, :, None] * values[:, None, :]
+    distance = _distance(linearise(curve, points, noise), freedom)
+    v, c, s, nll, d = (x.cpu().numpy() for x in (values, covariance, level, fit.likelihood, distance))
+    return [v, c, np.full(len(v), noise), s, nll, d]
+
+
+def _invert(information: torch.Tensor) -> torch.Tensor:
+    """Inverse of scaled symmetric matrices; directions without information get none."""
+    import torch
+
+    scale = information.diagonal(dim1=1, dim2=2).clamp(min=1e-300).rsqrt()
+    both = scale[:, :, None] * scale[:, None, :]
+    return torch.linalg.pinv(information * both, rtol=1e-14, hermitian=True) * both
+
+
+def _distance(at: Linearised, freedom: torch.Tensor) -> torch.Tensor:
+    """Length of a further Gauss-Newton step in standard deviations (Mahalanobis)."""
+    import torch
+
+    scale = at.normal.diagonal(dim1=1, dim2=2).clamp(min=1e-300).rsqrt()
+    gradient = (at.gradient * scale)[:, :, None]
+    inverse = torch.linalg.pinv(at.normal * scale[:, :, None] * scale[:, None, :], rtol=1e-12, hermitian=True)
+    square = (gradient.transpose(1, 2) @ inverse @ gradient)[:, 0, 0].clamp(min=0.0)
+    return (square / (at.cost / freedom).clamp(min=1e-300)).sqrt()

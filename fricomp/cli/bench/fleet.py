@@ -1,0 +1,34 @@
+"""`fricomp bench fleet`: how many joints a second are identified in one call."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer()
+
+
+@app.command(
+    epilog="fricomp bench fleet --quick --out runs/fleet\n\nfricomp bench fleet --device cuda --out runs/fleet"
+)
+def fleet(
+    out: Annotated[Path, typer.Option(help="Folder for throughput.json.")],
+    quick: Annotated[bool, typer.Option("--quick", help="500 joints.")] = False,
+    joints: Annotated[int | None, typer.Option(min=1, help="In one call; 5000 by default.")] = None,
+    single: Annotated[int, typer.Option(min=1, help="Identified one by one beside it.")] = 100,
+    device: Annotated[str, typer.Option(help="Of torch: cpu, cuda.")] = "cpu",
+    seed: Annotated[int, typer.Option(help="Of the fleet.")] = 0,
+) -> None:
+    """Identify a fleet of joints in one call and one by one; rates, their ratio, and that both agree."""
+    from fricomp.calibration.batch.throughput import measure_throughput
+    from fricomp.cli.terminal import console
+
+    found = measure_throughput(joints or (500 if quick else 5000), single=single, seed=seed, device=device)
+    out.mkdir(parents=True, exist_ok=True)
+    figures = asdict(found) | {"ratio": found.ratio}
+    (out / "throughput.json").write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+    console().print(str(found), soft_wrap=True)
