@@ -162,7 +162,7 @@ def _offset(data: SweepData) -> Mean:
         return Mean(0.0, 0.0)
     values, deviations = np.array([r.value for r in rests]), np.array([r.deviation for r in rests])
     # A zero that has moved between the rests is known no better than half of that.
-    own = max(float(np.sqrt(np.sum(deviations**2))) / len(rests), _rounding(data) if not np.any(deviations) else 0.0)
+    own = float(np.hypot(np.sqrt(np.sum(deviations**2)) / len(rests), _rounding(data)))
     moved = 0.5 * float(np.ptp(values))
     return Mean(float(values.mean()), max(own, moved if moved > 3.0 * own else 0.0))
 
@@ -182,8 +182,15 @@ def _torque_quantum(samples: Recording) -> float:
 
 
 def _rounding(data: SweepData) -> float:
-    """Standard deviation of a reading that is rounded to its step [N·m] or [N]."""
-    return max(_torque_quantum(samples) for _, samples in data.of_kind("tare")) / float(np.sqrt(12.0))
+    """Standard deviation of the zero that rounding leaves [N·m] or [N]: q / sqrt(12) times exp(-2 pi^2 s^2 / q^2)
+    with a noise s before the step q, which dithers it [widrow2008]."""
+    left = [0.0]
+    for _, samples in data.of_kind("tare"):
+        step = _torque_quantum(samples)
+        if step > 0.0:
+            noise = max(float(np.var(samples.torque)) / step**2 - 1.0 / 12.0, 0.0)
+            left.append(step / np.sqrt(12.0) * np.exp(-2.0 * np.pi**2 * noise))
+    return float(max(left))
 
 
 def _with_normal_load(points: Sequence[FrictionPoint], choice: str) -> tuple[tuple[FrictionPoint, ...], str]:

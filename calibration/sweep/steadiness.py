@@ -18,6 +18,8 @@ BATCHES = 16
 # A window that moves at less than this fraction of the speed has stuck; more spread than that is not steady.
 STUCK = 0.3
 SPREAD = 0.35
+# A limit cycle shows in the torque, too: where that swings by this fraction of its mean, less spread is enough.
+SWING, SPREAD_WITH_SWING = 0.1, 0.15
 # Encoder counts that a window must hold, so that quantisation is not taken for sticking.
 COUNTS = 12
 SHORTEST_WINDOW = 0.01
@@ -85,7 +87,8 @@ def judge_plateau(
     speeds = _window_speeds(time, position, velocity, quantum)
     if len(speeds) < 3:
         return "short"
-    if np.min(speeds) < STUCK or np.std(speeds) > SPREAD:
+    swings = np.std(torque) > SWING * abs(float(np.mean(torque)))
+    if np.min(speeds) < STUCK or np.std(speeds) > (SPREAD_WITH_SWING if swings else SPREAD):
         return "stick_slip"
     if abs(float(np.mean(speeds)) - 1.0) > 0.05:
         return "unsettled"
