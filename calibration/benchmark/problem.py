@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, StribeckCurve
+from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, LoadScaling, StribeckCurve
 
 from ..identification.form import SeparableLaw, separable_law
 from ..identification.observation import Observations, observe
@@ -58,8 +58,12 @@ class PaperProblem:
     @property
     def law(self) -> FrictionLaw:
         """The law with the true values."""
+        return self.law_under(LoadScaling())
+
+    def law_under(self, load: LoadScaling) -> FrictionLaw:
+        """The law with the true values, its dry friction following the normal load."""
         values = self.true_values
-        return FrictionLaw((BidirectionalStribeck(StribeckCurve(*values[:4]), StribeckCurve(*values[4:])),))
+        return FrictionLaw((BidirectionalStribeck(StribeckCurve(*values[:4]), StribeckCurve(*values[4:]), load),))
 
     def velocity(self, reading: Reading) -> FloatArray:
         """41 points without noise, 201 with it [rad/s]."""

@@ -21,6 +21,7 @@ __all__ = [
     "random_start",
     "run_departure",
     "run_extras",
+    "run_loads",
     "run_noise_free",
     "run_optima",
     "run_outliers",
@@ -130,6 +131,17 @@ def run_departure(ledger: Ledger, seeds: int, progress: Progress) -> None:
             progress(f"departure from the law: {case}, {points} points")
             figures = asdict(measure_departure(case, points, seeds))
             ledger.append({"study": "departure", "seed": number, "size": seeds, "figures": figures})
+
+
+def run_loads(ledger: Ledger, seeds: int, progress: Progress) -> None:
+    """The same at several normal loads."""
+    from .load_departure import LOAD_CASES, measure_loads
+
+    for number, (case, points) in enumerate(LOAD_CASES):
+        if not ledger.rows(study="loads", seed=number, size=seeds):
+            progress(f"several loads: {case}, {points} points each")
+            figures = asdict(measure_loads(case, points, seeds))
+            ledger.append({"study": "loads", "seed": number, "size": seeds, "figures": figures})
 
 
 def run_extras(ledger: Ledger, draws: int, lugre_seeds: int, progress: Progress) -> None:

@@ -14,8 +14,8 @@ from .batch import batch_optima
 from .ledger import Ledger
 from .problem import PaperProblem, Reading
 
-__all__ = ["OutlierFigures", "SearchFigures", "StatisticsFigures", "summarise_noise_free",
-           "summarise_outliers", "summarise_searches", "summarise_statistics"]  # fmt: skip
+__all__ = ["BatchFigures", "OutlierFigures", "StatisticsFigures", "summarise_batch", "summarise_outliers",
+           "summarise_statistics"]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -108,21 +108,6 @@ def summarise_batch(reading: Reading, draws: int) -> BatchFigures:
     return BatchFigures(draws, ratio.tolist(), np.mean(covered, axis=0).tolist())
 
 
-def summarise_noise_free(ledger: Ledger) -> dict[str, float]:
-    """The paper's 41 points: starts, largest mean error [%], median time [s]."""
-    rows = ledger.rows(study="noise_free")
-    if not rows:
-        return {}
-    errors = [float(np.mean(PaperProblem().error_percent(np.array(row["values"])))) for row in rows]
-    return {
-        "starts": float(len(rows)),
-        "converged": float(sum(row["status"] == "converged" for row in rows)),
-        "largest_mean_error_percent": max(errors),
-        "median_mean_error_percent": float(np.median(errors)),
-        "seconds": float(np.median([row["seconds"] for row in rows])),
-    }
-
-
 @dataclass(frozen=True)
 class OutlierFigures:
     """Robust fits with a tenth of the points off by ten deviations.
@@ -162,63 +147,4 @@ def summarise_outliers(ledger: Ledger, reading: Reading) -> OutlierFigures | Non
         wrong_basins=int(np.sum(wrong)),
         silent_wrong_basins=int(np.sum(wrong & good)),
         seconds=float(np.median([row["seconds"] for row in rows])),
-    )
-
-
-@dataclass(frozen=True)
-class SearchFigures:
-    """One competing method beside ours on the same draws.
-
-    Attributes:
-        method: Its name.
-        iterations: Its length; evaluations for CMA-ES.
-        draws: How many draws of this noise reading both have.
-        mean_error: Its mean |error| [%].
-        our_mean_error: Ours on the same draws [%].
-        excess: Median and largest negative log-likelihood above ours [nats].
-        our_largest_excess: Ours above theirs, largest [nats].
-        missed: Draws on which it ended more than 0.01 nats above ours.
-        seconds: Its median time [s].
-        our_seconds: Ours [s].
-    """
-
-    method: str
-    iterations: int
-    draws: int
-    mean_error: float
-    our_mean_error: float
-    excess: tuple[float, float]
-    our_largest_excess: float
-    missed: int
-    seconds: float
-    our_seconds: float
-
-
-def summarise_searches(ledger: Ledger, reading: Reading) -> list[SearchFigures]:
-    """Every competing method and length in the ledger."""
-    ours = {row["seed"]: row for row in ledger.rows(study="statistics", reading=reading)}
-    rows = ledger.rows(study="search", reading=reading) + ledger.rows(study="adam", reading=reading)
-    kinds = sorted({(row["method"], row["iterations"]) for row in rows})
-    found = []
-    for method, iterations in kinds:
-        theirs = [r for r in rows if (r["method"], r["iterations"]) == (method, iterations) and r["seed"] in ours]
-        if theirs:
-            found.append(_search(method, iterations, theirs, [ours[r["seed"]] for r in theirs]))
-    return found
-
-
-def _search(method: str, iterations: int, rows: list[dict[str, Any]], ours: list[dict[str, Any]]) -> SearchFigures:
-    problem = PaperProblem()
-    excess = np.array([a["nll"] - b["nll"] for a, b in zip(rows, ours, strict=True)])
-    return SearchFigures(
-        method=method,
-        iterations=iterations,
-        draws=len(rows),
-        mean_error=float(np.mean([problem.error_percent(np.array(r["values"])) for r in rows])),
-        our_mean_error=float(np.mean([problem.error_percent(np.array(r["values"])) for r in ours])),
-        excess=(float(np.median(excess)), float(excess.max())),
-        our_largest_excess=float(np.max(-excess)),
-        missed=int(np.sum(excess > 0.01)),
-        seconds=float(np.median([r["seconds"] for r in rows])),
-        our_seconds=float(np.median([r["seconds"] for r in ours])),
     )

@@ -29,6 +29,8 @@ DATA_DRIVEN = 1e-8
 WEIGHTS = (np.inf, 100.0, 10.0, 1.0, 0.1, DATA_DRIVEN)
 """Weights of the closed form that are compared, in the order in which the network is trained through them."""
 _FOLDS = 4
+_MOST_LOADS = 8
+"""Up to so many distinct loads are left out one by one; of more, the random folds hold out enough."""
 _ITERATIONS = 30
 _PER_SIDE = 50
 _WIDER = 1.5
@@ -80,27 +82,46 @@ def fit_discrepancy(result: IdentificationResult, *, seed: int = 0) -> Discrepan
     points = result.observations
     if points.size < 20:
         raise IdentificationError(f"comparing networks needs at least 20 points, got {points.size}")
-    fold = np.random.default_rng(seed).permutation(points.size) % _FOLDS
-    squared = {weight: np.empty(points.size) for weight in WEIGHTS}
-    for k in range(_FOLDS):
-        inside, outside = points.select(np.flatnonzero(fold != k)), points.select(np.flatnonzero(fold == k))
-        closed = fit_likelihood(result.form, inside, _noise(result, fold != k))
-        network = result.network
-        for weight in WEIGHTS:
-            network = network if weight == np.inf else train_towards(network, result, closed, inside, weight)
-            if weight == np.inf:
-                predicted, _ = result.form.evaluate(closed.logs, outside)
-            else:
-                predicted = outside.sign * np.asarray(network.torque(outside.velocity, outside.normal_load))
-            squared[weight][fold == k] = (outside.magnitude - predicted) ** 2
-    scale = 1.0 / _deviation(result) ** 2
-    scores = {weight: values * scale for weight, values in squared.items()}
+    predictions = [_held_out(result, outside) for outside in _folds(points, seed)]
+    rows = np.concatenate([fold.rows for fold in predictions])
+    variance = _deviation(result)[rows] ** 2
+    scores = {w: np.concatenate([fold.squared_error[w] for fold in predictions]) / variance for w in WEIGHTS}
     chosen = _choose(scores)
     network = result.network
     for weight in WEIGHTS[1 : WEIGHTS.index(chosen) + 1]:
         network = train_towards(network, result, result.optimum, points, weight)
     held_out = {weight: float(np.sqrt(np.mean(values))) for weight, values in scores.items()}
     return DiscrepancyNetwork(network, chosen, held_out, _message(chosen, held_out))
+
+
+class _HeldOut(NamedTuple):
+    """Squared errors [(N·m)^2] or [N^2] at points left out, by weight, and which points these are."""
+
+    rows: np.ndarray[tuple[int], np.dtype[np.intp]]
+    squared_error: dict[float, FloatArray]
+
+
+def _folds(points: Observations, seed: int) -> list[np.ndarray[tuple[int], np.dtype[np.bool_]]]:
+    """Masks of points to leave out: random quarters, and each load between others, which asks more of a network."""
+    fold = np.random.default_rng(seed).permutation(points.size) % _FOLDS
+    masks = [fold == k for k in range(_FOLDS)]
+    levels = np.empty(0) if points.normal_load is None else np.unique(points.normal_load)
+    if 2 < len(levels) <= _MOST_LOADS:
+        masks += [points.normal_load == level for level in levels[1:-1]]
+    return masks
+
+
+def _held_out(result: IdentificationResult, left_out: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> _HeldOut:
+    rows = np.flatnonzero(left_out)
+    inside, outside = result.observations.select(np.flatnonzero(~left_out)), result.observations.select(rows)
+    closed = fit_likelihood(result.form, inside, _noise(result, ~left_out))
+    predicted, _ = result.form.evaluate(closed.logs, outside)
+    squared, network = {WEIGHTS[0]: (outside.magnitude - predicted) ** 2}, result.network
+    for weight in WEIGHTS[1:]:
+        network = train_towards(network, result, closed, inside, weight)
+        torque = outside.sign * np.asarray(network.torque(outside.velocity, outside.normal_load))
+        squared[weight] = (outside.magnitude - torque) ** 2
+    return _HeldOut(rows, squared)
 
 
 def _noise(result: IdentificationResult, rows: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> Noise:

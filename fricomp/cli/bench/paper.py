@@ -34,7 +34,7 @@ class _Sizes:
 
 
 _QUICK = _Sizes(5, 20, 200, 5, (1, 2, 0, 0), 500, 1, 20, 1)
-_FULL = _Sizes(100, 4000, 20_000, 200, (20, 200, 1, 3), 50_000, 5, 300, 5)
+_FULL = _Sizes(100, 2000, 20_000, 200, (20, 200, 1, 3), 50_000, 5, 300, 5)
 
 
 @app.command(
@@ -54,7 +54,7 @@ def paper(
     from fricomp.cli.terminal import console, progress
 
     ledger, sizes = Ledger(out / "ledger.jsonl"), _QUICK if quick else _FULL
-    command = f"fricomp bench paper{' --quick' if quick else ''} --docs docs/identification.md"
+    command = "fricomp bench paper" + " --quick" * quick + (f" --docs {docs}" if docs is not None else "")
     pages = [out / "identification.md", *([docs] if docs is not None else [])]
     with progress() as bar:
         task = bar.add_task("starting", total=None)
@@ -84,6 +84,7 @@ def _run(ledger: Ledger, sizes: _Sizes, report: Callable[[str], None]) -> None:
     study.run_departure(ledger, sizes.departure, report)
     study.run_extras(ledger, sizes.sweeps, sizes.lugre, report)
     study.run_statistics(ledger, sizes.pinn, report)
-    study.run_optima(ledger, sizes.optima, report)
     rivals.run_searches(ledger, searches, report)
+    study.run_optima(ledger, sizes.optima, report)
+    study.run_loads(ledger, min(sizes.departure, 3), report)
     rivals.run_pymoo_study(ledger, searches, report)

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
-
 from fricomp.calibration import identify
-from fricomp.calibration.identification import save_identification
+from fricomp.calibration.identification import fit_discrepancy, save_identification
 from fricomp.calibration.network import LAYER_SIZES, TanhNetwork, distil, forward_with_jacobian
 from fricomp.calibration.network.training import initial_layers
+
 from fricomp.laws import FloatArray
 from fricomp.model import load_model
 
@@ -80,3 +80,34 @@ def test_distillation_over_loads_holds_between_them() -> None:
         return np.asarray(np.sign(velocity) * (0.1 * load + 0.05 * np.abs(velocity)))
 
     assert distil(torque, 2.0, (5.0, 20.0), bend=0.05).rms_error < 5e-3
+
+
+def test_training_holds_linear_algebra_to_one_thread_and_gives_it_back() -> None:
+    pools = pytest.importorskip("threadpoolctl")
+    from fricomp.calibration.network.blas import one_blas_thread
+
+    def threads() -> list[int]:
+        return [pool["num_threads"] for pool in pools.threadpool_info() if pool["user_api"] == "blas"]
+
+    before = threads()
+    with one_blas_thread():
+        assert set(threads()) <= {1}
+    assert threads() == before
+
+
+@pytest.mark.slow
+def test_a_network_leaves_the_law_only_where_held_out_points_ask_for_it() -> None:
+    velocity = np.concatenate([-np.geomspace(0.01, 1.0, 40), np.geomspace(0.01, 1.0, 40)])
+    noise = 0.01 * np.random.default_rng(0).normal(size=len(velocity))
+    exact = np.asarray(PROBLEM.law.torque(velocity))
+    hump = 0.15 * np.sign(velocity) * np.exp(-(((np.abs(velocity) - 0.45) / 0.12) ** 2))
+    results = [
+        identify(velocity, exact + size * hump + noise, method="least_squares", noise="absolute") for size in (0.0, 1.0)
+    ]
+    kept, left = (fit_discrepancy(result) for result in results)
+    assert not kept.departs
+    assert kept.network is results[0].network
+    assert left.departs
+    assert left.held_out[left.weight] < 0.8 * left.held_out[np.inf]
+    error = np.asarray(left.network.torque(velocity)) - exact - hump
+    assert np.sqrt(np.mean(error**2)) < 0.02

@@ -1,0 +1,51 @@
+"""Page, pictures and figures written from the ledger."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from fricomp.report import draw_png
+
+from .charts import benchmark_charts
+from .ledger import Ledger
+from .page import identification_page
+from .problem import NOISE_READINGS
+from .rival_summary import summarise_noise_free, summarise_searches
+from .summary import summarise_outliers, summarise_statistics
+from .targets import measured_targets
+
+__all__ = ["publish"]
+
+
+def publish(ledger: Ledger, pages: Sequence[Path], command: str) -> None:
+    """Write each page, and beside it a folder of its name with the pictures and `figures.json`.
+
+    Args:
+        ledger: Finished draws.
+        pages: Markdown files to write.
+        command: What the page says wrote it.
+    """
+    charts = benchmark_charts(ledger)
+    figures = msgspec.json.format(msgspec.json.encode(_figures(ledger)))
+    for path in pages:
+        folder = path.with_suffix("")
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / "figures.json").write_bytes(figures + b"\n")
+        for chart in charts:
+            draw_png(chart, folder / f"{chart.name}.png")
+        path.write_text(identification_page(ledger, charts, command, folder.name), encoding="utf-8")
+
+
+def _figures(ledger: Ledger) -> dict[str, Any]:
+    single = ("optima", "departure", "loads", "extras")
+    return {study: [row["figures"] for row in ledger.rows(study=study)] for study in single} | {
+        "targets": measured_targets(ledger),
+        "noise_free": summarise_noise_free(ledger),
+        "pinn": {reading: summarise_statistics(ledger, reading) for reading in NOISE_READINGS},
+        "searches": {reading: summarise_searches(ledger, reading) for reading in NOISE_READINGS},
+        "outliers": {reading: summarise_outliers(ledger, reading) for reading in NOISE_READINGS},
+    }

@@ -1,0 +1,225 @@
+"""The measured parts of the page `docs/identification.md`, each from the ledger."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from .adam import STARTS
+from .departure import DepartureFigures
+from .extras import ExtraFigures
+from .ledger import Ledger
+from .load_departure import LoadFigures
+from .printed import PrintedRow
+from .problem import NOISE_READINGS, PARAMETERS, PaperProblem, Reading
+from .rival_summary import SearchFigures, best_adam, summarise_noise_free, summarise_searches
+from .rivals import PAPER_LENGTH
+from .summary import BatchFigures, StatisticsFigures, summarise_outliers, summarise_statistics
+from .targets import measured_targets
+
+__all__ = [
+    "departure_section",
+    "extras_section",
+    "load_section",
+    "noise_free_section",
+    "outlier_section",
+    "printed_table",
+    "search_section",
+    "statistics_section",
+    "target_table",
+]
+
+
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    lines = ["| " + " | ".join(heads) + " |", "|" + " --- |" * len(heads)]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows]) + "\n"
+
+
+def _largest(ledger: Ledger, study: str, **wanted: object) -> list[dict[str, Any]]:
+    """Figures of the rows of the largest size, where a ledger has seen several."""
+    rows = ledger.rows(study=study, **wanted)
+    size = max((int(row["size"]) for row in rows), default=0)
+    return [row["figures"] for row in rows if row["size"] == size]
+
+
+def target_table(ledger: Ledger) -> str:
+    """What was wanted beside what was measured."""
+    rows = [[t.what, t.wanted, t.measured, "yes" if t.reached else "**no**"] for t in measured_targets(ledger)]
+    return _table(["what", "wanted", "measured", "reached"], rows)
+
+
+def printed_table(printed: Sequence[PrintedRow], ledger: Ledger, readings: Sequence[Reading]) -> str:
+    """Values and errors as the paper prints them, and the same of ours and of our runs of its methods."""
+    rows = []
+    for row in printed:
+        rows += _pair(f"{row.method} (paper)", row.values, f"{row.average:.4f}")
+    for reading in readings:
+        rows += [line for name, values in _ours(ledger, reading) for line in _pair(name, values, "")]
+    return _table(["method", "", *PARAMETERS, "average printed", "average recomputed"], rows)
+
+
+def _pair(name: str, values: Sequence[float], printed: str) -> list[list[str]]:
+    error = PaperProblem().error_percent(np.array(values))
+    shown = [f"{e:.1e}" if e < 1e-3 else f"{e:.3f}" for e in error]
+    return [
+        [name, "value", *(f"{v:.5f}" for v in values), "", ""],
+        ["", "error [%]", *shown, printed, f"{error.mean():.3g}" if error.mean() < 1e-3 else f"{error.mean():.4f}"],
+    ]
+
+
+def _ours(ledger: Ledger, reading: Reading) -> list[tuple[str, Sequence[float]]]:
+    study = "noise_free" if reading == "none" else "statistics"
+    wanted = {} if reading == "none" else {"reading": reading}
+    noise = "" if reading == "none" else f", {reading} noise"
+    found = [(f"fricomp{noise}", row["values"]) for row in ledger.rows(study=study, seed=0, **wanted)]
+    rows = ledger.rows(study="search", reading=reading, seed=0, iterations=PAPER_LENGTH)
+    rows = [row for row in rows if "pymoo" not in row["method"]]
+    rows += best_adam(ledger, reading)
+    return found + [(f"{row['method']}, {row['iterations']:,}{noise}", row["values"]) for row in rows]
+
+
+def noise_free_section(ledger: Ledger) -> str:
+    """Every method from many starts."""
+    figures = summarise_noise_free(ledger)
+    if not figures:
+        return ""
+    ours = figures[0].seconds
+    rows = [
+        [
+            f.method, f"{f.iterations:,}" if f.iterations else "", str(f.runs), f"{f.smallest_error:.2g}",
+            f"{f.median_error:.2g}", f"{f.largest_error:.2g}", f"{f.seconds:.3g}", f"{f.seconds / ours:.3g}",
+        ]
+        for f in figures
+    ]  # fmt: skip
+    heads = [
+        "method",
+        "length",
+        "runs",
+        "mean error, smallest [%]",
+        "median [%]",
+        "largest [%]",
+        "time [s]",
+        "time / ours",
+    ]
+    return (
+        f"Ours starts from parameters anywhere within a factor of thirty and from random network weights; "
+        f"{figures[0].converged} of {figures[0].runs} starts report `converged`. The searches differ in their seed, "
+        f"Adam in the parameters it starts from: {'; '.join(STARTS)}. With noise it starts from the best of these.\n\n"
+        + _table(heads, rows)
+    )
+
+
+def statistics_section(ledger: Ledger, reading: Reading) -> str:
+    """Errors and intervals over many draws of one noise reading."""
+    problem, found = PaperProblem(), summarise_statistics(ledger, reading)
+    optima = [BatchFigures(**figures) for figures in _largest(ledger, "optima", reading=reading)]
+    bound = 100.0 * problem.cramer_rao(reading) / np.array(problem.true_values)
+    rows = [["Cramér-Rao bound [%]", *(f"{b:.2f}" for b in bound)]]
+    for f in [found] if found else []:
+        rows += _lines(f"`identify`, {f.draws} draws", f.rms_over_bound, f.coverage)
+    for o in optima:
+        rows += _lines(f"likelihood optimum, {o.draws} draws", o.rms_over_bound, o.coverage)
+    text = f"**{reading} noise**\n\n" + _table(["", *PARAMETERS], rows)
+    return text + ("\n" + _remarks(found, optima) if found else "")
+
+
+def _lines(name: str, ratio: list[float], coverage: list[float]) -> list[list[str]]:
+    return [
+        [f"{name}: RMS error / bound", *(f"{r:.3f}" for r in ratio)],
+        ["the same: coverage of 95 % intervals [%]", *(f"{100.0 * c:.1f}" for c in coverage)],
+    ]
+
+
+def _remarks(found: StatisticsFigures, optima: list[BatchFigures]) -> str:
+    finer = "".join(
+        f" (for the optimum alone ± {1.0 / np.sqrt(2.0 * o.draws):.3f} and "
+        f"± {100.0 * np.sqrt(0.95 * 0.05 / o.draws):.2f} %)"
+        for o in optima
+    )
+    return (
+        f"Monte-Carlo error: ± {found.rms_error:.3f} of RMS / bound, ± {100.0 * found.coverage_error:.2f} % of the "
+        f"coverage{finer}. {found.converged} of {found.draws} draws of `identify` (the PINN) report `converged`. "
+        f"Distance to the oracle's optimum, largest over all parameters and draws: {found.largest_distance:.2g} "
+        f"deviations (RMS {found.typical_distance:.1g}); negative log-likelihood above the oracle's: "
+        f"{found.largest_excess:.1g} at most. Mean error {found.mean_error:.2f} %, of single draws from "
+        f"{found.error_spread[0]:.2f} to {found.error_spread[1]:.2f} %. Median time {found.seconds:.2g} s.\n"
+    )
+
+
+def search_section(ledger: Ledger) -> str:
+    """The other methods beside ours on the same draws."""
+    rows = [_search_row(f, reading) for reading in NOISE_READINGS for f in summarise_searches(ledger, reading)]
+    heads = [
+        "method", "length", "noise", "draws", "mean error [%]", "ours [%]", "NLL above ours, median", "largest",
+        "draws > 0.01", "ours above theirs, largest", "time [s]", "time / ours",
+    ]  # fmt: skip
+    return _table(heads, rows)
+
+
+def _search_row(f: SearchFigures, reading: str) -> list[str]:
+    return [
+        f.method, f"{f.iterations:,}" if f.iterations else "", reading, str(f.draws), f"{f.mean_error:.3f}",
+        f"{f.our_mean_error:.3f}", f"{f.excess[0]:.2g}", f"{f.excess[1]:.2g}", str(f.missed),
+        f"{f.our_largest_excess:.1g}", f"{f.seconds:.3g}", f"{f.seconds / f.our_seconds:.3g}",
+    ]  # fmt: skip
+
+
+def outlier_section(ledger: Ledger) -> str:
+    """Robust fits of contaminated draws."""
+    rows = []
+    for reading in NOISE_READINGS:
+        f = summarise_outliers(ledger, reading)
+        if f is not None:
+            rows.append([
+                reading, str(f.draws), " ".join(f"{r:.2f}" for r in f.rms_over_bound),
+                " ".join(f"{r:.2f}" for r in f.rms_of_converged), str(f.wrong_basins), str(f.silent_wrong_basins),
+                str(f.flagged), f"{f.seconds:.2g}",
+            ])  # fmt: skip
+    heads = [
+        "noise", "draws", "RMS / bound of the clean points", "the same, draws that report `converged`",
+        "errors above 5 deviations", "of them reported as `converged`", "draws not reported `converged`", "time [s]",
+    ]  # fmt: skip
+    return _table(heads, rows)
+
+
+def departure_section(ledger: Ledger) -> str:
+    """Closed form and networks on a joint that is no Stribeck joint."""
+    rows = [
+        [f.case, str(f.points), str(f.seeds), *(f"{e:.4f}" for e in (*f.inside, *f.outside)), str(f.departed)]
+        for f in (DepartureFigures(**figures) for figures in _largest(ledger, "departure"))
+    ]
+    heads = [
+        "joint", "points", "data sets", "between points: closed form", "exported network", "data-driven network",
+        "beyond the speeds: closed form", "exported network", "data-driven network", "network departed",
+    ]  # fmt: skip
+    return _table(heads, rows)
+
+
+def load_section(ledger: Ledger) -> str:
+    """The same at several normal loads."""
+    rows = [
+        [f.case, str(f.points), str(f.seeds), *(f"{e:.4f}" for e in (*f.between, *f.beyond)), str(f.departed)]
+        for f in (LoadFigures(**figures) for figures in _largest(ledger, "loads"))
+    ]
+    heads = [
+        "joint", "points at each load", "data sets", "between the loads: closed form", "exported network",
+        "data-driven network", "beyond the loads: closed form", "exported network", "data-driven network",
+        "network departed",
+    ]  # fmt: skip
+    return _table(heads, rows) if rows else ""
+
+
+def extras_section(ledger: Ledger) -> str:
+    """Speeds chosen for information, and LuGre."""
+    return "".join(
+        f"For the paper's parameters and 100 plateaus a direction, planned speeds bring the mean standard deviation "
+        f"from {f.uniform_percent:.2f} to {f.planned_percent:.2f} % of the value (ratio {f.ratio:.3f}) under "
+        f"5 % relative noise, {f.top_share:.0%} of the effort at top speed. Identified from simulated plateaus "
+        f"at these speeds, the mean RMS error is {f.measured_ratio:.3f} of the uniform grid's.\n\n"
+        f"LuGre from {f.lugre_seconds:.0f} s at 1 kHz with reversals and 2 % noise, {f.lugre_seeds} records: "
+        f"largest error of a static parameter {f.lugre_static_percent:.2f} %, "
+        f"of sigma_0 {f.lugre_stiffness_percent:.2f} %.\n"
+        for f in (ExtraFigures(**figures) for figures in _largest(ledger, "extras"))
+    )

@@ -1,0 +1,190 @@
+"""What was to be reached, beside what was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from .extras import ExtraFigures
+from .ledger import Ledger
+from .problem import NOISE_READINGS
+from .rival_summary import NoiseFreeFigures, SearchFigures, summarise_noise_free, summarise_searches
+from .rivals import PAPER_LENGTH
+from .summary import StatisticsFigures, summarise_outliers, summarise_statistics
+
+__all__ = ["Target", "measured_targets"]
+
+
+@dataclass(frozen=True)
+class Target:
+    """One line of the table.
+
+    Attributes:
+        what: What was measured.
+        wanted: The figure to reach.
+        measured: The figure measured.
+        reached: Whether it was.
+    """
+
+    what: str
+    wanted: str
+    measured: str
+    reached: bool
+
+
+def measured_targets(ledger: Ledger) -> list[Target]:
+    """The lines for which the ledger holds figures."""
+    free = summarise_noise_free(ledger)
+    found = [f for reading in NOISE_READINGS if (f := summarise_statistics(ledger, reading))]
+    rivals = [f for reading in NOISE_READINGS for f in summarise_searches(ledger, reading)]
+    parts: Iterable[list[Target]] = (
+        _noise_free(free),
+        _statistics(found),
+        _likelihood(rivals),
+        _speed(rivals),
+        _adam(free),
+        _outliers(ledger),
+        _extras(ledger),
+    )
+    return [target for part in parts for target in part]
+
+
+def _noise_free(figures: list[NoiseFreeFigures]) -> list[Target]:
+    if not figures:
+        return []
+    f = figures[0]
+    return [
+        Target(
+            "no noise, 41 points, random starts: mean error",
+            "≤ 1e-3 % from each of 100",
+            f"≤ {f.largest_error:.1e} % from each of {f.runs}, {f.converged} report `converged`",
+            f.largest_error <= 1e-3 and f.converged == f.runs,
+        )
+    ]
+
+
+def _statistics(figures: list[StatisticsFigures]) -> list[Target]:
+    if not figures:
+        return []
+    draws = " and ".join(f"{f.draws}" for f in figures)
+    distance = max(f.largest_distance for f in figures)
+    ratio = [r for f in figures for r in f.rms_over_bound]
+    covered = [100.0 * c for f in figures for c in f.coverage]
+    error, share = max(f.rms_error for f in figures), 100.0 * max(f.coverage_error for f in figures)
+    return [
+        Target(
+            "5 % noise, both readings, every draw: distance to the oracle's optimum",
+            "≤ 0.1 deviations",
+            f"≤ {distance:.2g} in {draws} draws",
+            distance <= 0.1,
+        ),
+        Target(
+            "the same: RMS error / Cramér-Rao bound of each parameter",
+            "0.95 to 1.06",
+            f"{min(ratio):.3f} to {max(ratio):.3f}, each ± {error:.3f}",
+            min(ratio) >= 0.95 and max(ratio) <= 1.06,
+        ),
+        Target(
+            "the same: coverage of 95 % intervals",
+            "93.5 to 96.5 %",
+            f"{min(covered):.1f} to {max(covered):.1f} %, each ± {share:.1f}",
+            min(covered) >= 93.5 and max(covered) <= 96.5,
+        ),
+    ]
+
+
+def _likelihood(rivals: list[SearchFigures]) -> list[Target]:
+    searches = [f for f in rivals if f.method != "Adam"]
+    if not searches:
+        return []
+    worst = max(f.our_largest_excess for f in searches)
+    counts = sum(f.draws for f in searches)
+    return [
+        Target(
+            "negative log-likelihood above the best of PSO, GA, CMA-ES and NLS on the same draws",
+            "≤ 0.01",
+            f"≤ {worst:.1g} in {counts} comparisons",
+            worst <= 0.01,
+        )
+    ]
+
+
+def _speed(rivals: list[SearchFigures]) -> list[Target]:
+    full = [f for f in rivals if f.iterations == PAPER_LENGTH and f.method in ("PSO", "GA")]
+    full += [f for f in rivals if f.method == "CMA-ES"]
+    if not full:
+        return []
+    by_method: dict[str, list[float]] = {}
+    for f in full:
+        by_method.setdefault(f.method, []).append(f.seconds / f.our_seconds)
+    shown = ", ".join(f"{name} {min(ratios):.0f}" for name, ratios in by_method.items())
+    return [
+        Target(
+            "time of PSO and GA at the paper's length (compiled) and of CMA-ES, over ours",
+            "≥ 20",
+            f"{shown} (the lower of both readings)",
+            min(min(ratios) for ratios in by_method.values()) >= 20.0,
+        )
+    ]
+
+
+def _adam(figures: list[NoiseFreeFigures]) -> list[Target]:
+    adam = [f for f in figures if f.method == "Adam" and f.iterations == PAPER_LENGTH]
+    if not adam:
+        return []
+    ours = figures[0]
+    faster, share = adam[0].seconds / ours.seconds, ours.largest_error / adam[0].smallest_error
+    return [
+        Target(
+            "the paper's 50,000 Adam steps without noise: time over ours, our largest error over its smallest",
+            "≥ 20, ≤ 0.1",
+            f"{faster:.0f}, {share:.1e}",
+            faster >= 20.0 and share <= 0.1,
+        )
+    ]
+
+
+def _outliers(ledger: Ledger) -> list[Target]:
+    figures = [(r, f) for r in NOISE_READINGS if (f := summarise_outliers(ledger, r))]
+    if not figures:
+        return []
+    worst = ", ".join(f"{max(f.rms_over_bound):.2f} {reading}" for reading, f in figures)
+    wrong = sum(f.wrong_basins for _, f in figures)
+    silent = sum(f.silent_wrong_basins for _, f in figures)
+    draws = " and ".join(str(f.draws) for _, f in figures)
+    return [
+        Target(
+            "10 % outliers of 10 sigma: largest RMS error / bound of the clean points",
+            "≤ 1.3",
+            f"{worst}, in {draws} draws",
+            all(max(f.rms_over_bound) <= 1.3 for _, f in figures),
+        ),
+        Target(
+            "the same: draws in a wrong basin (an error above 5 deviations)",
+            "0",
+            f"{wrong}, of which reported as `converged`: {silent}",
+            wrong == 0,
+        ),
+    ]
+
+
+def _extras(ledger: Ledger) -> list[Target]:
+    rows: list[dict[str, Any]] = ledger.rows(study="extras")
+    if not rows:
+        return []
+    f = ExtraFigures(**max(rows, key=lambda row: int(row["size"]))["figures"])
+    return [
+        Target(
+            "speeds chosen for information, same duration: mean deviation over the uniform grid's",
+            "≤ 0.75",
+            f"{f.ratio:.3f} expected, {f.measured_ratio:.3f} on simulated plateaus",
+            f.ratio <= 0.75 and f.measured_ratio <= 0.75,
+        ),
+        Target(
+            "LuGre, 2 % noise: static parameters, sigma_0",
+            "≤ 2 %, ≤ 10 %",
+            f"≤ {f.lugre_static_percent:.2f} %, ≤ {f.lugre_stiffness_percent:.2f} % in {f.lugre_seeds} records",
+            f.lugre_static_percent <= 2.0 and f.lugre_stiffness_percent <= 10.0,
+        ),
+    ]
