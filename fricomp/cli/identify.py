@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
+
+from fricomp.cli.fleet import FleetRun, rich_table, run_joints
 
 if TYPE_CHECKING:
     import numpy as np
@@ -15,6 +19,7 @@ if TYPE_CHECKING:
     from fricomp.calibration.identification import DiscrepancyNetwork
     from fricomp.calibration.rigid_body import MotionIdentification
     from fricomp.recording import Finding
+    from fricomp.sim_bench.fleet import FleetJoint, FleetRow
 
 __all__ = ["app", "identify"]
 
@@ -25,10 +30,18 @@ app = typer.Typer()
     epilog="fricomp identify points.csv --out runs/joint_1\n\n"
     "fricomp identify recording.csv --gravity --out runs/shoulder\n\n"
     "fricomp identify points.csv --noise relative --loss robust --law auto\n\n"
-    "fricomp identify points.csv --depart --out runs/joint_1"
+    "fricomp identify points.csv --depart --out runs/joint_1\n\n"
+    "fricomp identify 'fleet/*.csv' --resume --out runs/fleet\n\n"
+    "fricomp identify 'fleet/*.csv' --batch --out runs/fleet"
 )
 def identify(
-    file: Annotated[Path, typer.Argument(help="Recording, or CSV with the columns velocity, torque\\[, normal_load].")],
+    files: Annotated[
+        list[str],
+        typer.Argument(
+            help="Recording, or CSV with the columns velocity, torque\\[, normal_load]; several files, a folder, a "
+            "pattern or a table of joints are a fleet."
+        ),
+    ],
     out: Annotated[Path, typer.Option(help="Folder for friction.json, friction.onnx and report.html.")] = Path(
         "runs/identify"
     ),
@@ -39,8 +52,49 @@ def identify(
     gravity: Annotated[bool, typer.Option(help="For a recording: gravity acts on the joint.")] = False,
     seed: Annotated[int, typer.Option(help="Of the network's first weights.")] = 0,
     depart: Annotated[bool, typer.Option(help="Let a network leave the law where held-out points ask for it.")] = False,
+    batch: Annotated[bool, typer.Option("--batch", help="Tables of a fleet: all joints in one call.")] = False,
+    device: Annotated[str, typer.Option(help="Of torch, for --batch: cpu, cuda.")] = "cpu",
+    executor: Annotated[str, typer.Option(help="Of a fleet: processes, serial or dask://host:port.")] = "processes",
+    workers: Annotated[int | None, typer.Option(min=1, help="Of a fleet; one a core by default.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Of a fleet: go on with the one in --out.")] = False,
 ) -> None:
     """Identify friction; with a recording, inertia, gravity and offset first."""
+    settings = _Settings(method, noise, loss, law, gravity, seed, depart)
+    if batch:
+        _identify_batch(files, out, settings, device)
+    elif _is_fleet(files):
+        _identify_fleet(files, out, settings, FleetRun(executor, workers, resume))
+    else:
+        found = _identify_file(Path(files[0]), out, settings)
+        _finish(found.result, found.free, out)
+        for note in found.notes:
+            typer.echo(note)
+
+
+@dataclass(frozen=True)
+class _Settings:
+    """Options of an identification."""
+
+    method: Literal["pinn", "least_squares"]
+    noise: str
+    loss: Literal["gaussian", "robust"]
+    law: str
+    gravity: bool
+    seed: int
+    depart: bool
+
+
+@dataclass(frozen=True)
+class _Identified:
+    """What one file gave, and sentences on it."""
+
+    result: IdentificationResult
+    free: DiscrepancyNetwork | None
+    notes: list[str]
+
+
+def _identify_file(file: Path, out: Path, settings: _Settings) -> _Identified:
+    """Identify one file and write its report."""
     import numpy as np
 
     from fricomp.calibration import identify as identify_points
@@ -50,25 +104,79 @@ def identify(
     from fricomp.recording.unit_checks import suspect_degrees_per_second
 
     notes: list[str] = []
+    method, noise, loss, seed = settings.method, settings.noise, settings.loss, settings.seed
     if is_friction_table(file):
         table = read_friction_table(file)
         notes += map(_careful, suspect_degrees_per_second(float(np.max(np.abs(table.velocity)))))
-        law = _choose_law(law, (table.velocity, table.torque, table.normal_load), notes)
+        law = _choose_law(settings.law, (table.velocity, table.torque, table.normal_load), notes)
         result = identify_points(
             table.velocity, table.torque, table.normal_load, method, noise, seed, law=law, loss=loss
         )  # fmt: skip
     else:
-        _refuse_point_options(file, method, noise, loss, seed, depart)
-        motion = _identify_recording(file, gravity, law, notes)
+        _refuse_point_options(file, method, noise, loss, seed, settings.depart)
+        motion = _identify_recording(file, settings.gravity, settings.law, notes)
         result = motion.friction
         notes.insert(0, _rigid_sentence(motion))
     out.mkdir(parents=True, exist_ok=True)
-    free = fit_discrepancy(result, seed=seed) if depart else None
+    free = fit_discrepancy(result, seed=seed) if settings.depart else None
     notes += [f"Law or network: {free.message}."] if free else []
     write_identification_report(result, out, notes, {"file": file.name, "seed": str(seed), "loss": loss})
-    _finish(result, free, out)
-    for note in notes:
-        typer.echo(note)
+    return _Identified(result, free, notes)
+
+
+def _is_fleet(files: Sequence[str]) -> bool:
+    from fricomp.sim_bench.fleet import is_joint_table
+
+    plain = len(files) == 1 and not is_joint_table(files[0]) and not Path(files[0]).is_dir()
+    return not (plain and (Path(files[0]).exists() or not set(files[0]) & set("*?[")))
+
+
+def _identify_fleet(files: Sequence[str], out: Path, settings: _Settings, run: FleetRun) -> None:
+    """Every joint into a folder of its own, and a page on all of them."""
+    from functools import partial
+
+    from fricomp.sim_bench.fleet import FleetJoint, list_joints
+
+    joints = list_joints(files, FleetJoint("", ()))
+    work = partial(_identify_one, settings=settings)
+    rows = run_joints(joints, work, out, run, asdict(settings) | {"command": "identify"}, "identifying joints")
+    _show_fleet(rows, out)
+
+
+def _identify_one(joint: FleetJoint, out: Path, *, settings: _Settings) -> FleetRow:
+    """On a worker: identify one joint of a fleet."""
+    from fricomp.calibration.identification import save_discrepancy, save_identification
+    from fricomp.errors import IdentificationError
+    from fricomp.sim_bench.fleet.identification import identification_row
+
+    if len(joint.recordings) > 1:
+        raise IdentificationError(f"joint {joint.name} has {len(joint.recordings)} recordings: give one to identify")
+    found = _identify_file(joint.recordings[0], out, settings)
+    written = save_identification(found.result, out)
+    if found.free is not None and found.free.departs:
+        save_discrepancy(found.free, found.result, out, written.model_sha256)
+    return identification_row(found.result)
+
+
+def _identify_batch(files: Sequence[str], out: Path, settings: _Settings, device: str) -> None:
+    """All tables in one call: parameters and models, no reports of their own."""
+    from fricomp.errors import IdentificationError
+    from fricomp.sim_bench.fleet import FleetJoint, list_joints
+    from fricomp.sim_bench.fleet.identification import identify_tables
+
+    if (settings.law, settings.loss, settings.depart) != ("stribeck", "gaussian", False):
+        raise IdentificationError("--batch fits the Stribeck law to Gaussian noise: leave out --law, --loss, --depart")
+    joints = list_joints(files, FleetJoint("", ()))
+    _show_fleet(identify_tables(joints, out, settings.noise, device), out)
+
+
+def _show_fleet(rows: Sequence[FleetRow], out: Path) -> None:
+    from fricomp.cli.terminal import console
+    from fricomp.sim_bench.fleet.identification import identification_table, write_identification_fleet
+
+    page, screen = write_identification_fleet(rows, out), console()
+    screen.print(rich_table(identification_table(rows)))
+    screen.print(f"The whole fleet: {page}; as a table: {out / 'fleet.parquet'}", soft_wrap=True, markup=False)
 
 
 def _careful(finding: Finding) -> str:

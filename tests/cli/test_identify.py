@@ -2,10 +2,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fricomp.calibration.benchmark.problem import PaperProblem
-from fricomp.calibration.table import is_friction_table, read_friction_table
 from typer.testing import CliRunner
 
+from fricomp.calibration.benchmark.problem import PaperProblem
+from fricomp.calibration.table import is_friction_table, read_friction_table
 from fricomp.cli.identify import app
 from fricomp.errors import RecordingError
 from fricomp.model import load_model

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from fricomp.calibration import identify
 from fricomp.calibration.benchmark.batch import batch_optima
 from fricomp.calibration.benchmark.ledger import Ledger

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from fricomp.calibration.benchmark.problem import Draw, PaperProblem
 
+from fricomp.calibration.benchmark.problem import Draw, PaperProblem
 from fricomp.laws import FloatArray
 
 PROBLEM = PaperProblem()

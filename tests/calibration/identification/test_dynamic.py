@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
+
 from fricomp.calibration import identify
 from fricomp.calibration.identification.dynamic import simulate_bristle
-
 from fricomp.errors import IdentificationError
 from fricomp.laws import Dahl, FloatArray, LuGre, OperatingPoint, StribeckCurve
 

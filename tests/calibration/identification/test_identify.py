@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
+
 from fricomp.calibration import IdentificationOptions, identify
 from fricomp.calibration.benchmark.oracle import find_optimum
 from fricomp.calibration.benchmark.study import contaminate, random_start
 from fricomp.calibration.identification import Status
-
 from fricomp.errors import IdentificationError
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, LoadScaling, StribeckCurve
 

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
+
 from fricomp.calibration import identify
 from fricomp.calibration.identification import fit_discrepancy, save_identification
 from fricomp.calibration.network import LAYER_SIZES, TanhNetwork, distil, forward_with_jacobian
 from fricomp.calibration.network.training import initial_layers
-
 from fricomp.laws import FloatArray
 from fricomp.model import load_model
 

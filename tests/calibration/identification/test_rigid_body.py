@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from fricomp.calibration.rigid_body import (
     RegressionSettings,
     fit_rigid_body,
@@ -7,7 +8,6 @@ from fricomp.calibration.rigid_body import (
     prediction_error,
     sample_joint,
 )
-
 from fricomp.errors import IdentificationError
 from fricomp.laws import Coulomb, FrictionLaw, Viscous
 from fricomp.model import FrictionModel

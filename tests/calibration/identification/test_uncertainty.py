@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+
 from fricomp.calibration import identify
 from fricomp.calibration.identification import (
     block_bootstrap,
@@ -8,7 +9,6 @@ from fricomp.calibration.identification import (
     profile_interval,
     profile_likelihood,
 )
-
 from fricomp.errors import IdentificationError
 
 from .paper import PROBLEM, noisy
