@@ -37,6 +37,7 @@ _BREAKAWAY = (2e-6, 4e-4)  # [rad] presliding distance F_c / sigma_0 of a joint 
 _FRICTION_REACH = [10.0, 10.0, 2.0, 20.0]
 _REACH = np.array([4.0, 40.0, 40.0, 40.0, *_FRICTION_REACH, *_FRICTION_REACH, 3.0, 2.0, 3.0, 2.0, 2.0])
 _DAMPING = 0.012  # [s] largest sigma_1 / sigma_0 of a bristle that is part of the base
+_INERTIA = 0.3  # relative deviation of a simulation's inertia from that of the joint
 _DELAY = 5e-4  # [s] a wider prior swallows delays that are real
 
 
@@ -88,13 +89,13 @@ class BaseModel:
 
     @classmethod
     def around(
-        cls, plant: Plant, *, dt: float, top_speed: float, rotary: bool, fixed_gravity: bool = False
+        cls, plant: Plant, *, dt: float, top_speed: float, rotary: bool, known_inertia: bool = False
     ) -> BaseModel:
-        """The domain around a first estimate of the plant."""
+        """The domain around a first estimate of the plant; an inertia that is known binds weakly."""
         level = max(0.5 * (plant.forward[0] + plant.reverse[0]), 1e-6)
         viscous = max(plant.forward[3], plant.reverse[3], 0.1 * level / top_speed)
         size = max(float(np.hypot(*plant.gravity)), level)
-        gravity_free = 100.0 * size if rotary and not fixed_gravity else 0.0
+        gravity_free = 100.0 * size if rotary else 0.0
         stiffness = (np.log(level / _BREAKAWAY[1]), np.log(level / _BREAKAWAY[0]))
         start = pack(
             replace(
@@ -116,6 +117,7 @@ class BaseModel:
         high = np.array([*upper, _DELAY, _DAMPING, 1.0, 1.5])
         centre = start.copy()
         weight = np.zeros(start.size)
+        weight[0] = 1.0 / _INERTIA if known_inertia else 0.0
         for i in (6, 10):
             centre[i] = np.log(0.05 * top_speed)
             weight[i] = 1.0 / 1.5

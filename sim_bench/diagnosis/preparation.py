@@ -14,6 +14,7 @@ from .nulls import Nulls, make_nulls
 from .observer import Contribution, Observer
 from .order import order_hints
 from .problem import Problem, observer_for
+from .rigid import RigidJoint
 from .screening import orthonormal, project_out
 from .solver import Box, Fit, minimise
 from .structure import Structure
@@ -62,7 +63,9 @@ class Prepared:
         return float(np.sqrt(self.fit.residual @ self.fit.residual / null))
 
 
-def prepare(tracks: Sequence[Track], *, observer: Observer, nulls: int, seed: int) -> Prepared:
+def prepare(
+    tracks: Sequence[Track], *, observer: Observer, nulls: int, seed: int, rigid: RigidJoint | None = None
+) -> Prepared:
     """Fit the base model: weak form first, then observed simulation, weighted by nulls of the fitted model.
 
     Args:
@@ -70,10 +73,14 @@ def prepare(tracks: Sequence[Track], *, observer: Observer, nulls: int, seed: in
         observer: Observer settings.
         nulls: Number of nulls.
         seed: Of their noise.
+        rigid: Inertia and gravity as the simulation has them; a motion at one speed says nothing about the inertia.
     """
     start = estimate_plant(list(tracks))
+    start = start if rigid is None else replace(start, inertia=rigid.inertia)
     top = max(float(np.quantile(np.abs(track.velocity), 0.995)) for track in tracks)
-    base = BaseModel.around(start, dt=tracks[0].dt, top_speed=top, rotary=tracks[0].rotary)
+    base = BaseModel.around(
+        start, dt=tracks[0].dt, top_speed=top, rotary=tracks[0].rotary, known_inertia=rigid is not None
+    )
     problem = observer_for(tracks, start, observer)
     fit = minimise(problem.residual(problem.nothing, len(BASE_NAMES)), base.start, base.box, iterations=10, refresh=2)
     raw = problem
