@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from glob import glob
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fricomp.cli.fleet import FleetRun, rich_table, run_joints
+
 if TYPE_CHECKING:
     from fricomp.recording import Recording
-    from fricomp.report import Table
     from fricomp.sim_bench.diagnosis import Diagnosis
+    from fricomp.sim_bench.fleet import FleetJoint, FleetRow
 
 app = typer.Typer()
 
@@ -25,12 +26,14 @@ fricomp diagnose light.csv heavy.csv --out runs/payloads
 fricomp diagnose real.csv --simulated from_my_simulator.csv --out runs/why
 
 fricomp diagnose 'fleet/*.parquet' --each --out runs/fleet
+
+fricomp diagnose joints.toml --executor dask://scheduler:8786 --resume --out runs/fleet
 """
 
 
 @app.command(epilog=_EXAMPLES)
 def diagnose(
-    recordings: Annotated[list[str], typer.Argument(help="Recordings of one joint: files, folders or patterns.")],
+    recordings: Annotated[list[str], typer.Argument(help="Recordings: files, folders, patterns; or joints (table).")],
     out: Annotated[Path, typer.Option(help="Folder for the report, the record and the models.")],
     simulation: Annotated[
         Path | None, typer.Option(help="MJCF or URDF of the joint; a rigid joint is identified without it.")
@@ -49,52 +52,29 @@ def diagnose(
     each: Annotated[
         bool, typer.Option("--each", help="Every recording on its own, each into a subfolder of --out.")
     ] = False,
+    executor: Annotated[str, typer.Option(help="Of a fleet: processes, serial or dask://host:port.")] = "processes",
+    workers: Annotated[int | None, typer.Option(min=1, help="Of a fleet; one a core by default.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Of a fleet: go on with the one in --out.")] = False,
     seed: Annotated[int, typer.Option(help="Of nulls and bootstraps; the same seed gives the same answer.")] = 0,
 ) -> None:
     """Say where simulation and recording differ, which physics is missing, and how much the fit improves.
 
     Plain sentences come first, here and in report.html. Several recordings are taken as one joint's, such as with
-    two payloads; --each takes them as different joints.
+    two payloads; --each takes them as different joints, and so does a table of joints: CSV or TOML with recording,
+    and where wanted name, simulation, joint and friction.
     """
+    from fricomp.sim_bench.fleet import find_recordings, is_joint_table
+
     options = {"thorough": thorough, "seed": seed, "joint": joint, "simulation": simulation}
     given = {"friction": friction, "simulated": simulated, "controller": controller}
-    paths = find_recordings(recordings)
-    if not each:
-        _print_diagnosis(run_diagnosis(paths, out, options, given), out)
+    if each or any(map(is_joint_table, recordings)):
+        _diagnose_fleet(recordings, out, options, given, FleetRun(executor, workers, resume))
         return
-    rows = []
-    for path, folder in zip(paths, _subfolders(paths, out), strict=True):
-        rows.append((path.stem, folder, run_diagnosis([path], folder, options, given)))
-    _print_fleet(rows, out)
-
-
-def find_recordings(sources: Sequence[str]) -> list[Path]:
-    """Files that are meant by files, folders and patterns, in the order given.
-
-    Raises:
-        RecordingError: A source matches no recording.
-    """
-    from fricomp.errors import RecordingError
-
-    found: list[Path] = []
-    for source in sources:
-        path = Path(source)
-        if path.is_dir():
-            matches = sorted(p for p in path.iterdir() if p.suffix in (".csv", ".parquet"))
-        elif any(character in source for character in "*?[") and not path.exists():
-            matches = sorted(map(Path, glob(source, recursive=True)))
-        else:
-            matches = [path]
-        if not matches:
-            raise RecordingError(
-                f"{source} holds no recording: give .csv or .parquet files; fricomp convert makes them"
-            )
-        found += matches
-    return list(dict.fromkeys(found))
+    _print_diagnosis(run_diagnosis(find_recordings(recordings), out, options, given), out)
 
 
 def run_diagnosis(
-    paths: Sequence[Path], out: Path, options: dict[str, Any], given: dict[str, Path | None]
+    paths: Sequence[Path], out: Path, options: dict[str, Any], given: dict[str, Path | None], *, quiet: bool = False
 ) -> Diagnosis:
     """Read, diagnose, and write the folder.
 
@@ -103,6 +83,7 @@ def run_diagnosis(
         out: Folder to write.
         options: Of `diagnose`, and the simulation.
         given: Files by option; None where the option was not used.
+        quiet: Show no progress.
     """
     from time import perf_counter
 
@@ -111,7 +92,7 @@ def run_diagnosis(
     from fricomp.sim_bench.diagnosis.presentation import with_names, write_diagnosis
 
     start = perf_counter()
-    with progress() as bar:
+    with progress(quiet=quiet) as bar:
         task = bar.add_task("reading", total=None)
         series = [read_recording(path) for path in paths]
 
@@ -172,47 +153,37 @@ def _print_diagnosis(diagnosis: Diagnosis, out: Path) -> None:
     for table in (effect_table(record), change_table(record), error_table(record), forward_table(record)):
         if table is not None:
             show.print()
-            show.print(_rich(table))
+            show.print(rich_table(table))
     if record.next_experiment is not None:
         show.print(f"\nTo tell more: {record.next_experiment.why}", markup=False)
     files = ", ".join(sorted(path.name for path in out.iterdir() if path.suffix != ".png"))
     show.print(f"\nVerdict: {record.verdict}. In {out}: {files}", soft_wrap=True, markup=False)
 
 
-def _rich(table: Table) -> Any:
-    """A table of the report for the terminal."""
-    from rich.markup import escape
-    from rich.table import Table as RichTable
+def _diagnose_fleet(
+    sources: Sequence[str], out: Path, options: dict[str, Any], given: dict[str, Path | None], run: FleetRun
+) -> None:
+    """Every joint into a folder of its own, and a page on all of them."""
+    from functools import partial
 
-    shown = RichTable(title=table.caption or None, title_justify="left", box=None, pad_edge=False)
-    for column in table.columns:
-        shown.add_column(escape(column), overflow="fold")
-    for row in table.rows:
-        shown.add_row(*map(escape, row))
-    return shown
-
-
-def _subfolders(paths: Sequence[Path], out: Path) -> list[Path]:
-    """A folder for each recording, named after it; the folder above it is added where names repeat."""
-    stems = [path.stem for path in paths]
-    names = [path.stem if stems.count(path.stem) == 1 else f"{path.parent.name}-{path.stem}" for path in paths]
-    return [out / name for name in names]
-
-
-def _print_fleet(rows: Sequence[tuple[str, Path, Diagnosis]], out: Path) -> None:
     from fricomp.cli.terminal import console
-    from fricomp.report import Table
-    from fricomp.sim_bench.diagnosis.presentation import write_fleet
+    from fricomp.sim_bench.diagnosis.presentation import fleet_table, write_fleet
+    from fricomp.sim_bench.fleet import FleetJoint, list_joints
 
-    columns = ("recording", "verdict", "named", "held-out error", "report")
-    entries = []
-    for name, folder, diagnosis in rows:
-        held = diagnosis.heldout
-        error = "–" if held is None else f"{held.rmse_before:.3g} → {held.rmse_after:.3g} {held.unit}"
-        named = ", ".join(effect.name for effect in diagnosis.effects) or "–"
-        entries.append((name, diagnosis.verdict, named, error, str(folder.relative_to(out) / "report.html")))
-    table = Table(columns, tuple(entries))
-    page = write_fleet(table, [(name, diagnosis) for name, _, diagnosis in rows], out)
-    show = console()
-    show.print(_rich(table))
-    show.print(f"\nThe whole fleet: {page}", soft_wrap=True, markup=False)
+    defaults = FleetJoint("", (), options["simulation"], options["joint"], given["friction"])
+    joints = list_joints(sources, defaults)
+    work = partial(_diagnose_one, options=options, given=given)
+    settings = {name: str(value) for name, value in {**options, **given}.items()}
+    rows = run_joints(joints, work, out, run, settings | {"command": "diagnose"}, "diagnosing joints")
+    show, page = console(), write_fleet(rows, out)
+    show.print(rich_table(fleet_table(rows)))
+    show.print(f"\nThe whole fleet: {page}; as a table: {out / 'fleet.parquet'}", soft_wrap=True, markup=False)
+
+
+def _diagnose_one(joint: FleetJoint, out: Path, *, options: dict[str, Any], given: dict[str, Path | None]) -> FleetRow:
+    """On a worker: diagnose one joint of a fleet."""
+    from fricomp.sim_bench.diagnosis.presentation import fleet_row
+
+    options = options | {"simulation": joint.simulation, "joint": joint.joint}
+    diagnosis = run_diagnosis(joint.recordings, out, options, given | {"friction": joint.friction}, quiet=True)
+    return fleet_row(diagnosis.record)

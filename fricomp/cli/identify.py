@@ -127,8 +127,9 @@ def _identify_file(file: Path, out: Path, settings: _Settings) -> _Identified:
 def _is_fleet(files: Sequence[str]) -> bool:
     from fricomp.sim_bench.fleet import is_joint_table
 
-    plain = len(files) == 1 and not is_joint_table(files[0]) and not Path(files[0]).is_dir()
-    return not (plain and (Path(files[0]).exists() or not set(files[0]) & set("*?[")))
+    only = Path(files[0])
+    several = len(files) > 1 or only.is_dir() or is_joint_table(files[0])
+    return several or (not only.exists() and any(character in files[0] for character in "*?["))
 
 
 def _identify_fleet(files: Sequence[str], out: Path, settings: _Settings, run: FleetRun) -> None:

@@ -13,8 +13,8 @@ def console() -> Console:
     return Console(highlight=False)
 
 
-def progress() -> Progress:
-    """A progress bar with the time left; on stderr, and silent when that is not a terminal."""
+def progress(*, quiet: bool = False) -> Progress:
+    """A progress bar with the time left; on stderr, and silent when that is not a terminal or quiet is asked for."""
     errors = Console(stderr=True)
     return Progress(
         TextColumn("{task.description}"),
@@ -23,5 +23,5 @@ def progress() -> Progress:
         TimeRemainingColumn(),
         console=errors,
         transient=True,
-        disable=not errors.is_terminal,
+        disable=quiet or not errors.is_terminal,
     )

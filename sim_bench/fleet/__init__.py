@@ -1,5 +1,22 @@
 """Many calls at once: executors shared by the benchmarks, and fleets of joints."""
 
 from .executor import EXECUTORS, SerialExecutor, always, open_executor, stream
+from .joint import FleetJoint, find_recordings, is_joint_table, list_joints, read_joint_table
+from .run import FleetRow, Work, read_rows, run_fleet
 
-__all__ = ["EXECUTORS", "SerialExecutor", "always", "open_executor", "stream"]
+__all__ = [
+    "EXECUTORS",
+    "FleetJoint",
+    "FleetRow",
+    "SerialExecutor",
+    "Work",
+    "always",
+    "find_recordings",
+    "is_joint_table",
+    "list_joints",
+    "open_executor",
+    "read_joint_table",
+    "read_rows",
+    "run_fleet",
+    "stream",
+]

@@ -15,6 +15,7 @@ __all__ = ["EXECUTORS", "SerialExecutor", "always", "open_executor", "stream"]
 
 EXECUTORS = "processes, processes://N, serial, dask://host:port, dask://local:N"
 
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _RETRIES = 2  # of a call whose worker died
 _AHEAD = 2  # calls under way for each worker, so that none waits for the next one
 _Item = TypeVar("_Item")
@@ -59,7 +60,8 @@ def open_executor(address: str = "processes", workers: int | None = None) -> Ite
             yield SerialExecutor(), 1
         elif kind == "processes":
             count = int(rest) if rest.isdecimal() and int(rest) > 0 else workers or os.cpu_count() or 1
-            with ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn")) as pool:
+            context = multiprocessing.get_context("spawn")
+            with _one_thread_each(), ProcessPoolExecutor(count, mp_context=context) as pool:
                 yield pool, count
         elif kind == "dask" and rest:
             yield from _open_dask(rest)
@@ -69,6 +71,21 @@ def open_executor(address: str = "processes", workers: int | None = None) -> Ite
         raise DiagnosisError(
             "a worker process died, killed or out of memory: what is finished is kept, --resume goes on with the rest"
         ) from error
+
+
+@contextmanager
+def _one_thread_each() -> Iterator[None]:
+    """Processes that start meanwhile use one thread each for linear algebra: there are as many of them as cores."""
+    before = {name: os.environ.get(name) for name in _THREADS}
+    os.environ.update(dict.fromkeys(_THREADS, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
 
 
 def _open_dask(place: str) -> Iterator[tuple[Executor, int]]:

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fricomp.cli.diagnose import find_recordings
 from fricomp.cli.main import app
 from fricomp.errors import RecordingError
 from fricomp.recording import Recording, RecordingMetadata, write_recording
+from fricomp.sim_bench.fleet import find_recordings
 
 _JOINT = """<mujoco><worldbody><body><joint name="elbow" axis="0 1 0"/>
 <inertial pos="0.2 0 0" mass="1" diaginertia="0.3 0.3 0.3"/></body></worldbody></mujoco>"""
@@ -139,7 +139,7 @@ def test_each_recording_of_a_folder_gets_its_own_report(tmp_path: Path) -> None:
     source.mkdir()
     for name in ("one", "two"):
         _save(source, _changed("motor side"), torque_side="motor").rename(source / f"{name}.csv")
-    result = CliRunner().invoke(app, ["diagnose", str(source), "--each", "--out", str(out)])
+    result = CliRunner().invoke(app, ["diagnose", str(source), "--each", "--executor", "serial", "--out", str(out)])
     assert result.exit_code == 0, result.output
     assert all((out / name / "report.html").exists() for name in ("one", "two"))
     assert "2 of 2" in (out / "fleet.html").read_text()

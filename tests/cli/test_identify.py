@@ -93,3 +93,32 @@ def test_a_recording_in_degrees_is_refused(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, [str(tmp_path / "degrees.csv"), "--out", str(tmp_path / "out")])
     assert isinstance(done.exception, RecordingError)
     assert "degrees" in str(done.exception)
+
+
+def _fleet(folder: Path) -> Path:
+    folder.mkdir()
+    for name in ("left", "right"):
+        _table(folder / f"{name}.csv")
+    return folder
+
+
+def test_a_fleet_of_tables_gets_models_reports_and_a_page(tmp_path: Path) -> None:
+    source, out = _fleet(tmp_path / "fleet"), tmp_path / "out"
+    options = ["--method", "least_squares", "--executor", "serial", "--out", str(out)]
+    done = CliRunner().invoke(app, [str(source), *options], env={"COLUMNS": "300"})
+    assert done.exit_code == 0, done.output
+    assert all((out / name / "report.html").exists() for name in ("left", "right"))
+    assert "2 of 2: converged" in (out / "fleet.html").read_text()
+    again = CliRunner().invoke(app, [str(source), *options, "--resume"])
+    assert again.exit_code == 0, again.output
+
+
+def test_a_batch_gives_every_joint_the_model_it_would_have_alone(tmp_path: Path) -> None:
+    source, out = _fleet(tmp_path / "fleet"), tmp_path / "out"
+    done = CliRunner().invoke(app, [str(source), "--batch", "--out", str(out)], env={"COLUMNS": "300"})
+    assert done.exit_code == 0, done.output
+    alone = tmp_path / "alone"
+    CliRunner().invoke(app, [str(source / "left.csv"), "--method", "least_squares", "--out", str(alone)])
+    together, single = (load_model(path / "friction.json") for path in (out / "left", alone))
+    assert together.forward.static_torque == pytest.approx(single.forward.static_torque, rel=1e-6)
+    assert (out / "fleet.parquet").exists()

@@ -1,7 +1,7 @@
 """A diagnosis for people: tables, charts, the report page, and the folder of files."""
 
 from .files import WrittenDiagnosis, write_diagnosis
-from .fleet import write_fleet
+from .fleet import fleet_row, fleet_table, write_fleet
 from .page import diagnosis_charts, diagnosis_page
 from .tables import base_table, change_table, effect_table, error_table, forward_table, location_table
 from .wording import VERDICT_TITLES, Units, format_interval, format_location, format_quantity, with_names
@@ -16,6 +16,8 @@ __all__ = [
     "diagnosis_page",
     "effect_table",
     "error_table",
+    "fleet_row",
+    "fleet_table",
     "format_interval",
     "format_location",
     "format_quantity",

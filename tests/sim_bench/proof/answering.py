@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from fricomp.sim_bench.proof.blind import BlindAnswer
+from tests.sim_bench.fleet.working import die_the_first_time
 
 SCHEMA = "fricomp.diagnosis/1"
 
@@ -28,11 +29,5 @@ def always_cogging(files: dict[str, bytes]) -> BlindAnswer:
 
 def dies_once(files: dict[str, bytes]) -> BlindAnswer:
     """Kills its worker the first time anybody calls it, as a machine that fails would."""
-    import os
-    from pathlib import Path
-
-    marker = Path(os.environ["FRICOMP_TEST_MARKER"])
-    if not marker.exists():
-        marker.write_text("dead")
-        os._exit(1)
+    die_the_first_time()
     return answer("consistent")

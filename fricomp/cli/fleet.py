@@ -1,0 +1,52 @@
+"""What `diagnose` and `identify` share when they are given a fleet of joints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fricomp.report import Table
+    from fricomp.sim_bench.fleet import FleetJoint, FleetRow, Work
+
+__all__ = ["FleetRun", "rich_table", "run_joints"]
+
+
+@dataclass(frozen=True)
+class FleetRun:
+    """Where a fleet runs, and whether it goes on with what is there."""
+
+    executor: str
+    workers: int | None
+    resume: bool
+
+
+def run_joints(
+    joints: Sequence[FleetJoint], work: Work, out: Path, run: FleetRun, settings: Mapping[str, Any], title: str
+) -> list[FleetRow]:
+    """Do all joints under one progress bar; rows in the order of the joints."""
+    from fricomp.cli.terminal import progress
+    from fricomp.sim_bench.fleet import open_executor, run_fleet
+
+    with progress() as bar, open_executor(run.executor, run.workers) as pool:
+        task = bar.add_task(title, total=len(joints))
+
+        def say(row: FleetRow | None) -> None:
+            bar.update(task, advance=1, description=f"{title}: {row['name']}" if row else title)
+
+        return run_fleet(joints, work, out, pool, settings=settings, resume=run.resume, progress=say)
+
+
+def rich_table(table: Table) -> Any:
+    """A table of a report for the terminal."""
+    from rich.markup import escape
+    from rich.table import Table as RichTable
+
+    shown = RichTable(title=table.caption or None, title_justify="left", box=None, pad_edge=False)
+    for column in table.columns:
+        shown.add_column(escape(column), overflow="fold")
+    for row in table.rows:
+        shown.add_row(*map(escape, row))
+    return shown

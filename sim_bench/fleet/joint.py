@@ -1,0 +1,163 @@
+"""Which joints a fleet consists of: files, folders, patterns, or a table with one joint a row."""
+
+from __future__ import annotations
+
+import csv
+import tomllib
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from glob import glob
+from pathlib import Path
+from typing import Any
+
+from fricomp.errors import RecordingError
+
+__all__ = ["FleetJoint", "find_recordings", "is_joint_table", "list_joints", "read_joint_table"]
+
+_SUFFIXES = (".csv", ".parquet")
+_MAGIC = "*?["
+
+
+@dataclass(frozen=True)
+class FleetJoint:
+    """One joint of a fleet.
+
+    Attributes:
+        name: Also that of its folder.
+        recordings: Its recordings, or its table of velocity and torque.
+        simulation: MJCF or URDF of it.
+        joint: Its name in the simulation.
+        friction: Friction model of the simulation.
+    """
+
+    name: str
+    recordings: tuple[Path, ...]
+    simulation: Path | None = None
+    joint: str | None = None
+    friction: Path | None = None
+
+
+_COLUMNS = ("name", "recording", *(each.name for each in fields(FleetJoint)[2:]))
+
+
+def find_recordings(sources: Sequence[str]) -> list[Path]:
+    """Files that are meant by files, folders and patterns, in the order given.
+
+    Raises:
+        RecordingError: A source matches no recording.
+    """
+    found: list[Path] = []
+    for source in sources:
+        path = Path(source)
+        if path.is_dir():
+            matches = sorted(p for p in path.iterdir() if p.suffix in _SUFFIXES)
+        elif any(character in source for character in _MAGIC) and not path.exists():
+            matches = sorted(map(Path, glob(source, recursive=True)))
+        else:
+            matches = [path]
+        if not matches:
+            raise RecordingError(
+                f"{source} holds no recording: give .csv or .parquet files; fricomp convert makes them"
+            )
+        found += matches
+    return list(dict.fromkeys(found))
+
+
+def is_joint_table(source: str) -> bool:
+    """Whether it is a TOML file, or a CSV file with a column called recording."""
+    path = Path(source)
+    if path.suffix == ".toml":
+        return True
+    if path.suffix != ".csv" or not path.is_file():
+        return False
+    with path.open(encoding="utf-8", errors="replace") as stream:
+        header = next((line for line in stream if line.strip() and not line.startswith("#")), "")
+    return "recording" in [cell.strip() for cell in header.split(",")]
+
+
+def list_joints(sources: Sequence[str], defaults: FleetJoint) -> list[FleetJoint]:
+    """One joint for each row of a table, and for each recording elsewhere.
+
+    Args:
+        sources: Tables of joints, recordings, folders, patterns.
+        defaults: Simulation, joint and friction of those that say nothing else.
+
+    Raises:
+        RecordingError: A source matches nothing, or a table cannot be read.
+    """
+    joints: list[FleetJoint] = []
+    for source in sources:
+        if is_joint_table(source):
+            joints += read_joint_table(Path(source), defaults)
+        else:
+            joints += [replace(defaults, name="", recordings=(path,)) for path in find_recordings([source])]
+    return _with_names(joints)
+
+
+def read_joint_table(path: Path, defaults: FleetJoint) -> list[FleetJoint]:
+    """The joints of a table; its paths count from its own folder.
+
+    CSV has the column recording and may have name, simulation, joint and friction; several recordings of one joint
+    stand between semicolons. TOML has the same as tables `[[joint]]`, several recordings as a list.
+
+    Raises:
+        RecordingError: The file cannot be read, a column is unknown, or a row names no recording.
+    """
+    try:
+        rows = _read_toml(path) if path.suffix == ".toml" else _read_csv(path)
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise RecordingError(f"cannot read the table of joints {path}: {error}") from error
+    unknown = sorted({key for row in rows for key in row} - set(_COLUMNS))
+    if unknown or not rows:
+        what = f"has the column {unknown[0]!r}" if unknown else "has no joint"
+        raise RecordingError(f"{path} {what}: a table of joints has {', '.join(_COLUMNS)}, one joint a row")
+    return [_joint(row, number, path, defaults) for number, row in enumerate(rows, start=1)]
+
+
+def _read_csv(path: Path) -> list[dict[str, Any]]:
+    lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line.strip() and line[0] != "#"]
+    rows = csv.DictReader(lines, skipinitialspace=True, restkey="", restval="")
+    return [{(key or "").strip(): value for key, value in row.items() if value} for row in rows]
+
+
+def _read_toml(path: Path) -> list[dict[str, Any]]:
+    content = tomllib.loads(path.read_text(encoding="utf-8"))
+    rows = content.get("joint")
+    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+        raise RecordingError(f"{path} is no table of joints: it needs tables [[joint]] with a recording each")
+    return rows
+
+
+def _joint(row: Mapping[str, Any], number: int, table: Path, defaults: FleetJoint) -> FleetJoint:
+    given = row.get("recording") or ""
+    sources = given.split(";") if isinstance(given, str) else [str(one) for one in given]
+    sources = [str(table.parent / source.strip()) for source in sources if source.strip()]
+    if not sources:
+        raise RecordingError(f"{table}, joint {number}, names no recording")
+    paths = {key: table.parent / str(row[key]).strip() for key in ("simulation", "friction") if row.get(key)}
+    return replace(
+        defaults,
+        name=str(row.get("name") or "").strip(),
+        recordings=tuple(find_recordings(sources)),
+        simulation=paths.get("simulation", defaults.simulation),
+        friction=paths.get("friction", defaults.friction),
+        joint=str(row.get("joint") or "").strip() or defaults.joint,
+    )
+
+
+def _with_names(joints: Sequence[FleetJoint]) -> list[FleetJoint]:
+    """A name of its own for each: as given, that of its first recording, with its folder where that repeats."""
+    first = [joint.name or joint.recordings[0].stem for joint in joints]
+    often = Counter(first)
+    wide = [
+        name if often[name] == 1 else f"{joint.recordings[0].parent.name}-{name}"
+        for name, joint in zip(first, joints, strict=True)
+    ]
+    seen: Counter[str] = Counter()
+    named = []
+    for name, joint in zip(wide, joints, strict=True):
+        seen[name] += 1
+        unique = name if seen[name] == 1 else f"{name}-{seen[name]}"
+        named.append(replace(joint, name=unique.replace("/", "-").strip(".") or "joint"))
+    return named

@@ -1,0 +1,35 @@
+"""Work for fleets whose outcome is known, and workers that die."""
+
+import os
+from pathlib import Path
+
+from fricomp.errors import DiagnosisError
+from fricomp.sim_bench.fleet import FleetJoint, FleetRow
+
+
+def die_the_first_time() -> None:
+    """Kill this worker the first time anybody comes here, as a machine that fails would."""
+    marker = Path(os.environ["FRICOMP_TEST_MARKER"])
+    if not marker.exists():
+        marker.write_text("dead")
+        os._exit(1)
+
+
+def count_bytes(joint: FleetJoint, out: Path) -> FleetRow:
+    """Writes a report that says how large the recordings are; refuses empty ones."""
+    sizes = [len(path.read_bytes()) for path in joint.recordings]
+    if not all(sizes):
+        raise DiagnosisError("the recording is empty")
+    (out / "report.html").write_text(f"{joint.name}: {sizes}")
+    return {"bytes": sum(sizes), "simulated": joint.simulation is not None and joint.simulation.exists()}
+
+
+def count_bytes_after_a_death(joint: FleetJoint, out: Path) -> FleetRow:
+    """The same; the first worker that is asked dies."""
+    die_the_first_time()
+    return count_bytes(joint, out)
+
+
+def divide_by_zero(joint: FleetJoint, out: Path) -> FleetRow:
+    """Fails in a way that nobody foresaw."""
+    return {"bytes": 1 // (len(joint.name) - 1)}
