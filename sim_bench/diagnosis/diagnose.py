@@ -18,6 +18,7 @@ from .controller import Controller, estimate_controller
 from .forward import forward_error
 from .loading import build_tracks, low_rate
 from .observer import Observer
+from .payload import diagnose_arm
 from .preparation import Prepared, prepare
 from .result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord
 from .rigid import RigidJoint, read_simulation
@@ -49,7 +50,8 @@ def diagnose(
 
     Args:
         recordings: One or several recordings of one joint.
-        simulation: MJCF or URDF whose inertia and gravity are compared; None to identify them with the friction.
+        simulation: MJCF or URDF whose inertia and gravity are compared; None to identify them with the friction. With
+            two sessions of all joints of an arm: its kinematics, for a difference in payload.
         joint: Name of the joint in the simulation and in the recordings; None where there is only one.
         friction: Friction model that is compared; None to identify it from the recordings.
         controller: The loop that moved the joint; None to estimate it where the reference was recorded.
@@ -64,6 +66,9 @@ def diagnose(
     given = [recordings] if isinstance(recordings, Recording) else list(recordings)
     if not given:
         raise DiagnosisError("no recording was given: diagnose needs at least one")
+    names = {one.metadata.joint for one in given} - {"", "joint"}
+    if len(names) > 1 and joint is None:
+        return _arm(given, simulation, names)
     rigid = (
         simulation if isinstance(simulation, RigidJoint) or simulation is None else read_simulation(simulation, joint)
     )
@@ -76,7 +81,8 @@ def diagnose(
     observer = replace(observer, bandwidth=_SLOW_BANDWIDTH) if low_rate(given) else observer
     try:
         say("fitting the base model and simulating nulls")
-        prepared = prepare(tracks, observer=observer, nulls=_NULLS_THOROUGH if thorough else _NULLS, seed=seed)
+        count, known = _NULLS_THOROUGH if thorough else _NULLS, _in_newton_metres(given, rigid)
+        prepared = prepare(tracks, observer=observer, nulls=count, seed=seed, rigid=known)
         say("searching for effects")
         found = search(prepared)
         say("confirming on held-out data")
@@ -88,6 +94,26 @@ def diagnose(
         return _remarked(looked, remarks_on(given))
     except (np.linalg.LinAlgError, FloatingPointError, ParameterError) as error:
         raise DiagnosisError(f"the recording cannot be explained by any joint model: {error}") from error
+
+
+def _arm(recordings: Sequence[Recording], simulation: RigidJoint | str | Path | None, names: set[str]) -> Diagnosis:
+    """Recordings of several joints: two sessions of an arm, in which its payload may differ."""
+    if simulation is None or isinstance(simulation, RigidJoint):
+        raise DiagnosisError(
+            f"the recordings are of several joints ({', '.join(sorted(names))}): diagnose one joint at a time, or give "
+            "two sessions of all joints and the simulation of the arm to compare payloads"
+        )
+    against = [
+        f"{recording.metadata.joint}: {reason}"
+        for recording in recordings
+        for reason in reasons_against([recording], None)
+    ]
+    return _bad_data(recordings, against) if against else diagnose_arm(recordings, simulation)
+
+
+def _in_newton_metres(recordings: Sequence[Recording], rigid: RigidJoint | None) -> RigidJoint | None:
+    """The simulation's joint where its inertia is in the unit of the recorded torque."""
+    return rigid if all(one.metadata.torque_unit in ("N·m", "N") for one in recordings) else None
 
 
 def _with_forward(
