@@ -42,26 +42,24 @@ class SearchSizes:
 def run_searches(ledger: Ledger, sizes: SearchSizes, progress: Progress) -> None:
     """PSO and GA on `full` draws at the paper's length and on `tenth` at a tenth, and what else there is.
 
-    Without noise there is one data set, and the seed is the search's. Order: one draw at full length, then ten at a
-    tenth, so that a run that is cut short has some of both.
+    Without noise there is one data set, and the seed is the search's. Lengths alternate, so that a run that is cut
+    short has some of both.
     """
     problem = PaperProblem()
-    for seed in range(sizes.full):
-        for method in ("PSO", "GA"):
-            _compare(ledger, problem.draw("none", seed), (method, PAPER_LENGTH), progress)
     for seed, iterations in _interleaved(sizes):
-        for reading in NOISE_READINGS:
-            draw = problem.draw(reading, seed)
+        draws = [problem.draw(reading, seed) for reading in NOISE_READINGS]
+        if iterations == PAPER_LENGTH:
+            draws.append(problem.draw("none", seed))
+        for draw in draws:
             for method in ("PSO", "GA"):
                 _compare(ledger, draw, (method, iterations), progress)
-            if iterations == _TENTH:
-                _compare(ledger, draw, ("robust NLS", 0), progress)
-                if seed < sizes.full:
-                    _compare(ledger, draw, ("CMA-ES", _CMA_EVALUATIONS), progress)
+        for draw in draws[:2]:
+            what = ("CMA-ES", _CMA_EVALUATIONS) if iterations == PAPER_LENGTH else ("robust NLS", 0)
+            _compare(ledger, draw, what, progress)
 
 
 def _interleaved(sizes: SearchSizes) -> list[tuple[int, int]]:
-    """Seed and iterations of each run."""
+    """Seed and iterations of each run: one draw at full length, then ten at a tenth."""
     full = [(seed, PAPER_LENGTH) for seed in range(sizes.full)]
     short = [(seed, _TENTH) for seed in range(sizes.tenth)]
     plan: list[tuple[int, int]] = []

@@ -28,6 +28,8 @@ DATA_DRIVEN = 1e-8
 """Weight of the closed form in a network that is purely data-driven; not zero, to keep the training well posed."""
 WEIGHTS = (np.inf, 100.0, 10.0, 1.0, 0.1, DATA_DRIVEN)
 """Weights of the closed form that are compared, in the order in which the network is trained through them."""
+_EVIDENCE = 2.0
+"""Standard errors by which held-out points must be predicted better before the closed form is left."""
 _FOLDS = 4
 _MOST_LOADS = 8
 """Up to so many distinct loads are left out one by one; of more, the random folds hold out enough."""
@@ -70,7 +72,7 @@ class _Anchor(NamedTuple):
 def fit_discrepancy(result: IdentificationResult, *, seed: int = 0) -> DiscrepancyNetwork:
     """Let the exported network depart from the closed form if held-out points are predicted better.
 
-    The closed form is kept unless another weight is better by more than the standard error of the difference.
+    The closed form is kept unless another weight is better by more than two standard errors of the difference.
 
     Args:
         result: An identification.
@@ -136,10 +138,12 @@ def _deviation(result: IdentificationResult) -> FloatArray:
 
 
 def _choose(scores: dict[float, FloatArray]) -> float:
+    """The largest weight that the data do not refuse; the closed form is refused on stronger evidence only."""
     best = min(scores, key=lambda weight: float(np.mean(scores[weight])))
     for weight in sorted(scores, reverse=True):
         behind = scores[weight] - scores[best]
-        if np.mean(behind) <= np.std(behind) / np.sqrt(len(behind)):
+        allowed = _EVIDENCE if weight == np.inf else 1.0
+        if np.mean(behind) <= allowed * np.std(behind) / np.sqrt(len(behind)):
             return weight
     return best
 

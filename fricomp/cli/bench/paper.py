@@ -29,12 +29,13 @@ class _Sizes:
     searches: tuple[int, int, int, int]
     adam_steps: int
     departure: int
+    loads: int
     sweeps: int
     lugre: int
 
 
-_QUICK = _Sizes(5, 20, 200, 5, (1, 2, 0, 0), 500, 1, 20, 1)
-_FULL = _Sizes(100, 2000, 20_000, 200, (20, 200, 1, 3), 50_000, 5, 300, 5)
+_QUICK = _Sizes(5, 20, 200, 5, (1, 2, 0, 0), 500, 1, 1, 20, 1)
+_FULL = _Sizes(100, 2000, 20_000, 200, (20, 200, 1, 3), 50_000, 5, 3, 300, 5)
 
 
 @app.command(
@@ -78,13 +79,12 @@ def _run(ledger: Ledger, sizes: _Sizes, report: Callable[[str], None]) -> None:
 
     searches = rivals.SearchSizes(*sizes.searches)
     study.run_noise_free(ledger, sizes.noise_free, report)
-    study.run_statistics(ledger, min(sizes.pinn, 200), report)
+    study.run_statistics(ledger, sizes.pinn, report)
     rivals.run_adam_study(ledger, sizes.adam_steps, report)
     study.run_outliers(ledger, sizes.outliers, report)
     study.run_departure(ledger, sizes.departure, report)
     study.run_extras(ledger, sizes.sweeps, sizes.lugre, report)
-    study.run_statistics(ledger, sizes.pinn, report)
-    rivals.run_searches(ledger, searches, report)
     study.run_optima(ledger, sizes.optima, report)
-    study.run_loads(ledger, min(sizes.departure, 3), report)
+    study.run_loads(ledger, sizes.loads, report)
+    rivals.run_searches(ledger, searches, report)
     rivals.run_pymoo_study(ledger, searches, report)
