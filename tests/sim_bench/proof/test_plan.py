@@ -57,6 +57,13 @@ def test_a_short_plan_is_the_beginning_of_a_long_one_in_fair_shares() -> None:
     assert all(abs(groups[name] - 100 * share) <= 1.0 for name, share in GROUPS.items())
 
 
+def test_a_run_that_is_cut_short_has_weak_and_strong_effects_alike() -> None:
+    planned = plan_cases(120, development_seeds())
+    strengths = Counter(each.spec.strength for each in planned if each.group == "single")
+    assert len(strengths) == 7
+    assert max(strengths.values()) - min(strengths.values()) <= 3
+
+
 def test_scored_seeds_are_no_development_seeds_and_follow_the_diagnosis() -> None:
     first = list(itertools.islice(scored_seeds("abc", 1), 1000))
     assert min(first) >= 1 << 62

@@ -11,9 +11,12 @@ from fricomp.sim_bench.concealed import CaseSpec, case_id
 from fricomp.sim_bench.fleet import SerialExecutor, open_executor
 from fricomp.sim_bench.proof import (
     PlannedCase,
+    count_open,
     development_seeds,
     format_failures,
+    measure_speed_up,
     plan_cases,
+    read_refused,
     read_scores,
     run_proof,
     write_page,
@@ -26,6 +29,27 @@ _PLANNED = [
     PlannedCase("single", CaseSpec(2, ("cogging",), "2", duration=6.0)),
     PlannedCase("single", CaseSpec(3, ("load_coulomb",), "2", duration=6.0)),
 ]
+
+
+def test_a_run_whose_time_is_over_finishes_what_it_began_and_goes_on_later(tmp_path: Path) -> None:
+    allowed = iter([True, True])
+    pool = (SerialExecutor(), 1)
+    scores = run_proof(
+        _PLANNED, tmp_path, pool, salt="s", diagnose=always_consistent, go_on=lambda: next(allowed, False)
+    )
+    assert [score.case for score in scores] == sorted(case_id(each.spec) for each in _PLANNED[:2])  # type: ignore[arg-type]
+    assert count_open(_PLANNED, tmp_path) == 1
+    assert len(run_proof(_PLANNED, tmp_path, pool, salt="s", diagnose=always_consistent)) == 3
+    assert count_open(_PLANNED, tmp_path) == 0
+
+
+@pytest.mark.slow
+def test_one_worker_is_timed_against_several() -> None:
+    found = measure_speed_up(_PLANNED[:1], 1, kind="processes", diagnose=always_consistent)
+    assert found.cases == 1
+    assert min(found.seconds) > 0.0
+    assert "times as fast as one" in str(found)
+    assert "load average" in str(found)
 
 
 def test_a_run_scores_what_it_was_told(tmp_path: Path) -> None:
@@ -116,6 +140,8 @@ def test_a_case_that_cannot_be_made_is_left_out(tmp_path: Path, monkeypatch: pyt
             _PLANNED[:1], tmp_path, (SerialExecutor(), 1), salt="s", diagnose=always_cogging, progress=reported.append
         )
     assert reported == [None]
+    assert list(read_refused(tmp_path).values()) == ["unstable"]
+    assert count_open(_PLANNED[:1], tmp_path) == 0
 
 
 def test_page_and_list_of_failures_are_written(tmp_path: Path) -> None:

@@ -1,0 +1,66 @@
+"""Starting, resuming and logging a run; a scored one follows the committed diagnosis and nothing else."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from fricomp.errors import DiagnosisError
+from fricomp.sim_bench.proof import RunSettings, load_or_start, log_outcome, plan_run, read_entries, watch
+
+
+def _git(folder: Path, *arguments: str) -> None:
+    identity = ("-c", "user.name=test", "-c", "user.email=test@example.org")
+    subprocess.run(["git", "-C", str(folder), *identity, *arguments], check=True, capture_output=True)
+
+
+@pytest.fixture
+def repository(tmp_path: Path) -> Path:
+    source = tmp_path / "repository" / "sim_bench" / "diagnosis" / "search.py"
+    source.parent.mkdir(parents=True)
+    source.write_text("threshold = 1\n")
+    _git(tmp_path / "repository", "init", "-q")
+    _git(tmp_path / "repository", "add", ".")
+    _git(tmp_path / "repository", "commit", "-q", "-m", "diagnosis")
+    return tmp_path / "repository"
+
+
+def _start(tmp_path: Path, repository: Path, name: str = "run", *, resume: bool = False, cases: int = 8) -> RunSettings:
+    wanted = RunSettings(cases, scored=True)
+    log = tmp_path / "runs.jsonl"
+    return load_or_start(tmp_path / name, wanted, resume=resume, log=log, repository=repository)
+
+
+def test_a_scored_run_is_logged_before_it_starts_and_once_more_for_each_end(tmp_path: Path, repository: Path) -> None:
+    settings, log = _start(tmp_path, repository), tmp_path / "runs.jsonl"
+    assert [entry["event"] for entry in read_entries(log)] == ["started"]
+    log_outcome(settings, log, 3, 5, {"x": "1"})
+    assert _start(tmp_path, repository, resume=True) == settings
+    log_outcome(settings, log, 0, 8, {"x": "2"})
+    assert [(e["event"], e["run"]) for e in read_entries(log)] == [("started", 1), ("paused", 1), ("finished", 1)]
+    assert _start(tmp_path, repository, "another").run == 2
+
+
+def test_a_resumed_run_keeps_its_seeds_and_may_grow(tmp_path: Path, repository: Path) -> None:
+    first = _start(tmp_path, repository)
+    longer = _start(tmp_path, repository, resume=True, cases=12)
+    assert list(plan_run(longer))[:8] == list(plan_run(first))
+    with pytest.raises(DiagnosisError, match="give --resume"):
+        _start(tmp_path, repository)
+
+
+def test_a_scored_run_stops_when_the_diagnosis_is_another(tmp_path: Path, repository: Path) -> None:
+    settings = _start(tmp_path, repository)
+    go_on = watch(settings, repository)
+    assert go_on()
+    (repository / "sim_bench" / "diagnosis" / "search.py").write_text("threshold = 2\n")
+    with pytest.raises(DiagnosisError, match="commit it before a scored run"):
+        go_on()
+    _git(repository, "commit", "-q", "-a", "-m", "another")
+    with pytest.raises(DiagnosisError, match="start a new one"):
+        go_on()
+
+
+def test_time_that_is_over_stops_a_run(tmp_path: Path) -> None:
+    assert not watch(RunSettings(3), tmp_path, 0.0)()
+    assert watch(RunSettings(3), tmp_path, 10.0)()
