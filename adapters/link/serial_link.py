@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from time import monotonic
+import os
+import select
+from time import monotonic, sleep
 from typing import TYPE_CHECKING, Protocol
 
 from fricomp.errors import AdapterConnectionError, MissingExtraError
@@ -39,6 +41,9 @@ class SerialLink(Protocol):
 class PySerialLink:
     """A pyserial port.
 
+    Where it is a file descriptor of the operating system, that is read and written directly: pyserial asks for every
+    piece first whether there is one, which doubles the system calls.
+
     Args:
         port: Opened already, without waiting for reading or writing; closed by `close`. pyserial's own write timeout
             is no use: on a busy machine it runs out after every byte has been taken.
@@ -46,6 +51,8 @@ class PySerialLink:
 
     def __init__(self, port: serial.SerialBase) -> None:
         self._port = port
+        descriptor = getattr(port, "fd", None)
+        self._descriptor = descriptor if isinstance(descriptor, int) else None
 
     def send(self, data: bytes) -> None:
         """Hand over all bytes.
@@ -56,13 +63,15 @@ class PySerialLink:
         left, deadline = memoryview(data), 0.0
         while left:
             try:
-                written = self._port.write(left)
+                written = self._write(left)
             except Exception as error:  # SerialException, OSError, termios.error
                 raise AdapterConnectionError(f"cannot write to the serial port: {error}") from error
-            left = left[written or 0 :]
+            left = left[written:]
+            if not left:
+                return
             now = monotonic()
             deadline = deadline or now + WRITE_TIMEOUT
-            if left and now > deadline:
+            if now > deadline:
                 raise AdapterConnectionError(f"the serial port takes no more: {len(left)} bytes wait in a full queue")
 
     def receive(self) -> bytes:
@@ -72,9 +81,43 @@ class PySerialLink:
             AdapterConnectionError: The port is gone.
         """
         try:
-            return bytes(self._port.read(MOST_BYTES_AT_ONCE))
+            if self._descriptor is None:
+                return bytes(self._port.read(MOST_BYTES_AT_ONCE))
+            return self._read(self._descriptor)
+        except BlockingIOError:
+            return b""
         except Exception as error:
             raise AdapterConnectionError(f"cannot read from the serial port: {error}") from error
+
+    @staticmethod
+    def _read(descriptor: int) -> bytes:
+        """What has come. Nothing, although there is something to be read, is the end of the line."""
+        data = os.read(descriptor, MOST_BYTES_AT_ONCE)
+        if data or not select.select([descriptor], [], [], 0.0)[0]:
+            return data
+        data = os.read(descriptor, MOST_BYTES_AT_ONCE)
+        if not data:
+            raise OSError("it has been unplugged")
+        return data
+
+    def wait(self, seconds: float) -> None:
+        """Wait until bytes come, at most so long [s]."""
+        try:
+            select.select([self._port.fileno()], [], [], seconds)
+        except (AttributeError, OSError, ValueError):  # ports that cannot be waited for, such as those of Windows
+            sleep(min(seconds, 0.0005))
+
+    def fileno(self) -> int:
+        """For waiting with select."""
+        return int(self._port.fileno())
+
+    def _write(self, data: memoryview) -> int:
+        if self._descriptor is None:
+            return self._port.write(data) or 0
+        try:
+            return os.write(self._descriptor, data)
+        except BlockingIOError:
+            return 0
 
     def discard_output(self) -> None:
         """Drop what still waits to be sent."""
@@ -95,7 +138,7 @@ class PySerialLink:
             raise AdapterConnectionError(f"the serial port does not close: {error}") from error
 
 
-def open_serial_link(configuration: SerialConfiguration) -> SerialLink:
+def open_serial_link(configuration: SerialConfiguration) -> PySerialLink:
     """The port that stands in the configuration.
 
     Raises:

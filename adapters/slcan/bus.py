@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import select
 import time
 from collections import deque
 from contextlib import suppress
@@ -10,16 +9,18 @@ from threading import Lock
 from typing import Any
 
 import can
-import serial
 
+from fricomp.errors import AdapterConnectionError, FricompError
+
+from ..configuration import SerialConfiguration
 from ..link import CanFrame
+from ..link.serial_link import open_serial_link
 from .codec import CARRIAGE_RETURN, LONGEST_LINE, decode_line, encode_frame
 
 __all__ = ["ChunkedSlcanBus"]
 
 BITRATES = {10_000: 0, 20_000: 1, 50_000: 2, 100_000: 3, 125_000: 4, 250_000: 5, 500_000: 6, 750_000: 7, 1_000_000: 8}
 BELL = b"\a"
-CHUNK = 4096
 LOCK_PATIENCE = 0.02
 LONGEST_WAIT = 0.5
 
@@ -48,9 +49,9 @@ class ChunkedSlcanBus(can.BusABC):
         if bitrate not in BITRATES:
             raise can.CanInitializationError(f"bit rate {bitrate} is not one of slcan's: {sorted(BITRATES)}")
         try:
-            self._port = serial.serial_for_url(channel, baudrate=tty_baudrate, timeout=0.0, write_timeout=0.05)
-        except (serial.SerialException, ValueError, OSError) as error:
-            raise can.CanInitializationError(f"cannot open {channel!r}: {error}") from error
+            self._line = open_serial_link(SerialConfiguration(port=channel, baudrate=tty_baudrate))
+        except FricompError as error:
+            raise can.CanInitializationError(str(error)) from error
         self._channel = channel
         self._send_lock = Lock()
         self._buffer = b""
@@ -64,9 +65,9 @@ class ChunkedSlcanBus(can.BusABC):
     def _put(self, data: bytes) -> None:
         held = self._send_lock.acquire(timeout=LOCK_PATIENCE)  # a hung writer must not hold up a stop
         try:
-            self._port.write(data)
-        except (serial.SerialException, OSError) as error:
-            raise can.CanOperationError(f"cannot write to the serial line: {error}") from error
+            self._line.send(data)
+        except AdapterConnectionError as error:
+            raise can.CanOperationError(str(error)) from error
         finally:
             if held:
                 self._send_lock.release()
@@ -89,7 +90,7 @@ class ChunkedSlcanBus(can.BusABC):
                 break
             if remaining <= 0.0:
                 return None, False
-            self._wait_for_bytes(remaining)
+            self._line.wait(remaining)
         frame = self._frames.popleft()
         message = can.Message(
             arbitration_id=frame.identifier,
@@ -102,18 +103,12 @@ class ChunkedSlcanBus(can.BusABC):
         )
         return message, False
 
-    def _wait_for_bytes(self, seconds: float) -> None:
-        try:
-            select.select([self._port.fileno()], [], [], seconds)
-        except (AttributeError, OSError, ValueError):  # ports that cannot be waited for, such as those of Windows
-            time.sleep(min(seconds, 0.0005))
-
     def _read_chunk(self) -> None:
         """Take all that has come."""
         try:
-            chunk = self._port.read(CHUNK)
-        except (serial.SerialException, OSError) as error:
-            raise can.CanOperationError(f"cannot read from the serial line: {error}") from error
+            chunk = self._line.receive()
+        except AdapterConnectionError as error:
+            raise can.CanOperationError(str(error)) from error
         if not chunk:
             return
         *lines, self._buffer = (self._buffer + chunk).replace(BELL, CARRIAGE_RETURN).split(CARRIAGE_RETURN)
@@ -132,16 +127,17 @@ class ChunkedSlcanBus(can.BusABC):
 
     def flush_tx_buffer(self) -> None:
         """Drop what waits to be sent; the end of line keeps a cut frame from swallowing the next one."""
-        self._port.reset_output_buffer()
+        self._line.discard_output()
         self._put(CARRIAGE_RETURN)
 
     def fileno(self) -> int:
         """For waiting with select."""
-        return int(self._port.fileno())
+        return self._line.fileno()
 
     def shutdown(self) -> None:
         """Close the CAN channel and the port."""
         super().shutdown()
         with suppress(can.CanOperationError):  # the line may be gone already
             self._put(b"C\r")
-        self._port.close()
+        with suppress(AdapterConnectionError):
+            self._line.close()

@@ -15,13 +15,13 @@ SHORTEST = 0.025  # window [s]
 
 
 def longest_settling(speed: float, quantum: float) -> float:
-    """Time within which even a coarse encoder shows that a plateau has settled, twice over [s].
+    """Time within which even a coarse encoder shows that a plateau has settled, four times over [s].
 
     Args:
         speed: [rad/s] or [m/s].
         quantum: Step of the encoder [rad] or [m].
     """
-    return 2.0 * COUNTS * quantum / speed
+    return 4.0 * COUNTS * quantum / speed
 
 
 class SettleDetector:

@@ -10,8 +10,10 @@ from typer.testing import CliRunner
 
 from fricomp.cli.main import app
 from fricomp.sim_bench.adapter_bench.bench import PROTOCOLS
+from fricomp.sim_bench.adapter_bench.calibration import compare_all
 from fricomp.sim_bench.adapter_bench.fuzz import fuzz_adapter
 from fricomp.sim_bench.adapter_bench.peers import PEERS, compare_with_peer
+from fricomp.sim_bench.adapter_bench.serial_can import compare_slcan
 
 
 @pytest.mark.parametrize("protocol", sorted(PEERS))
@@ -27,6 +29,21 @@ def test_garbage_brings_nothing_foreign_and_no_torque_beyond_the_limit(protocol:
     assert result.foreign == {}
     assert 0.0 < result.largest_torque <= result.torque_limit
     assert result.n_frames >= 4000
+
+
+def test_frames_come_back_over_both_slcan_buses() -> None:
+    trip = compare_slcan(3, "same thread", 3)
+    assert trip.chunked > 0.0
+    assert trip.bytewise > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("protocol", sorted(PROTOCOLS))
+@pytest.mark.parametrize("noise", [False, True])
+def test_calibrating_through_adapter_and_twin_gives_what_the_joint_alone_gives(protocol: str, noise: bool) -> None:
+    (compared,) = compare_all(noise, [protocol], quick=True)
+    assert compared.passed, compared
+    assert compared.n_used >= 10
 
 
 @pytest.mark.slow
