@@ -180,7 +180,8 @@ def _invert(information: torch.Tensor) -> torch.Tensor:
 
     scale = information.diagonal(dim1=1, dim2=2).clamp(min=1e-300).rsqrt()
     both = scale[:, :, None] * scale[:, None, :]
-    return torch.linalg.pinv(information * both, rtol=1e-14, hermitian=True) * both
+    inverse: torch.Tensor = torch.linalg.pinv(information * both, rtol=1e-14, hermitian=True)
+    return inverse * both
 
 
 def _distance(at: Linearised, freedom: torch.Tensor) -> torch.Tensor:
@@ -189,6 +190,8 @@ def _distance(at: Linearised, freedom: torch.Tensor) -> torch.Tensor:
 
     scale = at.normal.diagonal(dim1=1, dim2=2).clamp(min=1e-300).rsqrt()
     gradient = (at.gradient * scale)[:, :, None]
-    inverse = torch.linalg.pinv(at.normal * scale[:, :, None] * scale[:, None, :], rtol=1e-12, hermitian=True)
+    inverse: torch.Tensor = torch.linalg.pinv(
+        at.normal * scale[:, :, None] * scale[:, None, :], rtol=1e-12, hermitian=True
+    )
     square = (gradient.transpose(1, 2) @ inverse @ gradient)[:, 0, 0].clamp(min=0.0)
     return (square / (at.cost / freedom).clamp(min=1e-300)).sqrt()

@@ -5,7 +5,7 @@ By `identify_batch`, which starts from the data alone; on draws that both have, 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from fricomp.laws import FloatArray
 
@@ -30,6 +30,6 @@ class BatchOptima(NamedTuple):
 def batch_optima(reading: Reading, draws: int) -> BatchOptima:
     """Optima of the draws with the seeds 0 to `draws` - 1."""
     data = [PaperProblem().draw(reading, seed) for seed in range(draws)]
-    noise = "relative" if reading == "relative" else "absolute"
+    noise: Literal["relative", "absolute"] = "relative" if reading == "relative" else "absolute"
     found = identify_batch([draw.velocity for draw in data], [draw.torque for draw in data], noise)
     return BatchOptima(found.values, found.standard_deviations)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from fricomp.errors import DiagnosisError
-from fricomp.sim_bench.concealed import CaseSpec, case_id
+from fricomp.sim_bench.concealed import CaseSpec
 from fricomp.sim_bench.fleet import SerialExecutor, open_executor
 from fricomp.sim_bench.proof import (
     PlannedCase,
@@ -22,6 +22,7 @@ from fricomp.sim_bench.proof import (
     write_page,
 )
 from fricomp.sim_bench.proof.blind import BlindAnswer, prepare
+from fricomp.sim_bench.proof.making import name_of
 from tests.sim_bench.proof.answering import always_cogging, always_consistent, answer, dies_once
 
 _PLANNED = [
@@ -37,7 +38,7 @@ def test_a_run_whose_time_is_over_finishes_what_it_began_and_goes_on_later(tmp_p
     scores = run_proof(
         _PLANNED, tmp_path, pool, salt="s", diagnose=always_consistent, go_on=lambda: next(allowed, False)
     )
-    assert [score.case for score in scores] == sorted(case_id(each.spec) for each in _PLANNED[:2])  # type: ignore[arg-type]
+    assert [score.case for score in scores] == sorted(name_of(each.spec) for each in _PLANNED[:2])
     assert count_open(_PLANNED, tmp_path) == 1
     assert len(run_proof(_PLANNED, tmp_path, pool, salt="s", diagnose=always_consistent)) == 3
     assert count_open(_PLANNED, tmp_path) == 0
@@ -105,7 +106,7 @@ def test_a_stopped_run_goes_on_where_it_was(tmp_path: Path) -> None:
 
 def test_an_answer_that_was_changed_after_sealing_is_not_scored(tmp_path: Path) -> None:
     def tampers(files: dict[str, bytes]) -> BlindAnswer:
-        path = tmp_path / "answers" / f"{case_id(_PLANNED[0].spec)}.json"
+        path = tmp_path / "answers" / f"{name_of(_PLANNED[0].spec)}.json"
         record = json.loads(path.read_text())
         path.write_text(json.dumps(record | {"verdict": "missing_physics"}))
         return answer("consistent")
