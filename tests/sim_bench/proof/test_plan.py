@@ -29,6 +29,10 @@ def _specs(planned: Iterable[PlannedCase]) -> list[CaseSpec]:
     return [each.spec for each in planned if isinstance(each.spec, CaseSpec)]
 
 
+def _names(planned: Iterable[PlannedCase], group: str) -> list[str]:
+    return [name for spec in _specs(each for each in planned if each.group == group) for name in spec.effects]
+
+
 def test_two_thousand_cases_hold_enough_of_each_group() -> None:
     planned = plan_cases(2000, development_seeds())
     groups = Counter(each.group for each in planned)
@@ -37,17 +41,13 @@ def test_two_thousand_cases_hold_enough_of_each_group() -> None:
     assert groups["outside"] >= 100
     assert {spec.excitation for spec in _specs(planned)} == set(EXCITATIONS)
     assert len({each.spec.strength for each in planned if each.group == "single"}) >= 6
-    assert {name for spec in _specs(e for e in planned if e.group == "single") for name in spec.effects} == set(
-        CATALOGUE
-    )
-    assert {name for spec in _specs(e for e in planned if e.group == "outside") for name in spec.effects} == set(
-        OUTSIDE
-    )
+    assert set(_names(planned, "single")) == set(CATALOGUE)
+    assert set(_names(planned, "outside")) == set(OUTSIDE)
 
 
 def test_the_clear_plan_holds_every_effect_once_and_nulls() -> None:
     planned = plan_clear_cases(development_seeds(1000))
-    singles = [name for spec in _specs(e for e in planned if e.group == "single") for name in spec.effects]
+    singles = _names(planned, "single")
     assert sorted(singles) == sorted(CATALOGUE)
     assert {each.spec.strength for each in planned} == {"clear"}
     nulls = _specs(each for each in planned if each.group == "null")
