@@ -70,7 +70,7 @@ def export(
 
 def _export_onnx(paths: list[Path], out: Path) -> str:
     from fricomp.errors import ExportError
-    from fricomp.export import closed_form_graph, save_graph, stack_networks
+    from fricomp.export import closed_form_graph, save_graph, stack_networks, state_columns
     from fricomp.model import load_model
 
     kinds = {path.suffix for path in paths}
@@ -82,10 +82,13 @@ def _export_onnx(paths: list[Path], out: Path) -> str:
     models = [load_model(path) for path in paths]
     ranges = [model.validity.velocity for model in models if model.validity.velocity is not None]
     metadata = {"joint": " ".join(model.joint for model in models), "output": f"torque [{models[0].torque_unit}]"}
+    columns = state_columns(models)
+    metadata["input"] = ", ".join(columns)
     if ranges:
         metadata["velocity_range"] = f"{max(r[0] for r in ranges):.9g} {min(r[1] for r in ranges):.9g}"
     save_graph(closed_form_graph(models), out, metadata)
-    return f"the closed form of {len(models)} joint{'s' if len(models) > 1 else ''}; only rounding to float32 is lost"
+    joints = f"{len(models)} joint{'s' if len(models) > 1 else ''}"
+    return f"the closed form of {joints} over {', '.join(columns)}; only rounding to float32 is lost"
 
 
 def _render(

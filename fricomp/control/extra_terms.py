@@ -163,10 +163,7 @@ def build_extra(
 ) -> Callable[[float, float, float, float, float | None], ExtraTorque]:
     """The sum of `terms` as a function of speed on the curve, velocity, position, load torque and temperature.
 
-    Speed and velocity count as the ends of the range of validity beyond it, the load torque likewise.
-
-    Raises:
-        ValueError: (from the function) position, load torque or temperature is not finite.
+    The inputs are finite. Speed and velocity beyond the range of validity count as its ends, the load torque likewise.
     """
     forms = [plain_form(term) for term in terms]
     held, dry, drag = (
@@ -179,9 +176,6 @@ def build_extra(
     def extra(
         speed: float, velocity: float, position: float, load_torque: float, temperature: float | None
     ) -> ExtraTorque:
-        total = position + load_torque + (0.0 if temperature is None else temperature)
-        if total - total != 0.0:
-            raise ValueError
         speed = min(max(speed, 0.0), high if velocity >= 0.0 else -low)
         velocity = min(max(velocity, low), high)
         load_torque = min(max(load_torque, low_load), high_load)

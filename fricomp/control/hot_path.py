@@ -125,6 +125,8 @@ def build_hot_path(  # noqa: C901
                 factor = insensitive + per_load * (
                     high_load if load > high_load else low_load if load < low_load else load
                 )
+            if extra is not None:
+                total += position + load_torque + (0.0 if temperature is None else temperature)
             if total - total != 0.0:  # infinite or NaN; what follows would turn either into a torque
                 raise ValueError
             if direction >= 0.0:

@@ -2,7 +2,7 @@
 
 from fricomp.export.c_header import render_c_header
 from fricomp.export.fidelity import Fidelity, compute_fidelity
-from fricomp.export.onnx_graph import closed_form_graph, save_graph, stack_networks
+from fricomp.export.onnx_graph import closed_form_graph, save_graph, stack_networks, state_columns
 from fricomp.export.simulators import (
     MJCF_WAYS,
     MjcfWay,
@@ -27,4 +27,5 @@ __all__ = [
     "render_c_header",
     "save_graph",
     "stack_networks",
+    "state_columns",
 ]

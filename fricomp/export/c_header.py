@@ -17,6 +17,7 @@ from fricomp.control import (
     split_law,
 )
 from fricomp.errors import ExportError
+from fricomp.export.c_terms import EXTRA_CHECKS, EXTRA_FIELDS, render_extra
 from fricomp.model import FrictionModel, encode_model
 
 __all__ = ["render_c_header"]
@@ -42,20 +43,16 @@ def render_c_header(
         version: Of fricomp, for the comment on top.
 
     Raises:
-        ExportError: The prefix is no C name, or the law has a term that the header cannot express.
+        ExportError: The prefix is no C name, or the law has a term without a closed form in C.
     """
     curves = split_law(model.law)
-    if curves.extra:
-        unknown = ", ".join(sorted(getattr(term, "name", "?") for term in curves.extra))
-        raise ExportError(
-            f"a C header holds Coulomb, viscous, Stribeck, Dahl and LuGre friction; this law has {unknown}"
-        )
     chosen = settings or choose_settings(model)
     name = prefix if prefix is not None else "friction_" + re.sub(r"\W+", "_", model.joint.lower()).strip("_")
     if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
         raise ExportError(f"prefix {name!r} is not a C name: letters, digits and underscores, no digit first")
     functions = "\n".join(
-        _functions(curves, chosen, (model.position_unit, name), period, is_float) for is_float in (False, True)
+        _functions(curves, chosen, (model.position_unit, _comment(model.torque_unit), name), period, is_float)
+        for is_float in (False, True)
     )
     return template.HEADER.substitute(
         joint=_comment(model.joint),
@@ -76,13 +73,14 @@ def _comment(text: str) -> str:
 
 
 def _functions(
-    curves: FrictionCurves, settings: CompensationSettings, names: tuple[str, str], period: float, is_float: bool
+    curves: FrictionCurves, settings: CompensationSettings, names: tuple[str, str, str], period: float, is_float: bool
 ) -> str:
     def literal(value: float) -> str:
         text = repr(float(value))
         text = text if "e" in text or "." in text else f"{text}.0"
         return f"{text}F" if is_float else text
 
+    position_unit, torque_unit, prefix = names
     low, high = settings.velocity_range
     values = {
         "zero": 0.0,
@@ -96,17 +94,30 @@ def _functions(
         "authority": settings.authority,
         "load_sensitivity": curves.load.load_sensitivity,
         "reference_load": curves.load.reference_load,
+        "forward_edge": high,
+        "reverse_edge": low,
     }
-    for side, curve, edge in (("forward", curves.forward, high), ("reverse", curves.reverse, -low)):
-        values |= {f"{side}_edge": edge, f"{side}_coulomb": curve.coulomb, f"{side}_rise": curve.rise}
+    for side, curve in (("forward", curves.forward), ("reverse", curves.reverse)):
+        values |= {f"{side}_coulomb": curve.coulomb, f"{side}_rise": curve.rise}
         values |= {f"{side}_stribeck_velocity": curve.stribeck_velocity, f"{side}_viscous": curve.viscous}
     suffix = "f" if is_float else ""
-    names_and_types = {"real": "float" if is_float else "double", "f": suffix, "prefix": names[1]}
+    names_and_types = {"real": "float" if is_float else "double", "f": suffix, "prefix": prefix}
     constants = names_and_types | {name: literal(value) for name, value in values.items()}
     dry = _static(curves, settings, literal) if curves.bristle is None else _bristle(curves, period, literal)
+    has_extra = bool(curves.extra)
+
+    def filled(text: str) -> str:
+        return Template(text).substitute(constants, position_unit=position_unit, torque_unit=torque_unit)
+
     return template.FUNCTIONS.substitute(
         constants,
-        position_unit=names[0],
+        position_unit=position_unit,
+        extra_fields=filled(EXTRA_FIELDS) if has_extra else "",
+        extra_checks=EXTRA_CHECKS if has_extra else "",
+        extra_variables=filled(template.EXTRA_VARIABLES) if has_extra else "",
+        extra=filled(render_extra(curves.extra, settings, literal)),
+        dragging="((viscous * drive) + drag)" if has_extra else "viscous * drive",
+        holding=filled(template.HOLDING) if has_extra else "",
         load_bounds=_load_bounds(settings, literal),
         drive_from_measurement=_measured(settings, literal),
         dry=Template(dry.safe_substitute(constants)).substitute(constants),

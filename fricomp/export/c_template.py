@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from string import Template
 
-__all__ = ["BRISTLE", "FUNCTIONS", "HEADER", "RATE", "STATIC"]
+__all__ = ["BRISTLE", "EXTRA_VARIABLES", "FUNCTIONS", "HEADER", "HOLDING", "RATE", "STATIC"]
 
 HEADER = Template(
     """/*
@@ -47,7 +47,7 @@ typedef struct {
     bool has_velocity;
     bool has_position_error;
     bool has_load;
-} ${prefix}_input${f}_t;
+$extra_fields} ${prefix}_input${f}_t;
 
 typedef struct {
     $real last_torque;
@@ -68,7 +68,7 @@ static inline bool ${prefix}_is_usable${f}(const ${prefix}_input${f}_t *input)
     usable = usable && ((!input->has_velocity) || (isfinite(input->velocity) != 0));
     usable = usable && ((!input->has_position_error) || (isfinite(input->position_error) != 0));
     usable = usable && ((!input->has_load) || (isfinite(input->load) != 0));
-    return usable;
+$extra_checks    return usable;
 }
 
 static inline $real ${prefix}_factor${f}(const ${prefix}_input${f}_t *input)
@@ -93,11 +93,10 @@ static inline $real ${prefix}_torque${f}(${prefix}_state${f}_t *state, const ${p
     $real rise;
     $real stribeck_velocity;
     $real viscous;
-    $real edge;
     $real torque;
-    $real speed;
+    $real beyond;
     $real change;
-
+$extra_variables
     if (!${prefix}_is_usable${f}(input)) {
         state->last_torque = $zero;
         state->rejected++;
@@ -123,23 +122,21 @@ $drive_from_measurement        blended = ($keep * drive) + ($share * input->velo
         rise = $forward_rise;
         stribeck_velocity = $forward_stribeck_velocity;
         viscous = $forward_viscous;
-        edge = $forward_edge;
     } else {
         coulomb = $reverse_coulomb;
         rise = $reverse_rise;
         stribeck_velocity = $reverse_stribeck_velocity;
         viscous = $reverse_viscous;
-        edge = $reverse_edge;
         blended = -blended;
     }
 $dry
-    torque = ($gain * torque) + ($gain * viscous * drive);
-    speed = (drive >= $zero) ? drive : -drive;
-    if (speed > edge) {
-        const $real left = $one - ((speed - edge) / $fade_width);
+$extra    torque = ($gain * torque) + ($gain * $dragging);
+    beyond = (drive > $zero) ? (drive - $forward_edge) : ($reverse_edge - drive);
+    if (beyond > $zero) {
+        const $real left = $one - (beyond / $fade_width);
         torque = (left > $zero) ? (torque * left) : $zero;
     }
-    if (torque > $authority) {
+$holding    if (torque > $authority) {
         torque = $authority;
     } else if (torque < -$authority) {
         torque = -$authority;
@@ -152,6 +149,13 @@ $rate_limit    state->last_torque = torque;
 }
 """
 )
+
+EXTRA_VARIABLES = """    $real drag;
+    $real held;
+"""
+
+HOLDING = """    torque += $gain * held;
+"""
 
 STATIC = Template(
     """    {

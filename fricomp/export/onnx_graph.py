@@ -10,34 +10,37 @@ from typing import Any
 import numpy as np
 
 from fricomp.control import split_law
+from fricomp.control.extra_terms import LOAD_TERMS, POSITION_TERMS, TEMPERATURE_TERMS
 from fricomp.errors import ExportError, MissingExtraError
+from fricomp.export.onnx_terms import extra_constants, extra_nodes
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 
-__all__ = ["closed_form_graph", "save_graph", "stack_networks"]
+__all__ = ["STATE_COLUMNS", "closed_form_graph", "save_graph", "stack_networks", "state_columns"]
 
 OPSET = 17
+STATE_COLUMNS = ("velocity", "normal_load", "position", "load_torque", "temperature")
+"""Columns of the input of a closed form; the last three only where a model depends on any of them."""
 _IR_VERSION = 8
 
 
 def closed_form_graph(models: Sequence[FrictionModel]) -> Any:
-    """The closed forms of `models`: input `state` (velocity, normal load), output `torque`.
+    """The closed forms of `models`: input `state`, output `torque`.
 
-    One model takes any number of rows, shape (n, 2) to (n, 1); several take one row each, in their order.
+    The columns of the state are velocity and normal load; where a model has terms over them also position, load
+    torque and temperature, all three. One model takes any number of rows, shape (n, 2) or (n, 5) to (n, 1); several
+    take one row each, in their order.
 
     Raises:
         ExportError: No model, or a law has a term that the graph cannot express.
         MissingExtraError: onnx is not installed.
     """
     onnx = _onnx()
-    curves = [split_law(model.law) for model in models]
-    for model, curve in zip(models, curves, strict=True):
-        if curve.extra:
-            names = ", ".join(getattr(term, "name", "?") for term in curve.extra)
-            raise ExportError(f"the law of joint {model.joint!r} has {names}, which the ONNX export does not know")
     if not models:
         raise ExportError("an ONNX graph needs at least one model")
-    constants: dict[str, FloatArray] = {"zero": np.zeros((1, 1)), "one": np.ones((1, 1))}
+    curves = [split_law(model.law) for model in models]
+    extras = [curve.extra for curve in curves]
+    constants: dict[str, FloatArray] = {"zero": np.zeros((1, 1)), "one": np.ones((1, 1))} | extra_constants(extras)
     for side in ("forward", "reverse"):
         table = np.array([getattr(curve, side) for curve in curves])
         for column, name in enumerate(("coulomb", "rise", "stribeck_velocity", "exponent", "viscous")):
@@ -45,14 +48,23 @@ def closed_form_graph(models: Sequence[FrictionModel]) -> Any:
     constants["sensitivity"] = np.array([[curve.load.load_sensitivity] for curve in curves])
     constants["reference_load"] = np.array([[curve.load.reference_load] for curve in curves])
     rows: int | str = "n" if len(models) == 1 else len(models)
-    return _model(onnx, _closed_form_nodes(onnx.helper.make_node), constants, rows)
+    node, columns = onnx.helper.make_node, state_columns(models)
+    nodes = _closed_form_nodes(node, columns, "plain_torque" if any(extras) else "torque")
+    return _model(onnx, nodes + extra_nodes(node, extras), constants, (rows, len(columns)))
 
 
-def _closed_form_nodes(node: Any) -> list[Any]:
+def state_columns(models: Sequence[FrictionModel]) -> tuple[str, ...]:
+    """Columns of the input that the closed forms of `models` need."""
+    beyond = (*POSITION_TERMS, *LOAD_TERMS, *TEMPERATURE_TERMS)
+    needed = any(isinstance(term, beyond) for model in models for term in model.law.terms)
+    return STATE_COLUMNS if needed else STATE_COLUMNS[:2]
+
+
+def _closed_form_nodes(node: Any, columns: Sequence[str], output: str) -> list[Any]:
     nodes = [
-        node("Split", ["state"], ["velocity", "load"], axis=1),
+        node("Split", ["state"], columns, axis=1),
         node("Abs", ["velocity"], ["speed"]),
-        node("Div", ["load", "reference_load"], ["load_ratio"]),
+        node("Div", ["normal_load", "reference_load"], ["load_ratio"]),
         node("Sub", ["load_ratio", "one"], ["excess"]),
         node("Mul", ["excess", "sensitivity"], ["share"]),
         node("Add", ["share", "one"], ["factor"]),
@@ -76,7 +88,7 @@ def _closed_form_nodes(node: Any) -> list[Any]:
         node("Greater", ["velocity", "zero"], ["is_forward"]),
         node("Where", ["is_forward", "forward_level_", "reverse_level_"], ["size"]),
         node("Sign", ["velocity"], ["sign"]),
-        node("Mul", ["size", "sign"], ["torque"]),
+        node("Mul", ["size", "sign"], [output]),
     ]
 
 
@@ -110,7 +122,7 @@ def stack_networks(paths: Sequence[str | os.PathLike[str]]) -> Any:
             nodes.append(node("Tanh", [f"affine_{k}"], [f"signal_{k + 1}"]))
     nodes.append(node("Reshape", [f"affine_{n_layers - 1}", "column"], ["torque"]))
     shapes = {"flat": np.array([1, 2 * n_joints]), "column": np.array([n_joints, 1])}
-    return _model(onnx, nodes, constants, n_joints, {name: v.astype(np.int64) for name, v in shapes.items()})
+    return _model(onnx, nodes, constants, (n_joints, 2), {name: v.astype(np.int64) for name, v in shapes.items()})
 
 
 def _folded_layers(table: dict[str, FloatArray], n_layers: int) -> list[tuple[FloatArray, FloatArray]]:
@@ -177,7 +189,7 @@ def _model(
     onnx: Any,
     nodes: list[Any],
     constants: dict[str, FloatArray],
-    rows: int | str,
+    shape: tuple[int | str, int],
     integers: dict[str, Any] | None = None,
 ) -> Any:
     helper, FLOAT = onnx.helper, onnx.TensorProto.FLOAT
@@ -186,8 +198,8 @@ def _model(
     graph = helper.make_graph(
         nodes,
         "friction_torque",
-        [helper.make_tensor_value_info("state", FLOAT, [rows, 2])],
-        [helper.make_tensor_value_info("torque", FLOAT, [rows, 1])],
+        [helper.make_tensor_value_info("state", FLOAT, shape)],
+        [helper.make_tensor_value_info("torque", FLOAT, [shape[0], 1])],
         tensors,
     )
     opset = [helper.make_opsetid("", OPSET)]

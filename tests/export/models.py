@@ -2,7 +2,23 @@
 
 from __future__ import annotations
 
-from fricomp.laws import BidirectionalStribeck, FrictionLaw, LuGre, StribeckCurve, Term
+from fricomp.laws import (
+    BidirectionalStribeck,
+    Cogging,
+    EndStop,
+    FrictionLaw,
+    LoadCoulomb,
+    LoadQuadratic,
+    LoadStribeck,
+    LuGre,
+    PositionCoulomb,
+    PowerLawViscous,
+    QuadraticDrag,
+    SpringTorque,
+    StribeckCurve,
+    Term,
+    ThermalViscous,
+)
 from fricomp.model import FrictionModel, Validity
 
 FORWARD = StribeckCurve(0.15, 0.60, 0.05, 0.02)
@@ -12,6 +28,33 @@ REVERSE = StribeckCurve(0.20, 0.70, 0.05, 0.03)
 def make_model(*terms: Term, velocity: tuple[float, float] = (-1.0, 1.0)) -> FrictionModel:
     law = FrictionLaw(terms or (BidirectionalStribeck(FORWARD, REVERSE),))
     return FrictionModel(law, validity=Validity(velocity=velocity, normal_load=(0.5, 2.0)))
+
+
+EXTRA_TERMS: tuple[Term, ...] = (
+    Cogging(0.05, -0.03, 9.0),
+    PositionCoulomb(0.04, 0.02, 3.0),
+    SpringTorque(0.3, 0.1),
+    EndStop(2.0, -0.5, -1.0),
+    LoadCoulomb(0.1),
+    LoadQuadratic(0.02),
+    LoadStribeck(0.1, 0.07),
+    QuadraticDrag(0.05),
+    PowerLawViscous(0.1, 0.6),
+    ThermalViscous(0.002, 25.0),
+)
+
+
+def make_extended(*terms: Term) -> FrictionModel:
+    """The Stribeck model with terms over load, position and temperature; all of them unless some are named."""
+    law = FrictionLaw((BidirectionalStribeck(FORWARD, REVERSE), *(terms or EXTRA_TERMS)))
+    ranges = Validity(
+        velocity=(-1.0, 1.2),
+        position=(-1.0, 1.0),
+        load_torque=(-3.0, 2.0),
+        normal_load=(0.5, 2.0),
+        temperature=(10.0, 60.0),
+    )
+    return FrictionModel(law, validity=ranges)
 
 
 def make_lugre() -> FrictionModel:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,10 @@ import pytest
 from fricomp.control import Compensator
 from fricomp.errors import ExportError
 from fricomp.export import render_c_header
-from fricomp.laws import BidirectionalStribeck, Coulomb, SmoothedCoulomb, StribeckCurve, Viscous
+from fricomp.laws import BidirectionalStribeck, Coulomb, FrictionLaw, SmoothedCoulomb, StribeckCurve, Viscous
 from fricomp.model import FrictionModel
 
-from .models import FORWARD, REVERSE, make_lugre, make_model
+from .models import EXTRA_TERMS, FORWARD, REVERSE, make_extended, make_lugre, make_model
 
 FLAGS = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-Wconversion", "-Wdouble-promotion", "-O2"]
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
@@ -83,11 +84,16 @@ def draw_inputs(rows: int) -> list[list[float]]:
     return [[float(value) for value in row] for row in table]
 
 
-def run_c(folder: Path, header: str, inputs: list[list[float]]) -> np.ndarray[Any, Any]:
+def run_c(
+    folder: Path, header: str, inputs: list[list[float]], main: str = MAIN, numbers: int = 4
+) -> np.ndarray[Any, Any]:
+    """Torque in double, in float and the count of rejected inputs, for rows of `numbers` and then flags."""
     (folder / "friction.h").write_text(header)
-    (folder / "main.c").write_text(MAIN)
+    (folder / "main.c").write_text(main)
     subprocess.run(["gcc", *FLAGS, "main.c", "-o", "main", "-lm"], cwd=folder, check=True, capture_output=True)
-    lines = "\n".join(" ".join([*(f"{v:.17g}" for v in row[:4]), *(str(int(f)) for f in row[4:])]) for row in inputs)
+    lines = "\n".join(
+        " ".join([*(f"{v:.17g}" for v in row[:numbers]), *(str(int(f)) for f in row[numbers:])]) for row in inputs
+    )
     done = subprocess.run(["./main"], cwd=folder, input=lines, check=True, capture_output=True, text=True)
     return np.array([[float(word) for word in line.split()] for line in done.stdout.splitlines()])
 
@@ -131,7 +137,74 @@ def test_prefix_must_be_a_c_name(prefix: str) -> None:
         render_c_header(make_model(), prefix=prefix)
 
 
+EXTENDED_MAIN = """#include "friction.h"
+#include <stdio.h>
+int main(void)
+{
+    joint_state_t state;
+    joint_statef_t statef;
+    joint_reset(&state);
+    joint_resetf(&statef);
+    double r, v, q, l, t;
+    int hv, ht;
+    while (scanf("%lf %lf %lf %lf %lf %d %d", &r, &v, &q, &l, &t, &hv, &ht) == 7) {
+        joint_input_t in = {.velocity_reference = r, .velocity = v, .has_velocity = hv != 0,
+                            .position = q, .load_torque = l, .temperature = t, .has_temperature = ht != 0};
+        joint_inputf_t inf_ = {.velocity_reference = (float)r, .velocity = (float)v, .has_velocity = hv != 0,
+                               .position = (float)q, .load_torque = (float)l, .temperature = (float)t,
+                               .has_temperature = ht != 0};
+        double torque = joint_torque(&state, &in);
+        float torquef = joint_torquef(&statef, &inf_);
+        printf("%.17g %.9g %u\\n", torque, (double)torquef, (unsigned)state.rejected);
+    }
+    return 0;
+}
+"""
+
+EXTENDED: dict[str, FrictionModel] = {term.name: make_extended(term) for term in EXTRA_TERMS}
+EXTENDED |= {"everything": make_extended(), "lugre": make_extended(*EXTRA_TERMS[:5])}
+EXTENDED["lugre"] = replace(
+    EXTENDED["lugre"], law=FrictionLaw((*make_lugre().law.terms, *EXTENDED["lugre"].law.terms[1:]))
+)
+
+
+def draw_extended(rows: int) -> list[list[float]]:
+    rng = np.random.default_rng(8)
+    table = np.column_stack(
+        [
+            rng.normal(size=(rows, 2)) * 10.0 ** rng.uniform(-3, 0.3, size=(rows, 1)),
+            rng.uniform(-1.2, 1.2, rows),
+            rng.uniform(-4.0, 4.0, rows),
+            rng.uniform(0.0, 70.0, rows),
+            rng.integers(0, 2, size=(rows, 2)),
+        ]
+    )
+    table[::97, 2] = math.nan
+    table[1::97, 3] = -math.inf
+    table[2::97, 4:] = [math.nan, 1.0, 1.0]
+    return [[float(value) for value in row] for row in table]
+
+
+@needs_gcc
+@pytest.mark.parametrize("name", EXTENDED)
+def test_extended_law_in_c_agrees_with_python(name: str, tmp_path: Path) -> None:
+    compensator, inputs = Compensator(EXTENDED[name], torque_rate=2000.0), draw_extended(2000)
+    header = render_c_header(EXTENDED[name], compensator.settings, prefix="joint")
+    found = run_c(tmp_path, header, inputs, main=EXTENDED_MAIN, numbers=5)
+    expected = np.array(
+        [
+            compensator.torque(r, v if hv else None, position=q, load_torque=load, temperature=t if ht else None)
+            for r, v, q, load, t, hv, ht in inputs
+        ]
+    )
+    largest = float(np.max(np.abs(expected)))
+    assert largest > 0.3
+    assert np.max(np.abs(found[:, 0] - expected)) <= 1e-12 * largest
+    assert np.max(np.abs(found[:, 1] - expected)) <= 1e-6 * largest
+    assert found[-1, 2] == compensator.rejected > 0
+
+
 def test_term_that_c_cannot_hold_is_refused() -> None:
     law = BidirectionalStribeck(FORWARD, REVERSE)
-    with pytest.raises(ExportError, match="smoothed_coulomb"):
+    with pytest.raises(ExportError, match=r"smoothed_coulomb has no closed form in C: .*one dry curve"):
         render_c_header(make_model(law, SmoothedCoulomb(0.1, 0.02, "arctan")))

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 from fricomp.errors import ExportError
-from fricomp.export import closed_form_graph, save_graph, stack_networks
-from fricomp.laws import BidirectionalStribeck, Coulomb, SmoothedCoulomb, StribeckCurve, Viscous
+from fricomp.export import closed_form_graph, save_graph, stack_networks, state_columns
+from fricomp.laws import BidirectionalStribeck, Coulomb, SmoothedCoulomb, StribeckCurve, Term, Viscous
+from fricomp.model import FrictionModel
 
-from .models import FORWARD, REVERSE, make_model
+from .models import EXTRA_TERMS, FORWARD, REVERSE, make_extended, make_model
 
 onnx = pytest.importorskip("onnx")
 runtime = pytest.importorskip("onnxruntime")
@@ -41,6 +42,34 @@ def test_several_joints_share_one_graph(tmp_path: Path) -> None:
     save_graph(closed_form_graph(models), tmp_path / "arm.onnx")
     state = np.array([[0.03, 1.0], [-0.2, 1.5], [0.4, 0.7]])
     expected = [float(m.torque(v, normal_load=n)) for m, (v, n) in zip(models, state.tolist(), strict=True)]
+    assert run(tmp_path / "arm.onnx", state) == pytest.approx(expected, rel=2e-6)
+
+
+def draw_state(rows: int) -> np.ndarray[Any, Any]:
+    """Velocity, normal load, position, load torque, temperature."""
+    low, high = np.array([-1.0, 0.5, -1.0, -3.0, 10.0]), np.array([1.2, 2.0, 1.0, 2.0, 60.0])
+    return np.random.default_rng(4).uniform(low, high, (rows, 5)).astype(np.float32)
+
+
+def evaluate(model: FrictionModel, state: Any) -> np.ndarray[Any, Any]:
+    v, normal, q, load, hot = np.asarray(state, dtype=np.float64).T
+    return np.asarray(model.torque(v, normal_load=normal, position=q, load_torque=load, temperature=hot))
+
+
+@pytest.mark.parametrize("terms", [*((term,) for term in EXTRA_TERMS), ()], ids=lambda terms: terms and terms[0].name)
+def test_extended_law_agrees_with_the_model(terms: tuple[Term, ...], tmp_path: Path) -> None:
+    model, state = make_extended(*terms), draw_state(300)
+    save_graph(closed_form_graph([model]), tmp_path / "a.onnx")
+    expected = evaluate(model, state)
+    found = run(tmp_path / "a.onnx", state[:, : len(state_columns([model]))])
+    assert np.max(np.abs(found - expected)) <= 2e-6 * np.max(np.abs(expected))
+
+
+def test_joints_with_and_without_a_term_share_one_graph(tmp_path: Path) -> None:
+    models = [make_extended(EXTRA_TERMS[0]), make_model(Coulomb(0.4)), make_extended(*EXTRA_TERMS[3:7])]
+    state = draw_state(3)
+    save_graph(closed_form_graph(models), tmp_path / "arm.onnx")
+    expected = [float(evaluate(model, row[None])[0]) for model, row in zip(models, state, strict=True)]
     assert run(tmp_path / "arm.onnx", state) == pytest.approx(expected, rel=2e-6)
 
 
@@ -80,5 +109,5 @@ def test_foreign_files_are_refused(tmp_path: Path) -> None:
 
 
 def test_term_that_the_graph_cannot_hold_is_refused() -> None:
-    with pytest.raises(ExportError, match="smoothed_coulomb"):
+    with pytest.raises(ExportError, match=r"smoothed_coulomb have no closed form in ONNX: .*one dry curve"):
         closed_form_graph([make_model(BidirectionalStribeck(FORWARD, REVERSE), SmoothedCoulomb(0.1, 0.1, "arctan"))])

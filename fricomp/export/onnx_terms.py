@@ -1,0 +1,175 @@
+"""Terms over load, position and temperature as nodes of an ONNX graph, one set for all joints.
+
+A joint that lacks a term has it with parameters under which it is nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fricomp.control.extra_terms import TermKind
+from fricomp.errors import ExportError
+from fricomp.laws import (
+    Cogging,
+    EndStop,
+    FloatArray,
+    LoadCoulomb,
+    LoadQuadratic,
+    LoadStribeck,
+    PositionCoulomb,
+    PowerLawViscous,
+    QuadraticDrag,
+    SpringTorque,
+    Term,
+    ThermalViscous,
+)
+
+__all__ = ["OnnxTerm", "extra_constants", "extra_nodes"]
+
+Steps = Sequence[tuple[str, Sequence[str], str]]
+"""Operator, inputs and output of each node; parameters and intermediates carry the term's name in front."""
+
+
+@dataclass(frozen=True)
+class OnnxTerm:
+    """A term as operators.
+
+    Attributes:
+        kind: `dry` terms are multiplied by the sign of the velocity; the others are signed themselves.
+        neutral: Its parameters, with values under which it is nothing.
+        steps: Over `velocity`, `speed`, `position`, `load_torque`, `temperature` and the parameters; ends in `torque`.
+    """
+
+    kind: TermKind
+    neutral: Mapping[str, float]
+    steps: Steps
+
+
+_WAVE: Steps = (
+    ("Mul", ("position", "order_"), "angle_"),
+    ("Sin", ("angle_",), "sin_"),
+    ("Cos", ("angle_",), "cos_"),
+    ("Mul", ("sin_", "sine_"), "first_"),
+    ("Mul", ("cos_", "cosine_"), "second_"),
+    ("Add", ("first_", "second_"), "torque_"),
+)
+_WAVE_PARAMETERS = {"sine": 0.0, "cosine": 0.0, "order": 1.0}
+
+_TERMS: dict[type[Term], OnnxTerm] = {
+    Cogging: OnnxTerm("held", _WAVE_PARAMETERS, _WAVE),
+    PositionCoulomb: OnnxTerm("dry", _WAVE_PARAMETERS, _WAVE),
+    SpringTorque: OnnxTerm(
+        "held",
+        {"stiffness": 0.0, "centre": 0.0},
+        (("Sub", ("position", "centre_"), "stretch_"), ("Mul", ("stretch_", "stiffness_"), "torque_")),
+    ),
+    EndStop: OnnxTerm(
+        "held",
+        {"stiffness": 0.0, "edge": 0.0, "side": 1.0},
+        (
+            ("Sub", ("position", "edge_"), "past_"),
+            ("Mul", ("past_", "side_"), "into_"),
+            ("Relu", ("into_",), "depth_"),
+            ("Mul", ("depth_", "stiffness_"), "size_"),
+            ("Mul", ("size_", "side_"), "torque_"),
+        ),
+    ),
+    LoadCoulomb: OnnxTerm(
+        "dry",
+        {"coefficient": 0.0},
+        (("Abs", ("load_torque",), "load_"), ("Mul", ("load_", "coefficient_"), "torque_")),
+    ),
+    LoadQuadratic: OnnxTerm(
+        "dry",
+        {"coefficient": 0.0},
+        (("Mul", ("load_torque", "load_torque"), "square_"), ("Mul", ("square_", "coefficient_"), "torque_")),
+    ),
+    LoadStribeck: OnnxTerm(
+        "dry",
+        {"coefficient": 0.0, "stribeck_velocity": 1.0},
+        (
+            ("Div", ("speed", "stribeck_velocity_"), "ratio_"),
+            ("Mul", ("ratio_", "ratio_"), "square_"),
+            ("Neg", ("square_",), "minus_"),
+            ("Exp", ("minus_",), "falling_"),
+            ("Abs", ("load_torque",), "load_"),
+            ("Mul", ("load_", "falling_"), "share_"),
+            ("Mul", ("share_", "coefficient_"), "torque_"),
+        ),
+    ),
+    QuadraticDrag: OnnxTerm(
+        "drag",
+        {"coefficient": 0.0},
+        (("Mul", ("velocity", "speed"), "square_"), ("Mul", ("square_", "coefficient_"), "torque_")),
+    ),
+    PowerLawViscous: OnnxTerm(
+        "dry",
+        {"coefficient": 0.0, "exponent": 1.0},
+        (("Pow", ("speed", "exponent_"), "power_"), ("Mul", ("power_", "coefficient_"), "torque_")),
+    ),
+    ThermalViscous: OnnxTerm(
+        "drag",
+        {"slope": 0.0, "reference_temperature": 0.0},
+        (
+            ("Sub", ("reference_temperature_", "temperature"), "coolness_"),
+            ("Mul", ("coolness_", "slope_"), "coefficient_"),
+            ("Mul", ("coefficient_", "velocity"), "torque_"),
+        ),
+    ),
+}
+
+
+def extra_constants(laws: Sequence[Sequence[Term]]) -> dict[str, FloatArray]:
+    """Parameters of the extra terms of each joint, each of shape (n_joints, 1).
+
+    Raises:
+        ExportError: A term cannot be written as operators.
+    """
+    constants: dict[str, FloatArray] = {}
+    for kind in _kinds(laws):
+        owned = [next((term for term in terms if type(term) is kind), None) for terms in laws]
+        for name, neutral in _TERMS[kind].neutral.items():
+            values = [neutral if term is None else term.parameters()[name] for term in owned]
+            constants[f"{kind.name}_{name}_"] = np.array(values)[:, None]
+    return constants
+
+
+def extra_nodes(node: Callable[..., Any], laws: Sequence[Sequence[Term]]) -> list[Any]:
+    """Nodes that turn `plain_torque` into `torque`, with the terms of all joints added."""
+    nodes, total = [], "plain_torque"
+    kinds = _kinds(laws)
+    for number, kind in enumerate(kinds):
+        term, name = _TERMS[kind], kind.name
+
+        def own(text: str, name: str = name) -> str:
+            return f"{name}_{text}" if text.endswith("_") else text
+
+        nodes += [node(operator, [own(i) for i in inputs], [own(output)]) for operator, inputs, output in term.steps]
+        added = own("torque_")
+        if term.kind == "dry":
+            nodes.append(node("Mul", [added, "sign"], [own("signed_")]))
+            added = own("signed_")
+        after = "torque" if number == len(kinds) - 1 else own("total_")
+        nodes.append(node("Add", [total, added], [after]))
+        total = after
+    return nodes
+
+
+def _kinds(laws: Sequence[Sequence[Term]]) -> list[type[Term]]:
+    """Classes of the terms of all laws, in the order of the table.
+
+    Raises:
+        ExportError: A term cannot be written as operators.
+    """
+    found = {type(term) for terms in laws for term in terms}
+    unknown = sorted(kind.name for kind in found if kind not in _TERMS)
+    if unknown:
+        raise ExportError(
+            f"the terms {', '.join(unknown)} have no closed form in ONNX: a graph holds one dry curve (Coulomb, "
+            "Stribeck, Dahl or LuGre), viscous friction and drag, and terms over load, position and temperature"
+        )
+    return [kind for kind in _TERMS if kind in found]
