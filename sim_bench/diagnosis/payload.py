@@ -229,7 +229,8 @@ def _weighted(parts: dict[str, _JointRows], kept: dict[str, np.ndarray]) -> tupl
         table = np.column_stack([part.own, part.payload])[kept[name]]
         left = part.torque[kept[name]] - table @ np.linalg.lstsq(table, part.torque[kept[name]], rcond=_RANK)[0]
         noise[name] = float(np.sqrt(np.mean(left**2)))
-    columns, targets = [], []
+    columns: list[FloatArray] = []
+    targets: list[FloatArray] = []
     for name, part in parts.items():
         Q = np.linalg.qr(part.own[kept[name]])[0]
         for values, into in ((part.payload[kept[name]], columns), (part.torque[kept[name]], targets)):
