@@ -78,21 +78,31 @@ def _run(
     settings: RunSettings, out: Path, executor: tuple[str, int | None], minutes: float | None, log: Path
 ) -> tuple[list[Score], Sequence[PlannedCase]]:
     """All scores of the run in its folder, and what it was to be."""
-    from fricomp.cli.terminal import progress
+    from time import monotonic
+
+    from fricomp.cli.terminal import console, progress
     from fricomp.sim_bench.fleet import open_executor
     from fricomp.sim_bench.proof import compute_figures, count_open, log_outcome, run_proof, watch
 
-    go_on = watch(settings, Path.cwd(), minutes)
+    go_on, start, done = watch(settings, Path.cwd(), minutes), monotonic(), 0
     with progress() as bar, open_executor(*executor) as pool:
         task = bar.add_task("concealed cases", total=None)
 
+        def count(score: Score | None) -> None:
+            nonlocal done
+            done += 1
+            bar.advance(task)
+
         def go(planned: Sequence[PlannedCase]) -> list[Score]:
             bar.update(task, total=len(planned), completed=len(planned) - count_open(planned, out))
-            return run_proof(planned, out, pool, salt=settings.salt, progress=lambda _: bar.advance(task), go_on=go_on)
+            return run_proof(planned, out, pool, salt=settings.salt, progress=count, go_on=go_on)
 
         planned = _plan(settings, go)
         scores = go(planned)
-    left = count_open(planned, out)
+    left, spent = count_open(planned, out), (monotonic() - start) / 60.0
+    if done:
+        rest = f"; the {left} left would take {left * spent / done:.0f} min" if left else ""
+        console().print(f"{done} cases in {spent:.1f} min, {done / spent:.2f} a minute{rest}", soft_wrap=True)
     log_outcome(settings, log, left, len(scores), {figure.name: figure.value for figure in compute_figures(scores)})
     return scores, planned
 
@@ -156,7 +166,7 @@ def _write(page: Path, settings: RunSettings, scores: Sequence[Score], planned: 
     from fricomp.cli.terminal import console
     from fricomp.sim_bench.proof import keep_data, write_page
 
-    title, reproduce = _title(settings, len(scores), planned), _reproduce(settings, out)
+    title, reproduce = _title(settings, len(scores), planned), _reproduce(settings, out, page)
     write_page(scores, page, title=title, reproduce=reproduce, baselines=others)
     keep_data(out, page.with_suffix(""))
     console().print(f"{page} written", soft_wrap=True)
@@ -169,7 +179,9 @@ def _title(settings: RunSettings, count: int, planned: int) -> str:
     return f"Development seeds from {settings.first_seed}: {cases}. No scored run."
 
 
-def _reproduce(settings: RunSettings, out: Path) -> str:
+def _reproduce(settings: RunSettings, out: Path, page: Path) -> str:
     seeds = "--scored" if settings.scored else f"--first-seed {settings.first_seed}"
     kind = "".join(f"--{name} " for name in ("quick", "clear", "injected") if getattr(settings, name))
-    return f"fricomp bench mismatch {kind}--cases {settings.cases} {seeds} --page docs/proof.md --out {out.name}"
+    return (
+        f"fricomp bench mismatch {kind}--cases {settings.cases} {seeds} --page docs/{page.name} --out runs/{out.name}"
+    )
