@@ -13,9 +13,8 @@ from ..identification import identify
 from .ledger import Ledger
 from .printed import NOISE_FREE
 from .problem import NOISE_READINGS, PARAMETERS, PaperProblem, Reading
-from .rival_summary import best_adam
+from .rival_summary import best_adam, name_of
 from .rivals import PAPER_LENGTH
-from .study import random_start
 
 __all__ = ["benchmark_charts"]
 
@@ -23,6 +22,8 @@ _FIGURES = {
     "none": {"PSO": "figures 4 and 5", "GA": "figures 6 and 7", "Adam": "the paper's own training, figure 3"},
     "noise": {"PSO": "figures 9 and 10", "GA": "figures 11 and 12", "Adam": "the paper's own training, figure 8"},
 }
+_THOUSAND = 1000.0
+_ITERATION = "iteration [thousands]"
 _READINGS: tuple[Reading, ...] = ("none", *NOISE_READINGS)
 
 
@@ -33,7 +34,8 @@ def benchmark_charts(ledger: Ledger) -> list[Chart]:
     ]
     rows += [row for reading in _READINGS for row in best_adam(ledger, reading)]
     known = [reading for reading in NOISE_READINGS if ledger.rows(study="statistics", reading=reading)]
-    noise_free = [row for row in rows if row["reading"] == "none"]
+    noise_free = [row for row in rows if row["method"] != "Adam" and row["reading"] == "none"]
+    noise_free += ledger.rows(study="adam", reading="none", iterations=PAPER_LENGTH)
     return [
         _data(),
         *([_convergence(noise_free)] if noise_free else []),
@@ -54,56 +56,60 @@ def _data() -> Chart:
 
 def _convergence(rows: list[dict[str, Any]]) -> Chart:
     """Mean error over the iterations, without noise, beside what the paper prints."""
-    lines = [Line(*_mean_error(row), str(row["method"])) for row in rows]
-    rules = [
-        Rule(float(printed.recomputed().mean()), label=f"{printed.method} as printed", color=5 + k)
-        for k, printed in enumerate(NOISE_FREE)
-    ]
-    panel = Panel((*lines, *rules), "iteration", "mean |error| [%]", y_scale="log")
+    printed = {row.method: float(row.recomputed().mean()) for row in NOISE_FREE}
+    panels = []
+    for title, methods, named, low in (
+        ("searches", ("PSO", "GA"), ("PSO", "GA"), 1e-14),
+        ("training by Adam", ("Adam",), ("PINN",), 1e-6),
+    ):
+        lines = [Line(*_mean_error(row), name_of(row)) for row in rows if row["method"] in methods]
+        rules = [Rule(printed[name], label=f"{name} as printed", color=k) for k, name in enumerate(named)]
+        marks, label = (*lines, *rules), "mean |error| [%]"
+        if lines:
+            panels.append(Panel(marks, _ITERATION, label, title, y_scale="log", y_range=(low, 1e4)))
     title = "Without noise the methods differ in how far they have converged"
-    return Chart("convergence-none", title, (panel,), panel_height=420)
+    return Chart("convergence-none", title, tuple(panels), columns=2, panel_height=380)
 
 
 def _mean_error(row: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
-    """Iteration and mean |error| [%], down to rounding."""
+    """Thousands of iterations and mean |error| [%], down to rounding."""
     course = np.abs(np.array(row["course"]))  # Adam's v_s may be negative, it enters squared
     error = np.mean([PaperProblem().error_percent(values) for values in course], axis=1)
-    return np.array(row["fitness"])[:, 0], np.maximum(error, 1e-13)
+    return np.array(row["fitness"])[:, 0] / _THOUSAND, np.maximum(error, 1e-13)
 
 
 def _ours(reading: Reading) -> Chart:
     draw = PaperProblem().draw(reading, 0)
-    noise = "absolute" if reading == "none" else reading
-    result = identify(draw.velocity, draw.torque, noise=noise, options=random_start(0))
+    result = identify(draw.velocity, draw.torque, noise="absolute" if reading == "none" else reading)
     traces = result.traces
     assert traces is not None
     step = np.arange(1.0, len(traces.data_loss) + 1.0)
-    title = f"Our PINN from a random start, noise: {reading} (figure {'3' if reading == 'none' else '8'})"
+    title = f"Our PINN from variable projection, noise: {reading} (figure {'3' if reading == 'none' else '8'})"
     losses = (Line(step, traces.data_loss, "data"), Line(step, traces.model_loss, "closed form"))
     loss = Panel(losses, "iteration", "mean squared error [(N·m)²]", "loss", y_scale="log")
-    return Chart(f"pinn-{reading}", title, (loss, *_directions(step, traces.parameters)), columns=3)
+    return Chart(f"pinn-{reading}", title, (loss, *_directions(step, traces.parameters, "iteration")), columns=3)
 
 
 def _course(row: dict[str, Any]) -> Chart:
     method, reading = row["method"], row["reading"]
     fitness, course = np.array(row["fitness"]), np.array(row["course"])
     figures = _FIGURES["none" if reading == "none" else "noise"][method]
-    log = method == "Adam"
-    label = "loss [(N·m)²]" if log else "negative log-likelihood"
-    best = Panel(
-        (Line(fitness[:, 0], fitness[:, 1], "best"),), "iteration", label, "fitness", y_scale="log" if log else "linear"
-    )
-    title = f"{method}, noise: {reading} ({figures})"
-    return Chart(f"{method.lower()}-{reading}", title, (best, *_directions(fitness[:, 0], course)), columns=3)
+    step = fitness[:, 0] / _THOUSAND
+    if method == "Adam":
+        first = Panel((Line(step, fitness[:, 1]),), _ITERATION, "loss [(N·m)²]", "loss", y_scale="log")
+    else:
+        first = Panel((Line(step, fitness[:, 1]),), _ITERATION, "negative log-likelihood of the best", "fitness")
+    title = f"{name_of(row)}, noise: {reading} ({figures})"
+    return Chart(f"{method.lower()}-{reading}", title, (first, *_directions(step, course, _ITERATION)), columns=3)
 
 
-def _directions(step: FloatArray, course: FloatArray) -> list[Panel]:
+def _directions(step: FloatArray, course: FloatArray, label: str) -> list[Panel]:
     """Parameters over the iterations, each divided by its true value."""
     true = np.array(PaperProblem().true_values)
     panels = []
     for direction, columns in (("forward", range(4)), ("reverse", range(4, 8))):
         lines = tuple(Line(step, course[:, k] / true[k], PARAMETERS[k]) for k in columns)
-        panels.append(Panel(lines, "iteration", "parameter / true value", direction))
+        panels.append(Panel(lines, label, "parameter / true value", direction))
     return panels
 
 

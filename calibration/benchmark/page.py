@@ -66,7 +66,8 @@ _CONVERGENCE = (
     "On data without noise every method has the same exact optimum, so an error that is left says only that a method "
     "has not converged, and an average of such errors compares stopping times. That holds for the paper's PINN as for "
     "its PSO and GA: compare the errors printed above with those of the same searches run again here for the paper's "
-    "50,000 iterations.\n"
+    "50,000 iterations. The paper does not say where its training by Adam starts; it is repeated here from several "
+    "values, the true ones among them, and what it reaches depends on them.\n"
 )
 
 _SEARCHES = (

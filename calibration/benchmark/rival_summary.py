@@ -11,7 +11,7 @@ import numpy as np
 from .ledger import Ledger
 from .problem import PaperProblem, Reading
 
-__all__ = ["NoiseFreeFigures", "SearchFigures", "best_adam", "summarise_noise_free", "summarise_searches"]
+__all__ = ["NoiseFreeFigures", "SearchFigures", "best_adam", "name_of", "summarise_noise_free", "summarise_searches"]
 
 
 @dataclass(frozen=True)
@@ -23,8 +23,7 @@ class NoiseFreeFigures:
         iterations: Its length; 0 for ours, which ends by itself.
         runs: How many, each from another start.
         converged: How many reported so; all of them where a method reports nothing.
-        smallest_error: Smallest over the runs of the mean |error| [%].
-        median_error: Median of these [%].
+        median_error: Median over the runs of the mean |error| [%].
         largest_error: Largest of these [%].
         seconds: Median time [s].
     """
@@ -33,7 +32,6 @@ class NoiseFreeFigures:
     iterations: int
     runs: int
     converged: int
-    smallest_error: float
     median_error: float
     largest_error: float
     seconds: float
@@ -45,9 +43,18 @@ def summarise_noise_free(ledger: Ledger) -> list[NoiseFreeFigures]:
     if not ours:
         return []
     rows = ledger.rows(study="search", reading="none") + ledger.rows(study="adam", reading="none")
-    kinds = sorted({(str(row["method"]), int(row["iterations"])) for row in rows})
-    others = [(kind, [r for r in rows if (r["method"], r["iterations"]) == kind]) for kind in kinds]
+    kinds = sorted({_kind(row) for row in rows})
+    others = [(kind, [row for row in rows if _kind(row) == kind]) for kind in kinds]
     return [_noise_free("fricomp", 0, ours), *(_noise_free(*kind, found) for kind, found in others)]
+
+
+def _kind(row: dict[str, Any]) -> tuple[str, int]:
+    return name_of(row), int(row["iterations"])
+
+
+def name_of(row: dict[str, Any]) -> str:
+    """The method of a row, and where it started if that was chosen."""
+    return f"{row['method']} from {row['start']}" if "start" in row else str(row["method"])
 
 
 def _noise_free(method: str, iterations: int, rows: Sequence[dict[str, Any]]) -> NoiseFreeFigures:
@@ -57,7 +64,6 @@ def _noise_free(method: str, iterations: int, rows: Sequence[dict[str, Any]]) ->
         iterations=iterations,
         runs=len(rows),
         converged=sum(row.get("status", "converged") == "converged" for row in rows),
-        smallest_error=min(errors),
         median_error=float(np.median(errors)),
         largest_error=max(errors),
         seconds=float(np.median([row["seconds"] for row in rows])),
