@@ -64,9 +64,9 @@ def _convergence(rows: list[dict[str, Any]]) -> Chart:
     ):
         lines = [Line(*_mean_error(row), name_of(row)) for row in rows if row["method"] in methods]
         rules = [Rule(printed[name], label=f"{name} as printed", color=k) for k, name in enumerate(named)]
-        marks, label = (*lines, *rules), "mean |error| [%]"
         if lines:
-            panels.append(Panel(marks, _ITERATION, label, title, y_scale="log", y_range=(low, 1e4)))
+            marks: tuple[Line | Rule, ...] = (*lines, *rules)
+            panels.append(Panel(marks, _ITERATION, "mean |error| [%]", title, y_scale="log", y_range=(low, 1e4)))
     title = "Without noise the methods differ in how far they have converged"
     return Chart("convergence-none", title, tuple(panels), columns=2, panel_height=380)
 

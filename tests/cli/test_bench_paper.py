@@ -6,6 +6,7 @@ from typer.testing import CliRunner
 from fricomp.cli.bench.paper import app
 
 
+@pytest.mark.slow
 def test_a_page_is_written_from_what_there_is(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     call = ["--out", str(tmp_path / "run"), "--docs", str(tmp_path / "docs" / "page.md"), "--page-only"]
