@@ -213,7 +213,7 @@ def torque_noise(values: FloatArray, calm: NDArray[np.bool_] | None = None) -> T
     use = np.ones(values.size, dtype=bool) if calm is None else calm
     second = [np.abs(values[2 * k :] - 2 * values[k:-k] + values[: -2 * k])[use[k:-k]] for k in spans]
     variance = np.array([(np.median(one) / 0.6745) ** 2 for one in second])
-    if variance[0] <= 0.0:
+    if variance.min() <= 0.0:
         return TorqueNoise(0.0, 0.0, 0.0)
     freedom, robust = _tails(float(np.quantile(second[0], 0.99) / np.median(second[0])))
     variance /= robust**2
