@@ -151,7 +151,9 @@ class _Motion:
     def left_out(self, distance: float, memoryless: bool = False) -> FloatArray:
         """Error on blocks that took no part in the fit [N·m]. Shape (n_kept,)."""
         table = self.table(distance, memoryless)
-        return error_on_left_out_blocks(table / np.maximum(np.linalg.norm(table, axis=0), 1e-12), self.torque[self.keep])
+        return error_on_left_out_blocks(
+            table / np.maximum(np.linalg.norm(table, axis=0), 1e-12), self.torque[self.keep]
+        )
 
     def nearest(self, distances: FloatArray) -> tuple[FloatArray | None, FloatArray]:
         """Three distances about the best one, and its error; None where the best one is at an end of the range."""
