@@ -80,7 +80,7 @@ def confirm(
 def _folds(sizes: list[int]) -> list[tuple[FloatArray, FloatArray]]:
     """Masks of training and test rows: whole recordings where there are several, else blocks with gaps."""
     total, ends = sum(sizes), np.cumsum([0, *sizes])
-    if len(sizes) > 2:
+    if len(sizes) > 1:
         cuts = [(int(a), int(b), 0) for a, b in pairwise(ends)]
     else:
         edges = np.linspace(0, total, _BLOCKS + 1).astype(int)

@@ -19,9 +19,11 @@ Nothing is tuned to a file; what the diagnosis knows of it are its samples and t
 
     fricomp bench real --page docs/real.md --out runs/real
 
-The data are not in the project (see [recordings](recordings.md) for where they come from). Errors are on blocks that
-took no part in the fit, of residuals averaged over tens of milliseconds, or of single samples where a ripple or a
-drive was named; so they compare with each other in a row, and with published figures only roughly.
+The data are not in the project (see [recordings](recordings.md) for where they come from). Errors are on data that
+took no part in the fit: whole recordings, one after another, where a case has several; blocks of time where it has
+one, and for ripples, drives and presliding found in the samples; the last third of each session for an arm. They are
+of residuals averaged over tens of milliseconds, or of single samples where a ripple, a drive or presliding was found
+in the samples. So they compare with each other in a row, and with published figures only roughly.
 """
 _MARK = {True: "yes", False: "**no**", None: "nothing promised"}
 
@@ -35,10 +37,20 @@ def write_real_page(outcomes: Sequence[RealOutcome], page: Path) -> None:
 
 def _overview(outcomes: Sequence[RealOutcome]) -> str:
     rows = [
-        f"| {one.case.name} | {_answer(one)} | {_errors(one)} | {_mark(one)} | {one.seconds:.0f} |" for one in outcomes
+        f"| {one.case.name} | {_answer(one)} | {_errors(one)} | {_values(one)} | {_mark(one)} | {one.seconds:.0f} |"
+        for one in outcomes
     ]
-    head = "| recording | answer | held-out error, before → after (floor) | as expected | time [s] |"
-    return "\n".join([head, "|---|---|---|---|---|", *rows])
+    head = (
+        "| recording | answer | held-out error, before → after (floor) | known: found | as expected | time [s] |\n"
+        "|---|---|---|---|---|---|"
+    )
+    return "\n".join([head, *rows])
+
+
+def _values(outcome: RealOutcome) -> str:
+    """What is known of the parameters, beside what was found."""
+    parts = [f"{name.replace('_', ' ')} {known:.4g}: {format_quantity(q)}" for name, known, q in outcome.found_values]
+    return "; ".join(parts) or "–"
 
 
 def _mark(outcome: RealOutcome) -> str:

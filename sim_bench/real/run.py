@@ -11,8 +11,9 @@ import msgspec
 from fricomp.errors import FricompError
 from fricomp.recording import read_public
 
-from ..diagnosis import Diagnosis, DiagnosisRecord, diagnose, load_diagnosis
+from ..diagnosis import Diagnosis, DiagnosisRecord, Quantity, diagnose, load_diagnosis
 from ..diagnosis.presentation import with_names, write_diagnosis
+from .arm import ARMS, arm_xml
 from .cases import RealCase
 
 __all__ = ["RealOutcome", "run_case"]
@@ -47,6 +48,12 @@ class RealOutcome:
         if not self.case.expected:
             return not named & set(self.case.refuted) if self.case.refuted else None
         return bool(self.names & set(self.case.expected)) and not named & set(self.case.refuted)
+
+    @property
+    def found_values(self) -> tuple[tuple[str, float, Quantity], ...]:
+        """Name, known value and found value of each parameter of the named effects that the case knows."""
+        found = {n: q for effect in (self.record.effects if self.record else ()) for n, q in effect.parameters.items()}
+        return tuple((name, value, found[name]) for name, value, _ in self.case.known if name in found)
 
     @property
     def strongest_rejected(self) -> str:
@@ -88,11 +95,21 @@ def run_case(case: RealCase, out: Path, *, seed: int = 0, resume: bool = False) 
     return outcome
 
 
+def _written_arm(name: str, place: Path) -> Path:
+    """The arm's kinematics as a file, for the diagnosis and for whoever repeats it by hand."""
+    place.mkdir(parents=True, exist_ok=True)
+    path = place / "arm.xml"
+    path.write_text(arm_xml(name, ARMS[name]), encoding="utf-8")
+    return path
+
+
 def _diagnose(case: RealCase, place: Path, seed: int) -> RealOutcome:
     start = time.perf_counter()
     try:
-        recordings = [recording for source in case.sources for recording in read_public(source)]
-        diagnosis: Diagnosis = with_names(diagnose(recordings, seed=seed), case.sources)
+        named = [(source, recording) for source in case.sources for recording in read_public(source)]
+        names = [f"{source}/{one.metadata.joint}" if case.arm else source for source, one in named]
+        simulation = _written_arm(case.arm, place) if case.arm else None
+        diagnosis: Diagnosis = with_names(diagnose([one for _, one in named], simulation, seed=seed), names)
     except FricompError as error:
         return RealOutcome(case, None, str(error), time.perf_counter() - start)
     seconds = time.perf_counter() - start

@@ -112,7 +112,7 @@ def test_the_page_names_the_strongest_refused_rival(tmp_path: Path) -> None:
     write_real_page([_outcome("load_quadratic", rivals)], tmp_path / "real.md")
     text = (tmp_path / "real.md").read_text()
     assert "end_stop: pulls" in text
-    assert "| case | `load_quadratic` | 0.25 → 0.05 (0.04) A | in its alias set | 1 |" in text
+    assert "| case | `load_quadratic` | 0.25 → 0.05 (0.04) A | – | in its alias set | 1 |" in text
 
 
 def test_an_absent_recording_is_told_and_kept_for_the_page(tmp_path: Path) -> None:
