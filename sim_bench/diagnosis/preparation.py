@@ -6,10 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import solve_toeplitz
 
 from .base import BASE_NAMES, BaseModel, unpack
 from .context import build_contexts
 from .generic import generic_rows
+from .hypotheses import narrowed
 from .nulls import Nulls, make_nulls
 from .observer import Contribution, Observer
 from .order import order_hints
@@ -25,7 +27,9 @@ from .weak_form import estimate_plant
 __all__ = ["Prepared", "prepare"]
 
 _FIRST_NULLS = 12  # for the weights of the first refit
-_LEVEL = (0.6, 1.4)  # most that the noise found in single samples is corrected by
+_SAME_COLOUR = 0.08  # difference of correlations that chance may bring
+_QUIET = 1.8  # times the nulls' noise, beyond which the correlation is that of something missing
+_LEVEL = (0.6, 1.8)  # most that the noise found in single samples is corrected by
 
 
 @dataclass(frozen=True)
@@ -86,22 +90,50 @@ def prepare(
     raw = problem
     for count in (_FIRST_NULLS, nulls):
         fit, problem, found = _reweigh(raw, fit, base.box, count, seed)
-    prepared = Prepared(problem, _structure(problem, fit), fit, base.box, found)
-    return _level_noise(prepared)
+    prepared = Prepared(problem, _structure(problem, fit, base.box), fit, base.box, found)
+    return _level_noise(_recoloured(prepared))
 
 
-def _level_noise(prepared: Prepared) -> Prepared:
-    """Scale the nulls to the part of the residual that neither the base nor any smooth torque reaches."""
+def _noise_parts(prepared: Prepared) -> tuple[FloatArray, list[FloatArray]]:
+    """What neither the base nor any smooth torque reaches: of the residual, shape (m,), and of each null."""
     span = orthonormal(
         np.concatenate([prepared.fit.jacobian, generic_rows(prepared.problem, prepared.structure.contexts)], axis=1),
         1e-6,
     )
-    ours = _trimmed(project_out(prepared.fit.residual[:, None], span)[:, 0])
-    theirs = float(np.mean([_trimmed(project_out(v[:, None], span)[:, 0]) for v in prepared.nulls.vectors()]))
-    factor = float(np.clip(ours / theirs, *_LEVEL))
-    nulls, fit = prepared.nulls.scaled(factor), prepared.fit
+    ours, *theirs = (project_out(v[:, None], span)[:, 0] for v in (prepared.fit.residual, *prepared.nulls.vectors()))
+    return ours, theirs
+
+
+def _recoloured(prepared: Prepared) -> Prepared:
+    """Whiten the residual by its own correlation where it is not that of the nulls, which keep theirs."""
+    ours, theirs = _noise_parts(prepared)
+    shift = _correlation(ours) - np.mean([_correlation(one) for one in theirs], axis=0)
+    if np.max(np.abs(shift)) < _SAME_COLOUR or _trimmed(ours) > _QUIET * np.mean([_trimmed(one) for one in theirs]):
+        return prepared
+    extra = solve_toeplitz(np.array([1.0, *shift[:-1]]), shift)
+    weights = prepared.nulls.weights
+    whitener = np.convolve(weights.whitener, [1.0, *-extra]) / np.sqrt(max(1.0 - extra @ shift, 0.1))
+    problem = replace(prepared.problem, weights=replace(weights, whitener=whitener))
+    evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
+    fit = minimise(evaluate, prepared.fit.theta, prepared.box, iterations=6, refresh=2)
+    return replace(prepared, problem=problem, fit=fit)
+
+
+def _correlation(values: FloatArray) -> FloatArray:
+    """Correlation over one to three rows, of values clipped at three robust deviations. Shape (3,)."""
+    limit = 3.0 * float(np.median(np.abs(values))) / 0.6745
+    x = np.clip(values, -limit, limit)
+    return np.array([float(x[lag:] @ x[:-lag]) for lag in (1, 2, 3)]) / float(x @ x)
+
+
+def _level_noise(prepared: Prepared) -> Prepared:
+    """Scale the nulls to the part of the residual that neither the base nor any smooth torque reaches."""
+    ours, theirs = _noise_parts(prepared)
+    factor = float(np.clip(_trimmed(ours) / np.mean([_trimmed(one) for one in theirs]), *_LEVEL))
+    nulls, fit, own = prepared.nulls.scaled(factor), prepared.fit, prepared.problem.weights
     fit = replace(fit, residual=fit.residual / factor, jacobian=fit.jacobian / factor, cost=fit.cost / factor**2)
-    return replace(prepared, problem=replace(prepared.problem, weights=nulls.weights), fit=fit, nulls=nulls)
+    weights = nulls.weights if own is None else replace(nulls.weights, whitener=own.whitener)
+    return replace(prepared, problem=replace(prepared.problem, weights=weights), fit=fit, nulls=nulls)
 
 
 def _trimmed(values: FloatArray) -> float:
@@ -120,11 +152,12 @@ def _reweigh(problem: Problem, fit: Fit, box: Box, count: int, seed: int) -> tup
     return minimise(evaluate, fit.theta, box, iterations=12, refresh=2), problem, nulls
 
 
-def _structure(problem: Problem, fit: Fit) -> Structure:
+def _structure(problem: Problem, fit: Fit, box: Box) -> Structure:
     plant = unpack(fit.theta)
     runs = problem.runs([plant], [[Contribution()] * len(problem.tracks)])[0]
     contexts = build_contexts(problem, plant, runs, {})
     basis = orthonormal(fit.jacobian)
     hints = order_hints(problem, contexts, project_out(fit.residual[:, None], basis)[:, 0], basis)
-    hints["window"] = time_windows(problem, fit.residual)
+    hints["window"] = time_windows(problem, contexts, fit, box)
+    hints |= narrowed(problem, Structure(tuple(contexts)), fit.residual, basis)
     return Structure(tuple(replace(context, hints=hints) for context in contexts))

@@ -24,6 +24,7 @@ _PARTNERS = 4  # partners tried for each
 _ENOUGH = 0.98  # coverage at which nothing more is looked for
 _QUANTILE = 0.98
 _LEAST_GAIN = 30.0
+_ANOTHER = 0.05  # of the gain, that one more effect must add: less is the form of the first one not quite met
 _MATERIAL = 0.05  # gain per row: below it the base model's own small errors could be named
 
 
@@ -110,7 +111,7 @@ def _choose(tried: Sequence[Explanation], threshold: float) -> Explanation | Non
             continue
         top = options[0]
         if best is None or (
-            top.gain > best.gain + max(threshold, 0.02 * best.gain) and top.coverage > best.coverage + 0.015
+            top.gain > best.gain + max(threshold, _ANOTHER * best.gain) and top.coverage > best.coverage + 0.015
         ):
             best = top
     return best

@@ -171,7 +171,9 @@ def _effects(
     if chosen is None:
         return []
     box = answer.prepared.box.joined(chosen.structure.box())
-    deviations = np.sqrt(np.maximum(np.diag(covariance(chosen.fit.jacobian, box)), 0.0))[N_BASE:]
+    # What the structure does not quite explain is spread over its parameters as if it were noise.
+    loud = max(1.0, float(chosen.fit.residual @ chosen.fit.residual) / chosen.fit.residual.size)
+    deviations = np.sqrt(loud * np.maximum(np.diag(covariance(chosen.fit.jacobian, box)), 0.0))[N_BASE:]
     energies = {name: effect_energy(answer.prepared, chosen.structure, chosen.fit.theta, name) for name in chosen.names}
     total = sum(float(np.sum(np.concatenate(e))) for e in energies.values())
     effects = []
