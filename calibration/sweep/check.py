@@ -48,6 +48,7 @@ def calibration_checks(calibration: Calibration) -> tuple[Check, ...]:
         *_breakaway(calibration),
         compensation_check(analysis),
         _rigid_body(analysis),
+        _unit(analysis),
         _convergence(calibration),
         _fit(calibration),
         _timing(calibration),
@@ -151,6 +152,18 @@ def _rigid_body(analysis: SweepAnalysis) -> Check | None:
     )
     wrong = abs(fit.scale - 1.0) > max(MODEL_AGREES, SIGNIFICANT * fit.scale_deviation)
     return Check("Rigid-body model", "warning" if wrong else "passed", said)
+
+
+def _unit(analysis: SweepAnalysis) -> Check | None:
+    unit = analysis.metadata.torque_unit
+    if unit in ("N·m", "N"):
+        return None
+    return Check(
+        "Unit of torque",
+        "note",
+        f"everything is in {unit}, the actuator's own unit, in which the model is also applied, so that an error of "
+        "the torque constant cancels; for newton metres hang a known weight (--torque-constant)",
+    )
 
 
 def _convergence(calibration: Calibration) -> Check:

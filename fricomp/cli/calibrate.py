@@ -23,6 +23,8 @@ fricomp calibrate --backend canopen --config joint.toml --dry-run
 fricomp calibrate --backend canopen --config joint.toml --out runs/elbow --adaptive --accuracy 0.5
 
 fricomp calibrate --resume --out runs/elbow
+
+fricomp calibrate --torque-constant --weight 0.5 --lever 0.25 --backend dynamixel --config joint.toml
 """
 
 
@@ -56,6 +58,11 @@ def calibrate(
     accuracy: Annotated[float, typer.Option(help="Mean standard deviation at which --adaptive stops \\[%].")] = 0.5,
     seed: Annotated[int, typer.Option(help="Of the order, the network's first weights and simulated noise.")] = 0,
     motion: Annotated[Path | None, typer.Option(help="Record this motion (CSV: time, velocity) instead.")] = None,
+    torque_constant: Annotated[
+        bool, typer.Option("--torque-constant", help="Hang a known weight to find the newton metres of a reading.")
+    ] = False,
+    weight: Annotated[float, typer.Option(help="Hung for --torque-constant \\[kg].")] = 0.0,
+    lever: Annotated[float, typer.Option(help="From the axis to where it hangs \\[m].")] = 0.0,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Print the plan and what it can tell; nothing moves.")
     ] = False,
@@ -68,7 +75,9 @@ def calibrate(
     torque at any time; what was recorded stays, and --resume goes on.
     """
     from fricomp.calibration.sweep import CalibrationOptions, CalibrationRequest, IdentificationSettings, SweepSettings
+    from fricomp.calibration.sweep.weight import HungWeight
     from fricomp.cli.calibration import dry_run_plan, record_file, resume_run, start_run
+    from fricomp.cli.torque_constant import measure_torque_constant
 
     if resume:
         resume_run(out)
@@ -84,7 +93,9 @@ def calibrate(
     configuration, file = adapter_configuration(backend, config, model, seed)
     mechanism = "" if gravity_unknown else file
     request = CalibrationRequest(backend, configuration, joint, mechanism, settings, options)
-    if dry_run:
+    if torque_constant:
+        measure_torque_constant(request, HungWeight(weight, lever), out)
+    elif dry_run:
         dry_run_plan(request)
     elif motion is not None:
         record_file(request, motion, out)

@@ -42,26 +42,26 @@ from fricomp.calibration.sweep.sweep import Progress
 from fricomp.cli.terminal import console, progress
 from fricomp.errors import ParameterError
 
-__all__ = ["dry_run_plan", "record_file", "resume_run", "start_run"]
+__all__ = ["dry_run_plan", "follow", "open_joint", "record_file", "resume_run", "start_run"]
 
 
 def start_run(request: CalibrationRequest, out: Path, *, overwrite: bool) -> None:
     """Calibrate into a new folder, or in place of the run that is there."""
-    with _open(request) as context:
+    with open_joint(request) as context:
         _run(context, RunFolder.create(out, request, overwrite=overwrite))
 
 
 def resume_run(out: Path) -> None:
     """Go on with the run in a folder."""
     folder = RunFolder.resume(out)
-    with _open(folder.request) as context:
+    with open_joint(folder.request) as context:
         _run(context, folder)
 
 
 def record_file(request: CalibrationRequest, motion: Path, out: Path) -> None:
     """Record a motion from a file into a new folder."""
     wanted = read_motion(motion)
-    with _open(request) as context:
+    with open_joint(request) as context:
         folder = RunFolder.create(out, request)
         with folder.open_writer(context.metadata(), channels_of(context)) as writer, _interruptible(folder):
             sweep = Sweep(context, writer, SweepData())
@@ -74,7 +74,7 @@ def record_file(request: CalibrationRequest, motion: Path, out: Path) -> None:
 
 def dry_run_plan(request: CalibrationRequest) -> None:
     """Print the plan, its travel, its duration and the accuracy to expect; nothing is energised."""
-    with _open(request) as context:
+    with open_joint(request) as context:
         adapter, index, settings = context.adapter, context.joint, context.settings
         declared, limits = adapter.capabilities.joints[index], adapter.options.limits[index]
         travel = travel_of(declared, limits.position, limits.velocity, 0.0)
@@ -109,7 +109,7 @@ def dry_run_plan(request: CalibrationRequest) -> None:
 
 
 @contextmanager
-def _open(request: CalibrationRequest) -> Iterator[SweepContext]:
+def open_joint(request: CalibrationRequest) -> Iterator[SweepContext]:
     """The joint, open; zero torque and closed at the end, whatever happens."""
     for number in (signal.SIGTERM, signal.SIGINT):  # a shell starts background jobs with SIGINT switched off
         signal.signal(number, _terminate)
@@ -143,7 +143,7 @@ def _interruptible(folder: RunFolder) -> Iterator[None]:
 
 def _run(context: SweepContext, folder: RunFolder) -> None:
     with progress() as bar, _interruptible(folder):
-        calibration = calibrate(context, folder, folder.request.options, _follow(bar))
+        calibration = calibrate(context, folder, folder.request.options, follow(bar))
         context.adapter.close()
         bar.update(bar.task_ids[0], description="writing the report", completed=0.0)
         checks = calibration_checks(calibration)
@@ -169,7 +169,8 @@ def _run(context: SweepContext, folder: RunFolder) -> None:
     screen.print(f"In [bold]{folder.path}[/bold]: {', '.join(file.name for file in written)}, {len(pictures)} pictures")
 
 
-def _follow(bar: Bar) -> Progress:
+def follow(bar: Bar) -> Progress:
+    """What shows progress on a bar."""
     task = bar.add_task("starting", total=1.0)
 
     def report(text: str, done: float) -> None:

@@ -26,8 +26,14 @@ def twin_address(twin: DriveTwin) -> str | None:
     return getattr(carrier, "address", None)
 
 
-def adapter_table(protocol: str, twin: DriveTwin) -> dict[str, Any]:
-    """What the adapter of this protocol is to know of the drives, with the limits of the simulated ones."""
+def adapter_table(protocol: str, twin: DriveTwin, *, in_amperes: bool = False) -> dict[str, Any]:
+    """What the adapter of this protocol is to know of the drives, with the limits of the simulated ones.
+
+    Args:
+        protocol: One of `PROTOCOLS`.
+        twin: Of this protocol.
+        in_amperes: Leave the torque constants out, where the adapter can do without.
+    """
     joints = []
     names = [joint.name for joint in twin.stand_in.settings.joints]
     for name, limits, drive in zip(names, default_limits(twin.stand_in), _drives(twin), strict=True):
@@ -40,6 +46,10 @@ def adapter_table(protocol: str, twin: DriveTwin) -> dict[str, Any]:
         if limits.position is not None:
             allowed["position"] = list(limits.position)
         joint = {"name": name, **drive.settings.adapter_entry(), **_gains(protocol, drive), "limits": allowed}
+        if in_amperes and protocol == "dynamixel":
+            constant = joint.pop("torque_constant")
+            allowed["torque"] /= constant
+            allowed["torque_rate"] /= constant
         if drive.axis.gear_ratio != 1.0:
             joint["transmission"] = {"gear_ratio": drive.axis.gear_ratio}
         joints.append(joint)

@@ -143,7 +143,7 @@ def _twin(
         raise AdapterConfigurationError(str(error)) from error
     line.on_sent = twin.pump
     way = {"bus": {"interface": "virtual"}} if protocol in CAN_PROTOCOLS else {"serial": {"port": "loop://"}}
-    return twin, way | adapter_table(protocol, twin)
+    return twin, way | adapter_table(protocol, twin, in_amperes=bool(wanted.get("in_amperes", False)))
 
 
 def _joined(adapter: _Adapter, twin: DriveTwin) -> _Adapter:

@@ -53,11 +53,14 @@ class TwinTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         drives: One table a joint: fields of the protocol's settings, and `gear_ratio`. Left out, every joint gets
             a drive as delivered, with identifiers from 1.
         sim: The joints, as for the `sim` backend.
+        in_amperes: Do not tell the adapter the torque constants, so that torque stays in amperes where the drive
+            counts it so.
     """
 
     link: Link = Link()
     drives: list[dict[str, Any]] = []
     sim: dict[str, Any] = {}
+    in_amperes: bool = False
 
 
 def make_twin(

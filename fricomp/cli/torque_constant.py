@@ -1,0 +1,76 @@
+"""`fricomp calibrate --torque-constant`: a known weight tells what a reading of torque is in newton metres."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import msgspec
+import typer
+
+from fricomp.calibration.sweep import CalibrationRequest
+from fricomp.calibration.sweep.weight import HungWeight, TorqueConstant, identify_torque_constant, record_passes
+from fricomp.cli.calibration import follow, open_joint
+from fricomp.cli.terminal import console, progress
+from fricomp.errors import SweepAborted
+from fricomp.recording import Recording, write_recording
+
+__all__ = ["measure_torque_constant"]
+
+N_PASSES = 4
+
+
+def measure_torque_constant(request: CalibrationRequest, weight: HungWeight, out: Path) -> None:
+    """Move the joint without and with the weight, and write what that says; a simulated joint hangs it by itself."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise SweepAborted(f"cannot make the folder {out}: {error.strerror or error}") from error
+    with open_joint(request) as context:
+        simulated = context.adapter.capabilities.simulated
+    bare = _record(request, weight, out, simulated=simulated, hung=False)
+    loaded = _record(request, weight, out, simulated=simulated, hung=True)
+    found = identify_torque_constant(bare, loaded, weight)
+    (out / "torque_constant.json").write_bytes(msgspec.json.format(msgspec.json.encode(asdict(found))) + b"\n")
+    _print(found, out)
+
+
+def _record(
+    request: CalibrationRequest, weight: HungWeight, out: Path, *, simulated: bool, hung: bool
+) -> tuple[Recording, ...]:
+    name = "loaded" if hung else "bare"
+    if simulated:
+        from fricomp.sim_bench.twins.weight import hang_weight
+
+        mass = weight.mass if hung else 0.0
+        file = out / f"{name}.xml"
+        table = hang_weight(request.backend, request.configuration, request.joint, (mass, weight.lever), file)
+        request = replace(request, configuration=table, model="")
+    else:
+        wanted = f"Hang {weight.mass:g} kg at {weight.lever:g} m from the axis" if hung else "Take the weight off"
+        typer.prompt(
+            f"{wanted}; the joint then moves slowly over its travel. Enter goes on", default="", prompt_suffix=""
+        )
+    with open_joint(request) as context, progress() as bar:
+        passes = record_passes(context, N_PASSES, follow(bar))
+    for number, samples in enumerate(passes):
+        write_recording(samples, out / f"{name}-{number}.csv")
+    return passes
+
+
+def _print(found: TorqueConstant, out: Path) -> None:
+    unit, reach = found.unit, 1.96 * found.deviation
+    screen = console()
+    screen.print(
+        f"Gravity reads up to {found.bare:.4g} {unit} without the weight, which adds {found.added:.4g} {unit}: "
+        f"[bold]1 {unit} of the reading is {found.value:.5g} ± {reach:.1g} N·m[/bold] on the joint (± 95 %, not "
+        "counting how well weight and lever are known)."
+    )
+    if unit in ("N·m", "N"):
+        screen.print(
+            "The drive reads in N·m already: a factor other than 1 is an error of its torque constant or rated torque; "
+            "correct it there."
+        )
+    else:
+        screen.print(f"Put torque_constant = {found.value:.5g} into the joint's table, and everything is in N·m.")
+    screen.print(f"In [bold]{out}[/bold]: torque_constant.json, recordings of every pass")

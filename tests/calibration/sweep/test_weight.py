@@ -1,0 +1,98 @@
+"""Newton metres from a hung weight: on made-up readings, on the stand-in, and through a servo that counts amperes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fricomp.adapters import open_adapter
+from fricomp.calibration.sweep import SweepContext, SweepSettings
+from fricomp.calibration.sweep.weight import HungWeight, identify_torque_constant, record_passes
+from fricomp.cli.main import app
+from fricomp.errors import IdentificationError, ParameterError, SweepAborted
+from fricomp.recording import Recording, RecordingMetadata
+from fricomp.sim_bench.twins.weight import hang_weight
+
+WEIGHT = HungWeight(0.5, 0.25)
+ARM = {"model": "two_link_arm"}
+
+
+def passes(constant: float, moment: float, n_pairs: int = 3, friction: float = 0.3) -> list[Recording]:
+    """Readings [A] of a joint whose friction grows with its load, its own weight hanging obliquely."""
+    generator = np.random.default_rng(round(1e3 * moment))
+    made = []
+    for number in range(2 * n_pairs):
+        q = np.linspace(-1.2, 1.5, 2000)[:: 1 if number % 2 == 0 else -1]
+        gravity = 0.7 * np.sin(q + 0.2) + moment * np.sin(q - 0.1)
+        direction = 1.0 if number % 2 == 0 else -1.0
+        torque = gravity + direction * (friction + 0.2 * np.abs(gravity))
+        reading = torque / constant + 0.02 + 0.01 * generator.normal(size=len(q))
+        metadata = RecordingMetadata(joint="joint", torque_unit="A")
+        made.append(Recording(np.arange(len(q)) * 2e-3, q, reading, metadata=metadata))
+    return made
+
+
+@pytest.mark.parametrize("constant", [0.05, 1.78])
+def test_a_torque_constant_is_recovered_whatever_the_friction(constant: float) -> None:
+    found = identify_torque_constant(passes(constant, 0.0), passes(constant, WEIGHT.moment), WEIGHT)
+    assert found.value == pytest.approx(constant, rel=5e-3)
+    assert found.unit == "A"
+    assert found.added * constant == pytest.approx(WEIGHT.moment, rel=5e-3)
+
+
+def test_a_weight_that_does_not_show_is_refused() -> None:
+    with pytest.raises(IdentificationError, match="axis that is horizontal"):
+        identify_torque_constant(passes(1.0, 0.0), passes(1.0, 1e-5), WEIGHT)
+
+
+def test_one_pass_is_too_few() -> None:
+    with pytest.raises(IdentificationError, match="too few"):
+        identify_torque_constant(passes(1.0, 0.0, 1), passes(1.0, 1.0, 1), WEIGHT)
+
+
+@pytest.mark.parametrize(("mass", "lever"), [(0.0, 0.25), (0.5, 0.0), (-1.0, 1.0)])
+def test_a_weight_of_nothing_is_refused(mass: float, lever: float) -> None:
+    with pytest.raises(ParameterError, match="--weight"):
+        HungWeight(mass, lever)
+
+
+def record(backend: str, table: dict[str, object], tmp_path: Path) -> list[tuple[Recording, ...]]:
+    found = []
+    for mass in (0.0, WEIGHT.mass):
+        changed = hang_weight(backend, table, "elbow", (mass, WEIGHT.lever), tmp_path / f"{mass}.xml")
+        with open_adapter(backend, changed) as adapter:
+            found.append(record_passes(SweepContext(adapter, 1, SweepSettings()), 2))
+            assert not adapter.enabled
+    return found
+
+
+def test_a_sensor_that_reads_too_much_is_found_out(tmp_path: Path) -> None:
+    joints = [{"name": "shoulder"}, {"name": "elbow", "sensor": {"torque_gain": 1.05}}]
+    bare, loaded = record("sim", ARM | {"joints": joints}, tmp_path)
+    found = identify_torque_constant(bare, loaded, WEIGHT)
+    assert found.unit == "N·m"
+    assert found.value == pytest.approx(1.0 / 1.05, rel=2e-3)
+
+
+def test_another_joint_that_gives_way_is_told(tmp_path: Path) -> None:
+    """The soft velocity mode of an MIT motor lets the shoulder sink while the elbow swings its weight."""
+    with pytest.raises(SweepAborted, match="lock it"):
+        record("twin-mit", {"sim": ARM}, tmp_path)
+
+
+@pytest.mark.slow
+def test_the_command_finds_the_torque_constant_of_a_servo_that_counts_amperes(tmp_path: Path) -> None:
+    config = tmp_path / "twin.toml"
+    config.write_text('in_amperes = true\n[sim]\nmodel = "two_link_arm"\n')
+    arguments = ["calibrate", "--torque-constant", "--weight", "0.5", "--lever", "0.25", "--backend", "twin-dynamixel"]
+    arguments += ["--joint", "elbow", "--config", str(config), "--out", str(tmp_path / "run")]
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 0, result.output
+    assert "torque_constant = 1.7" in result.output
+    found = msgspec.json.decode((tmp_path / "run" / "torque_constant.json").read_bytes())
+    assert found["unit"] == "A"
+    assert found["value"] == pytest.approx(1.78, rel=5e-3)
