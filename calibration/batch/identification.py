@@ -17,7 +17,7 @@ from ..identification.observation import Observations
 from ..identification.result import Status
 from .likelihood import BatchNoise, Linearised, compute_curve, compute_information, likelihood_of, linearise
 from .points import PointBatch, observe_all, stack_points
-from .projection import find_starts
+from .projection import Basins, find_starts, scan_basins
 from .refinement import refine_all
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["BatchIdentification", "identify_batch"]
 
 _FORM = separable_law("stribeck")
-_CHUNK = 2_000_000  # values at once on a processor: 16 MB in each temporary array
+_CHUNK = 4_000_000  # values at once on a processor: 32 MB in each temporary array
 _CLOSE_ENOUGH = 0.05  # distance from the optimum that counts as converged [standard deviations]
 
 
@@ -134,18 +134,19 @@ def _identify(points: PointBatch, kinds: tuple[BatchNoise, ...]) -> list[np.ndar
     """The columns of `BatchIdentification` for one batch."""
     import torch
 
-    fits = [_fit(points, kind) for kind in kinds]
+    plain = scan_basins(points, points.given)
+    fits = [_fit(points, plain, kind) for kind in kinds]
     best = torch.stack([fit.likelihood for fit in fits]).argmin(dim=0)
     described = [_describe(fit, points, kind) for fit, kind in zip(fits, kinds, strict=True)]
     choice = best.cpu().numpy()
     return [np.stack(column)[choice, np.arange(len(choice))] for column in zip(*described, strict=True)]
 
 
-def _fit(points: PointBatch, noise: BatchNoise) -> _Fit:
+def _fit(points: PointBatch, plain: Basins, noise: BatchNoise) -> _Fit:
     """The best optimum of each joint over its starts."""
     import torch
 
-    starts = find_starts(points, noise)
+    starts = find_starts(points, plain, noise)
     mine = points.select(starts.joint)
     logs = refine_all(starts.logs, mine, noise)
     likelihood = likelihood_of(linearise(compute_curve(logs, mine), mine, noise).cost, mine)

@@ -15,12 +15,28 @@ from .points import BRANCH, PointBatch
 if TYPE_CHECKING:
     import torch
 
-__all__ = ["Starts", "find_starts"]
+__all__ = ["Basins", "Starts", "find_starts", "scan_basins"]
 
 _GRID = 48
 _SMALLEST = 1e-3
 """A linear parameter that projection puts at zero starts at this fraction of its column's scale."""
 _SUBSETS = tuple(kept for size in (1, 2, 3) for kept in combinations(range(3), size))
+
+
+class Basins(NamedTuple):
+    """The best basin and, where there is one, the second best of each direction.
+
+    Attributes:
+        forward: Logarithms of the parameters. Shape (n_joints, 2, 4).
+        forward_known: Whether there is a second one. Shape (n_joints,).
+        reverse: As `forward`.
+        reverse_known: As `forward_known`.
+    """
+
+    forward: torch.Tensor
+    forward_known: torch.Tensor
+    reverse: torch.Tensor
+    reverse_known: torch.Tensor
 
 
 class Starts(NamedTuple):
@@ -35,18 +51,33 @@ class Starts(NamedTuple):
     logs: torch.Tensor
 
 
-def find_starts(points: PointBatch, noise: BatchNoise) -> Starts:
-    """Up to three starts a joint: both directions in their best basin, and either in its second one."""
+def scan_basins(points: PointBatch, weight: torch.Tensor) -> Basins:
+    """The two best basins of each direction.
+
+    Args:
+        points: Of the joints.
+        weight: Of each point; 0 where padded. Shape (n_joints, 2, n_points).
+    """
+    return Basins(*_scan(points, weight, 0), *_scan(points, weight, 1))
+
+
+def find_starts(points: PointBatch, plain: Basins, noise: BatchNoise) -> Starts:
+    """Up to three starts a joint: both directions in their best basin, and either in its second one.
+
+    Args:
+        points: Of the joints.
+        plain: Basins without weights.
+        noise: Noise model; `relative` looks for the basins again, weighted by the best curve so far.
+    """
     import torch
 
-    weight = points.given
-    sides = [_scan(points, weight, k) for k in (0, 1)]
+    basins = plain
     if noise == "relative":
-        best = torch.cat([logs[:, 0] for logs, _ in sides], dim=1)
+        best = torch.cat([plain.forward[:, 0], plain.reverse[:, 0]], dim=1)
         floor = 1e-3 * points.torque_scale[:, None, None]
         weight = points.given / torch.maximum(compute_curve(best, points).magnitude, floor)
-        sides = [_scan(points, weight, k) for k in (0, 1)]
-    (forward, forward_known), (reverse, reverse_known) = sides
+        basins = scan_basins(points, weight)
+    forward, forward_known, reverse, reverse_known = basins
     every = torch.arange(len(forward), device=forward.device)
     chosen = [(every, 0, 0), (every[forward_known], 1, 0), (every[reverse_known], 0, 1)]
     return Starts(
