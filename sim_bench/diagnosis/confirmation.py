@@ -17,6 +17,7 @@ __all__ = ["Confirmation", "confirm"]
 _BLOCKS = 6
 _GAP_ROWS = 15  # 0.3 s, five correlation times of the rows
 _BOOTSTRAPS = 400
+_PARTS = (1.0, 0.25)  # of a step that are simulated
 
 
 @dataclass(frozen=True)
@@ -47,8 +48,12 @@ def confirm(
     after_fit = structure.residuals(prepared.problem, [theta])[0]
     box = prepared.box.joined(structure.box())
     folds = _folds(sizes)
-    before = _held_out(prepared.fit.residual, prepared.fit.jacobian, prepared.box, prepared.fit.theta, folds)
-    after = _held_out(after_fit, jacobian, box, theta, folds)
+    before = _held_out(prepared.fit.residual, prepared.fit.jacobian, prepared.box, folds)
+    if any(not parameter.linear for _, parameter in structure.parameters()):
+        moves = [_move(after_fit, jacobian, box, train) for train, _ in folds]
+        after = _held_out_by_simulation(prepared, structure, theta, after_fit, list(zip(folds, moves, strict=True)))
+    else:
+        after = _held_out(after_fit, jacobian, box, folds)
     raw = [
         np.concatenate(
             [
@@ -80,7 +85,7 @@ def confirm(
 def _folds(sizes: list[int]) -> list[tuple[FloatArray, FloatArray]]:
     """Masks of training and test rows: whole recordings where there are several, else blocks with gaps."""
     total, ends = sum(sizes), np.cumsum([0, *sizes])
-    if len(sizes) > 1:
+    if len(sizes) > 2:
         cuts = [(int(a), int(b), 0) for a, b in pairwise(ends)]
     else:
         edges = np.linspace(0, total, _BLOCKS + 1).astype(int)
@@ -94,16 +99,41 @@ def _folds(sizes: list[int]) -> list[tuple[FloatArray, FloatArray]]:
 
 
 def _held_out(
-    residual: FloatArray, jacobian: FloatArray, box: Box, theta: FloatArray, folds: list[tuple[FloatArray, FloatArray]]
+    residual: FloatArray, jacobian: FloatArray, box: Box, folds: list[tuple[FloatArray, FloatArray]]
 ) -> FloatArray:
     """Residual of each row by parameters that its own block did not help to fit."""
     result = residual.copy()
-    prior = np.diag(np.maximum((box.weight * box.scale) ** 2, 0.1))
     for train, test in folds:
-        A = jacobian[train] * box.scale
-        step = np.linalg.solve(A.T @ A + prior, -A.T @ residual[train])
-        full = jacobian[test] * box.scale
-        result[test] = residual[test] + full @ np.clip(step, -1.0, 1.0)
+        result[test] = residual[test] + jacobian[test] @ _move(residual, jacobian, box, train)
+    return result
+
+
+def _held_out_by_simulation(
+    prepared: Prepared,
+    structure: Structure,
+    theta: FloatArray,
+    residual: FloatArray,
+    folds: list[tuple[tuple[FloatArray, FloatArray], FloatArray]],
+) -> FloatArray:
+    """The same where lines are no guide: each fold's step is simulated, and taken if its own rows gain by it."""
+    box = prepared.box.joined(structure.box())
+    points = [box.clip(theta + part * move) for _, move in folds for part in _PARTS]
+    values = structure.residuals(prepared.problem, points)
+    result = residual.copy()
+    for i, ((train, test), _) in enumerate(folds):
+        options = values[i * len(_PARTS) : (i + 1) * len(_PARTS)]
+        best = min(options, key=lambda option: float(option[train] @ option[train]))
+        fall = float(residual[train] @ residual[train]) - float(best[train] @ best[train])
+        result[test] = (best if fall > theta.size else residual)[test]
+    return result
+
+
+def _move(residual: FloatArray, jacobian: FloatArray, box: Box, train: FloatArray) -> FloatArray:
+    """Gauss-Newton step on the rows of `train`, at most one scale long in each parameter. Shape (p,)."""
+    A = jacobian[train] * box.scale
+    prior = np.diag(np.maximum((box.weight * box.scale) ** 2, 0.1))
+    step = np.linalg.solve(A.T @ A + prior, -A.T @ residual[train])
+    result: FloatArray = box.scale * np.clip(step, -1.0, 1.0)
     return result
 
 

@@ -28,10 +28,8 @@ except ImportError as error:  # pragma: no cover - depends on the installation
 __all__ = [
     "FRICTION_SLOTS",
     "compiled",
-    "drive_load",
     "dwell",
     "observe",
-    "play",
 ]
 
 _F = TypeVar("_F", bound="Callable[..., Any]")
@@ -140,17 +138,6 @@ def observe(
 
 
 @compiled
-def play(values: np.ndarray, width: float) -> np.ndarray:
-    """The play operator: follows `values` only once they have moved by `width`. Shape (n,)."""
-    out = np.empty_like(values)
-    centre = values[0]
-    for k in range(values.shape[0]):
-        centre = min(max(centre, values[k] - width), values[k] + width)
-        out[k] = centre
-    return out
-
-
-@compiled
 def dwell(velocity: np.ndarray, settings: np.ndarray) -> np.ndarray:
     """Share of its final rise that static friction has gained by resting, lost again over a short travel.
 
@@ -168,49 +155,4 @@ def dwell(velocity: np.ndarray, settings: np.ndarray) -> np.ndarray:
         else:
             grown *= np.exp(-speed * settings[0] / max(settings[2], 1e-9))
         out[k] = grown
-    return out
-
-
-@compiled
-def drive_load(position: np.ndarray, velocity: np.ndarray, gravity: np.ndarray, settings: np.ndarray) -> np.ndarray:
-    """Torque that a load draws through a spring with a gap when its motor side is moved as recorded. Shape (n,).
-
-    Args:
-        position: Motor-side position [rad]. Shape (n,).
-        velocity: Motor-side velocity [rad/s]. Shape (n,).
-        gravity: Gravity torque on the load [N·m]. Shape (n,).
-        settings: dt [s], substeps, load inertia, stiffness, damping, half gap [rad].
-    """
-    out = np.empty_like(position)
-    substeps = int(settings[1])
-    h = settings[0] / substeps
-    inertia, stiffness, damping, half = settings[2], settings[3], settings[4], settings[5]
-    twist0 = gravity[0] / stiffness
-    theta = position[0] - twist0 - (half if gravity[0] >= 0.0 else -half)
-    w = velocity[0]
-    n = position.shape[0]
-    for k in range(n):
-        k1 = min(k + 1, n - 1)
-        total = 0.0
-        for s in range(substeps):
-            f = (s + 0.5) / substeps
-            twist = position[k] + (position[k1] - position[k]) * f - theta
-            rate = velocity[k] + (velocity[k1] - velocity[k]) * f - w
-            torque = 0.0
-            if twist > half:
-                torque = (
-                    max(stiffness * (twist - half) + damping * rate, 0.0)
-                    if half > 0.0
-                    else stiffness * twist + damping * rate
-                )
-            elif twist < -half:
-                torque = (
-                    min(stiffness * (twist + half) + damping * rate, 0.0)
-                    if half > 0.0
-                    else stiffness * twist + damping * rate
-                )
-            w += h * (torque - gravity[k]) / inertia
-            theta += h * w
-            total += torque
-        out[k] = total / substeps
     return out

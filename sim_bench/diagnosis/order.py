@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -12,12 +13,14 @@ from scipy.signal import lfilter
 from .effects import Context
 from .problem import Problem
 from .track import FloatArray
+from .transmission import uneven_running
 
 __all__ = ["OrderSpectrum", "order_hints", "order_spectrum"]
 
 ComplexArray = NDArray[np.complex128]
 
 _MOST_ORDERS = 900
+_LOAD_SHARE = 0.6  # of the inertia that usually sits behind the gear
 _SHAPES = {"order": "additive", "level_order": "level", "dynamic_order": "dynamic"}
 
 
@@ -48,7 +51,7 @@ def order_spectrum(
         contexts: Their motion.
         residual: Weighted residual. Shape (m,).
         basis: Orthonormal columns of the base model, which take no part. Shape (m, p).
-        shape: "additive", "level" (times the sign of the velocity) or "dynamic" (times velocity squared).
+        shape: "additive", "level" (times the sign of the velocity) or "dynamic" (uneven running of a gear).
     """
     span = max(float(np.ptp(c.position)) for c in contexts)
     top = max(float(np.quantile(np.abs(c.velocity), 0.3)) for c in contexts)
@@ -98,8 +101,12 @@ def ripple_rows(problem: Problem, contexts: Sequence[Context], orders: FloatArra
         x = np.abs(orders * v) * (grid.window.size + 1) * context.dt / (2 * np.pi)
         hann = np.where(np.abs(1 - x**2) < 1e-3, 0.5, np.sinc(x) / np.where(np.abs(1 - x**2) < 1e-3, 1.0, 1 - x**2))
         moving = np.abs(v) > 2.0 * problem.observer.rest_speed
-        factor = {"additive": moving, "level": moving * np.sign(v), "dynamic": moving * v**2}[shape]
-        ripple = response * hann * np.exp(1j * orders * q) * factor / spread[:, None]
+        ripple = response * hann * np.exp(1j * orders * q) * moving / spread[:, None]
+        if shape == "level":
+            ripple = ripple * np.sign(v)
+        elif shape == "dynamic":
+            here = replace(context, position=q, velocity=v, acceleration=context.acceleration[grid.centres, None])
+            ripple = ripple * uneven_running(here, orders, _LOAD_SHARE) / orders
         rows.append(lfilter(problem.weights.whitener, [1.0], ripple, axis=0))
     return np.concatenate(rows)
 

@@ -2,35 +2,118 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import savgol_coeffs
 
-from .kernel import drive_load
+from .kernel import compiled
 from .track import FloatArray
 
 if TYPE_CHECKING:
     from .effects import Context
 
-__all__ = ["carried"]
+ComplexArray = NDArray[np.complex128]
 
-_DAMPING_RATIO = 0.1  # of the load on its spring; typical of harmonic drives
+__all__ = ["Transmission", "carried", "twist", "uneven_running"]
+
+_WINDOW = 0.015  # [s] of the local cubic that takes the curvature of the twist; a third of a row
+_FINEST = 0.25  # [rad] of the load's own oscillation in one substep
 
 
-def carried(context: Context, stiffness: float, load_share: float, gap: float) -> FloatArray:
-    """Torque on the motor side beyond that of a rigid transmission [N·m]. Shape (n,).
+@dataclass(frozen=True)
+class Transmission:
+    """A spring with a gap between the motor, where position is measured, and the load.
+
+    Attributes:
+        inertia: Of the load [kg·m²].
+        stiffness: K [N·m/rad].
+        damping_ratio: Of the load on its spring.
+        gap: Total free travel [rad].
+        hardening: Relative rise of the stiffness at the largest static load.
+    """
+
+    inertia: float
+    stiffness: float
+    damping_ratio: float
+    gap: float = 0.0
+    hardening: float = 0.0
+
+
+@compiled
+def twist(position: np.ndarray, gravity: np.ndarray, gradient: np.ndarray, settings: np.ndarray) -> np.ndarray:
+    """Motor less load position when the motor side moves as recorded [rad]. Shape (n,).
+
+        J_l theta'' = K d (1 + h (K d)²) + c s' - gravity(theta),  s = q - theta,  d = s outside of the gap
 
     Args:
-        context: Motion of the motor side.
-        stiffness: K [N·m/rad].
-        load_share: Part of the joint's inertia that sits behind the transmission.
-        gap: Total free travel [rad].
+        position: Motor-side position q [rad]. Shape (n,).
+        gravity: Gravity torque on a load at q [N·m]. Shape (n,).
+        gradient: Its derivative by the position [N·m/rad]. Shape (n,).
+        settings: dt [s], substeps, load inertia, K, c, half gap [rad], h [1/(N·m)²].
     """
-    plant = context.plant
-    inertia = plant.inertia * load_share
-    gravity = plant.gravity_torque(context.position, context.rotary) - plant.offset
-    damping = 2.0 * _DAMPING_RATIO * np.sqrt(stiffness * inertia)
-    substeps = int(np.clip(np.ceil(np.sqrt(stiffness / inertia) * context.dt / 0.3), 1, 20))
-    settings = np.array([context.dt, substeps, inertia, stiffness, damping, 0.5 * gap])
-    torque: FloatArray = drive_load(context.position, context.velocity, gravity, settings)
-    return torque - (inertia * context.acceleration + gravity)
+    out = np.empty_like(position)
+    substeps = int(settings[1])
+    h = settings[0] / substeps
+    inertia, stiffness, damping, half, cubic = settings[2], settings[3], settings[4], settings[5], settings[6]
+    n = position.shape[0]
+    theta = position[0] - gravity[0] / stiffness - (half if gravity[0] >= 0.0 else -half)
+    w = (position[min(8, n - 1)] - position[0]) / (min(8, n - 1) * settings[0])
+    for k in range(n):
+        speed = (position[min(k + 1, n - 1)] - position[k]) / settings[0]
+        out[k] = position[k] - theta
+        for i in range(substeps):
+            s = position[k] + speed * h * (i + 0.5) - theta
+            stretch = s - min(max(s, -half), half)
+            torque = 0.0
+            if stretch != 0.0 or half == 0.0:
+                elastic = stiffness * stretch
+                torque = elastic * (1.0 + cubic * elastic * elastic) + damping * (speed - w)
+                if half > 0.0 and torque * stretch < 0.0:
+                    torque = 0.0
+            w += h * (torque - gravity[k] + gradient[k] * s) / inertia
+            theta += h * w
+    return out
+
+
+def carried(context: Context, transmission: Transmission) -> FloatArray:
+    """Torque on the motor side beyond that of a rigid transmission [N·m]. Shape (n,).
+
+    The load lags by the twist s, so the motor carries gravity(q - s) - gravity(q) - J_l s'' more.
+    """
+    plant, t, q = context.plant, transmission, context.position
+    gravity, gradient = _gravity(context)
+    frequency = np.sqrt(t.stiffness / t.inertia)
+    substeps = int(np.clip(np.ceil(frequency * context.dt / _FINEST), 1, 20))
+    damping = 2.0 * t.damping_ratio * frequency * t.inertia
+    largest = max(float(np.hypot(*plant.gravity)) if context.rotary else 0.0, context.scale)
+    numbers = (t.inertia, t.stiffness, damping, 0.5 * t.gap, t.hardening / largest**2)
+    s = twist(q, gravity, gradient, np.array([context.dt, substeps, *numbers]))
+    window = max(5, 2 * round(_WINDOW / context.dt / 2) + 1)
+    curvature = np.convolve(s, savgol_coeffs(window, 3, deriv=2, delta=context.dt), mode="same")
+    curvature[: window // 2] = curvature[-(window // 2) :] = 0.0
+    result: FloatArray = -gradient * s - t.inertia * curvature
+    return result
+
+
+def _gravity(context: Context) -> tuple[FloatArray, FloatArray]:
+    """Gravity torque [N·m] and its derivative by the position [N·m/rad]. Shapes (n,)."""
+    if not context.rotary:
+        return np.zeros_like(context.position), np.zeros_like(context.position)
+    cosine, sine = np.cos(context.position), np.sin(context.position)
+    a, b = context.plant.gravity
+    return a * cosine + b * sine, b * cosine - a * sine
+
+
+def uneven_running(context: Context, order: FloatArray | float, load_share: float) -> ComplexArray:
+    """Torque for each radian by which the load leads as exp(i n q), over that wave [N·m/rad]. Shape (n,).
+
+    Lagrange's equation of a load at q + e(q): e' (gravity + 2 J_l a) + J_l e'' v² + gravity' e.
+    """
+    inertia = context.plant.inertia * load_share
+    v, a = context.velocity, context.acceleration
+    gravity, gradient = _gravity(context)
+    torque = 1j * order * (gravity + 2.0 * inertia * a) - order**2 * inertia * v**2 + gradient
+    return np.asarray(torque, dtype=np.complex128)

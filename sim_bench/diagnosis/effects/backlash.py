@@ -7,8 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..observer import Contribution
-from ..transmission import carried
+from ..transmission import Transmission, carried
 from .effect import Context, Effect, EffectParameter, Values, register
+
+_STIFF = 600.0  # [rad/s] of the load on the teeth once they touch: faster than any row can show
+_DAMPING_RATIO = 0.5  # and lossy, as lubricated teeth are: bounces lie below a row
 
 
 @register
@@ -31,13 +34,19 @@ class Backlash(Effect):
         )
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        return [{"gap": float(np.log(g)), "load_share": 0.7} for g in (3e-4, 1e-3, 3e-3)]
+        return self.kept(contexts)
+
+    def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        gaps, shares = np.log(np.geomspace(2e-4, 2e-2, 9)), np.linspace(0.3, 0.86, 9)
+        return [{"gap": float(gap), "load_share": float(share)} for gap in gaps for share in shares]
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        stiffness = context.plant.inertia * values["load_share"] * 400.0**2
+        inertia = context.plant.inertia * values["load_share"]
+        stiffness = inertia * _STIFF**2
         gap = float(np.exp(values["gap"]))
-        return Contribution(additive=carried(context, stiffness, values["load_share"], gap))
+        return Contribution(additive=carried(context, Transmission(inertia, stiffness, _DAMPING_RATIO, gap)))
 
     def unavailable(self, contexts: Sequence[Context]) -> str | None:
-        crosses = max(int(np.sum(np.diff(np.sign(c.load_torque)) != 0)) for c in contexts)
+        transmitted = [c.gravity + 0.6 * c.plant.inertia * c.acceleration for c in contexts]
+        crosses = max(int(np.sum(np.diff(np.sign(torque)) != 0)) for torque in transmitted)
         return "the transmitted torque never changes sign" if crosses < 2 else None

@@ -115,6 +115,17 @@ class Effect(ABC):
         """Hypotheses for the parameters in which the contribution is not linear."""
         return [{}]
 
+    def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        """Many hypotheses, of which simulation keeps the best as starts; none where `starts` is enough."""
+        return []
+
+    def kept(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        """The hypotheses that were kept of `scan`; all of them where none was narrowed down."""
+        names = [p.name for p in self.parameters(contexts)]
+        values = contexts[0].hints.get(f"start:{self.name}", ())
+        found = [dict(zip(names, values[i : i + len(names)], strict=True)) for i in range(0, len(values), len(names))]
+        return found or self.scan(contexts)
+
     def unavailable(self, contexts: Sequence[Context]) -> str | None:
         """Why this recording cannot show the effect; None where it can."""
         return None

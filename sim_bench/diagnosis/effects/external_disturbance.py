@@ -1,4 +1,4 @@
-"""A torque from outside, in one stretch of time: a push, a contact, a hanging cable that catches."""
+"""A torque from outside, in a few stretches of time: a push, a contact, a hanging cable that catches."""
 
 from __future__ import annotations
 
@@ -7,49 +7,50 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..observer import Contribution
+from ..time_window import push
 from .effect import Context, Effect, EffectParameter, Values, register
 
 
 @register
 class ExternalDisturbance(Effect):
-    """tau = A [t_0 < t < t_1]."""
+    """tau = sum of A_k sin(pi (t - t_k) / T_k)^n_k over the windows k."""
 
     name = "external_disturbance"
     kind = "physics"
-    equation = "tau = A [t_0 < t < t_1]"
+    equation = "tau = sum of A_k sin(pi (t - t_k) / T_k)^n_k"
     citation = ""
     says = "a torque from outside acts for a while; it is no function of the joint's state"
     located_by = "time"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        scale = contexts[0].scale
-        return (
-            EffectParameter("torque", "{torque}", 0.05 * scale, -1e5, 1e5),
-            EffectParameter("start", "s", 0.02, 0.0, 1e6, linear=False),
-            EffectParameter("end", "s", 0.02, 0.0, 1e6, linear=False),
-            EffectParameter("recording", "1", 0.0, 0.0, 1e4, linear=False),
-        )
+        scale = 0.05 * contexts[0].scale
+        found: list[EffectParameter] = []
+        for k in range(1, len(_windows(contexts)) + 1):
+            found += [
+                EffectParameter(f"torque_{k}", "{torque}", scale, -1e5, 1e5),
+                EffectParameter(f"start_{k}", "s", 0.05, 0.0, 1e6, linear=False),
+                EffectParameter(f"end_{k}", "s", 0.05, 0.0, 1e6, linear=False),
+                EffectParameter(f"roundness_{k}", "1", 0.2, -3.0, 1.5, linear=False, prior=1.0, logarithmic=True),
+            ]
+        return tuple(found)
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        hints = contexts[0].hints.get("window", ())
-        return [
-            {"start": a, "end": b, "recording": which}
-            for which, a, b in zip(hints[::3], hints[1::3], hints[2::3], strict=True)
-        ]
+        windows = _windows(contexts)
+        values = {f"start_{k}": start for k, (_, start, _) in enumerate(windows, start=1)}
+        values |= {f"end_{k}": end for k, (_, _, end) in enumerate(windows, start=1)}
+        return [values] if windows else []
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        if context.index != round(values["recording"]):
-            return Contribution()
-        ramp = 0.02
-        time = context.time
-        rising = np.clip((time - values["start"]) / ramp, 0.0, 1.0)
-        falling = np.clip((values["end"] - time) / ramp, 0.0, 1.0)
-        return Contribution(additive=values["torque"] * rising * falling)
+        torque = np.zeros_like(context.position)
+        for k, (which, _, _) in enumerate(_windows([context]), start=1):
+            if which == context.index:
+                roundness = float(np.exp(values[f"roundness_{k}"]))
+                shape = push(context.time, values[f"start_{k}"], values[f"end_{k}"], roundness)
+                torque += values[f"torque_{k}"] * shape
+        return Contribution(additive=torque)
 
-    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        longest = max(float(c.time[-1]) for c in contexts)
-        return (
-            "it would last for more than half of the recording"
-            if values["end"] - values["start"] > 0.5 * longest
-            else None
-        )
+
+def _windows(contexts: Sequence[Context]) -> list[tuple[float, float, float]]:
+    """Recording, start and end of the windows that stand out of the base's residual."""
+    hints = contexts[0].hints.get("window", ())
+    return list(zip(hints[::3], hints[1::3], hints[2::3], strict=True))
