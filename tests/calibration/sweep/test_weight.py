@@ -23,7 +23,7 @@ ARM = {"model": "two_link_arm"}
 
 def passes(constant: float, moment: float, n_pairs: int = 3, friction: float = 0.3) -> list[Recording]:
     """Readings [A] of a joint whose friction grows with its load, its own weight hanging obliquely."""
-    generator = np.random.default_rng(round(1e3 * moment))
+    generator = np.random.default_rng(round(1e6 * moment))
     made = []
     for number in range(2 * n_pairs):
         q = np.linspace(-1.2, 1.5, 2000)[:: 1 if number % 2 == 0 else -1]
