@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
 from fricomp.sim_bench.diagnosis.effects import EFFECTS, Context
 from fricomp.sim_bench.diagnosis.observer import Plant
 from fricomp.sim_bench.diagnosis.structure import Candidate, Structure
@@ -16,7 +15,7 @@ CATALOGUE = {
     "presliding_hysteresis", "frictional_lag", "dwell_stiction", "thermal_friction", "stribeck_shape",
     "power_law_viscous", "quadratic_drag", "joint_elasticity", "backlash", "torque_gain_error", "torque_saturation",
     "torque_delay", "encoder_eccentricity", "spring_torque", "neighbour_coupling", "end_stop", "external_disturbance",
-    "torque_sensor_hysteresis", "supply_sag", "drive_lag", "torque_constant_heating",
+    "torque_sensor_hysteresis", "supply_sag", "drive_lag", "torque_constant_heating", "payload_error",
 }  # fmt: skip
 
 

@@ -11,6 +11,8 @@ from fricomp.sim_bench.real.arm import ARMS, arm_xml
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording, RecordingMetadata, find_public_data, read_public
 
+from .toy_joint import ToyJoint, recording
+
 _ARM = """<mujoco><worldbody>
 <body><joint name="shoulder" axis="0 1 0"/><inertial pos="0.2 0 0" mass="3" diaginertia="0.1 0.1 0.1"/>
 <body pos="0.5 0 0"><joint name="elbow" axis="0 1 0"/><inertial pos="0.15 0 0" mass="1.5" diaginertia="0.05 0.05 0.05"/>
@@ -79,6 +81,18 @@ def test_several_joints_without_an_arm_are_refused_by_name(arm: Path) -> None:
     amperes = [replace(one, metadata=replace(one.metadata, torque_unit="A")) for one in light]
     with pytest.raises(DiagnosisError, match="drive_gain"):
         diagnose([*amperes, *amperes], arm)
+
+
+@pytest.mark.slow
+def test_two_recordings_of_one_joint_with_different_loads() -> None:
+    light, heavy = ToyJoint(), ToyJoint(gravity=8.0, inertia=0.42)
+    diagnosis = diagnose([recording(light, "fourier", 30.0, 1), recording(heavy, "fourier", 30.0, 2)])
+    assert diagnosis.verdict == "parameters"
+    assert [effect.name for effect in diagnosis.effects] == ["payload_error"]
+    found = {name: one.value for name, one in diagnosis.effects[0].parameters.items()}
+    assert found["gravity_sin_2"] == pytest.approx(2.0 * np.cos(0.3), rel=0.03)
+    assert found["gravity_cos_2"] == pytest.approx(2.0 * np.sin(0.3), rel=0.1)
+    assert found["inertia_2"] == pytest.approx(0.07, rel=0.1)
 
 
 @pytest.mark.slow
