@@ -41,7 +41,7 @@ def publish(ledger: Ledger, pages: Sequence[Path], command: str) -> None:
 
 
 def _figures(ledger: Ledger) -> dict[str, Any]:
-    single = ("optima", "departure", "loads", "extras")
+    single = ("departure", "loads", "extras")
     return {study: [row["figures"] for row in ledger.rows(study=study)] for study in single} | {
         "targets": measured_targets(ledger),
         "noise_free": summarise_noise_free(ledger),

@@ -15,7 +15,7 @@ from .printed import PrintedRow
 from .problem import NOISE_READINGS, PARAMETERS, PaperProblem, Reading
 from .rival_summary import SearchFigures, best_adam, name_of, summarise_noise_free, summarise_searches
 from .rivals import PAPER_LENGTH
-from .summary import BatchFigures, StatisticsFigures, summarise_outliers, summarise_statistics
+from .summary import StatisticsFigures, summarise_outliers, summarise_statistics
 from .targets import measured_targets
 
 __all__ = [
@@ -36,9 +36,9 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows]) + "\n"
 
 
-def _largest(ledger: Ledger, study: str, **wanted: object) -> list[dict[str, Any]]:
+def _largest(ledger: Ledger, study: str) -> list[dict[str, Any]]:
     """Figures of the rows of the largest size, where a ledger has seen several."""
-    rows = ledger.rows(study=study, **wanted)
+    rows = ledger.rows(study=study)
     size = max((int(row["size"]) for row in rows), default=0)
     return [row["figures"] for row in rows if row["size"] == size]
 
@@ -102,38 +102,26 @@ def noise_free_section(ledger: Ledger) -> str:
 
 def statistics_section(ledger: Ledger, reading: Reading) -> str:
     """Errors and intervals over many draws of one noise reading."""
-    problem, found = PaperProblem(), summarise_statistics(ledger, reading)
-    optima = [BatchFigures(**figures) for figures in _largest(ledger, "optima", reading=reading)]
+    problem, f = PaperProblem(), summarise_statistics(ledger, reading)
+    if f is None:
+        return ""
     bound = 100.0 * problem.cramer_rao(reading) / np.array(problem.true_values)
-    rows = [["Cramér-Rao bound [%]", *(f"{b:.2f}" for b in bound)]]
-    for f in [found] if found else []:
-        rows += _lines(f"`identify`, {f.draws} draws", f.rms_over_bound, f.coverage)
-    for o in optima:
-        rows += _lines(f"likelihood optimum, {o.draws} draws", o.rms_over_bound, o.coverage)
-    text = f"**{reading} noise**\n\n" + _table(["", *PARAMETERS], rows)
-    return text + ("\n" + _remarks(found, optima) if found else "")
-
-
-def _lines(name: str, ratio: list[float], coverage: list[float]) -> list[list[str]]:
-    return [
-        [f"{name}: RMS error / bound", *(f"{r:.3f}" for r in ratio)],
-        ["the same: coverage of 95 % intervals [%]", *(f"{100.0 * c:.1f}" for c in coverage)],
+    rows = [
+        ["Cramér-Rao bound [%]", *(f"{b:.2f}" for b in bound)],
+        ["RMS error / bound", *(f"{r:.3f}" for r in f.rms_over_bound)],
+        ["coverage of 95 % intervals [%]", *(f"{100.0 * c:.1f}" for c in f.coverage)],
     ]
+    return f"**{reading} noise, {f.draws} draws**\n\n" + _table(["", *PARAMETERS], rows) + "\n" + _remarks(f)
 
 
-def _remarks(found: StatisticsFigures, optima: list[BatchFigures]) -> str:
-    finer = "".join(
-        f" (for the optimum alone ± {1.0 / np.sqrt(2.0 * o.draws):.3f} and "
-        f"± {100.0 * np.sqrt(0.95 * 0.05 / o.draws):.2f} %)"
-        for o in optima
-    )
+def _remarks(f: StatisticsFigures) -> str:
     return (
-        f"Monte-Carlo error: ± {found.rms_error:.3f} of RMS / bound, ± {100.0 * found.coverage_error:.2f} % of the "
-        f"coverage{finer}. {found.converged} of {found.draws} draws of `identify` (the PINN) report `converged`. "
-        f"Distance to the oracle's optimum, largest over all parameters and draws: {found.largest_distance:.2g} "
-        f"deviations (RMS {found.typical_distance:.1g}); negative log-likelihood above the oracle's: "
-        f"{found.largest_excess:.1g} at most. Mean error {found.mean_error:.2f} %, of single draws from "
-        f"{found.error_spread[0]:.2f} to {found.error_spread[1]:.2f} %. Median time {found.seconds:.2g} s.\n"
+        f"Monte-Carlo error: ± {f.rms_error:.3f} of RMS / bound, ± {100.0 * f.coverage_error:.2f} % of the coverage. "
+        f"{f.converged} of {f.draws} draws report `converged`. "
+        f"Distance to the oracle's optimum, largest over all parameters and draws: {f.largest_distance:.2g} "
+        f"deviations (RMS {f.typical_distance:.1g}); negative log-likelihood above the oracle's: "
+        f"{f.largest_excess:.1g} at most. Mean error {f.mean_error:.2f} %, of single draws from "
+        f"{f.error_spread[0]:.2f} to {f.error_spread[1]:.2f} %. Median time {f.seconds:.2g} s.\n"
     )
 
 

@@ -23,7 +23,6 @@ __all__ = [
     "run_extras",
     "run_loads",
     "run_noise_free",
-    "run_optima",
     "run_outliers",
     "run_statistics",
 ]
@@ -109,17 +108,6 @@ def run_outliers(ledger: Ledger, draws: int, progress: Progress) -> None:
                 }
             )
             progress(f"outliers, {reading} noise, draw {seed + 1} of {draws}")
-
-
-def run_optima(ledger: Ledger, draws: int, progress: Progress) -> None:
-    """Statistics of the likelihood optimum over many draws at once."""
-    from .summary import summarise_batch
-
-    for reading in NOISE_READINGS:
-        if not ledger.rows(study="optima", reading=reading, size=draws):
-            progress(f"likelihood optima of {draws} draws, {reading} noise")
-            figures = asdict(summarise_batch(reading, draws))
-            ledger.append({"study": "optima", "reading": reading, "seed": 0, "size": draws, "figures": figures})
 
 
 def run_departure(ledger: Ledger, seeds: int, progress: Progress) -> None:

@@ -10,12 +10,10 @@ from scipy.stats import t as student
 
 from fricomp.laws import FloatArray
 
-from .batch import batch_optima
 from .ledger import Ledger
 from .problem import PaperProblem, Reading
 
-__all__ = ["BatchFigures", "OutlierFigures", "StatisticsFigures", "summarise_batch", "summarise_outliers",
-           "summarise_statistics"]  # fmt: skip
+__all__ = ["OutlierFigures", "StatisticsFigures", "summarise_outliers", "summarise_statistics"]
 
 
 @dataclass(frozen=True)
@@ -82,30 +80,6 @@ def summarise_statistics(ledger: Ledger, reading: Reading) -> StatisticsFigures 
 
 def _column(rows: list[dict[str, Any]], name: str) -> FloatArray:
     return np.array([row[name] for row in rows])
-
-
-@dataclass(frozen=True)
-class BatchFigures:
-    """The likelihood optimum over many draws of one noise reading; lists follow the paper's order of parameters.
-
-    Attributes:
-        draws: How many.
-        rms_over_bound: Root mean square error over the Cramér-Rao bound.
-        coverage: Share of 95 % intervals that hold the true value.
-    """
-
-    draws: int
-    rms_over_bound: list[float]
-    coverage: list[float]
-
-
-def summarise_batch(reading: Reading, draws: int) -> BatchFigures:
-    """Computed anew; thousands of draws take a minute."""
-    optima, problem = batch_optima(reading, draws), PaperProblem()
-    error = optima.values - np.array(problem.true_values)
-    covered = np.abs(error) <= float(student.ppf(0.975, 192)) * optima.deviations
-    ratio = np.sqrt(np.mean(error**2, axis=0)) / problem.cramer_rao(reading)
-    return BatchFigures(draws, ratio.tolist(), np.mean(covered, axis=0).tolist())
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,6 @@ class _Sizes:
 
     noise_free: int
     pinn: int
-    optima: int
     outliers: int
     searches: tuple[int, int, int, int]
     adam_steps: int
@@ -34,8 +33,8 @@ class _Sizes:
     lugre: int
 
 
-_QUICK = _Sizes(5, 20, 200, 5, (1, 2, 0, 0), 500, 1, 1, 20, 1)
-_FULL = _Sizes(100, 2000, 20_000, 200, (20, 200, 1, 3), 50_000, 5, 3, 300, 5)
+_QUICK = _Sizes(5, 20, 5, (1, 2, 0, 0), 500, 1, 1, 20, 1)
+_FULL = _Sizes(100, 2000, 200, (20, 200, 1, 3), 50_000, 5, 3, 300, 5)
 
 
 @app.command(
@@ -84,7 +83,6 @@ def _run(ledger: Ledger, sizes: _Sizes, report: Callable[[str], None]) -> None:
     study.run_outliers(ledger, sizes.outliers, report)
     study.run_departure(ledger, sizes.departure, report)
     study.run_extras(ledger, sizes.sweeps, sizes.lugre, report)
-    study.run_optima(ledger, sizes.optima, report)
     study.run_loads(ledger, sizes.loads, report)
     rivals.run_searches(ledger, searches, report)
     rivals.run_pymoo_study(ledger, searches, report)

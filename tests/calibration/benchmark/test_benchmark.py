@@ -5,8 +5,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fricomp.calibration import identify
-from fricomp.calibration.benchmark.batch import batch_optima
 from fricomp.calibration.benchmark.ledger import Ledger
 from fricomp.calibration.benchmark.oracle import find_optimum
 from fricomp.calibration.benchmark.printed import NOISE_FREE, NOISY
@@ -21,28 +19,6 @@ def test_two_printed_averages_do_not_follow_from_the_printed_values() -> None:
     for key, row in rows.items():
         assert row.recomputed().mean() == pytest.approx(off.get(key, row.average), rel=0.003)
         assert (abs(row.recomputed().mean() / row.average - 1.0) > 0.03) == (key in off)
-
-
-@pytest.mark.parametrize("reading", ["relative", "absolute"])
-def test_stacked_optima_are_those_of_identify(reading: str) -> None:
-    optima, problem = batch_optima(reading, 3), PaperProblem()  # type: ignore[arg-type]
-    for seed in range(3):
-        draw = problem.draw(reading, seed)  # type: ignore[arg-type]
-        result = identify(draw.velocity, draw.torque, method="least_squares", noise=reading)
-        np.testing.assert_allclose(list(result.parameters.values()), optima.values[seed], rtol=1e-5)
-        np.testing.assert_allclose(list(result.standard_deviations.values()), optima.deviations[seed], rtol=1e-4)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("reading", ["relative", "absolute"])
-def test_likelihood_optimum_is_at_the_cramer_rao_bound(reading: str) -> None:
-    draws, problem = 500, PaperProblem()
-    optima = batch_optima(reading, draws)  # type: ignore[arg-type]
-    error = optima.values - np.array(problem.true_values)
-    ratio = np.sqrt(np.mean(error**2, axis=0)) / problem.cramer_rao(reading)  # type: ignore[arg-type]
-    assert np.all(np.abs(ratio - 1.0) < 4.0 / np.sqrt(2.0 * draws))
-    covered = np.mean(np.abs(error) <= 1.97 * optima.deviations, axis=0)
-    assert np.all(np.abs(covered - 0.95) < 4.0 * np.sqrt(0.95 * 0.05 / draws))
 
 
 def test_a_study_goes_on_where_it_stopped(tmp_path: Path) -> None:
