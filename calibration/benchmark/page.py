@@ -12,6 +12,7 @@ from fricomp.report import Chart
 from .ledger import Ledger
 from .printed import NOISE_FREE, NOISY
 from .problem import NOISE_READINGS
+from .rivals import FULL_SIZES
 from .sections import (
     departure_section,
     extras_section,
@@ -74,7 +75,9 @@ _SEARCHES = (
     "All minimise the same negative log-likelihood (NLL) of the same draws, except Adam, which minimises the paper's "
     "unweighted loss, and robust NLS, scipy's soft L1 loss from one random start. PSO and GA: population 100, the "
     "paper's bounds, learning factors 1, compiled (`compiled_search.py`); (pymoo) are the same rules as pymoo runs "
-    "them. Length: iterations, evaluations for CMA-ES, steps for Adam. Ours is the PINN.\n"
+    "them. Length: iterations, evaluations for CMA-ES, steps for Adam. Ours is the PINN. "
+    f"A whole run has {FULL_SIZES.full} draws at the paper's length and {FULL_SIZES.tenth} at a tenth; where a row "
+    "has fewer, the run was ended before, for these searches take most of its time.\n"
 )
 
 _OUTLIERS = (
@@ -88,7 +91,9 @@ _DEPARTURE = (
     "RMS torque error against the truth [N·m]; noise 0.01 N·m. `departs` has a hump of 0.15 N·m at 0.45 rad/s and a "
     "cubic term on top of the paper's law. The exported network may leave the closed form as far as cross-validation "
     "asks for it; the data-driven one is held by the data alone, the paper's third comparison. Beyond the speeds means "
-    "1 to 1.4 times the fastest one measured.\n"
+    "1 to 1.4 times the fastest one measured. No network predicts better than the closed form where the joint follows "
+    "the law; where it does not, one does between the points, if there are enough of them to show it; beyond the "
+    "speeds measured, little is gained by any.\n"
 )
 
 _LOADS = (

@@ -12,7 +12,7 @@ from .comparators import Comparison, run_cma, run_genetic, run_particle_swarm, r
 from .ledger import Ledger
 from .problem import NOISE_READINGS, Draw, PaperProblem
 
-__all__ = ["PAPER_LENGTH", "SearchSizes", "run_adam_study", "run_pymoo_study", "run_searches"]
+__all__ = ["FULL_SIZES", "PAPER_LENGTH", "SearchSizes", "run_adam_study", "run_pymoo_study", "run_searches"]
 
 PAPER_LENGTH = 50_000
 """Iterations of every method in [luo2024pinn]."""
@@ -37,6 +37,10 @@ class SearchSizes:
     tenth: int
     pymoo_full: int
     pymoo_tenth: int
+
+
+FULL_SIZES = SearchSizes(full=20, tenth=200, pymoo_full=1, pymoo_tenth=3)
+"""Of a run that is not cut short."""
 
 
 def run_searches(ledger: Ledger, sizes: SearchSizes, progress: Progress) -> None:

@@ -25,7 +25,7 @@ class _Sizes:
     noise_free: int
     pinn: int
     outliers: int
-    searches: tuple[int, int, int, int]
+    searches: tuple[int, int, int, int] | None
     adam_steps: int
     departure: int
     loads: int
@@ -34,7 +34,7 @@ class _Sizes:
 
 
 _QUICK = _Sizes(5, 20, 5, (1, 2, 0, 0), 500, 1, 1, 20, 1)
-_FULL = _Sizes(100, 2000, 200, (20, 200, 1, 3), 50_000, 5, 3, 300, 5)
+_FULL = _Sizes(100, 2000, 200, None, 50_000, 5, 3, 300, 5)
 
 
 @app.command(
@@ -76,7 +76,7 @@ def _run(ledger: Ledger, sizes: _Sizes, report: Callable[[str], None]) -> None:
     """What matters most comes first, for a run that is cut short."""
     from fricomp.calibration.benchmark import rivals, study
 
-    searches = rivals.SearchSizes(*sizes.searches)
+    searches = rivals.SearchSizes(*sizes.searches) if sizes.searches else rivals.FULL_SIZES
     study.run_noise_free(ledger, sizes.noise_free, report)
     study.run_statistics(ledger, sizes.pinn, report)
     rivals.run_adam_study(ledger, sizes.adam_steps, report)
