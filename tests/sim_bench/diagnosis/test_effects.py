@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from fricomp.sim_bench.diagnosis.effects import EFFECTS, Context
 from fricomp.sim_bench.diagnosis.observer import Plant
 from fricomp.sim_bench.diagnosis.structure import Candidate, Structure

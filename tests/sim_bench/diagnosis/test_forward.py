@@ -5,15 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+from fricomp.errors import DiagnosisError
+from fricomp.recording import Recording
 from fricomp.sim_bench.diagnosis import Forward, estimate_controller, read_controller
 from fricomp.sim_bench.diagnosis.controller import Controller
 from fricomp.sim_bench.diagnosis.forward import Run, simulate_forward
 from fricomp.sim_bench.diagnosis.observer import Contribution, Plant
 from fricomp.sim_bench.diagnosis.sentence import forward_sentence
 from fricomp.sim_bench.diagnosis.track import Track
-
-from fricomp.errors import DiagnosisError
-from fricomp.recording import Recording
 
 _DT = 1e-3
 _PLANT = Plant(0.3, (4.0, 0.0), 0.1, (1.5, 1.5, 0.1, 0.8), (1.8, 1.8, 0.1, 0.8), 1e5)

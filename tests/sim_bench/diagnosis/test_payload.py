@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fricomp.sim_bench import diagnose
-from fricomp.sim_bench.real.arm import ARMS, arm_xml
 
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording, RecordingMetadata, find_public_data, read_public
+from fricomp.sim_bench import diagnose
+from fricomp.sim_bench.real.arm import ARMS, arm_xml
 
 from .toy_joint import ToyJoint, recording
 

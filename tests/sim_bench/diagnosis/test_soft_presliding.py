@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from fricomp.sim_bench.diagnosis.soft_presliding import bristle, find_soft_presliding
 
 from fricomp.laws import LuGre
 from fricomp.recording import Recording, RecordingMetadata, find_public_data, read_public
+from fricomp.sim_bench.diagnosis.soft_presliding import bristle, find_soft_presliding
 
 
 def _pushed(distance: float, spring: float = 0.0) -> Recording:
