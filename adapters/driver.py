@@ -8,7 +8,10 @@ from typing import Any, Self
 
 from fricomp.joint import Capabilities, CommandMode, JointCommand, JointFeedback, Watchdog
 
-__all__ = ["Driver"]
+__all__ = ["HOW_TO_CLEAR", "Driver"]
+
+HOW_TO_CLEAR = "clear_faults(), or fricomp adapter clear, once the cause is gone"
+"""For the message of a `DriveFault`."""
 
 
 class Driver(ABC):

@@ -12,6 +12,7 @@ from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, J
 from ..bus_budget import BusBudget, can_frame_bits
 from ..can_adapter import CanAdapter
 from ..configuration import convert
+from ..driver import HOW_TO_CLEAR
 from ..link import CanFrame, CanLink
 from . import objects
 from .configuration import CanOpenConfiguration
@@ -242,8 +243,7 @@ class CanOpenAdapter(CanAdapter):
     def _enabling_word(self, drive: CanOpenDrive, step: int) -> int:
         if drive.state not in ENABLE_STEPS:
             raise DriveFault(
-                f"node {drive.node_id} is in state {drive.state.value!r}, error {drive.error_code:#06x}: "
-                f"clear_faults() once the cause is gone"
+                f"node {drive.node_id} is in state {drive.state.value!r}, error {drive.error_code:#06x}: {HOW_TO_CLEAR}"
             )
         self._raise_if_stopped()
         return ENABLE_STEPS[drive.state]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import queue
 from collections.abc import Callable
 from typing import Any
@@ -148,6 +149,8 @@ def _make_client(node_id: int, send: Callable[[int, bytes], None], answers: _Pum
         from canopen.sdo.client import SdoClient
     except ImportError as error:
         raise MissingExtraError("canopen", "can") from error
+    # What it logs is raised as an error, too; without a handler Python would print it on top.
+    logging.getLogger("canopen").addHandler(logging.NullHandler())
 
     class PumpedClient(SdoClient):
         """Keeps its pumped queue: the client replaces it by a plain one to drop late answers, which empties it here."""

@@ -11,6 +11,7 @@ from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, J
 
 from ..bus_budget import BusBudget, serial_time
 from ..configuration import convert
+from ..driver import HOW_TO_CLEAR
 from ..link import SerialLink
 from ..serial_adapter import SerialAdapter
 from .configuration import DynamixelConfiguration
@@ -251,7 +252,7 @@ class DynamixelAdapter(SerialAdapter):
             self._raise_if_stopped()
             error = self._read_item(servo, HARDWARE_ERROR)
             if error:
-                raise DriveFault(f"servo {servo} reports hardware error {error:#x}: clear_faults() once it is gone")
+                raise DriveFault(f"servo {servo} reports hardware error {error:#x}: {HOW_TO_CLEAR}")
             self._ensure_item(servo, OPERATING_MODE, MODES[self._mode_in_use])
             self._arm_watchdog(servo)
         for servo in self._servos:

@@ -13,6 +13,7 @@ from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, J
 from ..bus_budget import BusBudget, can_frame_bits
 from ..can_adapter import CanAdapter
 from ..configuration import convert
+from ..driver import HOW_TO_CLEAR
 from ..link import CanFrame, CanLink
 from ..transmission import Transmission
 from .configuration import MitConfiguration, make_motor
@@ -198,7 +199,7 @@ class MitAdapter(CanAdapter):
 
     def _raise_on_fault(self) -> None:
         if any(self._reported.fault):
-            raise DriveFault(f"the motors report {self._reported.fault}: clear_faults() once the cause is gone")
+            raise DriveFault(f"the motors report {self._reported.fault}: {HOW_TO_CLEAR}")
 
     def _write(self, command: JointCommand, mode: CommandMode) -> None:
         torque, reported = command.torque, self._reported

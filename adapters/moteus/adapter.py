@@ -10,6 +10,7 @@ from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, J
 
 from ..bus_budget import BusBudget, can_fd_frame_time, serial_time
 from ..configuration import JointConfiguration, SerialAdapterConfiguration, convert
+from ..driver import HOW_TO_CLEAR
 from ..link import SerialLink
 from ..serial_adapter import SerialAdapter
 from ..transmission import Transmission
@@ -210,7 +211,7 @@ class MoteusAdapter(SerialAdapter):
 
     def _raise_on_fault(self) -> None:
         if any(self._reported.fault):
-            raise DriveFault(f"the controllers report {self._reported.fault}: clear_faults() once the cause is gone")
+            raise DriveFault(f"the controllers report {self._reported.fault}: {HOW_TO_CLEAR}")
 
     def _write(self, command: JointCommand, mode: CommandMode) -> None:
         references = command.position if mode == "position" else command.velocity

@@ -13,6 +13,7 @@ from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, J
 from ..bus_budget import BusBudget, can_frame_bits
 from ..can_adapter import CanAdapter
 from ..configuration import convert
+from ..driver import HOW_TO_CLEAR
 from ..link import CanFrame, CanLink
 from .codec import (
     CONTROL_MODES,
@@ -277,7 +278,7 @@ class OdriveAdapter(CanAdapter):
     def _raise_on_fault(self) -> None:
         if any(self._reported.fault):
             codes = ", ".join(f"{code:#x}" for code in self._reported.fault)
-            raise DriveFault(f"the axes report errors {codes}: clear_faults() once the cause is gone")
+            raise DriveFault(f"the axes report errors {codes}: {HOW_TO_CLEAR}")
 
     def _write(self, command: JointCommand, mode: CommandMode) -> None:
         torque, velocity, position = command.torque, command.velocity, command.position

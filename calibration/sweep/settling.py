@@ -34,27 +34,34 @@ class SettleDetector:
     """
 
     def __init__(self, velocity: float, quantum: float, period: float) -> None:
-        self._velocity = velocity
+        self._velocity, self._period = velocity, period
         count = quantum / abs(velocity)
         # The end of a window is known to a count or to a sample, whichever is the finer.
         self._window = max(SHORTEST, COUNTS * count / WINDOWS, min(count, period) / (0.5 * TOLERANCE))
         self._since = float("nan")
         self._from = self._last = 0.0
+        self._time = self._late = 0.0
         self._agreed = 0
 
     def update(self, time: float, position: float) -> bool:
         """Take a sample; whether the plateau has settled.
 
+        A sample that comes late may be as old as it is late, which widens the tolerance of the windows it bounds.
+
         Args:
             time: [s].
             position: [rad] or [m].
         """
+        late = max(time - self._time - 1.5 * self._period, 0.0) if self._time else 0.0
+        self._time = time
         if not isfinite(self._since):
-            self._since, self._from = time, position
+            self._since, self._from, self._late = time, position, late
         elif position != self._last and time - self._since >= self._window:
-            mean = (position - self._from) / (time - self._since)
-            close = abs(mean - self._velocity) <= TOLERANCE * abs(self._velocity)
+            elapsed = time - self._since
+            mean = (position - self._from) / elapsed
+            tolerance = TOLERANCE + (late + self._late) / elapsed
+            close = abs(mean - self._velocity) <= tolerance * abs(self._velocity)
             self._agreed = self._agreed + 1 if close else 0
-            self._since, self._from = time, position
+            self._since, self._from, self._late = time, position, late
         self._last = position
         return self._agreed >= WINDOWS

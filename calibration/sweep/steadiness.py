@@ -23,6 +23,8 @@ SWING, SPREAD_WITH_SWING = 0.1, 0.15
 # Encoder counts that a window must hold, so that quantisation is not taken for sticking.
 COUNTS = 12
 SHORTEST_WINDOW = 0.01
+# And so many times the jitter of the samples' times, which a busy computer makes.
+JITTERS = 10.0
 # Standard errors between the means of a transient and of the rest.
 ANOTHER_MEAN = 3.0
 # Fraction of the torque limit at which the drive may be saturated.
@@ -97,7 +99,9 @@ def judge_plateau(
 
 def _window_speeds(time: FloatArray, position: FloatArray, velocity: float, quantum: float) -> FloatArray:
     """Mean speed of windows as a fraction of the speed asked for. Shape (n_windows,)."""
-    window = max(SHORTEST_WINDOW, COUNTS * quantum / abs(velocity))
+    gaps = np.diff(time)
+    jitter = float(np.quantile(gaps, 0.95) - np.median(gaps))
+    window = max(SHORTEST_WINDOW, COUNTS * quantum / abs(velocity), JITTERS * jitter)
     edges = np.searchsorted(time, np.arange(time[0], time[-1], window))
     edges = np.unique(np.minimum(edges, len(time) - 1))
     return np.asarray(np.diff(position[edges]) / np.diff(time[edges]) / velocity)

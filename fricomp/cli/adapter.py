@@ -1,4 +1,4 @@
-"""`fricomp adapter check`: a careful first trial of a real drive."""
+"""`fricomp adapter`: a careful first trial of a real drive, and clearing its faults."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MARKS = {True: "[green]ok[/green]", False: "[red]failed[/red]", None: "[yellow]o
 
 @app.callback()
 def adapter() -> None:
-    """Try a real drive, carefully, and say what was found."""
+    """Try a real drive, carefully, and clear its faults."""
 
 
 @app.command(epilog="fricomp adapter check arm.toml --share 0.02\n\nfricomp adapter check arm.toml --listen-only")
@@ -57,3 +57,17 @@ def check(
         screen.print(f"{MARKS[step.passed]:<22} {step.name}: {step.detail}", soft_wrap=True)
     if failed:
         raise typer.Exit(1)
+
+
+@app.command(epilog="fricomp adapter clear arm.toml")
+def clear(configuration: Annotated[Path, typer.Argument(help="Configuration file: bus, joints, limits.")]) -> None:
+    """Clear what the drives have latched, once its cause is gone. Energises nothing; a fault that stays is named."""
+    from fricomp.adapters import open_adapter
+    from fricomp.adapters.configuration import read_configuration
+    from fricomp.cli.terminal import console
+
+    content = read_configuration(configuration)
+    with open_adapter(content["backend"], content) as adapter:
+        adapter.clear_faults()
+        names = ", ".join(joint.name for joint in adapter.capabilities.joints)
+    console().print(f"No fault is left on {names}; nothing is energised.")

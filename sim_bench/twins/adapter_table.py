@@ -80,7 +80,7 @@ def adapter_configuration(protocol: str, twin: DriveTwin, endpoints: str = "") -
     if protocol not in PROTOCOLS or address is None:
         raise ParameterError("an adapter configuration is written for a twin on a pty or TCP socket")
     # Two processes on a busy machine keep each other waiting for longer than a drive on its bus would.
-    head: dict[str, Any] = {"backend": protocol, "stale_after": 0.1, "watchdog": 0.2}
+    head: dict[str, Any] = {"backend": protocol, "stale_after": 0.2, "watchdog": 0.5, "response_timeout": 1.0}
     if protocol == "odrive":
         head["endpoints"] = endpoints
     way = {"interface": "slcan-chunked", "channel": address} if protocol in CAN_PROTOCOLS else {"port": address}

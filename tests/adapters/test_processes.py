@@ -90,7 +90,7 @@ def test_the_trial_command_ends_well_on_a_twin(
 ) -> None:
     _, path = start_twin("canopen")
     path.write_text(
-        path.read_text().replace("stale_after = 0.1", "stale_after = 1.0").replace("watchdog = 0.2", "watchdog = 1.5")
+        path.read_text().replace("stale_after = 0.2", "stale_after = 1.0").replace("watchdog = 0.5", "watchdog = 1.5")
     )
     found = run_command("adapter", "check", str(path), "--yes", "--rate", "100")
     assert found.returncode == 0, found.stdout + found.stderr
