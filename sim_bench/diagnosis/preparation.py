@@ -108,7 +108,7 @@ def _recoloured(prepared: Prepared) -> Prepared:
     """Whiten the residual by its own correlation where it is not that of the nulls, which keep theirs."""
     ours, theirs = _noise_parts(prepared)
     shift = _correlation(ours) - np.mean([_correlation(one) for one in theirs], axis=0)
-    if np.max(np.abs(shift)) < _SAME_COLOUR or _trimmed(ours) > _QUIET * np.mean([_trimmed(one) for one in theirs]):
+    if np.max(np.abs(shift)) < _SAME_COLOUR or _typical(ours) > _QUIET * np.mean([_typical(one) for one in theirs]):
         return prepared
     extra = solve_toeplitz(np.array([1.0, *shift[:-1]]), shift)
     weights = prepared.nulls.weights
@@ -120,26 +120,24 @@ def _recoloured(prepared: Prepared) -> Prepared:
 
 
 def _correlation(values: FloatArray) -> FloatArray:
-    """Correlation over one to three rows, of values clipped at three robust deviations. Shape (3,)."""
-    limit = 3.0 * float(np.median(np.abs(values))) / 0.6745
-    x = np.clip(values, -limit, limit)
+    """Correlation over one to three rows, of values clipped at two typical deviations. Shape (3,)."""
+    x = np.clip(values, -2.0 * _typical(values), 2.0 * _typical(values))
     return np.array([float(x[lag:] @ x[:-lag]) for lag in (1, 2, 3)]) / float(x @ x)
 
 
 def _level_noise(prepared: Prepared) -> Prepared:
     """Scale the nulls to the part of the residual that neither the base nor any smooth torque reaches."""
     ours, theirs = _noise_parts(prepared)
-    factor = float(np.clip(_trimmed(ours) / np.mean([_trimmed(one) for one in theirs]), *_LEVEL))
+    factor = float(np.clip(_typical(ours) / np.mean([_typical(one) for one in theirs]), *_LEVEL))
     nulls, fit, own = prepared.nulls.scaled(factor), prepared.fit, prepared.problem.weights
     fit = replace(fit, residual=fit.residual / factor, jacobian=fit.jacobian / factor, cost=fit.cost / factor**2)
     weights = nulls.weights if own is None else replace(nulls.weights, whitener=own.whitener)
     return replace(prepared, problem=replace(prepared.problem, weights=weights), fit=fit, nulls=nulls)
 
 
-def _trimmed(values: FloatArray) -> float:
-    """Standard deviation in which values beyond three robust ones count as three."""
-    limit = 3.0 * float(np.median(np.abs(values))) / 0.6745
-    return float(np.sqrt(np.mean(np.minimum(values**2, limit**2))))
+def _typical(values: FloatArray) -> float:
+    """Standard deviation of the bulk: a bristle or a gap that is missed shows in few rows, noise in all."""
+    return float(np.median(np.abs(values))) / 0.6745
 
 
 def _reweigh(problem: Problem, fit: Fit, box: Box, count: int, seed: int) -> tuple[Fit, Problem, Nulls]:

@@ -25,6 +25,7 @@ _ENOUGH = 0.98  # coverage at which nothing more is looked for
 _QUANTILE = 0.98
 _LEAST_GAIN = 30.0
 _ANOTHER = 0.05  # of the gain, that one more effect must add: less is the form of the first one not quite met
+_LAST_RESORT = 0.8  # of its gain is what an explanation with a torque from outside counts for
 _MATERIAL = 0.05  # gain per row: below it the base model's own small errors could be named
 
 
@@ -99,7 +100,12 @@ def search(prepared: Prepared) -> Found:
 
 def _acceptable(tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
     passing = [e for e in tried if not e.refused and e.gain > threshold]
-    return sorted(passing, key=lambda explanation: -explanation.gain)
+    return sorted(passing, key=lambda explanation: -_weighed(explanation))
+
+
+def _weighed(explanation: Explanation) -> float:
+    """Gain, less a share for what explains by windows in time: it would fill in for any effect that comes and goes."""
+    return explanation.gain * (_LAST_RESORT if "external_disturbance" in explanation.names else 1.0)
 
 
 def _choose(tried: Sequence[Explanation], threshold: float) -> Explanation | None:
@@ -111,7 +117,8 @@ def _choose(tried: Sequence[Explanation], threshold: float) -> Explanation | Non
             continue
         top = options[0]
         if best is None or (
-            top.gain > best.gain + max(threshold, _ANOTHER * best.gain) and top.coverage > best.coverage + 0.015
+            _weighed(top) > _weighed(best) + max(threshold, _ANOTHER * best.gain)
+            and top.coverage > best.coverage + 0.015
         ):
             best = top
     return best
