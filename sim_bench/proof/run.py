@@ -120,7 +120,8 @@ def run_proof(
             break
         done, _ = wait(waiting, return_when=FIRST_COMPLETED)
         for future in done:
-            pending, result = waiting.pop(future), _result_of(future)
+            pending = waiting.pop(future)
+            result = _result_of(future, pending)
             if isinstance(result, Prepared):
                 _take_prepared(run, pending, result, submit, diagnose, progress)
             elif pending.first is None and _asks_for_more(result):
@@ -132,14 +133,18 @@ def run_proof(
     return [score for score in read_scores(folder) if score.case in names]
 
 
-def _result_of(future: Future[Any]) -> BlindAnswer | Prepared:
-    """What a worker gave; a case whose making failed in an unforeseen way is refused, so that the others go on."""
+def _result_of(future: Future[Any], pending: _Pending) -> BlindAnswer | Prepared:
+    """What a worker gave; what failed in an unforeseen way counts against its own case, so that the others go on.
+
+    A case that could not be made is refused; one whose worker was lost while it diagnosed has no answer.
+    """
     try:
         result: BlindAnswer | Prepared = future.result()
     except (BrokenExecutor, AssertionError, DiagnosisError):
         raise
-    except Exception as error:  # of a generator or of the cluster: one case must not end a run of thousands
-        return Prepared("", {}, b"", refused=f"{type(error).__name__}: {error}")
+    except Exception as error:  # of a generator or of the cluster
+        reason = f"{type(error).__name__}: {error}"
+        return BlindAnswer(b"", b"", 0.0, reason) if pending.files else Prepared("", {}, b"", refused=reason)
     return result
 
 

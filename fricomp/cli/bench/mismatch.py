@@ -97,7 +97,7 @@ def _run(
             bar.update(task, total=len(planned), completed=len(planned) - count_open(planned, out))
             return run_proof(planned, out, pool, salt=settings.salt, progress=count, go_on=go_on)
 
-        planned = _plan(settings, go)
+        planned = _plan(settings, out, go)
         scores = go(planned)
     left, spent = count_open(planned, out), (monotonic() - start) / 60.0
     if done:
@@ -107,17 +107,22 @@ def _run(
     return scores, planned
 
 
-def _plan(settings: RunSettings, go: Callable[[Sequence[PlannedCase]], list[Score]]) -> Sequence[PlannedCase]:
+def _plan(
+    settings: RunSettings, out: Path, go: Callable[[Sequence[PlannedCase]], list[Score]]
+) -> Sequence[PlannedCase]:
     """The cases; where effects are injected, the recordings are diagnosed as they are first."""
     from fricomp.errors import RecordingError
-    from fricomp.sim_bench.proof import plan_bare, plan_injected, plan_run, seeds_of
+    from fricomp.sim_bench.proof import count_open, plan_bare, plan_injected, plan_run, seeds_of
 
     if not settings.injected:
         return plan_run(settings)
     bare = plan_bare()
     if not bare:
         raise RecordingError("no public recordings are here: set FRICOMP_DATA to the folder that holds them")
-    return [*bare, *plan_injected(go(bare), seeds_of(settings))][: settings.cases]
+    scores = go(bare)
+    if count_open(bare, out):  # time is over; what is injected depends on all of them
+        return bare
+    return [*bare, *plan_injected(scores, seeds_of(settings))][: settings.cases]
 
 
 def _compare(
@@ -152,13 +157,14 @@ def _show(scores: Sequence[Score], planned: Sequence[PlannedCase], out: Path) ->
 
 
 def _table(figures: Sequence[Any]) -> Any:
+    from rich.markup import escape
     from rich.table import Table
 
     table = Table("figure", "target", "measured (95 % interval)", "reached")
     for figure in figures:
         style = "" if figure.reached is not False else "bold"
         mark = {True: "yes", False: "no", None: "–"}[figure.reached]
-        table.add_row(figure.name, figure.target, figure.value, mark, style=style)
+        table.add_row(*map(escape, (figure.name, figure.target, figure.value)), mark, style=style)
     return table
 
 

@@ -1,6 +1,7 @@
 """`fricomp bench mismatch` and `fricomp cases` as a user meets them."""
 
 import json
+import subprocess
 from functools import partial
 from pathlib import Path
 
@@ -53,6 +54,40 @@ def test_a_scored_run_outside_the_repository_is_refused_before_anything_is_writt
         CliRunner().invoke(mismatch.app, ["--scored", "--out", str(tmp_path / "run")], catch_exceptions=False)
     assert not (tmp_path / "run").exists()
     assert not (tmp_path / "docs").exists()
+
+
+@pytest.mark.usefixtures("quick_answers")
+def test_a_scored_run_goes_in_pieces_and_its_log_tells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    source = tmp_path / "sim_bench" / "diagnosis" / "search.py"
+    source.parent.mkdir(parents=True)
+    source.write_text("threshold = 1\n")
+    identity = ("-c", "user.name=test", "-c", "user.email=test@example.org")
+    for call in (("init", "-q"), ("add", "."), ("commit", "-q", "-m", "diagnosis")):
+        subprocess.run(["git", "-C", str(tmp_path), *identity, *call], check=True, capture_output=True)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "docs").mkdir()
+    options = ["--scored", "--cases", "3", "--executor", "serial", "--resume", "--out", "run"]
+    options += ["--page", "docs/proof.md"]
+        "--scored",
+        "--cases",
+        "3",
+        "--executor",
+        "serial",
+        "--resume",
+        "--out",
+        "run",
+        "--page",
+        "docs/proof.md",
+    ]
+    monkeypatch.setattr(proof, "watch", lambda *_: iter([True, True, False]).__next__)
+    first = CliRunner().invoke(mismatch.app, [*options, "--minutes", "1"], catch_exceptions=False)
+    assert "1 of 3 cases are left: --resume goes on" in first.stdout
+    assert "the first 2 of 3 cases" in (tmp_path / "docs" / "proof.md").read_text()
+    monkeypatch.setattr(proof, "watch", lambda *_: lambda: True)
+    CliRunner().invoke(mismatch.app, options, catch_exceptions=False)
+    log = proof.read_entries(tmp_path / "docs" / "proof" / "runs.jsonl")
+    assert [(entry["event"], entry["cases"]) for entry in log] == [("started", 3), ("paused", 2), ("finished", 3)]
+    assert "Scored run 1" in (tmp_path / "docs" / "proof.md").read_text()
 
 
 def test_cases_can_be_made_and_listed(tmp_path: Path) -> None:

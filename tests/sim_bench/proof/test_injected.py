@@ -20,7 +20,7 @@ from fricomp.sim_bench.proof import (
     write_page,
 )
 from fricomp.sim_bench.proof.blind import BlindAnswer
-from fricomp.sim_bench.real import InjectedSpec, inject
+from fricomp.sim_bench.real import INJECTABLE, REAL_CASES, InjectedSpec, inject
 from fricomp.sim_bench.real.injected_effect import INJECTED, measure_motion
 from tests.sim_bench.proof.answering import always_cogging, answer
 
@@ -65,6 +65,11 @@ def test_only_the_torque_is_changed_and_by_the_wanted_strength() -> None:
     np.testing.assert_allclose(added, p["sine"] * np.sin(angle) + p["cosine"] * np.cos(angle), atol=1e-9)
     assert "current" not in first.column_names  # the effect would not show in it
     np.testing.assert_array_equal(bare.column("torque"), read_public("emps/train")[0].torque)
+
+
+def test_every_source_is_a_real_case_and_every_effect_can_be_injected() -> None:
+    assert set(INJECTABLE) <= {case.name for case in REAL_CASES}
+    assert {effect for effects in INJECTABLE.values() for effect in effects} == set(INJECTED)
 
 
 def test_unknown_names_are_refused_with_the_valid_ones() -> None:

@@ -145,6 +145,16 @@ def test_a_case_that_cannot_be_made_is_left_out(tmp_path: Path, monkeypatch: pyt
     assert count_open(_PLANNED[:1], tmp_path) == 0
 
 
+def test_a_diagnosis_that_is_lost_is_an_answer_that_failed(tmp_path: Path) -> None:
+    def lost(files: dict[str, bytes]) -> BlindAnswer:
+        raise MemoryError("the cluster gave up")
+
+    (score,) = run_proof(_PLANNED[:1], tmp_path, (SerialExecutor(), 1), salt="s", diagnose=lost)
+    assert score.verdict == "failed"
+    assert score.error == "MemoryError: the cluster gave up"
+    assert not read_refused(tmp_path)
+
+
 def test_page_and_list_of_failures_are_written(tmp_path: Path) -> None:
     scores = run_proof(_PLANNED, tmp_path / "run", (SerialExecutor(), 1), salt="s", diagnose=always_cogging)
     page = tmp_path / "docs" / "proof.md"
