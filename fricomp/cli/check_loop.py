@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from fricomp.control import DriveLimits, LoopCheck
 
 __all__ = ["app"]
 
 app = typer.Typer()
 
 EPILOG = """fricomp check-loop friction.json --inertia 0.1 --bandwidth 10 --delay 0.004
+
+fricomp check-loop friction.json --inertia 0.1 --bandwidth 10 --torque-limit 5 --torque-rate 250
 
 fricomp check-loop friction.json --inertia 0.1 --stiffness 395 --damping 12.6 --delay 0.004 --gain 1.1"""
 
@@ -31,13 +36,19 @@ def check_loop(
     source: Annotated[str | None, typer.Option(help="reference, blend or measured; chosen if left out.")] = None,
     period: Annotated[float, typer.Option(help="Control period \\[s].")] = 1e-3,
     quantum: Annotated[float, typer.Option(help="Step of the measured velocity \\[rad/s] or \\[m/s].")] = 0.0,
+    torque_limit: Annotated[
+        float | None, typer.Option(help="Of drive or safety gate, for the simulation \\[N·m] or \\[N].")
+    ] = None,
+    torque_rate: Annotated[
+        float | None, typer.Option(help="Fastest change of the torque, likewise \\[N·m/s] or \\[N/s].")
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the chart.")] = None,
 ) -> None:
     """Margin to the limit cycle, by describing function and by simulation; exit status 1 where it is under 15 %."""
     from rich.table import Table
 
     from fricomp.cli.terminal import console
-    from fricomp.control import LoopDynamics, PositionController, choose_settings
+    from fricomp.control import DriveLimits, LoopDynamics, PositionController, choose_settings
     from fricomp.control import check_loop as check
     from fricomp.errors import ParameterError
     from fricomp.model import load_model
@@ -52,7 +63,8 @@ def check_loop(
     friction, loop = load_model(model), LoopDynamics(inertia, stiffness, damping, delay, velocity_filter)
     given = {name: value for name, value in (("gain", gain), ("source", source)) if value is not None}
     settings = choose_settings(friction, loop=loop, velocity_quantum=quantum, **given)
-    result = check(friction, loop, settings, period=period, velocity_quantum=quantum)
+    drive = DriveLimits(torque_limit or float("inf"), torque_rate or float("inf"))
+    result = check(friction, loop, settings, period=period, velocity_quantum=quantum, drive=drive)
     unit = f"{friction.position_unit}/s"
     table = Table("what", "value", title=f"Loop of joint {friction.joint}")
     table.add_row("direction from", f"{settings.source}, measured share {settings.measured_share:g}")
@@ -65,10 +77,14 @@ def check_loop(
     table.add_row("largest gain with 15 % margin", f"{result.safe_gain:.2f}" if result.safe_gain else "none")
     table.add_row("without compensation", "sticks and slips" if result.sticks_without else "runs smoothly")
     table.add_row("drift after a stop", f"{result.drift:.2g} {friction.position_unit}")
+    table.add_row("thrown off its reference", _thrown(result, friction.position_unit))
+    table.add_row("drive in the simulation", _limits(result.drive, friction.torque_unit))
     screen = console()
     screen.print(table)
     for note in settings.notes:
         screen.print(f"- {note}")
+    if result.left_out:
+        screen.print(f"- not part of this check: {', '.join(result.left_out)}")
     if out is not None:
         from fricomp.cli.loop_charts import gain_scan_chart
         from fricomp.report import draw_png
@@ -76,9 +92,27 @@ def check_loop(
         out.mkdir(parents=True, exist_ok=True)
         chart = gain_scan_chart(result, f"joint {friction.joint}")
         screen.print(f"Chart in {draw_png(chart, out / 'gain-scan.png')}")
-    screen.print("Safe." if result.is_safe else "[bold]Not safe:[/bold] less than 15 % margin, or the joint drifts.")
+    screen.print(
+        "Safe."
+        if result.is_safe
+        else "[bold]Not safe:[/bold] less than 15 % margin, or the joint does not come to rest."
+    )
     if not result.is_safe:
         raise typer.Exit(1)
+
+
+def _thrown(result: LoopCheck, unit: str) -> str:
+    """From how far off its reference the joint no longer settles, and whether the compensation has a part in it."""
+    if result.unsettled_from == float("inf"):
+        return f"settles from all that was tried, up to 0.5 {unit}"
+    also = "also" if result.unsettled_without <= result.unsettled_from else "but not"
+    return f"keeps oscillating from {result.unsettled_from:g} {unit} on, {also} without compensation"
+
+
+def _limits(drive: DriveLimits, unit: str) -> str:
+    torque = "torque not limited" if drive.torque == float("inf") else f"at most {drive.torque:g} {unit}"
+    rate = "rate not limited" if drive.torque_rate == float("inf") else f"{drive.torque_rate:g} {unit}/s"
+    return f"{torque}, {rate}"
 
 
 def _gain(limit: float) -> str:

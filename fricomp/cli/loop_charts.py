@@ -13,8 +13,10 @@ from fricomp.report import Band, Bars, Chart, HeatMap, Line, Panel, Rule
 if TYPE_CHECKING:
     from fricomp.sim_bench.latency import Cost
     from fricomp.sim_bench.tracking import RobustnessMap, StudyRow
+    from fricomp.sim_bench.tracking.close_loop import CloseLoopResult
 
 __all__ = [
+    "close_loop_chart",
     "cost_chart",
     "gain_scan_chart",
     "histogram_panel",
@@ -25,6 +27,9 @@ __all__ = [
 ]
 
 _NAMES = {"none": "none", "coulomb_viscous": "tanh-Coulomb-viscous", "stribeck": "Stribeck", "default": "default"}
+
+
+_CLOSE_LOOP_NAMES = {"none": "none", "stribeck": "Stribeck, calibrated", "extended": "extended by the diagnosis"}
 
 
 def gain_scan_chart(check: LoopCheck, joint: str) -> Chart:
@@ -141,6 +146,31 @@ def run_chart(logs: Mapping[str, LoopLog], joint: int, units: tuple[str, str]) -
         Panel(tuple(torques), "time [s]", f"torque [{torque_unit}]"),
     )
     return Chart(f"run-{joint}", "A reference motion with and without compensation", panels, share_x=True)
+
+
+def close_loop_chart(result: CloseLoopResult, bandwidth: float) -> Chart:
+    """Error over time without compensation, with the calibrated model and with the extended one; and the friction."""
+    figures = result.figures[bandwidth]
+    base = figures["none"]
+    panels = []
+    for number, method in enumerate(("stribeck", "extended")):
+        found = figures[method]
+        marks = (
+            Line(base.time, 1e3 * base.error, "none", 6, width=1.0),
+            Line(found.time, 1e3 * found.error, _CLOSE_LOOP_NAMES[method], number, width=1.0),
+        )
+        rms, reversal = result.change(bandwidth, method)
+        title = f"{_CLOSE_LOOP_NAMES[method]}: RMS {rms:+.0%}, reversals {reversal:+.0%}"
+        panels.append(Panel(marks, "time [s]", "error [mrad]", title))
+    both = tuple(
+        Line(figures[method].time, 1e3 * figures[method].error, _CLOSE_LOOP_NAMES[method], number, width=1.0)
+        for number, method in enumerate(("stribeck", "extended"))
+    )
+    panels.append(Panel(both, "time [s]", "error [mrad]", "both compensations on their own scale"))
+    named = ", ".join(effect.name for effect in result.diagnosis.effects if effect.kind == "physics")
+    caption = f"Sine of 0.5 rad at 0.1 Hz on a joint with concealed effects; the diagnosis named {named}."
+    title = f"Calibrate, compensate, diagnose, compensate again: PD {bandwidth:g} Hz"
+    return Chart(f"close-loop-{bandwidth:g}hz", title, tuple(panels), share_x=True, panel_height=240, caption=caption)
 
 
 def cost_chart(costs: Sequence[Cost]) -> Chart:

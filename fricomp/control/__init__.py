@@ -19,7 +19,7 @@ from fricomp.control.loop_simulation import LoopCases, SimulatedLoop, simulate_l
 from fricomp.control.network import NetworkCompensator
 from fricomp.control.position_loop import Controller, PositionController, Reference, ReferenceState, SineReference
 from fricomp.control.real_time import RealTimeOptions, RealTimeReport, real_time
-from fricomp.control.settings import CompensationSettings, LoopDynamics, Source
+from fricomp.control.settings import CompensationSettings, DriveLimits, LoopDynamics, Source
 
 __all__ = [
     "ABSURD_TORQUE_RATIO",
@@ -32,6 +32,7 @@ __all__ = [
     "ControlLoop",
     "Controller",
     "CurveParameters",
+    "DriveLimits",
     "FrictionCurves",
     "GainScan",
     "JointLimits",

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from fricomp.control.choice import choose_settings
 from fricomp.control.curve import FrictionCurves, split_law
 from fricomp.control.limit_cycle import LIMIT_CYCLE_MARGIN, find_oscillation, steady_speeds
-from fricomp.control.loop_simulation import LoopCases, simulate_loop
-from fricomp.control.settings import CompensationSettings, LoopDynamics
+from fricomp.control.loop_simulation import LoopCases, SimulatedLoop, simulate_loop
+from fricomp.control.settings import NO_LIMITS, CompensationSettings, DriveLimits, LoopDynamics
 from fricomp.errors import ParameterError
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
@@ -21,6 +22,9 @@ __all__ = ["GainScan", "LoopCheck", "check_loop"]
 _GAINS = (0.0, 0.2, 0.4, 0.6, 0.7, 0.8, 0.9, 1.0, 1.05, 1.1, 1.15, 1.2, 1.3, 1.5, 1.75, 2.0, 2.5)
 _SIMULATED_TIME = 1.5  # [s]
 _STILL = 1e-9  # travel that is rounding [rad] or [m]
+_OFFSETS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5)  # off the reference at the start [rad] or [m]
+_STOPPED_TIME = 3.0  # [s]
+_CALM = 0.1  # speed at the end over the largest that counts as settled [1]
 
 
 @dataclass(frozen=True)
@@ -59,7 +63,12 @@ class LoopCheck:
         margin: The lower of both over the gain in use, minus one; infinity if none was found [1].
         safe_gain: Largest gain that keeps a margin of 15 % [1]; 0 where none does.
         sticks_without: Whether the loop oscillates with no compensation at all.
-        drift: Travel at rest over the last three quarters of a simulated stop [rad] or [m].
+        drift: Travel over the last third of a simulated stop [rad] or [m].
+        drive: Limits of the drive that the simulations kept to.
+        unsettled_from: Distance to the reference at the start from which the joint keeps oscillating; infinity if it
+            settles from every one that was tried, up to 0.5 [rad] or [m].
+        unsettled_without: The same without compensation.
+        left_out: Terms of the law that the check does not know: those over load, position and temperature.
     """
 
     settings: CompensationSettings
@@ -71,10 +80,14 @@ class LoopCheck:
     safe_gain: float
     sticks_without: bool
     drift: float
+    drive: DriveLimits
+    unsettled_from: float
+    unsettled_without: float
+    left_out: tuple[str, ...]
 
     @property
     def is_safe(self) -> bool:
-        """Whether the gain in use keeps a margin of 15 % and the joint stays where it was stopped."""
+        """Whether the gain in use keeps a margin of 15 % and the joint comes to rest where it is stopped."""
         return self.margin >= LIMIT_CYCLE_MARGIN - 1.0 - 1e-9 and self.drift < _STILL
 
 
@@ -85,8 +98,11 @@ def check_loop(
     *,
     period: float = 1e-3,
     velocity_quantum: float = 0.0,
+    drive: DriveLimits | None = None,
 ) -> LoopCheck:
     """Predict by describing function and confirm by simulation where the loop starts to oscillate.
+
+    The simulations keep to the drive's limits, which the describing function does not know.
 
     Args:
         model: Friction of the joint, taken as true.
@@ -94,6 +110,7 @@ def check_loop(
         settings: Of the compensation; those that fit model and loop if None.
         period: Control period [s].
         velocity_quantum: Step of the measured velocity [rad/s] or [m/s].
+        drive: Limits of the torque; none if None.
 
     Raises:
         ParameterError: The loop has no stiffness, or the model is dynamic.
@@ -104,7 +121,8 @@ def check_loop(
     chosen = settings or choose_settings(model, loop=loop, velocity_quantum=velocity_quantum)
     gains = (chosen.gain or 1.0) * np.array(_GAINS)
     predicted = find_oscillation(curves, loop, chosen, gains).at_gains.astype(np.float64)
-    swing = _simulate_swing(curves, loop, chosen, gains, period, velocity_quantum)
+    bench = _Bench(curves, loop, chosen, period, velocity_quantum, drive or NO_LIMITS)
+    swing, stop = bench.swing(gains), bench.stop()
     scan = GainScan(gains, predicted, (swing > 0.5).astype(np.float64), swing)
     limits = [scan.limit_from(chosen.gain, simulated=kind) for kind in (False, True)]
     limit = min(limits)
@@ -117,7 +135,11 @@ def check_loop(
         margin=limit / chosen.gain - 1.0 if chosen.gain > 0.0 else float("inf"),
         safe_gain=_safe_gain(scan),
         sticks_without=bool(scan.predicted[0] > 0.5 or scan.simulated[0] > 0.5),
-        drift=_simulate_drift(curves, loop, chosen, period, velocity_quantum),
+        drift=stop.drift,
+        drive=bench.drive,
+        unsettled_from=stop.unsettled_from,
+        unsettled_without=stop.unsettled_without,
+        left_out=tuple(term.name for term in curves.extra),
     )
 
 
@@ -135,42 +157,64 @@ def _safe_gain(scan: GainScan) -> float:
     return 0.0
 
 
-def _simulate_swing(
-    curves: FrictionCurves,
-    loop: LoopDynamics,
-    settings: CompensationSettings,
-    gains: FloatArray,
-    period: float,
-    velocity_quantum: float,
-) -> FloatArray:
-    """Largest swing of velocity over its reference, at the end of a run at each steady speed. Shape (n_gains,)."""
-    speeds = steady_speeds(curves, settings)[1:]
-    gain, speed = (grid.ravel() for grid in np.meshgrid(gains, speeds, indexing="ij"))
-    cases = LoopCases(
-        loop, gain, np.ones_like(gain), np.full_like(gain, loop.delay), velocity_quantum, loop.velocity_filter
-    )
-    time = np.arange(0.0, _SIMULATED_TIME, period)[:, None]
-    done = simulate_loop(
-        curves, settings, cases, (speed * time, speed + 0.0 * time), period=period, start_velocity=1.2 * speed
-    )
-    last = done.velocity[-len(time) // 3 :]
-    swing = (last.max(axis=0) - last.min(axis=0)) / np.abs(speed)
-    return np.asarray(swing.reshape(len(gains), -1).max(axis=1), dtype=np.float64)
+class _Stop(NamedTuple):
+    """How the joint comes to rest; see `LoopCheck`."""
+
+    drift: float
+    unsettled_from: float
+    unsettled_without: float
 
 
-def _simulate_drift(
-    curves: FrictionCurves, loop: LoopDynamics, settings: CompensationSettings, period: float, velocity_quantum: float
-) -> float:
-    """Travel after a stop, from speeds of both directions: zero unless the compensation moves a resting joint."""
-    speeds = steady_speeds(curves, settings)
-    cases = LoopCases(
-        loop,
-        np.full_like(speeds, settings.gain),
-        np.ones_like(speeds),
-        np.full_like(speeds, loop.delay),
-        velocity_quantum,
-        loop.velocity_filter,
-    )
-    still = np.zeros(int(_SIMULATED_TIME / period))
-    done = simulate_loop(curves, settings, cases, (still, still), period=period, start_velocity=speeds)
-    return float(np.max(np.abs(done.position[-1] - done.position[len(still) // 4])))
+@dataclass(frozen=True)
+class _Bench:
+    """One loop, ready to be simulated in many cases."""
+
+    curves: FrictionCurves
+    loop: LoopDynamics
+    settings: CompensationSettings
+    period: float
+    velocity_quantum: float
+    drive: DriveLimits
+
+    def swing(self, gains: FloatArray) -> FloatArray:
+        """Largest swing of velocity over its reference, at the end of a run at each steady speed. Shape (n_gains,)."""
+        speeds = steady_speeds(self.curves, self.settings)[1:]
+        gain, speed = (grid.ravel() for grid in np.meshgrid(gains, speeds, indexing="ij"))
+        time = np.arange(0.0, _SIMULATED_TIME, self.period)[:, None]
+        done = self._run(gain, (speed * time, speed + 0.0 * time), start_velocity=1.2 * speed)
+        last = done.velocity[-len(time) // 3 :]
+        swing = (last.max(axis=0) - last.min(axis=0)) / np.abs(speed)
+        return np.asarray(swing.reshape(len(gains), -1).max(axis=1), dtype=np.float64)
+
+    def stop(self) -> _Stop:
+        """Simulate a resting reference: the joint still moves, or is off it to either side, the latter also alone."""
+        speeds = steady_speeds(self.curves, self.settings)
+        offsets = np.array([side * offset for offset in _OFFSETS for side in (1.0, -1.0)])
+        gain = np.repeat([self.settings.gain, self.settings.gain, 0.0], [len(speeds), len(offsets), len(offsets)])
+        still = np.zeros(int(_STOPPED_TIME / self.period))
+        done = self._run(
+            gain,
+            (still, still),
+            start_velocity=np.concatenate([speeds, np.zeros(2 * len(offsets))]),
+            start_offset=np.concatenate([np.zeros_like(speeds), offsets, offsets]),
+        )
+        end, speed = len(still) // 3, np.abs(done.velocity)
+        travel = np.ptp(done.position[-end:, : len(speeds)], axis=0)
+        unsettled = (speed[-end:].max(axis=0) > _CALM * speed.max(axis=0))[len(speeds) :].reshape(2, -1)
+        distances = [float(np.min(np.abs(offsets)[rows], initial=np.inf)) for rows in unsettled]
+        return _Stop(float(np.max(travel)), *distances)
+
+    def _run(self, gain: FloatArray, reference: tuple[FloatArray, FloatArray], **start: FloatArray) -> SimulatedLoop:
+        loop = self.loop
+        # The simulation holds the torque over a period itself, which delays it by half of one.
+        delay = max(loop.delay - 0.5 * self.period, 0.0)
+        cases = LoopCases(
+            loop,
+            gain,
+            np.ones_like(gain),
+            np.full_like(gain, delay),
+            self.velocity_quantum,
+            loop.velocity_filter,
+            self.drive,
+        )
+        return simulate_loop(self.curves, self.settings, cases, reference, period=self.period, **start)

@@ -12,7 +12,7 @@ import numpy as np
 
 from fricomp.control.batch import compute_compensation, compute_friction
 from fricomp.control.curve import FrictionCurves
-from fricomp.control.settings import CompensationSettings, LoopDynamics
+from fricomp.control.settings import NO_LIMITS, CompensationSettings, DriveLimits, LoopDynamics
 from fricomp.laws import FloatArray
 
 __all__ = ["LoopCases", "SimulatedLoop", "simulate_loop"]
@@ -31,6 +31,7 @@ class LoopCases:
         delay: From motion to torque [s].
         velocity_quantum: Step of the measured velocity; 0 for none [rad/s] or [m/s].
         velocity_filter: Time constant of the low pass on the measured velocity [s].
+        drive: Limits of the torque.
     """
 
     loop: LoopDynamics
@@ -39,6 +40,7 @@ class LoopCases:
     delay: FloatArray
     velocity_quantum: float = 0.0
     velocity_filter: float = 0.0
+    drive: DriveLimits = NO_LIMITS
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,7 @@ def simulate_loop(
     *,
     period: float = 1e-3,
     start_velocity: FloatArray | float = 0.0,
+    start_offset: FloatArray | float = 0.0,
     compensated: FrictionCurves | None = None,
 ) -> SimulatedLoop:
     """Run the loop along a reference.
@@ -74,14 +77,17 @@ def simulate_loop(
         period: Control period [s].
         compensated: What the compensation takes for the friction; the truth if None.
         start_velocity: Velocity of the joint at the start; one, or one a case [rad/s] or [m/s].
+        start_offset: Position of the joint at the start, from its reference; likewise [rad] or [m].
     """
     q_ref, v_ref = reference
     known = compensated or curves
     loop, n_ticks, n_cases = cases.loop, len(q_ref), len(cases.gain)
     static = cases.friction_scale * np.array([[sum(curves.forward[:2])], [sum(curves.reverse[:2])]])
     position, velocity = np.zeros((n_ticks, n_cases)), np.zeros((n_ticks, n_cases))
-    q, v = np.zeros(n_cases) + q_ref[0], np.zeros(n_cases) + start_velocity
+    q, v = np.zeros(n_cases) + q_ref[0] + start_offset, np.zeros(n_cases) + start_velocity
     smooth = 1.0 - np.exp(-period / cases.velocity_filter) if cases.velocity_filter else 1.0
+    limit, step = cases.drive.torque, cases.drive.torque_rate * period
+    sent = np.zeros(n_cases)
     filtered, behind, column = v, cases.delay / period, np.arange(n_cases)
     for k in range(n_ticks):
         position[k], velocity[k] = q, v
@@ -96,8 +102,9 @@ def simulate_loop(
         error = q_ref[k] - q_seen
         torque = loop.stiffness * error + loop.damping * (v_ref[k] - filtered)
         wanted = cases.gain * compute_compensation(known, settings, np.zeros(n_cases) + v_ref[k], filtered, error)
-        torque = torque + np.clip(wanted, -settings.authority, settings.authority)
-        q, v = _slide(curves, cases, static, (q, v, torque), period)
+        torque = np.clip(torque + np.clip(wanted, -settings.authority, settings.authority), -limit, limit)
+        sent = np.clip(torque, sent - step, sent + step)
+        q, v = _slide(curves, cases, static, (q, v, sent), period)
     return SimulatedLoop(position, velocity)
 
 

@@ -8,7 +8,7 @@ from typing import Literal
 
 from fricomp.errors import ParameterError
 
-__all__ = ["CompensationSettings", "LoopDynamics", "Source"]
+__all__ = ["NO_LIMITS", "CompensationSettings", "DriveLimits", "LoopDynamics", "Source"]
 
 Source = Literal["reference", "blend", "measured"]
 
@@ -41,6 +41,31 @@ class LoopDynamics:
                 raise ParameterError(f"{name} of the loop must be finite and not negative, got {value!r}")
         if self.inertia == 0.0:
             raise ParameterError("the inertia of the loop must be positive")
+
+
+@dataclass(frozen=True)
+class DriveLimits:
+    """What a drive, or the safety gate in front of it, lets through.
+
+    Attributes:
+        torque: Largest torque, either sign [N·m] or [N].
+        torque_rate: Fastest change of it [N·m/s] or [N/s].
+
+    Raises:
+        ParameterError: A limit is not positive.
+    """
+
+    torque: float = math.inf
+    torque_rate: float = math.inf
+
+    def __post_init__(self) -> None:
+        for name in ("torque", "torque_rate"):
+            if not getattr(self, name) > 0.0:
+                raise ParameterError(f"the drive's limit of {name} must be positive, got {getattr(self, name)!r}")
+
+
+NO_LIMITS = DriveLimits()
+"""A drive that gives every torque at once."""
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,10 @@
-"""What compensation is worth: tracking on the stand-in joint, and a map of where it wins and loses."""
+"""What compensation is worth: tracking on the stand-in joint, and a map of where it wins and loses.
+
+`close_loop` is a module of its own, because it needs the diagnosis and its packages.
+"""
 
 from .case import METHODS, Method, TrackingCase, TrackingFigures, run_case, run_standstill
+from .check import check_tracked
 from .joint import JOINTS, TrackedJoint
 from .robustness import RobustnessMap, compute_robustness
 from .study import StudyRow, run_study
@@ -14,6 +18,7 @@ __all__ = [
     "TrackedJoint",
     "TrackingCase",
     "TrackingFigures",
+    "check_tracked",
     "compute_robustness",
     "run_case",
     "run_standstill",

@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
 
-from fricomp.control import Compensator, ControlLoop, PositionController, ReferenceState, SineReference
+from fricomp.control import Compensator, Controller, ControlLoop, LoopLog, ReferenceState, SineReference
 from fricomp.joint import JointFeedback
 from fricomp.laws import FloatArray
 
 from ..stand_in import SensorSettings, SimulatedJointAdapter, default_joint, sensors_for
 from .joint import TrackedJoint, loop_of, scaled_law
 
-__all__ = ["METHODS", "REVERSAL_WINDOW", "Method", "TrackingCase", "TrackingFigures", "run_case", "run_standstill"]
+__all__ = [
+    "METHODS",
+    "REVERSAL_WINDOW",
+    "Method",
+    "TrackingCase",
+    "TrackingFigures",
+    "Witness",
+    "compute_figures",
+    "run_case",
+    "run_standstill",
+]
 
 Method = Literal["none", "coulomb_viscous", "stribeck", "default"]
 METHODS: tuple[Method, ...] = get_args(Method)
@@ -78,14 +89,21 @@ class TrackingFigures:
 
 
 @dataclass
-class _Witness:
-    """A controller that also notes the true position, which no controller knows."""
+class Witness:
+    """A controller that also notes the true position, which no controller knows.
 
-    controller: PositionController
+    Attributes:
+        controller: The controller.
+        adapter: What it runs on.
+        position: True position at each cycle so far [rad].
+    """
+
+    controller: Controller
     adapter: SimulatedJointAdapter
     position: list[float] = field(default_factory=list)
 
     def torque_into(self, out: list[float], feedback: JointFeedback, reference: ReferenceState) -> None:
+        """What the controller says."""
         self.controller.torque_into(out, feedback, reference)
         self.position.append(self.adapter.stand_in.plant.position(0))
 
@@ -95,10 +113,22 @@ def run_case(case: TrackingCase) -> TrackingFigures:
     witness, loop, compensator = _prepare(case)
     result = loop.run(_CYCLES / case.frequency)
     result.raise_if_tripped()
-    log = result.log
+    said = compensator.describe() if compensator is not None else "no compensation"
+    return compute_figures(result.log, witness.position, case.frequency, said)
+
+
+def compute_figures(log: LoopLog, position: Sequence[float], frequency: float, settings: str) -> TrackingFigures:
+    """How well a sine was followed, without its first half cycle.
+
+    Args:
+        log: Of the run.
+        position: True position at each cycle [rad]. Shape (n_samples,) or longer.
+        frequency: Of the sine [Hz].
+        settings: What the compensation did, in words.
+    """
     time, reference = log.time, log.signal("position_reference")[:, 0]
-    error = reference - np.array(witness.position[: len(time)])
-    settled = time >= 0.5 / case.frequency
+    error = reference - np.array(position[: len(time)])
+    settled = time >= 0.5 / frequency
     reversal = settled & _after_reversal(log.signal("velocity_reference")[:, 0])
     return TrackingFigures(
         rms=float(np.sqrt(np.mean(error[settled] ** 2))),
@@ -107,7 +137,7 @@ def run_case(case: TrackingCase) -> TrackingFigures:
         error=error,
         reference=reference,
         torque=log.signal("torque_command")[:, 0],
-        settings=compensator.describe() if compensator is not None else "no compensation",
+        settings=settings,
     )
 
 
@@ -119,13 +149,13 @@ def run_standstill(case: TrackingCase, duration: float = 5.0) -> float:
     return float(np.ptp(position))
 
 
-def _prepare(case: TrackingCase, *, standing: bool = False) -> tuple[_Witness, ControlLoop, Compensator | None]:
+def _prepare(case: TrackingCase, *, standing: bool = False) -> tuple[Witness, ControlLoop, Compensator | None]:
     law = scaled_law(case.joint.law, case.friction_scale)
     sensor = replace(sensors_for(law), delay=case.delay)
     adapter = SimulatedJointAdapter(default_joint(law=law, sensor=sensor, seed=case.seed))
     adapter.open()
     controller, _ = loop_of(case.bandwidth, sensor, _PERIOD)
-    witness, compensator = _Witness(controller, adapter), _compensator(case, sensor)
+    witness, compensator = Witness(controller, adapter), _compensator(case, sensor)
     if standing:
         reference = SineReference([0.0], case.frequency, [5e-4])  # an offset that the friction holds
     else:

@@ -69,9 +69,12 @@ def test_check_loop_says_safe_or_exits_with_one(model: Path) -> None:
     good = fricomp("check-loop", model, "--inertia", 0.1, "--bandwidth", 10, "--delay", 0.002)
     assert good.returncode == 0
     assert "Safe." in good.stdout
-    bad = fricomp("check-loop", model, "--inertia", 0.05, "--bandwidth", 10, "--delay", 0.012)
+    assert "torque not limited" in good.stdout
+    limits = ("--torque-limit", 5, "--torque-rate", 100)
+    bad = fricomp("check-loop", model, "--inertia", 0.05, "--bandwidth", 10, "--delay", 0.012, *limits)
     assert bad.returncode == 1
     assert "Not safe" in bad.stdout
+    assert "at most 5 N·m, 100 N·m/s" in " ".join(bad.stdout.split())
 
 
 def test_check_loop_needs_gains(model: Path) -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fricomp.control import (
+    DriveLimits,
     LoopCases,
     LoopDynamics,
     check_loop,
@@ -15,7 +16,7 @@ from fricomp.control import (
 )
 from fricomp.control.limit_cycle import find_oscillation
 from fricomp.errors import ParameterError
-from fricomp.laws import BidirectionalStribeck, Coulomb, FrictionLaw, StribeckCurve, Viscous
+from fricomp.laws import BidirectionalStribeck, Cogging, Coulomb, FrictionLaw, StribeckCurve, Viscous
 from fricomp.model import FrictionModel, Validity
 
 FALLING = FrictionModel(
@@ -95,6 +96,35 @@ def test_perfect_compensation_leaves_the_linear_loop() -> None:
     time = np.arange(0.0, 2.0, 1e-3)
     done = simulate_loop(split_law(model.law), settings, cases, (0.3 * time, np.full_like(time, 0.3)))
     assert done.velocity[-1, 0] == pytest.approx(0.3, abs=1e-3)
+
+
+def test_drive_too_slow_for_its_loop_is_found_and_the_compensation_has_no_part_in_it() -> None:
+    slow = check_loop(FALLING, pd_loop(10.0, 0.004), drive=DriveLimits(5.0, 100.0))
+    assert slow.unsettled_from <= 0.1
+    assert slow.unsettled_without <= slow.unsettled_from
+    assert not slow.is_safe
+    assert check_loop(FALLING, pd_loop(5.0, 0.001)).unsettled_from == float("inf")
+
+
+def test_simulated_torque_keeps_to_the_drive() -> None:
+    curves, still = split_law(FALLING.law), np.zeros(50)
+    settings = choose_settings(FALLING)
+    cases = LoopCases(pd_loop(5.0, 0.0), np.zeros(1), np.ones(1), np.zeros(1), drive=DriveLimits(1.0, 200.0))
+    done = simulate_loop(curves, settings, cases, (still, still), start_offset=-2.0)
+    push = np.diff(done.velocity[:, 0]) / 1e-3 * 0.05
+    assert push[:3] == pytest.approx(0.0, abs=1e-9)  # 0.2 N·m more every period: the joint sticks below 0.6
+    assert np.max(push) <= 1.0
+
+
+def test_terms_that_the_check_does_not_know_are_named() -> None:
+    model = FrictionModel(FrictionLaw((*LINEAR.law.terms, Cogging(0.1, 0.0, 5.0))), validity=LINEAR.validity)
+    assert check_loop(model, pd_loop(5.0, 0.001)).left_out == ("cogging",)
+
+
+@pytest.mark.parametrize("given", [{"torque": 0.0}, {"torque_rate": -1.0}, {"torque": float("nan")}])
+def test_limits_of_a_drive_are_positive(given: dict[str, float]) -> None:
+    with pytest.raises(ParameterError, match="positive"):
+        DriveLimits(**given)
 
 
 def test_check_needs_a_position_loop() -> None:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 if TYPE_CHECKING:
+    from rich.progress import Progress
+
     from fricomp.control import LoopCheck
+    from fricomp.report import Chart
     from fricomp.sim_bench.tracking import RobustnessMap, StudyRow, TrackedJoint
+    from fricomp.sim_bench.tracking.close_loop import CloseLoopResult
 
 __all__ = ["app"]
 
@@ -18,59 +23,63 @@ app = typer.Typer()
 _QUICK_AXES: dict[str, Any] = {"gain": (0.6, 1.0, 1.3), "scale": (0.7, 1.0, 1.3), "delay": (0.001, 0.008)}
 
 
-@app.command(epilog="fricomp bench tracking --quick --out runs/tracking")
+class Part(str, Enum):  # noqa: UP042 - typer shows the values of a str enum
+    """Parts of the benchmark."""
+
+    sines = "sines"
+    robustness = "robustness"
+    loops = "loops"
+    close_loop = "close-loop"
+
+
+@app.command(epilog="fricomp bench tracking --only close-loop --out runs/close_loop")
 def tracking(
     out: Annotated[Path, typer.Option(help="Folder for figures.json and the plots.")] = Path("runs/bench_tracking"),
     quick: Annotated[bool, typer.Option(help="One amplitude and bandwidth, a coarse map.")] = False,
+    only: Annotated[list[Part] | None, typer.Option(help="Only this part; may be repeated.")] = None,
 ) -> None:
-    """Sines on the stand-in with none, tanh-Coulomb-viscous, Stribeck and the default; and the robustness map."""
+    """Tracking on the stand-in, with and without compensation, and where it wins and loses.
+
+    sines: none, tanh-Coulomb-viscous, Stribeck and the default. robustness: maps over gain, friction and delay. loops:
+    margins to the limit cycle. close-loop: calibrate, compensate, record, diagnose, compensate with what was found.
+    """
     import msgspec
 
-    from fricomp.cli.loop_charts import gain_scan_chart, robustness_chart, tracking_charts
     from fricomp.cli.terminal import console, progress
     from fricomp.report import draw_png
-    from fricomp.sim_bench.tracking import JOINTS, compute_robustness, run_study
 
     out.mkdir(parents=True, exist_ok=True)
+    parts = only or list(Part)
     amplitudes, bandwidths = ((0.2,), (5.0,)) if quick else ((0.2, 0.5), (5.0, 10.0))
+    figures: dict[str, Any] = {}
+    charts: list[Chart] = []
     with progress() as bar:
-        task = bar.add_task("tracking", total=len(JOINTS) * len(amplitudes) * len(bandwidths))
-        rows = []
-        for row in run_study(tuple(JOINTS.values()), amplitudes, bandwidths):
-            rows.append(row)
-            bar.advance(task)
-        task = bar.add_task("robustness", total=len(JOINTS) * len(bandwidths))
-        maps = []
-        for joint in JOINTS.values():
-            for bandwidth in bandwidths:
-                maps.append(compute_robustness(joint, bandwidth, **(_QUICK_AXES if quick else {})))
-                bar.advance(task)
-    checks = [(joint, bandwidth, _check(joint, bandwidth)) for joint in JOINTS.values() for bandwidth in bandwidths]
-    charts = [*tracking_charts(rows), *(robustness_chart(found) for found in maps)]
-    charts += [gain_scan_chart(check, f"{joint.title}, {bandwidth:g} Hz") for joint, bandwidth, check in checks]
+        if Part.sines in parts:
+            figures["tracking"] = _sines(bar, charts, amplitudes, bandwidths)
+        if Part.robustness in parts:
+            figures["robustness"] = _robustness(bar, charts, bandwidths, _QUICK_AXES if quick else {})
+        if Part.loops in parts:
+            figures["loops"] = _loops(bar, charts, bandwidths)
+        if Part.close_loop in parts:
+            figures["close_loop"] = _close_loop(bar, charts, bandwidths, out / "close_loop")
     for number, chart in enumerate(charts):
         draw_png(chart, out / f"{number:02d}-{chart.name}.png")
-    figures = _figures(rows, maps, checks)
     (out / "figures.json").write_bytes(msgspec.json.format(msgspec.json.encode(figures)))
-    _print(rows, maps, checks)
     console().print(f"Figures and {len(charts)} plots in {out}")
 
 
-def _check(joint: TrackedJoint, bandwidth: float) -> LoopCheck:
-    from fricomp.control import check_loop
-    from fricomp.sim_bench.stand_in import SensorSettings
-    from fricomp.sim_bench.tracking.joint import loop_of
+def _sines(bar: Progress, charts: list[Chart], amplitudes: Any, bandwidths: Any) -> list[dict[str, Any]]:
+    from fricomp.cli.loop_charts import tracking_charts
+    from fricomp.sim_bench.tracking import JOINTS, run_study
 
-    _, loop = loop_of(bandwidth, SensorSettings(), 1e-3)
-    return check_loop(joint.model, loop)
-
-
-def _figures(
-    rows: list[StudyRow], maps: list[RobustnessMap], checks: list[tuple[TrackedJoint, float, LoopCheck]]
-) -> dict[str, Any]:
-    from fricomp.sim_bench.tracking import TrackingCase, run_standstill
-
-    tracking = [
+    task = bar.add_task("tracking", total=len(JOINTS) * len(amplitudes) * len(bandwidths))
+    rows = []
+    for row in run_study(tuple(JOINTS.values()), amplitudes, bandwidths):
+        rows.append(row)
+        bar.advance(task)
+    charts += tracking_charts(rows)
+    _print_sines(rows)
+    return [
         {
             "joint": row.joint.name,
             "amplitude": row.amplitude,
@@ -80,7 +89,21 @@ def _figures(
         }
         for row in rows
     ]
-    robustness = [
+
+
+def _robustness(bar: Progress, charts: list[Chart], bandwidths: Any, axes: dict[str, Any]) -> list[dict[str, Any]]:
+    from fricomp.cli.loop_charts import robustness_chart
+    from fricomp.sim_bench.tracking import JOINTS, compute_robustness
+
+    task = bar.add_task("robustness", total=len(JOINTS) * len(bandwidths))
+    maps = []
+    for joint in JOINTS.values():
+        for bandwidth in bandwidths:
+            maps.append(compute_robustness(joint, bandwidth, **axes))
+            bar.advance(task)
+    charts += [robustness_chart(found) for found in maps]
+    _print_robustness(maps)
+    return [
         {
             "joint": found.joint.name,
             "bandwidth": found.bandwidth,
@@ -92,29 +115,60 @@ def _figures(
         }
         for found in maps
     ]
-    loops = [
-        {
-            "joint": joint.name,
-            "bandwidth": bandwidth,
-            "source": check.settings.source,
-            "gain": check.settings.gain,
-            "margin": check.margin if check.margin != float("inf") else None,
-            "drift": check.drift,
-            "standstill_travel": run_standstill(TrackingCase(joint, "default", 0.2, bandwidth)),
-        }
-        for joint, bandwidth, check in checks
-    ]
-    return {"tracking": tracking, "robustness": robustness, "loops": loops}
 
 
-def _print(
-    rows: list[StudyRow], maps: list[RobustnessMap], checks: list[tuple[TrackedJoint, float, LoopCheck]]
-) -> None:
+def _loops(bar: Progress, charts: list[Chart], bandwidths: Any) -> list[dict[str, Any]]:
+    from fricomp.cli.loop_charts import gain_scan_chart
+    from fricomp.sim_bench.tracking import JOINTS, TrackingCase, check_tracked, run_standstill
+
+    task = bar.add_task("loop checks", total=len(JOINTS) * len(bandwidths))
+    checks, found = [], []
+    for joint in JOINTS.values():
+        for bandwidth in bandwidths:
+            check = check_tracked(joint, bandwidth)
+            travel = run_standstill(TrackingCase(joint, "default", 0.2, bandwidth))
+            checks.append((joint, bandwidth, check, travel))
+            charts.append(gain_scan_chart(check, f"{joint.title}, {bandwidth:g} Hz"))
+            bar.advance(task)
+    _print_loops(checks)
+    for joint, bandwidth, check, travel in checks:
+        finite = {"margin": check.margin, "unsettled_from": check.unsettled_from}
+        finite |= {"unsettled_without": check.unsettled_without}
+        found.append(
+            {"joint": joint.name, "bandwidth": bandwidth, "source": check.settings.source}
+            | {"gain": check.settings.gain, "drift": check.drift, "standstill_travel": travel}
+            | {name: value if value != float("inf") else None for name, value in finite.items()}
+        )
+    return found
+
+
+def _close_loop(bar: Progress, charts: list[Chart], bandwidths: Any, folder: Path) -> dict[str, Any]:
+    from fricomp.cli.loop_charts import close_loop_chart
+    from fricomp.sim_bench.tracking.close_loop import close_loop
+
+    task = bar.add_task("close loop", total=None)
+    result = close_loop(folder, bandwidths=bandwidths, progress=lambda step: bar.update(task, description=step))
+    charts += [close_loop_chart(result, bandwidth) for bandwidth in bandwidths]
+    _print_close_loop(result)
+    return {
+        "true": {name: value for joint in result.settings.joints for name, value in joint.law.parameters().items()},
+        "calibrated": result.calibrated.law.parameters(),
+        "extended": result.extended.law.parameters(),
+        "verdict": result.diagnosis.verdict,
+        "named": [effect.name for effect in result.diagnosis.effects],
+        "tracking": [
+            {"bandwidth": bandwidth, "method": method, "rms": one.rms, "reversal_rms": one.reversal_rms}
+            for bandwidth, by_method in result.figures.items()
+            for method, one in by_method.items()
+        ],
+    }
+
+
+def _print_sines(rows: list[StudyRow]) -> None:
     from rich.table import Table
 
     from fricomp.cli.terminal import console
 
-    out = console()
     heads = ("none [mrad]", "tanh-Coulomb-viscous", "Stribeck", "default")
     table = Table("joint", "PD", "sine", *heads, title="True error: RMS / RMS within 0.3 s after reversals")
     for row in rows:
@@ -125,14 +179,51 @@ def _print(
                 rms, reversal = row.change(method)
                 cells.append(f"{rms:+.0%} / {reversal:+.0%}")
         table.add_row(row.joint.title, f"{row.bandwidth:g} Hz", f"{row.amplitude:g} rad", *cells)
-    out.print(table)
+    console().print(table)
+
+
+def _print_robustness(maps: list[RobustnessMap]) -> None:
+    from rich.table import Table
+
+    from fricomp.cli.terminal import console
+
     table = Table("joint", "PD", "wins against tanh-CV", "better than none", title="Robustness: share of combinations")
     for found in maps:
         shares = (f"{found.share_won:.0%}", f"{found.share_helps:.0%}")
         table.add_row(found.joint.title, f"{found.bandwidth:g} Hz", *shares)
-    out.print(table)
-    table = Table("joint", "PD", "direction from", "margin to the limit cycle", "drift", title="Default loop")
-    for joint, bandwidth, check in checks:
+    console().print(table)
+
+
+def _print_loops(checks: list[tuple[TrackedJoint, float, LoopCheck, float]]) -> None:
+    from rich.table import Table
+
+    from fricomp.cli.terminal import console
+
+    heads = ("direction from", "margin to the limit cycle", "keeps oscillating when thrown off by", "travel at rest")
+    table = Table("joint", "PD", *heads, title="Default loop; thrown off with the drive's limits of 5 N·m, 250 N·m/s")
+    for joint, bandwidth, check, travel in checks:
         margin = "none found up to 2.5 times the gain" if check.margin == float("inf") else f"{check.margin:.0%}"
-        table.add_row(joint.title, f"{bandwidth:g} Hz", check.settings.source, margin, f"{check.drift:.2g} rad")
-    out.print(table)
+        thrown = "settles" if check.unsettled_from == float("inf") else f"{check.unsettled_from:g} rad"
+        also = ", also without" if check.unsettled_without <= check.unsettled_from < float("inf") else ""
+        source = check.settings.source
+        table.add_row(joint.title, f"{bandwidth:g} Hz", source, margin, thrown + also, f"{travel:.2g} rad")
+    console().print(table)
+
+
+def _print_close_loop(result: CloseLoopResult) -> None:
+    from rich.table import Table
+
+    from fricomp.cli.terminal import console
+
+    title = "Closed loop: RMS / RMS within 0.3 s after reversals [mrad]"
+    table = Table("PD", "none", "Stribeck, calibrated", "extended by the diagnosis", title=title)
+    for bandwidth, figures in result.figures.items():
+        cells = []
+        for method, one in figures.items():
+            rms, reversal = result.change(bandwidth, method)
+            change = "" if method == "none" else f" ({rms:+.0%} / {reversal:+.0%})"
+            cells.append(f"{1e3 * one.rms:.3f} / {1e3 * one.reversal_rms:.3f}{change}")
+        table.add_row(f"{bandwidth:g} Hz", *cells)
+    console().print(table)
+    for sentence in result.diagnosis.sentences:
+        console().print(f"- {sentence}", markup=False)
