@@ -68,17 +68,6 @@ def test_a_scored_run_goes_in_pieces_and_its_log_tells(tmp_path: Path, monkeypat
     (tmp_path / "docs").mkdir()
     options = ["--scored", "--cases", "3", "--executor", "serial", "--resume", "--out", "run"]
     options += ["--page", "docs/proof.md"]
-        "--scored",
-        "--cases",
-        "3",
-        "--executor",
-        "serial",
-        "--resume",
-        "--out",
-        "run",
-        "--page",
-        "docs/proof.md",
-    ]
     monkeypatch.setattr(proof, "watch", lambda *_: iter([True, True, False]).__next__)
     first = CliRunner().invoke(mismatch.app, [*options, "--minutes", "1"], catch_exceptions=False)
     assert "1 of 3 cases are left: --resume goes on" in first.stdout
