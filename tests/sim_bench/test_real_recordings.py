@@ -90,6 +90,24 @@ def test_a_bare_motor_cogs_at_its_known_orders() -> None:
     assert [harmonic.order for harmonic in found.harmonics[:2]] == [72.0, 18.0]
 
 
+def test_the_logged_gains_of_a_real_arm_are_those_of_its_log() -> None:
+    recordings, folder = {one.metadata.joint: one for one in _arm()}, find_public_data("ur10e")
+    assert folder is not None
+    log = np.genfromtxt(folder / "ur-20_02_19_14harm50sec.csv", delimiter=",")
+    for number in (2, 3, 4):
+        velocity, current, told = (log[:, first + number - 1] for first in (7, 19, 25))
+        table = np.column_stack([current, velocity, np.tanh(velocity / 0.02), np.ones(len(log))])
+        seen = np.isfinite(table).all(axis=1) & np.isfinite(told)
+        gain = float(np.linalg.lstsq(table[seen], told[seen], rcond=None)[0][0])
+        assert recordings[f"joint_{number}"].metadata.extra["drive_gain_logged"] == pytest.approx(gain, rel=0.005)
+
+
+def _arm() -> tuple[Recording, ...]:
+    if find_public_data("ur10e") is None:
+        pytest.skip("the public data of ur10e are not here: set FRICOMP_DATA")
+    return read_public("ur10e/fourier")
+
+
 def _outcome(name: str, rivals: tuple[Rival, ...] = ()) -> RealOutcome:
     effect = NamedEffect(name=name, kind="physics", parameters={}, indistinguishable_from=("load_coulomb",), share=0.9)
     held = HeldOut(

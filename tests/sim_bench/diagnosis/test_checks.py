@@ -11,6 +11,10 @@ from fricomp.errors import DiagnosisError, RecordingError
 from fricomp.recording import Recording, RecordingMetadata
 from fricomp.sim_bench import diagnose
 from fricomp.sim_bench.diagnosis import Diagnosis
+from fricomp.sim_bench.diagnosis.checks import reasons_against, remarks_on
+from fricomp.sim_bench.diagnosis.loading import build_tracks
+from fricomp.sim_bench.diagnosis.velocity_lag import velocity_lag
+from fricomp.sim_bench.diagnosis.weak_form import rest_speed_of
 
 from .toy_joint import ToyJoint, recording
 
@@ -65,3 +69,39 @@ def test_samples_that_are_not_finite_never_reach_the_diagnosis(good: Recording) 
 def test_no_recording_is_an_error() -> None:
     with pytest.raises(DiagnosisError, match="at least one"):
         diagnose([])
+
+
+def _without(good: Recording, first: int, last: int) -> Recording:
+    kept = np.r_[0:first, last : len(good)]
+    return Recording(good.time[kept], good.position[kept], good.torque[kept])
+
+
+def test_a_short_gap_is_bridged_and_told(good: Recording) -> None:
+    short = _without(good, 5000, 5008)
+    assert reasons_against([short], None) == []
+    assert remarks_on([short]) == ["1 gap(s) in time were bridged, the longest 9 ms."]
+    assert build_tracks([short])[0].size == len(good)
+
+
+def test_a_long_gap_is_not_bridged(good: Recording) -> None:
+    long = _without(good, 5000, 5400)
+    assert any("gap" in reason for reason in reasons_against([long], None))
+    assert not any("bridged" in remark for remark in remarks_on([long]))
+
+
+def test_a_scaled_velocity_is_told_and_is_no_lag(good: Recording) -> None:
+    velocity = np.gradient(good.position, good.time)
+    late = np.concatenate([np.full(8, velocity[0]), velocity[:-8]])
+    assert [effect.name for effect in velocity_lag([replace(good, velocity=late)])] == ["velocity_filter_lag"]
+    doubled = replace(good, velocity=2.0 * late)
+    assert velocity_lag([doubled]) == []
+    (remark,) = remarks_on([doubled])
+    assert "2.0" in remark
+    assert "times the derivative of position" in remark
+
+
+def test_the_speed_of_rest_shrinks_with_the_joint_s_own(good: Recording) -> None:
+    slow = Recording(good.time, 1e-3 * np.asarray(good.position), good.torque)
+    usual, small = (rest_speed_of(build_tracks([one])) for one in (good, slow))
+    assert usual == 5e-3
+    assert small < 1e-4
