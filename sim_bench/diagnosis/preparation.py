@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import solve_toeplitz
+from scipy.signal import lfilter
 
 from .base import BASE_NAMES, BaseModel, unpack
 from .context import build_contexts
@@ -42,6 +43,7 @@ class Prepared:
         fit: The minimum.
         box: Domain of the base parameters.
         nulls: Recordings in which nothing is missing.
+        recolouring: Filter that whitens the residual beyond what whitens the nulls, shape (4,); None where none does.
     """
 
     problem: Problem
@@ -49,6 +51,7 @@ class Prepared:
     fit: Fit
     box: Box
     nulls: Nulls
+    recolouring: FloatArray | None = None
 
     @property
     def basis(self) -> FloatArray:
@@ -57,8 +60,14 @@ class Prepared:
 
     def null_residuals(self) -> list[FloatArray]:
         """Nulls after the base is refitted to them, in weighted rows. Shapes (m,)."""
-        basis = self.basis
+        basis = self.basis if self.recolouring is None else orthonormal(self._jacobian_of_nulls(self.recolouring))
         return [vector - basis @ (basis.T @ vector) for vector in self.nulls.vectors()]
+
+    def _jacobian_of_nulls(self, recolouring: FloatArray) -> FloatArray:
+        """The base model's Jacobian, whitened as the nulls are. Shape (m, p)."""
+        ends = np.cumsum([grid.centres.size for grid in self.problem.grids])[:-1]
+        parts = np.split(self.fit.jacobian, ends)
+        return np.concatenate([lfilter([1.0], recolouring, part, axis=0) for part in parts])
 
     @property
     def noise_ratio(self) -> float:
@@ -112,11 +121,12 @@ def _recoloured(prepared: Prepared) -> Prepared:
         return prepared
     extra = solve_toeplitz(np.array([1.0, *shift[:-1]]), shift)
     weights = prepared.nulls.weights
-    whitener = np.convolve(weights.whitener, [1.0, *-extra]) / np.sqrt(max(1.0 - extra @ shift, 0.1))
+    recolouring = np.array([1.0, *-extra]) / np.sqrt(max(1.0 - extra @ shift, 0.1))
+    whitener = np.convolve(weights.whitener, recolouring)
     problem = replace(prepared.problem, weights=replace(weights, whitener=whitener))
     evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
     fit = minimise(evaluate, prepared.fit.theta, prepared.box, iterations=6, refresh=2)
-    return replace(prepared, problem=problem, fit=fit)
+    return replace(prepared, problem=problem, fit=fit, recolouring=recolouring)
 
 
 def _correlation(values: FloatArray) -> FloatArray:

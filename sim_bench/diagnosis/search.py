@@ -151,8 +151,10 @@ def _singles(prepared: Prepared, first: Screen, generic: FloatArray) -> list[Exp
     """Each strong effect on its own: a quick refit of its best hypotheses, and a careful one of the best effects."""
     rows = np.log(prepared.fit.residual.size)
     quick: list[Explanation] = []
-    for columns in _ranked(first, _SINGLES):
-        options = [c for c in columns if c.energy > max(0.3 * columns[0].energy, rows)][:2]
+    groups = _ranked(first, _SINGLES)
+    suspected = [group for group in _grouped(first) if group[0].candidate.effect.suspected(prepared.structure.contexts)]
+    for columns in [*groups, *(group for group in suspected if group not in groups)]:
+        options = [c for c in columns if c.energy > max(0.3 * columns[0].energy, rows) or columns in suspected][:2]
         trials = [_explain(prepared, (c.candidate,), prepared.fit, generic) for c in options]
         if trials:
             quick.append(max(trials, key=_preference))
@@ -166,12 +168,17 @@ def _preference(explanation: Explanation) -> float:
 
 
 def _ranked(screened: Screen, count: int) -> list[list[Column]]:
+    """Candidates grouped by effect, strongest effect first, the faintest left out."""
+    strongest = screened.columns[0].energy if screened.columns else 0.0
+    return [group for group in _grouped(screened) if group[0].energy > _FAINT * strongest][:count]
+
+
+def _grouped(screened: Screen) -> list[list[Column]]:
     """Candidates grouped by effect, strongest effect first."""
     groups: dict[str, list[Column]] = {}
     for column in screened.columns:
         groups.setdefault(column.candidate.name, []).append(column)
-    strongest = screened.columns[0].energy if screened.columns else 0.0
-    return [group for group in groups.values() if group[0].energy > _FAINT * strongest][:count]
+    return list(groups.values())
 
 
 def _grow(

@@ -130,6 +130,10 @@ class Effect(ABC):
         """Why this recording cannot show the effect; None where it can."""
         return None
 
+    def suspected(self, contexts: Sequence[Context]) -> bool:
+        """Whether the base model itself points at the effect, so that it is refitted however faint its column is."""
+        return False
+
     def term(self, values: Values, plant: Plant) -> Term | None:
         """The effect as a term of a friction law; None where it is none."""
         return None

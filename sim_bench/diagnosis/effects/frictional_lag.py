@@ -27,3 +27,8 @@ class FrictionalLag(Effect):
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(plant={"lag": values["lag"]})
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        if values["lag"] < 0.5 * contexts[0].dt:
+            return "the lag is shorter than half a sample"
+        return None

@@ -9,6 +9,8 @@ import numpy as np
 from ..observer import Contribution
 from .effect import Context, Effect, EffectParameter, Values, register
 
+_SOFT = 4e-4  # [rad] breakaway distance up to which the bristle of the base model follows
+
 
 @register
 class PreslidingHysteresis(Effect):
@@ -24,13 +26,18 @@ class PreslidingHysteresis(Effect):
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (
             EffectParameter(
-                "breakaway_distance", "{position}", 0.3, float(np.log(4e-4)), float(np.log(5e-2)), linear=False
+                "breakaway_distance", "{position}", 0.3, float(np.log(_SOFT)), float(np.log(5e-2)), linear=False
             ),
             EffectParameter("damping_time", "s", 2e-3, 0.0, 0.05, linear=False),
         )
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return [{"breakaway_distance": float(np.log(d)), "damping_time": 0.0} for d in (6e-4, 1.5e-3, 4e-3, 1e-2)]
+
+    def suspected(self, contexts: Sequence[Context]) -> bool:
+        """The base's own bristle is as soft as it may be."""
+        plant = contexts[0].plant
+        return 0.5 * (plant.forward[0] + plant.reverse[0]) / plant.sigma_0 > 0.9 * _SOFT
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         plant = context.plant
