@@ -21,7 +21,7 @@ from .sentence import sentences
 from .soft_presliding import SoftPresliding, find_soft_presliding
 from .track import FloatArray
 
-__all__ = ["second_look"]
+__all__ = ["held_out", "second_look"]
 
 _COVERED = 0.7  # of the explainable energy; physics that was named with more than that stands
 _NO_MOTION_LAW = (
@@ -98,7 +98,7 @@ def _with_ripple(
 ) -> Diagnosis:
     unit, position = recordings[0].metadata.torque_unit, recordings[0].metadata.position_unit
     before, after = (np.concatenate([getattr(one, side) for one in ripples]) for side in ("before", "after"))
-    held = _held_out(before, after, _floor(ripples), (unit, seed))
+    held = held_out(before, after, _floor(ripples), (unit, seed))
     strongest = ripples[0].harmonics[0]
     name = "position_coulomb" if strongest.level else "cogging"
     known = EFFECTS[name]
@@ -129,7 +129,7 @@ def _with_presliding(
 ) -> Diagnosis:
     unit, position = recordings[0].metadata.torque_unit, recordings[0].metadata.position_unit
     before, after = (np.concatenate([getattr(one, side) for one in soft]) for side in ("before", "after"))
-    held = _held_out(before, after, _floor(soft), (unit, seed))
+    held = held_out(before, after, _floor(soft), (unit, seed))
     first, known = soft[0], EFFECTS["presliding_hysteresis"]
     wide, half = float(np.exp(1.96 * first.distance_error)), 1.96 * first.level_error
     stiffness = first.level / first.distance
@@ -179,7 +179,7 @@ def _extended(base: FrictionModel | None, harmonics: Sequence[Harmonic]) -> Fric
 
 def _with_drive_path(recordings: Sequence[Recording], diagnosis: Diagnosis, path: DrivePath, seed: int) -> Diagnosis:
     unit = recordings[0].metadata.torque_unit
-    held = _held_out(path.before, path.after, path.errors["history"], (unit, seed))
+    held = held_out(path.before, path.after, path.errors["history"], (unit, seed))
     other = {"drive_lag": "torque_delay", "torque_delay": "drive_lag"}[path.name]
     known, half = EFFECTS[path.name], 1.96 * path.deviation
     parameter = "delay" if path.name == "torque_delay" else "time_constant"
@@ -240,7 +240,7 @@ def _superseded(rival: Rival) -> Rival:
     return rival if rival.refused else with_fields(rival, refused="covers too little of the mismatch in the samples")
 
 
-def _held_out(before: FloatArray, after: FloatArray, floor: float, how: tuple[str, int]) -> HeldOut:
+def held_out(before: FloatArray, after: FloatArray, floor: float, how: tuple[str, int]) -> HeldOut:
     """Errors, with the interval of their fall from a bootstrap over blocks."""
     unit, seed = how
     blocks = np.array_split(np.arange(before.size), 40)

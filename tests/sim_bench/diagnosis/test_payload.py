@@ -70,6 +70,7 @@ def test_the_same_payload_twice_is_none(arm: Path) -> None:
     diagnosis = diagnose([*_session(0.3, 1), *_session(0.3, 2)], arm)
     assert diagnosis.verdict == "consistent"
     assert diagnosis.effects == ()
+    assert "carry the same" in diagnosis.sentences[0]
 
 
 def test_several_joints_without_an_arm_are_refused_by_name(arm: Path) -> None:
