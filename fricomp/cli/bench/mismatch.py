@@ -53,7 +53,7 @@ def mismatch(
 
     wanted = RunSettings(cases or (_QUICK if quick else _FULL), quick, clear, scored, first_seed, injected=injected)
     if speed_up:
-        _time_workers(plan_run(wanted)[:speed_up])
+        _time_workers(plan_run(wanted)[:speed_up], out)
         return
     settings = load_or_start(out, wanted, resume=resume, log=log, repository=Path.cwd())
     pool = (executor, workers)
@@ -64,13 +64,19 @@ def mismatch(
         _write(page, settings, scores, len(planned), out, others)
 
 
-def _time_workers(planned: Sequence[PlannedCase]) -> None:
+def _time_workers(planned: Sequence[PlannedCase], out: Path) -> None:
+    import json
+    from dataclasses import asdict
+
     from fricomp.cli.terminal import console, progress
     from fricomp.sim_bench.proof import measure_speed_up
 
     with progress() as bar:
         task = bar.add_task("one worker, then two", total=2 * len(planned))
         found = measure_speed_up(planned, progress=lambda: bar.advance(task))
+    out.mkdir(parents=True, exist_ok=True)
+    figures = asdict(found) | {"ratio": found.ratio}
+    (out / "speed_up.json").write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
     console().print(str(found), soft_wrap=True)
 
 
