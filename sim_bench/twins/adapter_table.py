@@ -83,6 +83,8 @@ def adapter_configuration(protocol: str, twin: DriveTwin, endpoints: str = "") -
     head: dict[str, Any] = {"backend": protocol, "stale_after": 0.2, "watchdog": 0.5, "response_timeout": 1.0}
     if protocol == "odrive":
         head["endpoints"] = endpoints
+    if protocol == "canopen":
+        head["heartbeat"] = 0.2
     way = {"interface": "slcan-chunked", "channel": address} if protocol in CAN_PROTOCOLS else {"port": address}
     sections = [_lines(head), ["[bus]" if protocol in CAN_PROTOCOLS else "[serial]", *_lines(way)]]
     sections += [["[[joints]]", *_lines(joint)] for joint in adapter_table(protocol, twin)["joints"]]

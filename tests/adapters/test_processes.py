@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import subprocess
 import sys
@@ -15,6 +16,11 @@ from fricomp.adapters import JointAdapter, open_adapter
 from fricomp.adapters.configuration import read_configuration
 from fricomp.errors import AdapterError, SafetyTrip
 from fricomp.joint import JointCommand, JointFeedback
+from fricomp.sim_bench.adapter_bench.bench import PROTOCOLS
+from fricomp.sim_bench.twins import TwinServer
+from fricomp.sim_bench.twins.adapter_table import adapter_configuration
+from fricomp.sim_bench.twins.configuration import make_twin
+from fricomp.sim_bench.twins.odrive import flat_endpoints
 
 pytestmark = pytest.mark.slow
 
@@ -104,3 +110,50 @@ def test_a_share_above_a_twentieth_is_refused_before_anything_is_opened(tmp_path
     found = run_command("adapter", "check", str(path), "--share", "0.2")
     assert found.returncode == 2
     assert "at most 5%" in found.stderr
+
+
+LOOP = """
+import sys
+from fricomp.adapters import open_adapter
+from fricomp.adapters.configuration import read_configuration
+from fricomp.joint import JointCommand, JointFeedback
+from fricomp.sim_bench.adapter_bench.bench import PROTOCOLS
+from fricomp.sim_bench.twins import TwinServer
+from fricomp.sim_bench.twins.adapter_table import adapter_configuration
+from fricomp.sim_bench.twins.configuration import make_twin
+from fricomp.sim_bench.twins.odrive import flat_endpoints
+
+table = read_configuration(sys.argv[1]) | {"stale_after": 1.0, "watchdog": 1.5, "response_timeout": 5.0}
+if table["backend"] == "canopen":
+    table["heartbeat"] = 0.5
+adapter, command, feedback = open_adapter(table["backend"], table), JointCommand(1), JointFeedback(1)
+adapter.open()
+adapter.configure("torque", 0.01)
+adapter.enable()
+command.torque[0] = 0.2
+while adapter.write(command):
+    adapter.clock.sleep_until(adapter.clock.now_ns() + 10_000_000)
+    adapter.read_into(feedback)
+"""
+
+
+@pytest.mark.parametrize("protocol", sorted(PROTOCOLS))
+def test_a_control_process_that_is_killed_leaves_no_torque_behind(tmp_path: Path, protocol: str) -> None:
+    path = tmp_path / "drive.toml"
+    with make_twin(protocol) as twin, TwinServer(twin, real_time=True):
+        endpoints = tmp_path / "endpoints.json"
+        endpoints.write_text(json.dumps(flat_endpoints()))
+        path.write_text(adapter_configuration(protocol, twin, str(endpoints)))
+        process = subprocess.Popen([sys.executable, "-c", LOOP, str(path)])
+        deadline = time.monotonic() + PATIENCE
+        try:
+            while abs(twin.stand_in.torque[0]) < 0.1:
+                assert process.poll() is None
+                assert time.monotonic() < deadline
+                time.sleep(0.01)
+        finally:
+            process.kill()
+            process.wait()
+        while twin.stand_in.torque[0] != 0.0:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)

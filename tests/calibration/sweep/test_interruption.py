@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -18,12 +18,12 @@ from fricomp.calibration.sweep import (
     load_sweep,
 )
 from fricomp.cli.calibration import start_run
+from fricomp.errors import FricompError
 from fricomp.joint import JointCommand
 from fricomp.recording import RecordingWriter
+from fricomp.sim_bench.adapter_bench.bench import PROTOCOLS
 
-SETTINGS = SweepSettings(
-    speeds="0.1,0.3,0.8,1.5,3.0,4.0", repeats=1, warm_up=0.5, dwell=0.4, tare=0.5, breakaway_positions=0
-)
+SETTINGS = SweepSettings(speeds="0.8,1.5,3.0,4.0", repeats=1, warm_up=0.2, dwell=0.4, tare=0.2, breakaway_positions=0)
 
 
 @pytest.fixture(autouse=True)
@@ -40,9 +40,9 @@ def make_request(backend: str) -> CalibrationRequest:
 
 
 class Interrupter:
-    """Raises a signal in the middle of a command, some cycles after the second plateau is on disk."""
+    """Does something in the middle of a command, some cycles after the second plateau is on disk."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch, backend: str, number: signal.Signals) -> None:
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, backend: str, strike: Callable[[Any], None]) -> None:
         self.left: int | None = None
         self.n_plateaus = 0
         self.adapter: Any = None
@@ -60,27 +60,55 @@ class Interrupter:
                 self.left -= 1
                 if self.left == 0:
                     self.adapter = adapter
-                    signal.raise_signal(number)
+                    strike(adapter)
             write(adapter, command, mode)
 
         monkeypatch.setattr(RecordingWriter, "append", counting)
         monkeypatch.setattr(kind, "_write", interrupted)
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-@pytest.mark.parametrize("backend", ["sim", "twin-canopen", "twin-moteus"])
+@pytest.mark.parametrize(
+    ("backend", "number"), [("sim", signal.SIGINT), ("twin-canopen", signal.SIGTERM), ("twin-moteus", signal.SIGTERM)]
+)
 def test_a_signal_leaves_zero_torque_and_all_whole_blocks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, backend: str, number: signal.Signals
 ) -> None:
     out = tmp_path / "run"
     with monkeypatch.context() as patch:
-        interrupter = Interrupter(patch, backend, number)
+        interrupter = Interrupter(patch, backend, lambda _: signal.raise_signal(number))
         with pytest.raises(KeyboardInterrupt):
             start_run(make_request(backend), out, overwrite=False)
-    adapter = interrupter.adapter
+    assert_stopped_and_kept(interrupter.adapter, out)
+
+
+def assert_stopped_and_kept(adapter: Any, out: Path) -> None:
     stand_in = getattr(adapter, "twin", adapter).stand_in
     assert not adapter.enabled
-    assert not stand_in.servos[0].enabled
-    stand_in.step()
+    for _ in range(600):  # a drive that nobody reaches any more has its watchdog
+        getattr(adapter, "twin", stand_in).step()
     assert stand_in.torque == [0.0]
     assert [label.number for label, _ in load_sweep(out / "recording.csv").of_kind("plateau")] == [0, 1]
+
+
+def unplug(adapter: Any) -> None:
+    adapter.twin.unplugged = True
+
+
+def power_cycle(adapter: Any) -> None:
+    adapter.twin.power_cycle()
+
+
+@pytest.mark.parametrize(
+    ("backend", "strike"),
+    [*((f"twin-{protocol}", unplug) for protocol in sorted(PROTOCOLS)), ("twin-canopen", power_cycle)],
+)
+def test_a_drive_that_is_lost_ends_the_sweep_with_one_sentence_and_all_whole_blocks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, backend: str, strike: Callable[[Any], None]
+) -> None:
+    out = tmp_path / "run"
+    with monkeypatch.context() as patch:
+        interrupter = Interrupter(patch, backend, strike)
+        with pytest.raises(FricompError) as caught:
+            start_run(make_request(backend), out, overwrite=False)
+    assert len(str(caught.value).splitlines()) == 1
+    assert_stopped_and_kept(interrupter.adapter, out)

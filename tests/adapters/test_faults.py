@@ -1,0 +1,190 @@
+"""What can happen to a bus and its drives, on every protocol it can happen to: zero torque within the watchdog's time,
+one clear error, and nothing enables again by itself."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any
+
+import can
+import pytest
+
+from fricomp.adapters.link import PythonCanLink
+from fricomp.errors import AdapterConnectionError, FricompError, SafetyTrip
+from fricomp.joint import JointCommand, JointFeedback
+from fricomp.sim_bench.adapter_bench.bench import PERIOD, PROTOCOLS, TORQUE_LIMIT, AdapterBench, make_bench
+
+CAN_PROTOCOLS = ("canopen", "mit", "odrive")
+N_JOINTS = 2
+BUS_OFF_FRAME = can.Message(arbitration_id=0x40, is_error_frame=True, dlc=8, data=bytes(8))
+
+
+def twin_of(bench: AdapterBench) -> Any:
+    return bench.link._link.twin  # type: ignore[attr-defined]
+
+
+def cycle(bench: AdapterBench, share: float = 0.5) -> bool:
+    command = JointCommand(N_JOINTS)
+    command.torque[:] = [share * TORQUE_LIMIT] * N_JOINTS
+    sent = bench.adapter.write(command)
+    bench.clock.advance(PERIOD)
+    bench.adapter.read_into(JointFeedback(N_JOINTS))
+    return sent
+
+
+def started(protocol: str) -> AdapterBench:
+    bench = make_bench(protocol, N_JOINTS)
+    bench.start()
+    for _ in range(5):
+        assert cycle(bench)
+    assert min(abs(axis.torque) for axis in bench.axes) > 0.4 * TORQUE_LIMIT
+    return bench
+
+
+def go_on(bench: AdapterBench) -> list[FricompError]:
+    """Cycles for a second, as a loop that stops when it is told to; the errors that came."""
+    try:
+        for _ in range(round(1.0 / PERIOD)):
+            if not cycle(bench):
+                break
+    except FricompError as error:
+        return [error]
+    return []
+
+
+def assert_dead(bench: AdapterBench) -> None:
+    """No torque once the watchdog's time is over, and nothing that would bring it back but clearing and enabling."""
+    watchdog = bench.adapter.capabilities.watchdog
+    assert watchdog is not None
+    bench.clock.advance(watchdog.timeout + 2.0 * PERIOD)
+    assert all(axis.torque == 0.0 for axis in bench.axes)
+    assert not bench.adapter.enabled
+    assert not bench.adapter.write(JointCommand(N_JOINTS))
+    with pytest.raises(SafetyTrip):
+        bench.adapter.enable()
+    bench.clock.advance(PERIOD)
+    assert all(axis.torque == 0.0 for axis in bench.axes)
+
+
+def assert_comes_back(bench: AdapterBench) -> None:
+    """By the user's own word, and not before."""
+    bench.adapter.clear_faults()
+    bench.adapter.enable()
+    bench.clock.advance(PERIOD)
+    assert all(axis.torque == pytest.approx(0.0, abs=0.01) for axis in bench.axes)
+    assert cycle(bench)
+
+
+class Controller:
+    """A python-can bus whose controller can go bus-off, and has to be told to come back."""
+
+    def __init__(self, twin_bus: Any) -> None:
+        self._twin_bus = twin_bus
+        self._frames: deque[can.Message] = deque()
+        self.is_off = self._told = False
+
+    def send(self, message: can.Message, timeout: float | None = None) -> None:
+        if self.is_off:
+            raise can.CanOperationError("the controller is bus-off")
+        self._twin_bus._to_twin.append(message)
+        self._twin_bus.twin.pump()
+
+    def recv(self, timeout: float | None = None) -> can.Message | None:
+        if self.is_off:
+            told, self._told = self._told, True
+            return None if told else BUS_OFF_FRAME
+        for frame in self._twin_bus.receive():
+            self._frames.append(
+                can.Message(arbitration_id=frame.identifier, data=frame.data, is_extended_id=frame.extended)
+            )
+        return self._frames.popleft() if self._frames else None
+
+    def flush_tx_buffer(self) -> None:
+        raise NotImplementedError
+
+    def shutdown(self) -> None:
+        """Nothing is held."""
+
+
+@pytest.mark.parametrize("protocol", CAN_PROTOCOLS)
+def test_bus_off_is_one_clear_error_and_zero_torque_by_the_watchdogs(protocol: str) -> None:
+    bench = make_bench(protocol, N_JOINTS)
+    controller: Any = Controller(bench.link._link)
+    bench.adapter._open_link = lambda: PythonCanLink(controller)  # type: ignore[attr-defined]
+    bench.start()
+    for _ in range(5):
+        assert cycle(bench)
+    controller.is_off = True
+    (error,) = go_on(bench)
+    assert isinstance(error, AdapterConnectionError)
+    assert "bus-off" in str(error)
+    record = bench.adapter.gate.trip_record
+    assert record is not None
+    assert record.reason == "link"
+    assert_dead(bench)
+    controller.is_off = False
+    bench.clock.advance(0.2)
+    assert not cycle(bench)
+    assert all(axis.torque == 0.0 for axis in bench.axes)
+    assert_comes_back(bench)
+
+
+@pytest.mark.parametrize("protocol", sorted(PROTOCOLS))
+def test_one_lost_node_stops_all_joints_and_lets_go_itself(protocol: str) -> None:
+    bench = started(protocol)
+    twin = twin_of(bench)
+    for name in ("devices", "controllers", "servos"):
+        if hasattr(twin, name):
+            setattr(twin, name, getattr(twin, name)[:1])
+    assert len(go_on(bench)) <= 1
+    record = bench.adapter.gate.trip_record
+    assert record is not None
+    assert record.reason in ("stale", "link", "drive_fault")
+    assert bench.axes[0].torque == 0.0
+    assert_dead(bench)
+
+
+class CutLink:
+    """Lets only a part of one command through, and then nothing more, until plugged in again."""
+
+    def __init__(self, link: Any) -> None:
+        self._link = link
+        self.cut: float | None = None
+        self.silent = False
+
+    def send(self, traffic: Any) -> None:
+        if self.silent:
+            return
+        if self.cut is not None:
+            traffic, self.cut, self.silent = traffic[: max(1, round(self.cut * len(traffic)))], None, True
+        self._link.send(traffic)
+
+    def receive(self) -> Any:
+        traffic = self._link.receive()
+        return traffic[:0] if self.silent else traffic
+
+    def discard_output(self) -> None:
+        self._link.discard_output()
+
+    def close(self) -> None:
+        self._link.close()
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
+@pytest.mark.parametrize("protocol", sorted(PROTOCOLS))
+def test_a_cable_pulled_in_mid_frame_ends_in_zero_torque_and_harms_nothing_later(protocol: str, share: float) -> None:
+    bench = make_bench(protocol, N_JOINTS)
+    link = CutLink(bench.link)
+    bench.adapter._open_link = lambda: link  # type: ignore[attr-defined]
+    bench.start()
+    for _ in range(5):
+        assert cycle(bench)
+    link.cut = share
+    assert len(go_on(bench)) <= 1
+    assert max(axis.largest_torque for axis in bench.axes) <= TORQUE_LIMIT
+    assert_dead(bench)
+    link.silent = False
+    bench.clock.advance(0.2)
+    assert not cycle(bench)
+    assert all(axis.torque == 0.0 for axis in bench.axes)
+    assert_comes_back(bench)
