@@ -15,7 +15,7 @@ from .effect import Context, Effect, EffectParameter, Values, lowest_order, regi
 
 @register
 class Cogging(Effect):
-    """tau = A sin(n q + phi) [piccoli2016]."""
+    """tau = A sin(n q + phi) [piccoli2016]; A and phi for each recording, as an incremental encoder starts anew."""
 
     name = "cogging"
     kind = "physics"
@@ -25,12 +25,15 @@ class Cogging(Effect):
     located_by = "position"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        scale = contexts[0].scale
-        return (
-            EffectParameter("sine", "{torque}", 0.02 * scale, -1e4, 1e4),
-            EffectParameter("cosine", "{torque}", 0.02 * scale, -1e4, 1e4),
-            EffectParameter("order", "1/{position}", 0.05, lowest_order(contexts), 1e5, linear=False),
-        )
+        scale = 0.02 * contexts[0].scale
+        waves = [EffectParameter(name, "{torque}", scale, -1e4, 1e4) for name in ("sine", "cosine")]
+        order = EffectParameter("order", "1/{position}", 0.05, lowest_order(contexts), 1e5, linear=False)
+        further = [
+            EffectParameter(f"{wave.name}_{number}", wave.unit, scale, wave.lower, wave.upper)
+            for number in range(2, len(contexts) + 1)
+            for wave in waves
+        ]
+        return (*waves, order, *further)
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         lowest = lowest_order(contexts)
@@ -38,7 +41,9 @@ class Cogging(Effect):
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         angle = values["order"] * context.position
-        return Contribution(additive=values["sine"] * np.sin(angle) + values["cosine"] * np.cos(angle))
+        number = f"_{context.index + 1}" if context.index else ""
+        sine, cosine = (values[f"{name}{number}"] for name in ("sine", "cosine"))
+        return Contribution(additive=sine * np.sin(angle) + cosine * np.cos(angle))
 
     def term(self, values: Values, plant: Plant) -> Term | None:
         return CoggingTerm(values["sine"], values["cosine"], values["order"])

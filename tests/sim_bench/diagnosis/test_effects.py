@@ -86,3 +86,13 @@ def test_an_effect_says_what_it_cannot_see(context: Context) -> None:
     still = replace(context, channels={}, velocity=np.ones_like(context.velocity))
     assert EFFECTS["neighbour_coupling"].unavailable([still])
     assert EFFECTS["dwell_stiction"].unavailable([still])
+
+
+def test_a_ripple_has_a_phase_of_its_own_in_each_recording(context: Context) -> None:
+    effect, second = EFFECTS["cogging"], replace(context, index=1)
+    names = [parameter.name for parameter in effect.parameters([context, second])]
+    assert names == ["sine", "cosine", "order", "sine_2", "cosine_2"]
+    values = {"sine": 1.0, "cosine": 0.0, "order": 20.0, "sine_2": 0.0, "cosine_2": 2.0}
+    angle = 20.0 * context.position
+    np.testing.assert_allclose(effect.contribution(context, values).additive, np.sin(angle))
+    np.testing.assert_allclose(effect.contribution(second, values).additive, 2.0 * np.cos(angle))
