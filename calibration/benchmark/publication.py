@@ -17,6 +17,7 @@ from .problem import NOISE_READINGS
 from .rival_summary import summarise_noise_free, summarise_searches
 from .summary import summarise_outliers, summarise_statistics
 from .targets import measured_targets
+from .timing import summarise_timing
 
 __all__ = ["publish"]
 
@@ -47,5 +48,6 @@ def _figures(ledger: Ledger) -> dict[str, Any]:
         "noise_free": summarise_noise_free(ledger),
         "pinn": {reading: summarise_statistics(ledger, reading) for reading in NOISE_READINGS},
         "searches": {reading: summarise_searches(ledger, reading) for reading in NOISE_READINGS},
+        "times": summarise_timing(ledger),
         "outliers": {reading: summarise_outliers(ledger, reading) for reading in NOISE_READINGS},
     }

@@ -25,7 +25,6 @@ class NoiseFreeFigures:
         converged: How many reported so; all of them where a method reports nothing.
         median_error: Median over the runs of the mean |error| [%].
         largest_error: Largest of these [%].
-        seconds: Median time [s].
     """
 
     method: str
@@ -34,7 +33,6 @@ class NoiseFreeFigures:
     converged: int
     median_error: float
     largest_error: float
-    seconds: float
 
 
 def summarise_noise_free(ledger: Ledger) -> list[NoiseFreeFigures]:
@@ -66,7 +64,6 @@ def _noise_free(method: str, iterations: int, rows: Sequence[dict[str, Any]]) ->
         converged=sum(row.get("status", "converged") == "converged" for row in rows),
         median_error=float(np.median(errors)),
         largest_error=max(errors),
-        seconds=float(np.median([row["seconds"] for row in rows])),
     )
 
 
@@ -91,8 +88,6 @@ class SearchFigures:
         excess: Median and largest negative log-likelihood above ours [nats].
         our_largest_excess: Ours above theirs, largest [nats].
         missed: Draws on which it ended more than 0.01 nats above ours.
-        seconds: Its median time [s].
-        our_seconds: Ours [s].
     """
 
     method: str
@@ -103,8 +98,6 @@ class SearchFigures:
     excess: tuple[float, float]
     our_largest_excess: float
     missed: int
-    seconds: float
-    our_seconds: float
 
 
 def summarise_searches(ledger: Ledger, reading: Reading) -> list[SearchFigures]:
@@ -132,6 +125,4 @@ def _search(method: str, iterations: int, rows: list[dict[str, Any]], ours: list
         excess=(float(np.median(excess)), float(excess.max())),
         our_largest_excess=float(np.max(-excess)),
         missed=int(np.sum(excess > 0.01)),
-        seconds=float(np.median([r["seconds"] for r in rows])),
-        our_seconds=float(np.median([r["seconds"] for r in ours])),
     )

@@ -12,12 +12,20 @@ from .comparators import Comparison, run_cma, run_genetic, run_particle_swarm, r
 from .ledger import Ledger
 from .problem import NOISE_READINGS, Draw, PaperProblem
 
-__all__ = ["FULL_SIZES", "PAPER_LENGTH", "SearchSizes", "run_adam_study", "run_pymoo_study", "run_searches"]
+__all__ = [
+    "CMA_EVALUATIONS",
+    "FULL_SIZES",
+    "PAPER_LENGTH",
+    "SearchSizes",
+    "run_adam_study",
+    "run_pymoo_study",
+    "run_searches",
+]
 
 PAPER_LENGTH = 50_000
 """Iterations of every method in [luo2024pinn]."""
 _TENTH = PAPER_LENGTH // 10
-_CMA_EVALUATIONS = 40_000
+CMA_EVALUATIONS = 40_000
 
 Progress = Callable[[str], None]
 
@@ -58,7 +66,7 @@ def run_searches(ledger: Ledger, sizes: SearchSizes, progress: Progress) -> None
             for method in ("PSO", "GA"):
                 _compare(ledger, draw, (method, iterations), progress)
         for draw in draws[:2]:
-            what = ("CMA-ES", _CMA_EVALUATIONS) if iterations == PAPER_LENGTH else ("robust NLS", 0)
+            what = ("CMA-ES", CMA_EVALUATIONS) if iterations == PAPER_LENGTH else ("robust NLS", 0)
             _compare(ledger, draw, what, progress)
 
 

@@ -32,7 +32,6 @@ class StatisticsFigures:
         largest_excess: Largest negative log-likelihood above the oracle's [nats].
         mean_error: Mean |error| over all parameters and draws [%].
         error_spread: Smallest and largest mean |error| of a single draw [%].
-        seconds: Median time of a fit [s].
     """
 
     draws: int
@@ -46,7 +45,6 @@ class StatisticsFigures:
     largest_excess: float
     mean_error: float
     error_spread: tuple[float, float]
-    seconds: float
 
 
 def summarise_statistics(ledger: Ledger, reading: Reading) -> StatisticsFigures | None:
@@ -74,7 +72,6 @@ def summarise_statistics(ledger: Ledger, reading: Reading) -> StatisticsFigures 
         largest_excess=float(max(row["nll"] - row["oracle_nll"] for row in rows)),
         mean_error=float(np.mean(percent)),
         error_spread=(float(percent.mean(axis=1).min()), float(percent.mean(axis=1).max())),
-        seconds=float(np.median([row["seconds"] for row in rows])),
     )
 
 
@@ -93,7 +90,6 @@ class OutlierFigures:
         rms_of_converged: The same over the draws that reported `converged`.
         wrong_basins: Draws with an error above five deviations.
         silent_wrong_basins: Those of them that reported `converged`.
-        seconds: Median time of a fit [s].
     """
 
     draws: int
@@ -102,7 +98,6 @@ class OutlierFigures:
     rms_of_converged: list[float]
     wrong_basins: int
     silent_wrong_basins: int
-    seconds: float
 
 
 def summarise_outliers(ledger: Ledger, reading: Reading) -> OutlierFigures | None:
@@ -120,5 +115,4 @@ def summarise_outliers(ledger: Ledger, reading: Reading) -> OutlierFigures | Non
         rms_of_converged=np.sqrt(np.mean(scaled[good] ** 2, axis=0)).tolist() if np.any(good) else [],
         wrong_basins=int(np.sum(wrong)),
         silent_wrong_basins=int(np.sum(wrong & good)),
-        seconds=float(np.median([row["seconds"] for row in rows])),
     )

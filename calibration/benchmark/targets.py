@@ -12,6 +12,7 @@ from .problem import NOISE_READINGS
 from .rival_summary import NoiseFreeFigures, SearchFigures, summarise_noise_free, summarise_searches
 from .rivals import PAPER_LENGTH
 from .summary import StatisticsFigures, summarise_outliers, summarise_statistics
+from .timing import OURS, TimeFigures, summarise_timing
 
 __all__ = ["Target", "measured_targets"]
 
@@ -42,7 +43,7 @@ def measured_targets(ledger: Ledger) -> list[Target]:
         _noise_free(free),
         _statistics(found),
         _likelihood(rivals),
-        _speed(rivals),
+        _speed(summarise_timing(ledger)),
         _adam(free),
         _outliers(ledger),
         _extras(ledger),
@@ -110,21 +111,20 @@ def _likelihood(rivals: list[SearchFigures]) -> list[Target]:
     ]
 
 
-def _speed(rivals: list[SearchFigures]) -> list[Target]:
-    full = [f for f in rivals if f.iterations == PAPER_LENGTH and f.method in ("PSO", "GA")]
-    full += [f for f in rivals if f.method == "CMA-ES"]
-    if not full:
+def _speed(times: list[TimeFigures]) -> list[Target]:
+    ours = {f.reading: f.seconds for f in times if f.method == OURS}
+    ratios: dict[str, list[float]] = {}
+    for f in times:
+        if f.length and (f.reading != "none" or f.method == "Adam"):
+            ratios.setdefault(f.method, []).append(f.seconds / ours[f.reading])
+    if not ratios:
         return []
-    by_method: dict[str, list[float]] = {}
-    for f in full:
-        by_method.setdefault(f.method, []).append(f.seconds / f.our_seconds)
-    shown = ", ".join(f"{name} {min(ratios):.0f}" for name, ratios in by_method.items())
     return [
         Target(
-            "time of PSO and GA at the paper's length (compiled) and of CMA-ES, over ours",
+            "processor time over ours: PSO, GA and Adam at the paper's length, CMA-ES",
             "≥ 20",
-            f"{shown} (the lower of both readings)",
-            min(min(ratios) for ratios in by_method.values()) >= 20.0,
+            ", ".join(f"{name} {min(values):.0f}" for name, values in ratios.items()) + " (least over the data sets)",
+            min(min(values) for values in ratios.values()) >= 20.0,
         )
     ]
 
@@ -133,15 +133,13 @@ def _adam(figures: list[NoiseFreeFigures]) -> list[Target]:
     adam = [f for f in figures if f.method.startswith("Adam") and f.iterations == PAPER_LENGTH]
     if not adam:
         return []
-    ours = figures[0]
-    faster = min(f.seconds for f in adam) / ours.seconds
-    share = ours.largest_error / min(f.median_error for f in adam)
+    share = figures[0].largest_error / min(f.median_error for f in adam)
     return [
         Target(
-            "the paper's 50,000 Adam steps without noise: time over ours, our largest error over its best start",
-            "≥ 20, ≤ 0.1",
-            f"{faster:.0f}, {share:.1e}",
-            faster >= 20.0 and share <= 0.1,
+            "the paper's 50,000 Adam steps without noise: our largest error over that of its best start",
+            "≤ 0.1",
+            f"{share:.1e}",
+            share <= 0.1,
         )
     ]
 

@@ -33,7 +33,7 @@ class _Sizes:
     lugre: int
 
 
-_QUICK = _Sizes(5, 20, 5, (1, 2, 0, 0), 500, 1, 1, 20, 1)
+_QUICK = _Sizes(5, 20, 5, (0, 2, 0, 0), 500, 1, 1, 20, 1)
 _FULL = _Sizes(100, 2000, 200, None, 50_000, 5, 3, 300, 5)
 
 
@@ -74,12 +74,13 @@ def paper(
 
 def _run(ledger: Ledger, sizes: _Sizes, report: Callable[[str], None]) -> None:
     """What matters most comes first, for a run that is cut short."""
-    from fricomp.calibration.benchmark import rivals, study
+    from fricomp.calibration.benchmark import rivals, study, timing
 
     searches = rivals.SearchSizes(*sizes.searches) if sizes.searches else rivals.FULL_SIZES
     study.run_noise_free(ledger, sizes.noise_free, report)
     study.run_statistics(ledger, sizes.pinn, report)
     rivals.run_adam_study(ledger, sizes.adam_steps, report)
+    timing.run_timing(ledger, sizes.adam_steps, report)
     study.run_outliers(ledger, sizes.outliers, report)
     study.run_departure(ledger, sizes.departure, report)
     study.run_extras(ledger, sizes.sweeps, sizes.lugre, report)
