@@ -80,7 +80,7 @@ def _difference(prepared: Prepared, pair: tuple[Explanation, Explanation], posit
     grid = RowGrid.build(track, 0.042, 0.02, 0.5)
     alone = Problem((track,), (grid,), problem.observer, problem.gains, problem.substeps)
     seen = alone.observe([Job(track, plant, Contribution())])
-    context = build_contexts(alone, plant, seen, {})[0]
+    context = build_contexts(alone, plant, seen, prepared.structure.contexts[0].hints)[0]
     rows = []
     for explanation in pair:
         structure = Structure((context,), explanation.structure.candidates)

@@ -30,7 +30,7 @@ class NeighbourCoupling(Effect):
         )
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        q = context.channels["neighbour_position"]
+        q = context.channels.get("neighbour_position", np.zeros_like(context.position))  # at rest where unknown
         v = smooth_derivative(q, context.dt)
         a = smooth_derivative(v, context.dt)
         torque = values["inertia"] * a * np.cos(q) + values["centrifugal"] * v**2 * np.sin(q)

@@ -82,6 +82,12 @@ def test_values_of_the_wrong_sign_are_refused(name: str, context: Context) -> No
     assert effect.refuse(values, [context])
 
 
+def test_a_neighbour_that_rests_adds_nothing(context: Context) -> None:
+    alone = replace(context, channels={})
+    torque = EFFECTS["neighbour_coupling"].contribution(alone, {"inertia": 0.1, "centrifugal": 0.1}).additive
+    assert np.all(torque == 0.0)
+
+
 def test_an_effect_says_what_it_cannot_see(context: Context) -> None:
     still = replace(context, channels={}, velocity=np.ones_like(context.velocity))
     assert EFFECTS["neighbour_coupling"].unavailable([still])
