@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,8 +28,11 @@ from .weak_form import estimate_plant
 __all__ = ["Prepared", "prepare"]
 
 _FIRST_NULLS = 12  # for the weights of the first refit
+_WELL = 1.2  # mean squared residual up to which one start is trusted
+_BRISTLES = ((1.5e-4, 3e-3), (1.5e-4, 0.0), (3e-5, 2e-3))  # breakaway distance [rad] and damping time [s] of others
 _SAME_COLOUR = 0.08  # difference of correlations that chance may bring
-_QUIET = 1.8  # times the nulls' noise, beyond which the correlation is that of something missing
+_EVEN = 0.8  # quotient of the bulk's excess and that of all rows, below which few rows make it: no noise does
+_USUAL = 1.4  # factor on the noise that needs no such evidence
 _LEVEL = (0.6, 1.8)  # most that the noise found in single samples is corrected by
 
 
@@ -117,7 +120,8 @@ def _recoloured(prepared: Prepared) -> Prepared:
     """Whiten the residual by its own correlation where it is not that of the nulls, which keep theirs."""
     ours, theirs = _noise_parts(prepared)
     shift = _correlation(ours) - np.mean([_correlation(one) for one in theirs], axis=0)
-    if np.max(np.abs(shift)) < _SAME_COLOUR or _typical(ours) > _QUIET * np.mean([_typical(one) for one in theirs]):
+    trimmed, bulk = (_ratio(ours, theirs, size) for size in (_trimmed, _typical))
+    if np.max(np.abs(shift)) < _SAME_COLOUR or trimmed > min(_LEVEL[1], bulk / _EVEN):
         return prepared
     extra = solve_toeplitz(np.array([1.0, *shift[:-1]]), shift)
     weights = prepared.nulls.weights
@@ -138,11 +142,22 @@ def _correlation(values: FloatArray) -> FloatArray:
 def _level_noise(prepared: Prepared) -> Prepared:
     """Scale the nulls to the part of the residual that neither the base nor any smooth torque reaches."""
     ours, theirs = _noise_parts(prepared)
-    factor = float(np.clip(_typical(ours) / np.mean([_typical(one) for one in theirs]), *_LEVEL))
+    usual = max(_ratio(ours, theirs, _typical), _USUAL)
+    factor = float(np.clip(min(_ratio(ours, theirs, _trimmed), usual), *_LEVEL))
     nulls, fit, own = prepared.nulls.scaled(factor), prepared.fit, prepared.problem.weights
     fit = replace(fit, residual=fit.residual / factor, jacobian=fit.jacobian / factor, cost=fit.cost / factor**2)
     weights = nulls.weights if own is None else replace(nulls.weights, whitener=own.whitener)
     return replace(prepared, problem=replace(prepared.problem, weights=weights), fit=fit, nulls=nulls)
+
+
+def _ratio(ours: FloatArray, theirs: Sequence[FloatArray], size: Callable[[FloatArray], float]) -> float:
+    return float(size(ours) / np.mean([size(one) for one in theirs]))
+
+
+def _trimmed(values: FloatArray) -> float:
+    """Standard deviation in which values beyond three robust ones count as three."""
+    limit = 3.0 * _typical(values)
+    return float(np.sqrt(np.mean(np.minimum(values**2, limit**2))))
 
 
 def _typical(values: FloatArray) -> float:
