@@ -24,7 +24,7 @@ _PARTNERS = 4  # partners tried for each
 _ENOUGH = 0.98  # coverage at which nothing more is looked for
 _QUANTILE = 0.98
 _LEAST_GAIN = 30.0
-_ANOTHER = 0.05  # of the gain, that one more effect must add: less is the form of the first one not quite met
+_ANOTHER = 0.08  # of the gain, that one more effect must add: less is the form of the first one not quite met
 _LAST_RESORT = 0.8  # of its gain is what an explanation with a torque from outside counts for
 _MATERIAL = 0.05  # gain per row: below it the base model's own small errors could be named
 
