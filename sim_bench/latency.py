@@ -1,4 +1,4 @@
-"""What the compensator, the gate and the loop cost, each in units of one bare Stribeck curve in pure `math`."""
+"""What the compensator and the gate cost, in units of one bare Stribeck curve in pure `math`."""
 
 from __future__ import annotations
 
@@ -19,35 +19,33 @@ import numpy as np
 from fricomp.control import (
     ArmCompensator,
     Compensator,
-    ControlLoop,
     JointLimits,
-    LoopResult,
-    PositionController,
-    RealTimeOptions,
     SafetyGate,
-    SineReference,
-    choose_settings,
 )
 from fricomp.control.network import NetworkCompensator
 from fricomp.export import render_c_header
 from fricomp.joint import JointFeedback
+from fricomp.laws import Cogging, FrictionLaw, LoadCoulomb
 from fricomp.model import FrictionModel, Validity
 
-from .stand_in import DEFAULT_LAW, JointSettings, SimulatedJointAdapter, StandIn, StandInSettings, sensors_for
+from .stand_in import DEFAULT_LAW
 
 __all__ = [
+    "N_JOINTS",
     "Cost",
+    "bare_stribeck",
+    "bench_model",
     "measure_c",
     "measure_costs",
     "measure_growth",
     "measure_import_ratio",
     "measure_network",
-    "run_loop",
 ]
 
 N_JOINTS = 7
+"""Joints of the arm that is timed."""
+
 _REPEATS = 31
-_LONGEST_HALT = 2.0  # [s]
 
 
 @dataclass(frozen=True)
@@ -95,10 +93,17 @@ def full_compensator() -> Compensator:
 def measure_costs(calls: int = 20_000) -> list[Cost]:
     """Time compensator and gate, `calls` at a time, each beside the unit."""
     full, plain = full_compensator().torque, Compensator(bench_model(), source="reference").torque
+    law = FrictionLaw((*DEFAULT_LAW.terms, LoadCoulomb(0.1), Cogging(0.05, 0.02, 11.0)))
+    more = Compensator(replace(bench_model(), law=law)).torque
+
+    def extended() -> float:
+        return more(0.03, 0.029, position=0.3, load_torque=2.0)
+
     return [
         _cost("bare Stribeck", _unit, calls, None),
         _cost("compensator, reference only", lambda: plain(0.03), calls, None),
         _cost("compensator, every feature", lambda: full(0.03, 0.029, 0.002, 1.2), calls, 5.0),
+        _cost("compensator, load and cogging beside the curve", extended, calls, None),
         _cost("seven joints as chosen by default, safety gate", _seven_with_gate(False), calls // 5, 50.0),
         _cost("seven joints, every feature, safety gate", _seven_with_gate(True), calls // 5, 50.0),
     ]
@@ -162,6 +167,7 @@ def measure_network(folder: Path, calls: int = 2_000) -> list[Cost]:
     """
     from fricomp.calibration.network import save_network
     from fricomp.calibration.network.architecture import LAYER_SIZES, Layer, TanhNetwork
+
     from fricomp.export import save_graph, stack_networks
 
     rng, paths = np.random.default_rng(0), []
@@ -246,77 +252,3 @@ def measure_import_ratio(repeats: int = 7) -> float:
         return min(float(run.stdout) for run in runs)
 
     return shortest("fricomp") / shortest("numpy")
-
-
-class PacedClock:
-    """Real time on a stand-in: it is stepped, then the real deadline is waited for.
-
-    Args:
-        stand_in: What is stepped.
-        spin_ns: Last stretch before a deadline that is spun [ns].
-    """
-
-    def __init__(self, stand_in: StandIn, spin_ns: int = 150_000) -> None:
-        self._stand_in, self._spin_ns = stand_in, spin_ns
-        self._offset = time.monotonic_ns() - stand_in.time_ns
-
-    def now_ns(self) -> int:
-        """Real time since the stand-in's start, which has been stepped up to it [ns]."""
-        now = time.monotonic_ns() - self._offset
-        while self._stand_in.time_ns + self._stand_in.period_ns <= now:
-            self._stand_in.step()
-        return now
-
-    def sleep_until(self, deadline_ns: int) -> None:
-        """Step up to the deadline, then wait for it."""
-        while self._stand_in.time_ns < deadline_ns:
-            self._stand_in.step()
-        remaining = deadline_ns - (time.monotonic_ns() - self._offset) - self._spin_ns
-        if remaining > 0:
-            time.sleep(remaining * 1e-9)
-        while time.monotonic_ns() - self._offset < deadline_ns:
-            pass
-
-
-def run_loop(duration: float, *, real_time: bool, options: RealTimeOptions | None = None) -> LoopResult:
-    """Seven joints of the stand-in at 1 kHz, PD and compensation, in virtual or in real time.
-
-    Args:
-        duration: [s].
-        real_time: Whether to keep to the wall clock, which shows lateness too.
-        options: What to ask of the system.
-    """
-    with tempfile.TemporaryDirectory() as folder:
-        mjcf = Path(folder) / "seven.xml"
-        mjcf.write_text(_seven_joints())
-        sensor = sensors_for(DEFAULT_LAW)
-        joints = tuple(JointSettings(f"joint{j}", DEFAULT_LAW, sensor) for j in range(N_JOINTS))
-        adapter = SimulatedJointAdapter(StandInSettings(mjcf, joints))
-    if real_time:
-        adapter.clock = PacedClock(adapter.stand_in)
-        # A machine that halts for a while is what is measured here, not a reason to stop.
-        adapter.options = replace(adapter.options, stale_after=_LONGEST_HALT)
-    adapter.open()
-    inertia = [0.1] * N_JOINTS
-    settings = choose_settings(bench_model())
-    loop = ControlLoop(
-        adapter,
-        SineReference([0.3] * N_JOINTS, 0.5, [0.0] * N_JOINTS),
-        PositionController.from_bandwidth(inertia, 5.0),
-        compensators=[Compensator(bench_model(), settings=settings) for _ in range(N_JOINTS)],
-        options=options,
-        most_skipped=1000,
-    )
-    result = loop.run(duration)
-    adapter.close()
-    result.raise_if_tripped()
-    return result
-
-
-def _seven_joints() -> str:
-    body = (
-        '<body pos="{j} 0 0"><joint name="joint{j}" axis="0 0 1"/>'
-        '<inertial pos="0 0 0" mass="1" diaginertia="0.1 0.1 0.1"/></body>'
-    )
-    bodies = "".join(body.format(j=j) for j in range(N_JOINTS))
-    return f'<mujoco><option gravity="0 0 0"/><worldbody>{bodies}</worldbody></mujoco>'

@@ -74,11 +74,11 @@ def _bars(rows: Sequence[StudyRow]) -> Chart:
     panels = []
     for index, title in enumerate(("whole motion", "0.3 s after reversals")):
         marks = tuple(
-            Bars(names, np.array([100.0 * row.change(method)[index] for row in rows]), _NAMES[method])
+            Bars(names, np.array([100.0 * (1.0 + row.change(method)[index]) for row in rows]), _NAMES[method])
             for method in rows[0].figures
             if method != "none"
         )
-        panels.append(Panel(marks, "", "RMS error against none [%]", title))
+        panels.append(Panel(marks, "", "RMS error, % of that without", title))
     caption = "Lower is better. True error of the stand-in joint, which sticks."
     return Chart("tracking", "Tracking with friction compensation", tuple(panels), caption=caption)
 

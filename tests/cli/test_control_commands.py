@@ -98,3 +98,13 @@ def test_run_wants_a_model_for_every_joint(model: Path, tmp_path: Path) -> None:
     done = fricomp("run", model, model, "--out", tmp_path / "run")
     assert done.returncode == 2
     assert "1 joints" in done.stderr
+
+
+def test_bench_tracking_does_only_what_is_asked(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    done = fricomp("bench", "tracking", "--quick", "--only", "loops", "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    figures = json.loads((tmp_path / "figures.json").read_text())
+    assert list(figures) == ["loops"]
+    assert {row["joint"] for row in figures["loops"]} == {"moderate", "table_i"}
+    assert all(row["standstill_travel"] < 5e-5 for row in figures["loops"])

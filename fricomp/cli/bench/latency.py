@@ -37,8 +37,8 @@ def latency(
         measure_growth,
         measure_import_ratio,
         measure_network,
-        run_loop,
     )
+    from fricomp.sim_bench.loop_timing import run_loop
 
     out.mkdir(parents=True, exist_ok=True)
     with progress() as bar:
