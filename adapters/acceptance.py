@@ -60,10 +60,11 @@ def check_rate(offered: Capabilities, mode: CommandMode, period: float) -> None:
         raise AdapterConfigurationError(f"mode {mode!r} is not offered; this drive has {', '.join(offered.modes)}")
     if not isfinite(period) or period <= 0.0:
         raise AdapterConfigurationError(f"the period must be finite and positive [s], got {period!r}")
-    if 1.0 / period > offered.highest_rate * (1.0 + 1e-9):
+    highest = offered.rate_in(mode)
+    if 1.0 / period > highest * (1.0 + 1e-9):
         raise AdapterConfigurationError(
             f"a period of {period} s is {1.0 / period:.0f} Hz; {len(offered.joints)} joints on this bus carry at most "
-            f"{offered.highest_rate:.0f} Hz: lower the rate, or spread the joints over more buses"
+            f"{highest:.0f} Hz in {mode} mode: lower the rate, or spread the joints over more buses"
         )
 
 

@@ -125,8 +125,10 @@ class CanOpenAdapter(CanAdapter):
                 raise type(error)(f"joint {joint.name!r}: {error}") from error
         if not modes:
             raise AdapterConfigurationError("the drives have no cyclic synchronous mode in common (object 6502)")
-        offered = tuple(mode for mode in ("torque", "velocity", "position") if mode in modes)
-        return Capabilities(self._declare(), offered, self._highest_rate(), None)
+        every: tuple[CommandMode, ...] = ("torque", "velocity", "position")
+        offered = tuple(mode for mode in every if mode in modes)
+        rates = {mode: self._rate_in(mode) for mode in offered}
+        return Capabilities(self._declare(), offered, max(rates.values()), None, mode_rates=rates)
 
     def _inspect(self, drive: CanOpenDrive) -> set[CommandMode]:
         """The cyclic modes of a drive that is one, and is not energised by somebody else."""
@@ -153,10 +155,9 @@ class CanOpenAdapter(CanAdapter):
             for joint, drive in zip(self._configuration.joints, self._drives, strict=True)
         )
 
-    def _highest_rate(self) -> float:
-        """Of torque mode; the other modes' longer commands are counted, too."""
-        command = max(sum(entry.n_bytes for entry in entries) for entries in COMMAND_OBJECTS.values())
-        sizes = [command, *(sum(entry.n_bytes for entry in entries) for entries in STATE_OBJECTS)]
+    def _rate_in(self, mode: CommandMode) -> float:
+        """Highest rate in a mode: its command, both states of every drive, one SYNC, and the heartbeats [Hz]."""
+        sizes = [sum(entry.n_bytes for entry in entries) for entries in (COMMAND_OBJECTS[mode], *STATE_OBJECTS)]
         bitrate, n_joints = self._configuration.bus.bitrate, len(self._drives)
         cycle = [can_frame_bits(0)] + [can_frame_bits(size) for size in sizes] * n_joints
         beats = n_joints / self._configuration.heartbeat + 1.0 / self._beat_period

@@ -188,7 +188,8 @@ class DynamixelAdapter(SerialAdapter):
     def _open(self) -> Capabilities:
         self._connect()
         joints = tuple(self._inspect(joint) for joint in range(len(self._servos)))
-        return Capabilities(joints, ("torque", "velocity", "position"), self._highest_rate(), None)
+        rates = {mode: self._rate_in(mode) for mode in MODES}
+        return Capabilities(joints, tuple(MODES), max(rates.values()), None, mode_rates=rates)
 
     def _inspect(self, joint: int) -> JointCapabilities:
         """What one servo can do.
@@ -216,9 +217,10 @@ class DynamixelAdapter(SerialAdapter):
             torque_limit=self._read_item(servo, CURRENT_LIMIT) * count,
         )
 
-    def _highest_rate(self) -> float:
+    def _rate_in(self, mode: CommandMode) -> float:
+        """Highest rate in a mode: goals, the request for the states, and all states [Hz]."""
         baudrate, n_joints = self._configuration.serial.baudrate, len(self._servos)
-        goals = self._writers["position"].encode([0] * n_joints)
+        goals = self._writers[mode].encode([0] * n_joints)
         cycle = len(goals) + len(self._state_request) + n_joints * (STATE.size + STATUS_BYTES)
         slow = len(self._condition_request) + n_joints * (CONDITION.size + WARMTH.size + 2 * STATUS_BYTES)
         load = serial_time(slow, baudrate) / (CONDITION_PERIOD_NS * 1e-9)

@@ -25,6 +25,8 @@ COUNTS = 12
 SHORTEST_WINDOW = 0.01
 # And so many times the jitter of the samples' times, which a busy computer makes.
 JITTERS = 10.0
+# Periods after which a sample counts as late.
+LATE = 3.0
 # Standard errors between the means of a transient and of the rest.
 ANOTHER_MEAN = 3.0
 # Fraction of the torque limit at which the drive may be saturated.
@@ -100,8 +102,14 @@ def judge_plateau(
 def _window_speeds(time: FloatArray, position: FloatArray, velocity: float, quantum: float) -> FloatArray:
     """Mean speed of windows as a fraction of the speed asked for. Shape (n_windows,)."""
     gaps = np.diff(time)
-    jitter = float(np.quantile(gaps, 0.95) - np.median(gaps))
+    usual = float(np.median(gaps))
+    jitter = float(np.quantile(gaps, 0.95)) - usual
     window = max(SHORTEST_WINDOW, COUNTS * quantum / abs(velocity), JITTERS * jitter)
     edges = np.searchsorted(time, np.arange(time[0], time[-1], window))
     edges = np.unique(np.minimum(edges, len(time) - 1))
-    return np.asarray(np.diff(position[edges]) / np.diff(time[edges]) / velocity)
+    speeds = np.diff(position[edges]) / np.diff(time[edges]) / velocity
+    # A sample that came late may be as old as it is late: windows with one in them tell nothing.
+    late = np.concatenate([[0], np.cumsum(gaps > LATE * usual), [0]])
+    late[-1] = late[-2]
+    prompt = late[edges[1:] + 1] == late[np.maximum(edges[:-1] - 1, 0)]
+    return np.asarray(speeds[prompt] if 2 * prompt.sum() >= len(speeds) else speeds)

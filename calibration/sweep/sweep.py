@@ -47,7 +47,7 @@ Progress = Callable[[str, float], None]
 def loop_period(adapter: JointAdapter, settings: SweepSettings, mode: CommandMode) -> float:
     """Period of the loop [s]: as asked for, else what suits the mode, never faster than the bus."""
     wanted = settings.rate or (HOST_RATE if mode == "torque" else DRIVE_RATE)
-    return 1.0 / min(wanted, adapter.capabilities.highest_rate)
+    return 1.0 / min(wanted, adapter.capabilities.rate_in(mode))
 
 
 @dataclass(frozen=True)

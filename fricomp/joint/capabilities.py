@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 from fricomp.model import Motion
@@ -66,7 +67,8 @@ class Capabilities:
     Attributes:
         joints: In the order of every command and feedback.
         modes: Command modes that the drives support.
-        highest_rate: Highest rate that bus and drives carry for these joints [Hz].
+        highest_rate: Highest rate that bus and drives carry for these joints, in the mode that needs least [Hz].
+        mode_rates: Highest rate of each mode where they differ [Hz]; see `rate_in`.
         watchdog: None where the drive has none.
         simulated: Whether no hardware can move.
     """
@@ -76,3 +78,8 @@ class Capabilities:
     highest_rate: float
     watchdog: Watchdog | None
     simulated: bool = False
+    mode_rates: Mapping[CommandMode, float] = field(default_factory=dict)
+
+    def rate_in(self, mode: CommandMode) -> float:
+        """Highest rate in a mode [Hz]."""
+        return self.mode_rates.get(mode, self.highest_rate)

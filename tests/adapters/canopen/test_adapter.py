@@ -158,9 +158,21 @@ def test_the_state_before_enabling_comes_by_sync_alone(rig: CanOpenRig) -> None:
     assert feedback.position[0] == pytest.approx(0.5, abs=1e-4)
 
 
-def test_seven_drives_at_one_megabit_fit_about_380_times_a_second() -> None:
+def test_what_seven_drives_at_one_megabit_can_carry_depends_on_the_mode() -> None:
+    """SYNC of 55 bits, states of 135 and 125, a command of 95 (torque) or 135 bits, 180 heartbeats of 65 a second."""
     made = convert({"bus": {"interface": "virtual"}, "joints": joint_tables(7, 4.0, 20.0)}, CanOpenConfiguration)
-    assert CanOpenAdapter(made)._highest_rate() == pytest.approx(349.0, abs=40.0)
+    free = 1.0 - (7 / 0.05 + 4 / 0.1) * 65e-6
+    assert CanOpenAdapter(made)._rate_in("torque") == pytest.approx(free / (55e-6 + 7 * 355e-6))
+    assert CanOpenAdapter(made)._rate_in("velocity") == pytest.approx(free / (55e-6 + 7 * 395e-6))
+
+
+def test_a_rate_that_only_torque_mode_can_carry_is_refused_in_velocity_mode() -> None:
+    rig = CanOpenRig()
+    capabilities = rig.adapter.open()
+    torque, velocity = (capabilities.rate_in(mode) for mode in ("torque", "velocity"))
+    assert torque == capabilities.highest_rate
+    with pytest.raises(AdapterConfigurationError, match=f"{velocity:.0f} Hz in velocity mode"):
+        rig.adapter.configure("velocity", 2.0 / (torque + velocity))
 
 
 @pytest.mark.parametrize(
