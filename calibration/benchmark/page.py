@@ -83,7 +83,8 @@ _SEARCHES = (
 
 _TIMES = (
     "Processor time of one thread, all methods one after another in one process; ours is the median of 20 draws (20 "
-    "random starts without noise), PSO, GA and Adam are timed over a tenth of their length and multiplied.\n"
+    "random starts without noise), PSO, GA and Adam are timed over a tenth of their length and multiplied. "
+    "Without noise, on 41 points, ours has to iterate longest and a compiled search has least to evaluate.\n"
 )
 
 _OUTLIERS = (
@@ -99,7 +100,8 @@ _DEPARTURE = (
     "asks for it; the data-driven one is held by the data alone, the paper's third comparison. Beyond the speeds means "
     "1 to 1.4 times the fastest one measured. No network predicts better than the closed form where the joint follows "
     "the law; where it does not, one does between the points, if there are enough of them to show it; beyond the "
-    "speeds measured, little is gained by any.\n"
+    "speeds measured, little is gained by any. With few points the choice keeps to the closed form more often than "
+    "would be best where the joint departs; trusting the data alone is what fails where it does not.\n"
 )
 
 _LOADS = (

@@ -39,12 +39,13 @@ def measured_targets(ledger: Ledger) -> list[Target]:
     free = summarise_noise_free(ledger)
     found = [f for reading in NOISE_READINGS if (f := summarise_statistics(ledger, reading))]
     rivals = [f for reading in NOISE_READINGS for f in summarise_searches(ledger, reading)]
+    times = summarise_timing(ledger)
     parts: Iterable[list[Target]] = (
         _noise_free(free),
         _statistics(found),
         _likelihood(rivals),
-        _speed(summarise_timing(ledger)),
-        _adam(free),
+        _speed(times),
+        _adam(free, times),
         _outliers(ledger),
         _extras(ledger),
     )
@@ -115,31 +116,34 @@ def _speed(times: list[TimeFigures]) -> list[Target]:
     ours = {f.reading: f.seconds for f in times if f.method == OURS}
     ratios: dict[str, list[float]] = {}
     for f in times:
-        if f.length and (f.reading != "none" or f.method == "Adam"):
+        if f.length and f.method != "Adam" and f.reading != "none":
             ratios.setdefault(f.method, []).append(f.seconds / ours[f.reading])
     if not ratios:
         return []
     return [
         Target(
-            "processor time over ours: PSO, GA and Adam at the paper's length, CMA-ES",
+            "5 % noise: processor time of PSO and GA at the paper's length, and of CMA-ES, over ours",
             "≥ 20",
-            ", ".join(f"{name} {min(values):.0f}" for name, values in ratios.items()) + " (least over the data sets)",
+            "; ".join(f"{name}: {min(values):.0f}" for name, values in ratios.items())
+            + " (the lower of both readings)",
             min(min(values) for values in ratios.values()) >= 20.0,
         )
     ]
 
 
-def _adam(figures: list[NoiseFreeFigures]) -> list[Target]:
+def _adam(figures: list[NoiseFreeFigures], times: list[TimeFigures]) -> list[Target]:
     adam = [f for f in figures if f.method.startswith("Adam") and f.iterations == PAPER_LENGTH]
-    if not adam:
+    seconds = {f.method: f.seconds for f in times if f.reading == "none"}
+    if not adam or "Adam" not in seconds:
         return []
     share = figures[0].largest_error / min(f.median_error for f in adam)
+    faster = seconds["Adam"] / seconds[OURS]
     return [
         Target(
-            "the paper's 50,000 Adam steps without noise: our largest error over that of its best start",
-            "≤ 0.1",
-            f"{share:.1e}",
-            share <= 0.1,
+            "no noise: processor time of the paper's 50,000 Adam steps over ours; our largest error over its best start's",
+            "≥ 20; ≤ 0.1",
+            f"{faster:.0f}; {share:.1e}",
+            faster >= 20.0 and share <= 0.1,
         )
     ]
 
