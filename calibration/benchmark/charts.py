@@ -73,9 +73,15 @@ def _convergence(rows: list[dict[str, Any]]) -> Chart:
 
 def _mean_error(row: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
     """Thousands of iterations and mean |error| [%], down to rounding."""
-    course = np.abs(np.array(row["course"]))  # Adam's v_s may be negative, it enters squared
-    error = np.mean([PaperProblem().error_percent(values) for values in course], axis=1)
+    error = np.mean([PaperProblem().error_percent(values) for values in _parameters(row)], axis=1)
     return np.array(row["fitness"])[:, 0] / _THOUSAND, np.maximum(error, 1e-13)
+
+
+def _parameters(row: dict[str, Any]) -> FloatArray:
+    """Course of the parameters. Shape (n, 8). Adam may change the sign of v_s, which enters squared."""
+    course = np.array(row["course"])
+    course[:, [2, 6]] = np.abs(course[:, [2, 6]])
+    return course
 
 
 def _ours(reading: Reading) -> Chart:
@@ -92,7 +98,7 @@ def _ours(reading: Reading) -> Chart:
 
 def _course(row: dict[str, Any]) -> Chart:
     method, reading = row["method"], row["reading"]
-    fitness, course = np.array(row["fitness"]), np.array(row["course"])
+    fitness, course = np.array(row["fitness"]), _parameters(row)
     figures = _FIGURES["none" if reading == "none" else "noise"][method]
     step = fitness[:, 0] / _THOUSAND
     if method == "Adam":

@@ -140,7 +140,7 @@ def _adam(figures: list[NoiseFreeFigures], times: list[TimeFigures]) -> list[Tar
     faster = seconds["Adam"] / seconds[OURS]
     return [
         Target(
-            "no noise: processor time of the paper's 50,000 Adam steps over ours; our largest error over its best start's",
+            "no noise: processor time of 50,000 Adam steps over ours; our largest error over that of its best start",
             "≥ 20; ≤ 0.1",
             f"{faster:.0f}; {share:.1e}",
             faster >= 20.0 and share <= 0.1,
