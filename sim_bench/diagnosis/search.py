@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -210,10 +210,12 @@ def _settled(explanation: Explanation) -> tuple[Candidate, ...]:
 
 
 def _polish(prepared: Prepared, explanation: Explanation, generic: FloatArray) -> Explanation:
-    """The same explanation at the minimum of fresh Jacobians."""
-    structure = Structure(prepared.structure.contexts, _settled(explanation))
+    """The same explanation at the minimum of fresh Jacobians, its effects computed for the joint that was found."""
+    plant = explanation.structure.plant(explanation.fit.theta)
+    contexts = tuple(replace(context, plant=plant) for context in prepared.structure.contexts)
+    structure = Structure(contexts, _settled(explanation))
     fit = structure.fit(prepared.problem, explanation.fit.theta, prepared.box, iterations=4, refresh=2)
-    return _judged(prepared, structure, fit, generic)
+    return max(explanation, _judged(prepared, structure, fit, generic), key=_preference)
 
 
 def _explain(prepared: Prepared, candidates: tuple[Candidate, ...], from_fit: Fit, generic: FloatArray) -> Explanation:
