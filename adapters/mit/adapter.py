@@ -83,8 +83,10 @@ class MitAdapter(CanAdapter):
             self._check_ranges(joint)
         self._poll_all()
         joints = tuple(map(self._declare, range(len(self._motors))))
-        modes: tuple[CommandMode, ...] = ("torque", "velocity") if all(self._gains) else ("torque",)
-        return Capabilities(joints, modes, self._highest_rate(), self._watchdog)
+        return Capabilities(joints, self._modes(), self._highest_rate(), self._watchdog)
+
+    def _modes(self) -> tuple[CommandMode, ...]:
+        return ("torque", "velocity") if all(self._gains) else ("torque",)
 
     def _declare(self, joint: int) -> JointCapabilities:
         motor = self._motors[joint]

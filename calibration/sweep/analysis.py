@@ -17,7 +17,7 @@ from .point import FrictionPoint, half_differences, match_windows, measure_point
 from .rigid_body_fit import RigidBodyFit, fit_rigid_body
 from .steadiness import Mean, mean_of
 
-__all__ = ["HALF_DIFFERENCE", "Drift", "SweepAnalysis", "TorqueSource", "analyse_sweep"]
+__all__ = ["HALF_DIFFERENCE", "Drift", "SweepAnalysis", "TorqueSource", "analyse_sweep", "measure_offset"]
 
 HALF_DIFFERENCE: Final = "half difference of both directions"
 TorqueSource = Literal[
@@ -123,7 +123,7 @@ def analyse_sweep(data: SweepData, *, normal_load: str = "none", gravity_unknown
         parts = tuple(map(without_transient, parts))
     metadata = parts[0].samples.metadata
     quantum = metadata.encoder_resolution or 0.0
-    offset = _offset(data)
+    offset = measure_offset(data)
     fit = fit_rigid_body(samples for kind in FAST_KINDS for _, samples in data.of_kind(kind))
     points = measure_points(
         parts,
@@ -155,7 +155,7 @@ def _torque_source(gravity_unknown: bool, modelled: bool) -> TorqueSource:
     return "measured torque less the rigid-body torque" if modelled else "measured torque"
 
 
-def _offset(data: SweepData) -> Mean:
+def measure_offset(data: SweepData) -> Mean:
     """Zero of the torque sensor, from all rests; zero and unknown where there is none."""
     rests = [_rest(samples) for _, samples in data.of_kind("tare")]
     if not rests:

@@ -37,8 +37,12 @@ class AdapterFigures:
     @property
     def passed(self) -> bool:
         """Whether frames, calibrations and behaviour under garbage are as they should be; times are only told."""
-        judged = (*self.peers, *self.calibrations, *self.fuzz)
-        return all(each.passed for each in judged) and chance_explains(self.calibrations)
+        verdicts = [
+            *(each.passed for each in self.peers),
+            *(each.passed for each in self.calibrations),
+            *(each.passed for each in self.fuzz),
+        ]
+        return all(verdicts) and chance_explains(self.calibrations)
 
 
 def adapter_tables(figures: AdapterFigures) -> Sequence[tuple[str, Table]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from importlib.metadata import EntryPoint
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -65,3 +66,11 @@ def test_the_command_line_lists_them_all() -> None:
     assert result.exit_code == 0
     for name in [*BUILT_IN, "feetech"]:
         assert name in result.stdout
+
+
+def test_faults_are_cleared_from_the_command_line_and_nothing_is_energised(tmp_path: Path) -> None:
+    path = tmp_path / "drive.toml"
+    path.write_text('backend = "twin-canopen"\n')
+    result = CliRunner().invoke(app, ["adapter", "clear", str(path)])
+    assert result.exit_code == 0, result.output
+    assert "No fault is left on joint; nothing is energised." in result.output

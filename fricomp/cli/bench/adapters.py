@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
+    from fricomp.sim_bench.adapter_bench.calibration import CalibrationComparison
     from fricomp.sim_bench.adapter_bench.page import AdapterFigures
 
 __all__ = ["app"]
@@ -67,7 +68,8 @@ def _measure(n_commands: int, n_frames: int, only: str, quick: bool) -> AdapterF
     if only and only not in PROTOCOLS:
         raise ParameterError(f"no protocol {only!r}; there are {', '.join(PROTOCOLS)}")
     protocols = [only] if only else list(PROTOCOLS)
-    peers, calibrations, fuzzed, costs = [], [], [], []
+    peers, fuzzed, costs = [], [], []
+    calibrations: list[CalibrationComparison] = []
     with progress() as bar:
         task = bar.add_task("adapters", total=len(PEERS) + 2 * len(protocols) + 3)
         for name in protocols:

@@ -4,15 +4,17 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
+from fricomp.calibration.sweep.analysis import measure_offset
+from fricomp.calibration.sweep.block import BlockLabel, SweepData
 from fricomp.calibration.sweep.breakaway import measure_breakaway
 from fricomp.calibration.sweep.point import FrictionPoint, half_differences
 from fricomp.calibration.sweep.rigid_body_fit import fit_rigid_body
-from fricomp.calibration.sweep.settling import SettleDetector
+from fricomp.calibration.sweep.settling import SettleDetector, longest_settling
 from fricomp.calibration.sweep.sign_check import check_signs
-from fricomp.calibration.sweep.steadiness import judge_plateau, mean_of
+from fricomp.calibration.sweep.steadiness import find_transient, judge_plateau, mean_of
 from fricomp.errors import SweepAborted
 from fricomp.laws import FloatArray
-from fricomp.recording import Recording
+from fricomp.recording import Recording, RecordingMetadata
 
 QUANTUM = 2.4e-5
 RATE = 500.0
@@ -86,6 +88,40 @@ def test_settling_waits_for_the_speed() -> None:
 def test_a_joint_that_sticks_never_settles() -> None:
     detector = SettleDetector(0.1, QUANTUM, 1.0 / RATE)
     assert not any(detector.update(k / RATE, 0.0) for k in range(1000))
+
+
+def test_settling_is_seen_through_a_coarse_encoder() -> None:
+    """Windows end where the encoder counts; ended anywhere they would be off by a count in eight, and never agree."""
+    coarse, velocity = 25.0 / 65535.0, 0.02
+    detector = SettleDetector(velocity, coarse, 1.0 / RATE)
+    settled = [detector.update(k / RATE, round(velocity * k / RATE / coarse) * coarse) for k in range(1, 2000)]
+    assert any(settled)
+    assert settled.index(True) / RATE < longest_settling(velocity, coarse)
+
+
+def test_samples_that_come_late_do_not_keep_a_plateau_from_settling() -> None:
+    detector, generator = SettleDetector(0.1, QUANTUM, 1.0 / RATE), np.random.default_rng(5)
+    late = np.where(generator.random(800) < 0.02, 0.03, 0.0)
+    times = np.maximum.accumulate(np.arange(1, 801) / RATE + late)
+    assert any(detector.update(float(t), 0.1 * k / RATE) for k, t in enumerate(times, start=1))
+
+
+def test_samples_that_come_late_are_no_stick_slip() -> None:
+    generator = np.random.default_rng(6)
+    truth = np.arange(1000) / RATE
+    time = np.maximum.accumulate(truth + np.where(generator.random(1000) < 0.01, 0.05, 0.0)) + 1e-6 * truth
+    verdict = judge_plateau(time, _encode(0.1 * truth), np.full(1000, 0.3), 0.1, quantum=QUANTUM, torque_limit=5.0)
+    assert verdict == "steady"
+
+
+def test_a_transient_is_found_and_plain_noise_is_left_alone() -> None:
+    generator = np.random.default_rng(7)
+    noise = 0.005 * generator.normal(size=(200, 800))
+    tail = 0.05 * np.exp(-np.arange(800) / 60.0)
+    found = [find_transient(np.asarray(row + tail)) for row in noise]
+    assert min(found) >= 50
+    cut = [find_transient(np.asarray(row)) for row in noise]
+    assert np.mean([n > 0 for n in cut]) < 0.3
 
 
 def _ramp(level: float, direction: int, *, slips: bool) -> Recording:
@@ -174,3 +210,27 @@ def test_lag_and_scale_of_the_torque_are_recovered_from_fast_motions(lag: float,
 def test_without_a_model_there_is_no_lag() -> None:
     time = np.arange(0.0, 1.0, 1.0 / RATE)
     assert fit_rigid_body([Recording(time, time, time)]).lag == 0.0
+
+
+def _rests(readings: FloatArray, step: float) -> SweepData:
+    metadata = RecordingMetadata(extra={"torque_quantum": step})
+    time = np.arange(len(readings)) / RATE
+    samples = Recording(time, np.zeros_like(time), readings, metadata=metadata)
+    return SweepData(((BlockLabel("tare"), samples), (BlockLabel("tare"), samples)))
+
+
+def test_a_zero_that_falls_between_two_codes_is_no_offset() -> None:
+    """An MIT motor has no code for no torque and reads half a step at rest."""
+    step = 20.0 / 4095.0
+    zero = measure_offset(_rests(np.full(1000, 0.5 * step), step))
+    assert zero.value == pytest.approx(0.0, abs=1e-12)
+    assert zero.deviation == pytest.approx(step / np.sqrt(12.0))
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.0011, -0.004])
+def test_noise_dithers_the_rounding_of_the_zero(offset: float) -> None:
+    step, generator = 20.0 / 4095.0, np.random.default_rng(3)
+    readings = (np.floor((offset + 0.6 * step * generator.normal(size=5000)) / step) + 0.5) * step
+    zero = measure_offset(_rests(readings, step))
+    assert zero.value == pytest.approx(offset, abs=3.0 * zero.deviation + 1e-5)
+    assert zero.deviation < 0.05 * step

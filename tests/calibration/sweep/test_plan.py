@@ -113,3 +113,13 @@ def test_settings_refuse_values_outside_their_range() -> None:
     for wrong in ({"dwell": 0.0}, {"repeats": 0}, {"check_torque": 2.0}, {"loop": "mine"}, {"speeds": "x"}):
         with pytest.raises(ParameterError):
             SweepSettings(**wrong)
+
+
+def test_speeds_lie_on_the_grid_of_a_drive_that_takes_velocities_in_steps() -> None:
+    step = 0.024
+    travel, settings = Travel(-2.5, 2.5, 4.0, 1.5e-3, step), SweepSettings()
+    plan = plan_plateaus(default_speeds(travel, settings), travel, settings)
+    counts = plan.speeds / step
+    assert np.allclose(counts, np.round(counts))
+    assert counts[0] == pytest.approx(1.0)
+    assert len(plan.plateaus) == 2 * settings.repeats * len(plan.speeds)
