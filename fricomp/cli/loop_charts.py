@@ -13,7 +13,7 @@ from fricomp.report import Band, Bars, Chart, HeatMap, Line, Panel, Rule
 if TYPE_CHECKING:
     from fricomp.sim_bench.latency import Cost
     from fricomp.sim_bench.tracking import RobustnessMap, StudyRow
-    from fricomp.sim_bench.tracking.close_loop import CloseLoopResult
+    from fricomp.sim_bench.tracking.close_loop import CloseLoopMethod, CloseLoopResult
 
 __all__ = [
     "close_loop_chart",
@@ -149,11 +149,12 @@ def run_chart(logs: Mapping[str, LoopLog], joint: int, units: tuple[str, str]) -
 
 
 def close_loop_chart(result: CloseLoopResult, bandwidth: float) -> Chart:
-    """Error over time without compensation, with the calibrated model and with the extended one; and the friction."""
+    """Error over time without compensation, with the calibrated model, and with the extended one."""
     figures = result.figures[bandwidth]
     base = figures["none"]
     panels = []
-    for number, method in enumerate(("stribeck", "extended")):
+    compensated: tuple[CloseLoopMethod, ...] = ("stribeck", "extended")
+    for number, method in enumerate(compensated):
         found = figures[method]
         marks = (
             Line(base.time, 1e3 * base.error, "none", 6, width=1.0),
@@ -164,7 +165,7 @@ def close_loop_chart(result: CloseLoopResult, bandwidth: float) -> Chart:
         panels.append(Panel(marks, "time [s]", "error [mrad]", title))
     both = tuple(
         Line(figures[method].time, 1e3 * figures[method].error, _CLOSE_LOOP_NAMES[method], number, width=1.0)
-        for number, method in enumerate(("stribeck", "extended"))
+        for number, method in enumerate(compensated)
     )
     panels.append(Panel(both, "time [s]", "error [mrad]", "both compensations on their own scale"))
     named = ", ".join(effect.name for effect in result.diagnosis.effects if effect.kind == "physics")

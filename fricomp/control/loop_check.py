@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -204,7 +204,7 @@ class _Bench:
         distances = [float(np.min(np.abs(offsets)[rows], initial=np.inf)) for rows in unsettled]
         return _Stop(float(np.max(travel)), *distances)
 
-    def _run(self, gain: FloatArray, reference: tuple[FloatArray, FloatArray], **start: FloatArray) -> SimulatedLoop:
+    def _run(self, gain: FloatArray, reference: tuple[FloatArray, FloatArray], **start: Any) -> SimulatedLoop:
         loop = self.loop
         # The simulation holds the torque over a period itself, which delays it by half of one.
         delay = max(loop.delay - 0.5 * self.period, 0.0)

@@ -64,8 +64,7 @@ class NetworkCompensator:
         self._state[:, 1] = 1.0
         self._torque = np.zeros((self.n_joints, 1), dtype=np.float32)
         # Views that read and write plain floats, several times faster than numpy scalars.
-        self._states: Any = memoryview(self._state.ravel())
-        self._torques: Any = memoryview(self._torque.ravel())
+        self._states, self._torques = _plain_view(self._state), _plain_view(self._torque)
         self._indices = range(self.n_joints)
         self._run = _bind(self._session, self._state, self._torque)
         self._gain, self._smoothing, self.rejected = gain, smoothing, 0
@@ -158,6 +157,10 @@ class NetworkCompensator:
             self._run()
             took.append(time.perf_counter() - start)
         return sorted(took)[-2]
+
+
+def _plain_view(array: Any) -> Any:
+    return memoryview(array.ravel())
 
 
 def _open(path: Path) -> Any:
