@@ -136,7 +136,7 @@ REAL_CASES = (
     ),
     RealCase(
         "bam-xl330",
-        ("bam-xl330/kp100_sin_sin", "bam-xl330/kp100_up_and_down", "bam-xl330/kp100_sin_time_square"),
+        ("bam-xl330/kp100_sin_sin",),
         "load-dependent friction that differs between driving and braking, supply sag; modest",
         published="position error of a forward simulation: Coulomb-viscous 0.059, load-dependent 0.055 rad",
         remark="the torque is a voltage, sampled at 188 Hz with skew between its channels",
