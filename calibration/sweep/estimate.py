@@ -189,7 +189,8 @@ def hidden_swing(
         sample_rate: [Hz].
     """
     usual = RIPPLE_RATE * count
-    speeds = np.geomspace(*(edge(result.observations.speed) for edge in (np.min, np.max)), 400)
+    seen = result.observations.speed
+    speeds = np.geomspace(float(seen.min()), float(seen.max()), 400)
     loads = result.observations.normal_load
     load = None if loads is None else float(loads.mean())
     slope = np.gradient(np.abs(result.model.torque(speeds, normal_load=load)), speeds)

@@ -32,7 +32,7 @@ def passes(constant: float, moment: float, n_pairs: int = 3, friction: float = 0
         torque = gravity + direction * (friction + 0.2 * np.abs(gravity))
         reading = torque / constant + 0.02 + 0.01 * generator.normal(size=len(q))
         metadata = RecordingMetadata(joint="joint", torque_unit="A")
-        made.append(Recording(np.arange(len(q)) * 2e-3, q, reading, metadata=metadata))
+        made.append(Recording(np.linspace(0.0, 4.0, len(q)), q, reading, metadata=metadata))
     return made
 
 
