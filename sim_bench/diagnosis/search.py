@@ -19,6 +19,7 @@ __all__ = ["Explanation", "Found", "search"]
 _SINGLES = 8  # effects refitted on their own
 _FAINT = 0.03  # of the strongest effect's energy: weaker ones are not refitted
 _CAREFUL = 3  # of them refined with fresh Jacobians
+_MORE_CAREFUL = 6  # of them where none of those explains enough
 _SEEDS = 1  # singles from which pairs are grown
 _PARTNERS = 4  # partners tried for each
 _ENOUGH = 0.98  # coverage at which nothing more is looked for
@@ -159,7 +160,10 @@ def _singles(prepared: Prepared, first: Screen, generic: FloatArray) -> list[Exp
         if trials:
             quick.append(max(trials, key=_preference))
     quick.sort(key=_preference, reverse=True)
-    return [_polish(prepared, explanation, generic) for explanation in quick[:_CAREFUL]] + quick[_CAREFUL:]
+    careful = [_polish(prepared, explanation, generic) for explanation in quick[:_CAREFUL]]
+    if all(explanation.coverage < _ENOUGH for explanation in careful):
+        careful += [_polish(prepared, explanation, generic) for explanation in quick[_CAREFUL:_MORE_CAREFUL]]
+    return careful + quick[len(careful) :]
 
 
 def _preference(explanation: Explanation) -> float:
