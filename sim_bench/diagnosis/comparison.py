@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from math import log
 
 import numpy as np
+from msgspec.structs import replace
 
 from fricomp.errors import ParameterError
 from fricomp.model import FrictionModel
@@ -18,6 +19,8 @@ from .track import FloatArray
 __all__ = ["Comparison", "compare_friction", "compare_rigid"]
 
 _TOLERANCE = 0.005  # relative error of a parameter that the observer's own approximations may cause
+_SAME_FACTOR = ("payload_error", "torque_gain_error")
+_USUAL_GAIN = 0.1  # largest gain error of a torque signal that is usual; masses are off by more
 _SIGNIFICANT = 25.0  # fall of chi squared that a change must bring
 
 
@@ -59,6 +62,10 @@ def compare_rigid(plant: Plant, covariance: FloatArray, given: RigidJoint, unit:
     best = min(scores, key=lambda name: scores[name])
     if not best or scores[""] - scores[best] < _SIGNIFICANT:
         return Comparison()
+    # Inertia and gravity that are off by the same factor are a gain as well as another mass.
+    alike = best in _SAME_FACTOR and scores["torque_gain_error"] <= scores["payload_error"] + 4.0
+    if alike:
+        best = "torque_gain_error" if abs(float(fitted["torque_gain_error"][0])) <= _USUAL_GAIN else "payload_error"
     deviation = np.sqrt(np.diag(covariance))
     changes = [
         _change("inertia", given.inertia, plant.inertia, plant.inertia * float(deviation[0]), "kg·m²"),
@@ -66,6 +73,8 @@ def compare_rigid(plant: Plant, covariance: FloatArray, given: RigidJoint, unit:
         _change("gravity_sin", given.gravity[1], plant.gravity[1], float(deviation[2]), unit),
     ]
     named = _named(best, fitted[best], hypotheses[best], np.linalg.inv(weight), (given, plant, unit))
+    if alike:
+        named = replace(named, indistinguishable_from=tuple(name for name in _SAME_FACTOR if name != best))
     return Comparison((named,), tuple(changes))
 
 
