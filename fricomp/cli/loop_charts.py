@@ -122,7 +122,9 @@ def timing_chart(log: LoopLog, period: float) -> Chart:
 def histogram_panel(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]], label: str) -> Panel:
     """Counts over `values`, both on logarithmic scales."""
     shown = np.maximum(values, 1e-2)
-    edges = np.geomspace(shown.min() * 0.99, shown.max() * 1.01, 60)
+    # Whole decades: on less than two the labels of the axis would overlap.
+    low, high = np.floor(np.log10(shown.min())), np.ceil(np.log10(shown.max()))
+    edges = np.logspace(low, max(high, low + 2.0), 60)
     counts, _ = np.histogram(shown, edges)
     curve = Line(np.repeat(edges, 2)[1:-1], np.repeat(np.maximum(counts, 0.5), 2))
     return Panel((curve,), label, "cycles", x_scale="log", y_scale="log")
