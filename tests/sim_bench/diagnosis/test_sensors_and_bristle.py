@@ -24,16 +24,16 @@ def swing(instants: FloatArray, step: float) -> FloatArray:
 @pytest.mark.parametrize("jitter", [1e-5, 4e-5])
 def test_uneven_sampling_is_measured(step: float, jitter: float) -> None:
     rng = np.random.default_rng(4)
-    time = np.arange(30_000) * DT
-    position = swing(time + jitter * rng.standard_normal(time.size), step)
+    time = np.arange(30_000, dtype=np.float64) * np.float64(DT)
+    position = swing(time + np.float64(jitter) * rng.standard_normal(time.size), step)
     assert sampling_jitter(position, smooth_derivative(position, DT)) == pytest.approx(jitter, rel=0.25)
 
 
 def test_even_sampling_shows_next_to_no_jitter_and_slow_sampling_none_at_all() -> None:
-    time = np.arange(30_000) * DT
+    time = np.arange(30_000, dtype=np.float64) * np.float64(DT)
     position = swing(time, 2.4e-5)
     assert sampling_jitter(position, smooth_derivative(position, DT)) < 6e-6
-    slow = swing(np.arange(3_000) * 0.05, 1e-7)
+    slow = swing(np.arange(3_000, dtype=np.float64) * np.float64(0.05), 1e-7)
     assert sampling_jitter(slow, smooth_derivative(slow, 0.05)) == 0.0
 
 
@@ -48,7 +48,7 @@ def test_heavy_tails_are_told_from_normal_noise(freedom: float, low: float, high
 
 def test_noise_that_is_drawn_has_the_size_it_was_measured_with() -> None:
     rng = np.random.default_rng(6)
-    track = Track.build(DT, swing(np.arange(20_000) * DT, 1e-6), 0.1 * rng.standard_normal(20_000))
+    track = Track.build(DT, swing(np.arange(20_000, dtype=np.float64) * np.float64(DT), 1e-6), 0.1 * rng.standard_normal(20_000))
     assert np.std(track.torque_noise.draw(50_000, rng)) == pytest.approx(0.1, rel=0.1)
 
 
@@ -61,7 +61,7 @@ def reversal_torque(plant: Plant, travel: float) -> FloatArray:
     settings = np.array([DT, 10, 1e6, 2e3, 0.0, 0.0])
     zeros = np.zeros_like(position)
     observe(position, velocity, zeros, zeros, plant.slots(), settings, out)
-    return out[3]
+    return np.asarray(out[3])
 
 
 def test_the_abrupt_share_follows_the_maxwell_slip_model() -> None:
