@@ -29,10 +29,15 @@ def _make_table() -> tuple[int, ...]:
 CRC_TABLE = _make_table()
 
 
+# What a byte contributes with so many bytes behind it; grows to the longest packet that is ever sent.
+TABLES_BY_DISTANCE = [CRC_TABLE]
+CRC_BYTES = tuple(range(256)), tuple(range(0, 1 << 16, 256))
+
+
 @cache
 def position_tables(n_bytes: int) -> tuple[tuple[int, ...], ...]:
     """What each byte of the last `n_bytes` of a packet contributes to its CRC, by its place."""
-    tables = [CRC_TABLE]
+    tables = TABLES_BY_DISTANCE
     while len(tables) < n_bytes:  # one more zero byte behind it
         tables.append(tuple((crc << 8 & 0xFF00) ^ CRC_TABLE[crc >> 8] for crc in tables[-1]))
     return tuple(reversed(tables[:n_bytes]))
@@ -41,7 +46,7 @@ def position_tables(n_bytes: int) -> tuple[tuple[int, ...], ...]:
 @cache
 def closing_tables(n_bytes: int) -> tuple[tuple[int, ...], ...]:
     """`position_tables`, and more for the CRC that follows, low byte first: with it all adds up to 0 if it is right."""
-    return (*position_tables(n_bytes), tuple(range(256)), tuple(range(0, 1 << 16, 256)))
+    return (*position_tables(n_bytes), *CRC_BYTES)
 
 
 def head_crc(head: bytes, n_further: int) -> int:

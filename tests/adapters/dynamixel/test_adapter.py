@@ -165,6 +165,12 @@ def test_a_prepared_packet_is_the_one_encoded_from_scratch(n_bytes: int, top: in
         assert writer.encode(counts) == sync_write_packet(116, values)
 
 
+def test_many_servos_fit_into_one_prepared_packet() -> None:
+    servos, counts = bytes(range(1, 41)), list(range(-20, 20))
+    values = {servo: count.to_bytes(4, "little", signed=True) for servo, count in zip(servos, counts, strict=True)}
+    assert SyncWriter(116, 4, servos).encode(counts) == sync_write_packet(116, values)
+
+
 def test_the_temperature_is_told_before_enabling() -> None:
     rig = DynamixelRig()
     rig.adapter.open()
