@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -10,10 +10,12 @@ from fricomp.laws import BidirectionalStribeck, FrictionLaw, LuGre, StribeckCurv
 from fricomp.model import FrictionModel, Provenance, Validity
 from fricomp.recording import Recording
 
+from .effects import Context
 from .observer import Plant
 from .preparation import Prepared
 from .search import Explanation
 from .structure import N_BASE
+from .track import FloatArray
 
 __all__ = ["base_model", "extended_model"]
 
@@ -21,7 +23,7 @@ __all__ = ["base_model", "extended_model"]
 def base_model(recordings: Sequence[Recording], prepared: Prepared) -> FrictionModel:
     """Friction of the refitted base."""
     plant = prepared.structure.plant(prepared.fit.theta)
-    return _model(recordings, (_curves(plant, 2.0, BidirectionalStribeck),))
+    return _model(recordings, prepared.structure.contexts, (_curves(plant, 2.0, BidirectionalStribeck),))
 
 
 def extended_model(
@@ -47,7 +49,7 @@ def extended_model(
     core: Term = _curves(plant, exponent, BidirectionalStribeck)
     if bristle is not None:
         core = LuGre(*_pair(plant, exponent), sigma_0=bristle[0], sigma_1=bristle[1])
-    return _model(recordings, (core, *terms))
+    return _model(recordings, chosen.structure.contexts, (core, *terms))
 
 
 def _pair(plant: Plant, exponent: float) -> tuple[StribeckCurve, StribeckCurve]:
@@ -59,15 +61,25 @@ def _curves(plant: Plant, exponent: float, kind: type[BidirectionalStribeck]) ->
     return kind(*_pair(plant, exponent))
 
 
-def _model(recordings: Sequence[Recording], terms: tuple[Term, ...]) -> FrictionModel:
+def _model(recordings: Sequence[Recording], contexts: Sequence[Context], terms: tuple[Term, ...]) -> FrictionModel:
     metadata = recordings[0].metadata
-    low = min(float(np.min(r.position)) for r in recordings)
-    high = max(float(np.max(r.position)) for r in recordings)
+    warm = all("temperature" in context.channels for context in contexts)
     return FrictionModel(
         law=FrictionLaw(terms),
         joint=metadata.joint,
         motion=metadata.motion,
         torque_unit=metadata.torque_unit,
-        validity=Validity(position=(low, high)),
+        validity=Validity(
+            velocity=_range(context.velocity for context in contexts),
+            position=_range(np.asarray(recording.position) for recording in recordings),
+            load_torque=_range(context.load_torque for context in contexts),
+            temperature=_range(context.channels["temperature"] for context in contexts) if warm else None,
+        ),
         provenance=Provenance(method="diagnosis", data_sha256=recordings[0].content_hash),
     )
+
+
+def _range(columns: Iterable[FloatArray]) -> tuple[float, float]:
+    """Lowest and highest value over all recordings."""
+    ends = [(float(np.min(column)), float(np.max(column))) for column in columns]
+    return min(low for low, _ in ends), max(high for _, high in ends)

@@ -102,6 +102,8 @@ def screen(
         columns.setdefault(candidate, []).append((problem.vector(run) - residual) / step)
     result = []
     for candidate, parts in columns.items():
+        if not all(np.all(np.isfinite(part)) for part in parts):
+            continue  # its hypothesis does not simulate on this recording
         span = orthonormal(project_out(np.stack(parts, axis=1), basis), 1e-3)
         result.append(Column(candidate, span, float(np.sum((span.T @ residual) ** 2))))
     return Screen(tuple(sorted(result, key=lambda column: -column.energy)))
