@@ -11,6 +11,7 @@ import pytest
 from msgspec.structs import replace as with_fields
 
 from fricomp.calibration.sweep.motion_file import read_motion
+from fricomp.export import state_columns
 from fricomp.laws import BidirectionalStribeck, Cogging, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel, Validity, load_model
 from fricomp.sim_bench.diagnosis import (
@@ -184,9 +185,16 @@ def test_the_folder_holds_models_that_read_back_and_a_motion_that_can_be_recorde
     assert all(path.stat().st_size > 1000 for path in written.files if path.suffix == ".png")
 
 
-def test_a_network_is_refused_where_the_law_needs_the_position(written: WrittenDiagnosis) -> None:
-    assert not (written.folder / "friction.onnx").exists()
-    assert any("friction.onnx is not written" in note and "position" in note for note in written.notes)
+def test_the_graph_of_an_extended_law_takes_what_the_law_needs(diagnosis: Diagnosis, written: WrittenDiagnosis) -> None:
+    onnxruntime = pytest.importorskip("onnxruntime")
+    model = diagnosis.extended_model
+    assert model is not None
+    session = onnxruntime.InferenceSession(str(written.folder / "friction.onnx"))
+    assert session.get_modelmeta().custom_metadata_map["input"].startswith(", ".join(state_columns([model])))
+    velocity, position = np.linspace(-0.8, 0.8, 41), np.linspace(-2.0, 2.0, 41)
+    state = np.column_stack([velocity, np.ones(41), position, np.full(41, 2.5), np.full(41, 25.0)]).astype(np.float32)
+    torque = session.run(None, {session.get_inputs()[0].name: state})[0][:, 0]
+    np.testing.assert_allclose(torque, model.torque(velocity, position=position, load_torque=2.5), atol=2e-5)
 
 
 def test_the_network_of_a_law_of_velocity_alone_is_that_law(diagnosis: Diagnosis, tmp_path: Path) -> None:

@@ -48,7 +48,9 @@ def test_heavy_tails_are_told_from_normal_noise(freedom: float, low: float, high
 
 def test_noise_that_is_drawn_has_the_size_it_was_measured_with() -> None:
     rng = np.random.default_rng(6)
-    track = Track.build(DT, swing(np.arange(20_000, dtype=np.float64) * np.float64(DT), 1e-6), 0.1 * rng.standard_normal(20_000))
+    track = Track.build(
+        DT, swing(np.arange(20_000, dtype=np.float64) * np.float64(DT), 1e-6), 0.1 * rng.standard_normal(20_000)
+    )
     assert np.std(track.torque_noise.draw(50_000, rng)) == pytest.approx(0.1, rel=0.1)
 
 
