@@ -154,7 +154,8 @@ def _observe(z: np.ndarray, shares: np.ndarray, s: Record, p: Record, total: np.
     sense = _shadow(_DT, z, shares, s, p)
     v = s.felt_velocity
     slope = p.viscous_forward if v >= 0.0 else p.viscous_reverse
-    known = p.inertia * s.acceleration + _gravity(s.felt_position, p) + slope * v + sense * base_level(v, p)
+    level = base_level(v if v != 0.0 else 1e-12 * sense, p)
+    known = p.inertia * s.acceleration + _gravity(s.felt_position, p) + slope * v + sense * level
     total[0] += s.acceleration
     total[1] += s.current
     total[2] += s.current - known
