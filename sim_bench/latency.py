@@ -167,7 +167,6 @@ def measure_network(folder: Path, calls: int = 2_000) -> list[Cost]:
     """
     from fricomp.calibration.network import save_network
     from fricomp.calibration.network.architecture import LAYER_SIZES, Layer, TanhNetwork
-
     from fricomp.export import save_graph, stack_networks
 
     rng, paths = np.random.default_rng(0), []

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Literal, get_args
 
 import numpy as np
+
 from fricomp.calibration.sweep import (
     CalibrationOptions,
     CalibrationRequest,
@@ -21,7 +22,6 @@ from fricomp.calibration.sweep import (
     SweepSettings,
     calibrate,
 )
-
 from fricomp.control import Compensator, ControlLoop, LoopLog, Reference, ReferenceState, SineReference
 from fricomp.errors import DiagnosisError
 from fricomp.joint import JointFeedback

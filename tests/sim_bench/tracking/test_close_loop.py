@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+
 from fricomp.calibration.sweep import SweepSettings
+from fricomp.control import PositionController, ReferenceState
+from fricomp.joint import JointFeedback
 from fricomp.sim_bench.stand_in import SimulatedJointAdapter
 from fricomp.sim_bench.tracking.close_loop import close_loop
 from fricomp.sim_bench.tracking.vertical_joint import GravityController, MultiSine, vertical_joint
-
-from fricomp.control import PositionController, ReferenceState
-from fricomp.joint import JointFeedback
 
 QUICK = SweepSettings(speed_count=8, dense_count=0, repeats=1, dwell=0.5, warm_up=2.0, breakaway_positions=0, tare=1.0)
 
