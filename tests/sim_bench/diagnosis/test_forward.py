@@ -21,7 +21,7 @@ _PLANT = Plant(0.3, (4.0, 0.0), 0.1, (1.5, 1.5, 0.1, 0.8), (1.8, 1.8, 0.1, 0.8),
 
 def _moved(integral: float = 0.0, seconds: float = 6.0) -> Recording:
     """A joint under P 80, D 6 that slides with Coulomb friction."""
-    t = np.arange(int(seconds / _DT)) * _DT
+    t = np.arange(int(seconds / _DT), dtype=np.float64) * np.float64(_DT)
     reference, speed = 0.8 * np.sin(1.7 * t), 1.36 * np.cos(1.7 * t)
     q, w, total, seen, torque, path = 0.0, 1.36, 0.0, 1.36, np.empty(t.size), np.empty(t.size)
     before = -1.36 * _DT
