@@ -10,7 +10,7 @@ from .observer import Plant
 from .solver import Box
 from .track import FloatArray
 
-__all__ = ["BASE_NAMES", "BaseModel", "pack", "unpack"]
+__all__ = ["BASE_NAMES", "SOFTEST", "BaseModel", "pack", "unpack"]
 
 BASE_NAMES = (
     "log_inertia",
@@ -32,7 +32,10 @@ BASE_NAMES = (
     "log_spread",
 )
 
-_BREAKAWAY = (2e-6, 4e-4)  # [rad] presliding distance F_c / sigma_0 of a joint that counts as stiff
+SOFTEST = 4e-4
+"""Presliding distance F_c / sigma_0 up to which a joint counts as stiff [rad]; beyond it presliding is an effect."""
+
+_BREAKAWAY = (2e-6, SOFTEST)  # [rad] presliding distance of the base model
 # Longest step in scales: parameters that enter linearly may go anywhere at once.
 _FRICTION_REACH = [10.0, 10.0, 2.0, 20.0]
 _REACH = np.array([4.0, 40.0, 40.0, 40.0, *_FRICTION_REACH, *_FRICTION_REACH, 3.0, 2.0, 3.0, 2.0, 2.0])
@@ -92,7 +95,7 @@ class BaseModel:
         cls, plant: Plant, *, dt: float, top_speed: float, rotary: bool, known_inertia: bool = False
     ) -> BaseModel:
         """The domain around a first estimate of the plant; an inertia that is known binds weakly."""
-        level = max(0.5 * (plant.forward[0] + plant.reverse[0]), 1e-6)
+        level = max(plant.level, 1e-6)
         viscous = max(plant.forward[3], plant.reverse[3], 0.1 * level / top_speed)
         size = max(float(np.hypot(*plant.gravity)), level)
         gravity_free = 100.0 * size if rotary else 0.0

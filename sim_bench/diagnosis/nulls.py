@@ -57,7 +57,12 @@ def make_nulls(problem: Problem, plant: Plant, effects: Sequence[Contribution], 
     """Simulate `count` nulls of `plant` with `effects`; their noise is matched to that of the residual."""
     data = problem.rows(problem.runs([plant], [effects])[0])
     calm = replace(problem, tracks=tuple(replace(track, torque=_smooth(track)) for track in problem.tracks))
-    chain = _Chain(problem, plant, tuple(effects), tuple(calm.runs([plant], [effects])[0]))
+    truth = calm.runs([plant], [effects])[0]
+    applied = tuple(
+        track.torque + shifted(one.missing, -plant.delay / track.dt)
+        for track, one in zip(calm.tracks, truth, strict=True)
+    )
+    chain = _Chain(problem, plant, tuple(effects), tuple(truth), applied)
     noises = [_matched_noise(chain, index, rows, seed) for index, rows in enumerate(data)]
     rows = [chain.rows(index, noise, count, seed + 1) for index, noise in enumerate(noises)]
     return Nulls(tuple(rows), _weights(rows, _presliding(problem, plant, effects)))
@@ -72,19 +77,20 @@ class _Chain:
         plant: The fitted joint.
         effects: What effects add along each recording.
         truth: The model's motion under each recording's torque without noise.
+        applied: Torque that moves the joint so, for each recording [N·m]. Shapes (n,).
     """
 
     problem: Problem
     plant: Plant
     effects: tuple[Contribution, ...]
     truth: tuple[Observation, ...]
+    applied: tuple[FloatArray, ...]
 
     def rows(self, index: int, noise: TorqueNoise, count: int, seed: int) -> FloatArray:
         """Rows of `count` nulls of one recording, shape (count, n_rows) [N·m]."""
         track, one, effect = self.problem.tracks[index], self.truth[index], self.effects[index]
         rng = np.random.default_rng([seed, index])
-        applied = _smooth(track) + shifted(one.missing, -self.plant.delay / track.dt)
-        nulls = [_null(track, one.position, applied, noise, rng) for _ in range(count)]
+        nulls = [_null(track, one.position, self.applied[index], noise, rng) for _ in range(count)]
         first = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
         nulls = [improved(null, run) for null, run in zip(nulls, first, strict=True)]
         runs = self.problem.observe([Job(null, self.plant, effect) for null in nulls])

@@ -49,6 +49,11 @@ class Plant:
     sharpness: float = 0.0
     spread: float = 1.0
 
+    @property
+    def level(self) -> float:
+        """Mean Coulomb torque of both directions [N·m]."""
+        return 0.5 * (self.forward[0] + self.reverse[0])
+
     def slots(self) -> FloatArray:
         """Numbers in the order that the kernel takes."""
         exponent = self.stribeck_exponent

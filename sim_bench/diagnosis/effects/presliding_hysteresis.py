@@ -6,10 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..base import SOFTEST
 from ..observer import Contribution
 from .effect import Context, Effect, EffectParameter, Values, register
-
-_SOFT = 4e-4  # [rad] breakaway distance up to which the bristle of the base model follows
 
 
 @register
@@ -26,7 +25,7 @@ class PreslidingHysteresis(Effect):
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (
             EffectParameter(
-                "breakaway_distance", "{position}", 0.3, float(np.log(_SOFT)), float(np.log(5e-2)), linear=False
+                "breakaway_distance", "{position}", 0.3, float(np.log(SOFTEST)), float(np.log(5e-2)), linear=False
             ),
             EffectParameter("damping_time", "s", 2e-3, 0.0, 0.05, linear=False),
         )
@@ -37,10 +36,8 @@ class PreslidingHysteresis(Effect):
     def suspected(self, contexts: Sequence[Context]) -> bool:
         """The base's own bristle is as soft as it may be."""
         plant = contexts[0].plant
-        return 0.5 * (plant.forward[0] + plant.reverse[0]) / plant.sigma_0 > 0.9 * _SOFT
+        return plant.level / plant.sigma_0 > 0.9 * SOFTEST
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        plant = context.plant
-        level = 0.5 * (plant.forward[0] + plant.reverse[0])
-        sigma_0 = level / float(np.exp(values["breakaway_distance"]))
+        sigma_0 = context.plant.level / float(np.exp(values["breakaway_distance"]))
         return Contribution(plant={"sigma_0": sigma_0, "sigma_1": sigma_0 * values["damping_time"]})
