@@ -91,13 +91,11 @@ def _named(
         gain, wide = float(step[0]), float(half[0])
         numbers = {"gain_error": Quantity(gain, "1", (gain - wide, gain + wide))}
         return _effect(name, "measurement", numbers, f"the recorded torque is scaled by {1.0 + gain:.3f}")
-    inertia = plant.inertia - given.inertia
+    inertia, wide = plant.inertia - given.inertia, given.inertia * float(half[0])
     numbers = {
         "gravity_cos_change": Quantity(float(step[1]), unit, (float(step[1] - half[1]), float(step[1] + half[1]))),
         "gravity_sin_change": Quantity(float(step[2]), unit, (float(step[2] - half[2]), float(step[2] + half[2]))),
-        "inertia_change": Quantity(
-            inertia, "kg·m²", (inertia - given.inertia * half[0], inertia + given.inertia * half[0])
-        ),
+        "inertia_change": Quantity(inertia, "kg·m²", (inertia - wide, inertia + wide)),
     }
     return _effect(name, "parameter", numbers, "the load is not the simulation's")
 

@@ -17,7 +17,10 @@ from fricomp.recording import Recording
 
 from .track import FloatArray
 
-__all__ = ["FineRipple", "Harmonic", "error_on_left_out_blocks", "find_fine_ripple", "spectrum_of"]
+__all__ = ["LEAST_FALL", "FineRipple", "Harmonic", "error_on_left_out_blocks", "find_fine_ripple", "spectrum_of"]
+
+LEAST_FALL = 0.3
+"""Part of the held-out energy that the harmonics must take."""
 
 _WINDOWS = (5, 9, 15, 31)  # samples of the derivative filter
 _MOST_SAMPLES = 12_000
@@ -25,7 +28,6 @@ _MOST_ORDERS = 1600
 _MOST_HARMONICS = 12
 _FOLDS = 10
 _SLOWEST = 0.1  # of the top speed; below it friction is not level
-_LEAST_FALL = 0.3  # of the held-out energy that the harmonics must take
 _WORTH = 0.01  # of the held-out energy that one more harmonic must take
 _WAVES = 8.0  # over the travel, at least: fewer are a shape, not a ripple
 _PREFERRED = 1.5  # energy by which a ripple of the level must beat one of the torque
@@ -81,12 +83,13 @@ class FineRipple:
         return 1.0 - float(self.after @ self.after) / float(self.before @ self.before)
 
 
-def find_fine_ripple(recording: Recording, seed: int = 0) -> FineRipple | None:
+def find_fine_ripple(recording: Recording, seed: int = 0, least: float = LEAST_FALL) -> FineRipple | None:
     """Harmonics over position in the samples; None where they do not predict blocks that were left out.
 
     Args:
         recording: One recording.
         seed: Of the choice of samples, where there are too many.
+        least: Part of the held-out energy that the harmonics must take.
     """
     options = [_samples(recording, window, seed) for window in _WINDOWS if len(recording) > 20 * window]
     options = [option for option in options if option["time"].size > 400]
@@ -104,7 +107,7 @@ def find_fine_ripple(recording: Recording, seed: int = 0) -> FineRipple | None:
         return None
     chosen = _pursue(samples, base, orders)
     ripple = _judge(samples, base, chosen, orders)
-    return ripple if ripple is not None and ripple.fall >= _LEAST_FALL else None
+    return ripple if ripple is not None and ripple.fall >= least else None
 
 
 def _samples(recording: Recording, window: int, seed: int) -> dict[str, FloatArray]:

@@ -16,6 +16,7 @@ from .effects import EFFECTS
 from .fine_ripple import FineRipple, Harmonic, find_fine_ripple
 from .generic import time_since_reversal
 from .location import excess_maps
+from .proving import beyond_the_base, softer_than_the_base
 from .result import Diagnosis, DiagnosisRecord, Evidence, HeldOut, NamedEffect, Quantity, Rival, RowSeries
 from .sentence import sentences
 from .soft_presliding import SoftPresliding, find_soft_presliding
@@ -23,7 +24,7 @@ from .track import FloatArray
 
 __all__ = ["held_out", "second_look"]
 
-_COVERED = 0.7  # of the explainable energy; physics that was named with more than that stands
+_COVERED = 0.7  # of the explainable energy; what was named with more than that stands
 _NO_MOTION_LAW = (
     0.5  # of the torque's standard deviation; a joint whose base leaves more obeys no law of its own motion
 )
@@ -54,22 +55,51 @@ def second_look(recordings: Sequence[Recording], diagnosis: Diagnosis, seed: int
     coarse = _ripple_of(diagnosis)
     if _stands(diagnosis) and coarse is None:
         return diagnosis
-    # A base that already stands at its noise has a bristle of its own: a softer one is sought only beyond that.
-    settled = _stands(diagnosis) or diagnosis.verdict in ("consistent", "parameters")
-    bristles = [] if settled else [find_soft_presliding(one) for one in recordings]
-    soft = [one for one in bristles if one is not None]
-    if len(soft) == len(recordings):
+    soft = [] if _settled(diagnosis) else _soft_presliding(recordings, diagnosis, seed)
+    if soft:
         return _with_presliding(recordings, diagnosis, soft, seed)
-    ripples = [find_fine_ripple(one, seed) for one in recordings]
-    found = [one for one in ripples if one is not None]
-    if len(found) < len(recordings) or (coarse is not None and not _finer(found[0].harmonics[0], coarse)):
+    found = _fine_ripples(recordings, diagnosis, seed)
+    if not found or (coarse is not None and not _finer(found[0].harmonics[0], coarse)):
         return diagnosis
     return _with_ripple(recordings, diagnosis, found, seed)
 
 
 def _stands(diagnosis: Diagnosis) -> bool:
-    named = any(effect.kind == "physics" for effect in diagnosis.effects)
-    return named and diagnosis.heldout is not None and diagnosis.heldout.explained >= _COVERED
+    """Whether the search named something that takes the mismatch away on held-out data, of whatever kind."""
+    return _searched(diagnosis) and diagnosis.heldout is not None and diagnosis.heldout.explained >= _COVERED
+
+
+def _settled(diagnosis: Diagnosis) -> bool:
+    """Whether nothing is left for a softer bristle: a base at its noise has one of its own, whatever the comparison
+    with the simulation says about its parameters."""
+    return _stands(diagnosis) or (diagnosis.verdict != "unknown_physics" and not _searched(diagnosis))
+
+
+def _searched(diagnosis: Diagnosis) -> bool:
+    """Whether an effect was named that changes the residual; compared parameters and late columns have no share."""
+    return any(effect.share > 0.0 for effect in diagnosis.effects)
+
+
+def _soft_presliding(recordings: Sequence[Recording], diagnosis: Diagnosis, seed: int) -> list[SoftPresliding]:
+    """The bristle of each recording, where the base alone would show none; empty where one of them has none."""
+    found = []
+    for recording in recordings:
+        soft = find_soft_presliding(recording)
+        if soft is None or not softer_than_the_base(recording, diagnosis.record.base, seed):
+            return []
+        found.append(soft)
+    return found
+
+
+def _fine_ripples(recordings: Sequence[Recording], diagnosis: Diagnosis, seed: int) -> list[FineRipple]:
+    """The ripple of each recording, where it is more than the base alone would show; empty where one has none."""
+    found = []
+    for recording in recordings:
+        ripple = find_fine_ripple(recording, seed)
+        if ripple is None or not beyond_the_base(recording, ripple, diagnosis.record.base, seed):
+            return []
+        found.append(ripple)
+    return found
 
 
 def _ripple_of(diagnosis: Diagnosis) -> tuple[float, float] | None:

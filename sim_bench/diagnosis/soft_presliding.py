@@ -28,6 +28,7 @@ _SOFTEST = 0.5  # of the travel
 _MOST_SAMPLES = 4000
 _LEAST_FALL = 0.3  # of the RMS error of the best explanation without memory
 _COVERED = 0.85  # of the energy that the bristle and everything without memory explain together
+_WON = 0.8  # of the blocks left out; a single one that no law reaches says nothing about the others
 _KNOTS = 12
 _FOLDS = 10
 
@@ -86,6 +87,8 @@ def find_soft_presliding(recording: Recording) -> SoftPresliding | None:
     without = min([*firm, motion.left_out(stiff, memoryless=True)], key=_rms)
     distances, tried = motion.nearest(np.geomspace(stiff, softest, _DISTANCES))
     if distances is None or _rms(tried) > (1.0 - _LEAST_FALL) * min(_rms(without), motion.spread):
+        return None
+    if not _on_most_blocks(without, tried):
         return None
     everything = _rms(motion.left_out(float(distances[1]), memoryless=True))
     if _rms(without) ** 2 - _rms(tried) ** 2 < _COVERED * (_rms(without) ** 2 - everything**2):
@@ -190,6 +193,13 @@ class _Motion:
     def samples(self) -> dict[str, FloatArray]:
         """The samples kept, by name."""
         return {name: getattr(self, name)[self.keep] for name in ("time", "position", "velocity", "acceleration")}
+
+
+def _on_most_blocks(before: FloatArray, after: FloatArray) -> bool:
+    """Whether the error falls as far as it must on most of the blocks that were left out."""
+    pairs = zip(np.array_split(before, _FOLDS), np.array_split(after, _FOLDS), strict=True)
+    won = [_rms(last) <= (1.0 - _LEAST_FALL) * _rms(first) for first, last in pairs]
+    return float(np.mean(won)) >= _WON
 
 
 def _vertex(at: FloatArray, values: FloatArray) -> float:
