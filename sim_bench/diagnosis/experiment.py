@@ -11,8 +11,7 @@ from .base import BASE_NAMES
 from .context import build_contexts
 from .observer import Contribution, Job, Observation, Plant
 from .preparation import Prepared
-from .problem import Problem
-from .rows import RowGrid
+from .problem import observer_for
 from .screening import orthonormal, project_out
 from .search import Explanation
 from .structure import N_BASE, Structure
@@ -76,9 +75,8 @@ def _range(prepared: Prepared) -> Range:
 def _difference(prepared: Prepared, pair: tuple[Explanation, Explanation], position: FloatArray) -> float:
     """What the two explanations predict differently on a motion, beyond what the base could absorb."""
     track, plant = _virtual(prepared, position)
-    problem = prepared.problem
-    grid = RowGrid.build(track, 0.042, 0.02, 0.5)
-    alone = Problem((track,), (grid,), problem.observer, problem.gains, problem.substeps)
+    alone = observer_for([track], plant, prepared.problem.observer)
+    (track,), (grid,) = alone.tracks, alone.grids
     seen = alone.observe([Job(track, plant, Contribution())])
     context = build_contexts(alone, plant, seen, prepared.structure.contexts[0].hints)[0]
     rows = []

@@ -27,6 +27,7 @@ except ImportError as error:  # pragma: no cover - depends on the installation
 
 __all__ = [
     "FRICTION_SLOTS",
+    "LANES",
     "compiled",
     "dwell",
     "observe",
@@ -55,9 +56,104 @@ FRICTION_SLOTS = (
 )
 
 
+LANES = 8
+"""Joints that `observe` runs at a time."""
+
+# Rows of the lanes' state: the plant's numbers, what follows from them, the simulated joint, and the sample.
+_N_SLOTS, _REVERSE = len(FRICTION_SLOTS), 5  # and the distance from a number of the forward curve to its reverse one
+_INERTIA, _COULOMB, _STATIC, _SPEED, _VISCOUS, _EXPONENT = 0, 1, 2, 3, 4, 5
+_SIGMA_0, _SIGMA_1, _LAG, _SHARPNESS, _SPREAD = 11, 12, 13, 14, 15
+_MOBILITY, _SOFTNESS, _NARROW, _KEEP, _PER_SPEED, _PER_SPEED_REVERSE = 16, 17, 18, 19, 20, 21
+_X, _W, _Z, _FELT, _MEAN, _FIRST, _SECOND, _THIRD = 22, 23, 24, 25, 26, 27, 28, 29
+_Q, _V, _TAU, _LEVEL, _DQ, _DV, _DTAU, _DLEVEL = 30, 31, 32, 33, 34, 35, 36, 37
+_RATIO, _POWER, _LEAK, _SUM_U, _SUM_BRISTLE, _N_STATE = 38, 39, 40, 41, 42, 43
+
+
 def compiled(function: _F) -> _F:
-    """Compile with numba, cached on disk, without holding the interpreter lock: two threads use two cores."""
-    return cast(_F, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
+    """Compile with numba, cached on disk, without holding the interpreter lock: two threads use two cores.
+
+    Products may be fused with sums; nothing else that would depend on order or on special values.
+    """
+    return cast(_F, numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz"})(function))
+
+
+def _inlined(function: _F) -> _F:
+    """Compile into the caller, which knows the constant shape of the lanes' state: without it no vectors are formed."""
+    return cast(_F, numba.njit(inline="always")(function))
+
+
+@compiled
+def _falling(x: float) -> float:
+    """exp(-x) for x >= 0 to 1e-9, without a branch or a call, so that all lanes take the same instructions."""
+    y = -min(x, 40.0) * (1.0 / 128.0)
+    square = y * y
+    low = (1.0 + y) + square * (0.5 + y * (1.0 / 6.0))
+    high = (1.0 / 24.0 + y * (1.0 / 120.0)) + square * (1.0 / 720.0 + y * (1.0 / 5040.0))
+    power = low + square * square * high
+    for _ in range(7):
+        power *= power
+    return power
+
+
+@_inlined
+def _start(state: np.ndarray, plants: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> bool:
+    """Fill in the plants and the first sample; returns whether any lane needs another Stribeck exponent than two."""
+    general = False
+    for j in range(LANES):
+        for i in range(_N_SLOTS):
+            state[i, j] = plants[i, j]
+        general = general or plants[_EXPONENT, j] != 2.0 or plants[_EXPONENT + _REVERSE, j] != 2.0
+        state[_MOBILITY, j], state[_SOFTNESS, j] = 1.0 / plants[_INERTIA, j], 1.0 / plants[_SIGMA_0, j]
+        state[_NARROW, j], state[_PER_SPEED, j] = 1.0 / plants[_SPREAD, j], 1.0 / plants[_SPEED, j]
+        state[_PER_SPEED_REVERSE, j] = 1.0 / plants[_SPEED + _REVERSE, j]
+        state[_X, j], state[_W, j], state[_FELT, j] = position[j, 0], velocity[j, 0], velocity[j, 0]
+    return general
+
+
+@_inlined
+def _feel(state: np.ndarray, general: bool) -> None:
+    """The speed that the friction level follows, and the exponent of its fall."""
+    for j in range(LANES):
+        w, forth, back = state[_W, j], state[_PER_SPEED, j], state[_PER_SPEED_REVERSE, j]
+        felt = w + (state[_FELT, j] - w) * state[_KEEP, j]
+        ratio = abs(felt) * (forth if w >= 0.0 else back)
+        state[_FELT, j], state[_RATIO, j], state[_POWER, j] = felt, ratio, ratio * ratio
+    if general:
+        for j in range(LANES):
+            base = _EXPONENT if state[_W, j] >= 0.0 else _EXPONENT + _REVERSE
+            state[_POWER, j] = state[_RATIO, j] ** state[base, j]
+
+
+@_inlined
+def _advance(state: np.ndarray, f: float, h: float, gains: tuple[float, float], rest_speed: float) -> None:
+    """One substep of `h` [s] at the share `f` of the sample."""
+    for j in range(LANES):
+        x, w, z = state[_X, j], state[_W, j], state[_Z, j]
+        c_f, c_r = state[_COULOMB, j], state[_COULOMB + _REVERSE, j]
+        s_f, s_r = state[_STATIC, j], state[_STATIC + _REVERSE, j]
+        v_f, v_r = state[_VISCOUS, j], state[_VISCOUS + _REVERSE, j]
+        forth = w >= 0.0
+        c, top, viscous = c_f if forth else c_r, s_f if forth else s_r, v_f if forth else v_r
+        q = state[_Q, j] + state[_DQ, j] * f
+        u = gains[0] * (q - x) + gains[1] * (state[_V, j] + state[_DV, j] * f - w)
+        g = c + (top - c) * _falling(state[_POWER, j]) + state[_LEVEL, j] + state[_DLEVEL, j] * f
+        limit = max(g, 1e-9) * state[_SOFTNESS, j]
+        steady = limit if forth else -limit
+        z = steady + (z - steady) * _falling(abs(w) * h / limit)
+        first = min(max(state[_FIRST, j] + state[_SPREAD, j] * w * h, -limit), limit)
+        second = min(max(state[_SECOND, j] + w * h, -limit), limit)
+        third = min(max(state[_THIRD, j] + state[_NARROW, j] * w * h, -limit), limit)
+        mean = z + state[_SHARPNESS, j] * ((1.0 / 3.0) * (first + second + third) - z)
+        bristle = state[_SIGMA_0, j] * mean + state[_SIGMA_1, j] * (mean - state[_MEAN, j]) / h
+        tau = state[_TAU, j] + state[_DTAU, j] * f
+        faster = w + h * (tau - viscous * state[_FELT, j] - bristle + u) * state[_MOBILITY, j]
+        x += 0.5 * h * (w + faster)
+        leak = state[_LEAK, j]
+        x += h * (leak if abs(faster) < rest_speed else 0.0) * (q - x)
+        state[_X, j], state[_W, j], state[_Z, j], state[_MEAN, j] = x, faster, z, mean
+        state[_FIRST, j], state[_SECOND, j], state[_THIRD, j] = first, second, third
+        state[_SUM_U, j] += u
+        state[_SUM_BRISTLE, j] += bristle
 
 
 @compiled
@@ -66,75 +162,46 @@ def observe(
     velocity: np.ndarray,
     torque: np.ndarray,
     level: np.ndarray,
-    plant: np.ndarray,
+    plants: np.ndarray,
     observer: np.ndarray,
+    substeps: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    """Run the observed joint along one recording.
+    """Run `LANES` observed joints side by side, each along its own samples.
 
     Args:
-        position: Recorded q [rad]. Shape (n,).
-        velocity: Estimated v [rad/s]. Shape (n,).
-        torque: Applied torque less gravity and offset [N·m]. Shape (n,).
-        level: Torque added to the dry friction level [N·m]. Shape (n,).
-        plant: Numbers in the order of `FRICTION_SLOTS`.
-        observer: dt [s], substeps, K [N·m/rad], D [N·m·s/rad], rest speed [rad/s], leak [1/s].
-        out: Filled with u [N·m], x [rad], w [rad/s], bristle torque [N·m]. Shape (4, n). Position and velocity stand
-            at the sample, torques are means until the next one.
+        position: Recorded q [rad]. Shape (LANES, n), like the next three.
+        velocity: Estimated v [rad/s].
+        torque: Applied torque less gravity and offset [N·m].
+        level: Torque added to the dry friction level [N·m].
+        plants: Numbers in the order of `FRICTION_SLOTS`. Shape (16, LANES).
+        observer: dt [s], K [N·m/rad], D [N·m·s/rad], rest speed [rad/s], leak [1/s].
+        substeps: In how many steps each sample is taken. Shape (n,).
+        out: Filled with u [N·m], x [rad], w [rad/s], bristle torque [N·m]. Shape (4, LANES, n). Position and velocity
+            stand at the sample, torques are means until the next one.
     """
-    inertia, sigma_0, sigma_1, lag = plant[0], plant[11], plant[12], plant[13]
-    sharpness, spread = plant[14], plant[15]
-    dt, substeps = observer[0], int(observer[1])
-    stiffness, damping, rest_speed, leak = observer[2], observer[3], observer[4], observer[5]
-    x, w, z = position[0], velocity[0], 0.0
-    first, second, third = 0.0, 0.0, 0.0
-    w_felt = w
-    n = position.shape[0]
-    h = dt / substeps
-    keep = np.exp(-h / lag) if lag > 0.0 else 0.0
+    dt, gains, rest_speed, leak = observer[0], (observer[1], observer[2]), observer[3], observer[4]
+    n, state, taken, h = position.shape[1], np.zeros((_N_STATE, LANES)), 0, 0.0
+    general = _start(state, plants, position, velocity)
     for k in range(n):
-        k1 = min(k + 1, n - 1)
-        sum_u, sum_b = 0.0, 0.0
-        out[1, k] = x
-        out[2, k] = w
-        resting = abs(velocity[k]) < rest_speed
-        for s in range(substeps):
-            f = (s + 0.5) / substeps
-            q = position[k] + (position[k1] - position[k]) * f
-            v = velocity[k] + (velocity[k1] - velocity[k]) * f
-            tau = torque[k] + (torque[k1] - torque[k]) * f
-            extra = level[k] + (level[k1] - level[k]) * f
-            u = stiffness * (q - x) + damping * (v - w)
-            w_felt = w + (w_felt - w) * keep
-            felt = abs(w_felt)
-            base = 1 if w >= 0.0 else 6
-            ratio = felt / plant[base + 2]
-            delta = plant[base + 4]
-            power = ratio * ratio if delta == 2.0 else ratio**delta
-            fall = np.exp(-power) if power < 30.0 else 0.0
-            g = plant[base] + (plant[base + 1] - plant[base]) * fall + extra
-            if g < 1e-9:
-                g = 1e-9
-            steady = g / sigma_0 if w >= 0.0 else -g / sigma_0
-            decay = abs(w) * h * sigma_0 / g
-            z_next = steady + (z - steady) * np.exp(-decay) if decay < 30.0 else steady
-            mean_before = z + sharpness * ((first + second + third) / 3.0 - z)
-            first = min(max(first + spread * w * h, -g / sigma_0), g / sigma_0)
-            second = min(max(second + w * h, -g / sigma_0), g / sigma_0)
-            third = min(max(third + w * h / spread, -g / sigma_0), g / sigma_0)
-            z = z_next
-            mean = z + sharpness * ((first + second + third) / 3.0 - z)
-            bristle = sigma_0 * mean + sigma_1 * (mean - mean_before) / h
-            viscous = plant[base + 3] * w_felt
-            before = w
-            w += h * (tau - viscous - bristle + u) / inertia
-            x += 0.5 * h * (before + w)
-            if resting and abs(w) < rest_speed:
-                x += h * leak * (q - x)
-            sum_u += u
-            sum_b += bristle
-        out[0, k] = sum_u / substeps
-        out[3, k] = sum_b / substeps
+        if substeps[k] != taken:
+            taken, h = substeps[k], dt / substeps[k]
+            for j in range(LANES):
+                state[_KEEP, j] = np.exp(-h / state[_LAG, j]) if state[_LAG, j] > 0.0 else 0.0
+        after = min(k + 1, n - 1)
+        for j in range(LANES):
+            q, v, tau, extra = position[j, k], velocity[j, k], torque[j, k], level[j, k]
+            state[_Q, j], state[_V, j], state[_TAU, j], state[_LEVEL, j] = q, v, tau, extra
+            state[_DQ, j], state[_DV, j] = position[j, after] - q, velocity[j, after] - v
+            state[_DTAU, j], state[_DLEVEL, j] = torque[j, after] - tau, level[j, after] - extra
+            state[_LEAK, j] = leak if abs(v) < rest_speed else 0.0
+            state[_SUM_U, j], state[_SUM_BRISTLE, j] = 0.0, 0.0
+            out[1, j, k], out[2, j, k] = state[_X, j], state[_W, j]
+        for s in range(taken):
+            _feel(state, general)
+            _advance(state, (s + 0.5) / taken, h, gains, rest_speed)
+        for j in range(LANES):
+            out[0, j, k], out[3, j, k] = state[_SUM_U, j] / taken, state[_SUM_BRISTLE, j] / taken
 
 
 @compiled

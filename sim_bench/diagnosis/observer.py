@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .kernel import FRICTION_SLOTS, observe
+from .kernel import FRICTION_SLOTS, LANES, observe
 from .track import FloatArray, Track
 
-__all__ = ["Contribution", "Observation", "Observer", "Plant", "simulate", "simulate_all"]
+__all__ = ["Contribution", "Observation", "Observer", "Plant", "simulate_all"]
 
 THREADS = 2
 
@@ -128,30 +128,60 @@ class Job(NamedTuple):
     contribution: Contribution
 
 
-def simulate(job: Job, observer: Observer, gains: tuple[float, float], substeps: int) -> Observation:
-    """Run one observed simulation; `gains` are K [N·m/rad] and D [N·m·s/rad]."""
-    track, contribution = job.track, job.contribution
-    plant = replace(job.plant, **contribution.plant) if contribution.plant else job.plant
-    torque = shifted(track.torque, (plant.delay + contribution.delay) / track.dt)
-    torque = torque - plant.gravity_torque(track.position, track.rotary) - contribution.additive
-    level = np.broadcast_to(np.asarray(contribution.level, dtype=np.float64), track.position.shape)
-    settings = np.array([track.dt, substeps, *gains, observer.rest_speed, observer.leak])
-    out = np.empty((4, track.size))
-    observe(track.position, track.velocity, torque, np.ascontiguousarray(level), plant.slots(), settings, out)
-    return Observation(*out)
+def simulate_all(jobs: Sequence[Job], observer: Observer, gains: tuple[float, float]) -> list[Observation]:
+    """Run many simulations on the available cores, several in one call of the kernel, in the order given.
 
-
-def simulate_all(
-    jobs: Sequence[Job], observer: Observer, gains: tuple[float, float], substeps: int
-) -> list[Observation]:
-    """Run many simulations on the available cores, in the order given."""
+    Args:
+        jobs: The simulations.
+        observer: Observer settings.
+        gains: K [N·m/rad] and D [N·m·s/rad].
+    """
+    settings = np.array([0.0, *gains, observer.rest_speed, observer.leak])
+    groups: dict[int, list[int]] = {}
+    for index, job in enumerate(jobs):
+        groups.setdefault(id(job.track.substeps), []).append(index)
+    batches = [part[i : i + LANES] for part in groups.values() for i in range(0, len(part), LANES)]
+    result: dict[int, Observation] = {}
     with ThreadPoolExecutor(THREADS) as pool:
-        return list(pool.map(lambda job: simulate(job, observer, gains, substeps), jobs))
+        runs = pool.map(lambda batch: _simulate([jobs[i] for i in batch], settings), batches)
+        for batch, observations in zip(batches, runs, strict=True):
+            result |= dict(zip(batch, observations, strict=True))
+    return [result[index] for index in range(len(jobs))]
+
+
+def _simulate(jobs: Sequence[Job], settings: FloatArray) -> list[Observation]:
+    """Run at most `LANES` simulations of tracks of one length; lanes left over repeat the last one."""
+    first, n = jobs[0].track, jobs[0].track.size
+    signals, plants = np.empty((4, LANES, n)), np.empty((len(FRICTION_SLOTS), LANES))
+    for lane in range(LANES):
+        track, plant, contribution = jobs[min(lane, len(jobs) - 1)]
+        plant = replace(plant, **contribution.plant) if contribution.plant else plant
+        plants[:, lane] = plant.slots()
+        signals[0, lane], signals[1, lane] = track.position, track.velocity
+        torque = shifted(track.torque, (plant.delay + contribution.delay) / track.dt)
+        signals[2, lane] = torque - _static_torque(track, plant) - contribution.additive
+        signals[3, lane] = contribution.level
+    out = np.empty((4, LANES, n))
+    observer = np.array([first.dt, *settings[1:]])
+    observe(signals[0], signals[1], signals[2], signals[3], plants, observer, first.substeps, out)
+    return [Observation(*out[:, lane]) for lane in range(len(jobs))]
+
+
+def _static_torque(track: Track, plant: Plant) -> FloatArray | float:
+    """Gravity and offset along a recording [N·m]. Shape (n,), or a number."""
+    if not track.rotary:
+        return plant.offset
+    cosine, sine = track.waves
+    return plant.gravity[0] * cosine + plant.gravity[1] * sine + plant.offset
 
 
 def shifted(values: FloatArray, samples: float) -> FloatArray:
-    """`values` as they will be `samples` later: undoes a delay, by linear interpolation."""
+    """`values` as they will be `samples` later: undoes a delay, by linear interpolation; the ends are held."""
     if samples == 0.0:
         return values
-    grid = np.arange(values.size, dtype=np.float64)
-    return np.interp(grid + samples, grid, values)
+    whole = int(np.floor(samples))
+    share, n = samples - whole, values.size
+    first = np.clip(whole, -n, n)
+    held = np.concatenate([np.repeat(values[:1], max(-first, 0)), values, np.repeat(values[-1:], max(first, 0) + 1)])
+    start = max(first, 0)
+    return held[start : start + n] * (1.0 - share) + held[start + 1 : start + 1 + n] * share

@@ -28,8 +28,6 @@ from .weak_form import estimate_plant
 __all__ = ["Prepared", "prepare"]
 
 _FIRST_NULLS = 12  # for the weights of the first refit
-_WELL = 1.2  # mean squared residual up to which one start is trusted
-_BRISTLES = ((1.5e-4, 3e-3), (1.5e-4, 0.0), (3e-5, 2e-3))  # breakaway distance [rad] and damping time [s] of others
 _SAME_COLOUR = 0.08  # difference of correlations that chance may bring
 _EVEN = 0.8  # quotient of the bulk's excess and that of all rows, below which few rows make it: no noise does
 _USUAL = 1.4  # factor on the noise that needs no such evidence

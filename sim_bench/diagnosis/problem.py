@@ -6,9 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_erosion
 from scipy.signal import lfilter
 
-from .base import unpack
+from .base import SOFTEST, unpack
 from .observer import Contribution, Job, Observation, Observer, Plant, simulate_all
 from .rows import RowGrid
 from .track import FloatArray, Track, smooth_derivative
@@ -21,6 +23,10 @@ Effects = Callable[[FloatArray], list[Contribution]]
 _ROW_WIDTH = 0.042  # [s]
 _ROW_STEP = 0.020  # [s]
 _INNOVATION_WINDOW = 0.061  # [s]
+_FINE, _COARSE = (3, 40), 2  # substeps of a sample
+_SLIDING = 4.0  # rest speeds
+_YIELDED = 10.0  # presliding distances of the softest bristle of the base
+_MARGIN = 0.02  # [s] by which the simulated joint may turn earlier or later than the recorded one
 
 
 @dataclass(frozen=True)
@@ -52,7 +58,6 @@ class Problem:
         grids: Their rows.
         observer: Observer settings.
         gains: K [N·m/rad] and D [N·m·s/rad].
-        substeps: Substeps of a sample.
         weights: Null statistics of the rows; None before they are known.
     """
 
@@ -60,12 +65,11 @@ class Problem:
     grids: tuple[RowGrid, ...]
     observer: Observer
     gains: tuple[float, float]
-    substeps: int
     weights: Weights | None = None
 
     def observe(self, jobs: Sequence[Job]) -> list[Observation]:
         """Run simulations with this problem's observer."""
-        return simulate_all(jobs, self.observer, self.gains, self.substeps)
+        return simulate_all(jobs, self.observer, self.gains)
 
     def runs(self, plants: Sequence[Plant], contributions: Sequence[Sequence[Contribution]]) -> list[list[Observation]]:
         """Observe every recording for every plant."""
@@ -117,10 +121,25 @@ def observer_for(tracks: Sequence[Track], plant: Plant, observer: Observer) -> P
     inertia, omega = plant.inertia, observer.bandwidth
     slope = max(0.858 * (s - c) / v - f for c, s, v, f in (plant.forward, plant.reverse))
     gains = (inertia * omega**2, 2.0 * inertia * omega + max(slope, 0.0))
-    dt = tracks[0].dt
-    stiffest = np.sqrt((3.0 * plant.sigma_0 + gains[0]) / inertia)
-    fastest = (gains[1] + 3.0 * max(plant.forward[3], plant.reverse[3])) / inertia
-    substeps = int(np.clip(np.ceil(max(stiffest / observer.step, fastest / 0.4) * dt), 3, 40))
+    timed = [replace(track, substeps=_substeps(track, plant, observer, gains)) for track in tracks]
     scale = max(1.0, 5.0 / (omega * _ROW_WIDTH))
-    grids = [RowGrid.build(t, scale * _ROW_WIDTH, scale * _ROW_STEP, 0.5) for t in tracks]
-    return Problem(tuple(tracks), tuple(grids), observer, gains, substeps)
+    grids = [RowGrid.build(t, scale * _ROW_WIDTH, scale * _ROW_STEP, 0.5) for t in timed]
+    return Problem(tuple(timed), tuple(grids), observer, gains)
+
+
+def _substeps(track: Track, plant: Plant, observer: Observer, gains: tuple[float, float]) -> NDArray[np.int64]:
+    """Steps of each sample: many while the bristle may be stretched, few where it has long yielded. Shape (n,).
+
+    A bristle at its level follows the speed at once, and the stiffness that asks for short steps is gone.
+    """
+    stiffest = np.sqrt((3.0 * plant.sigma_0 + gains[0]) / plant.inertia) / observer.step
+    fastest = (gains[1] + 3.0 * max(plant.forward[3], plant.reverse[3])) / plant.inertia / 0.4
+    fine = int(np.clip(np.ceil(max(stiffest, fastest) * track.dt), *_FINE))
+    coarse = int(np.clip(np.ceil(fastest * track.dt), _COARSE, fine))
+    direction = np.sign(track.velocity) * (np.abs(track.velocity) > _SLIDING * observer.rest_speed)
+    turned = np.concatenate([[True], direction[1:] != direction[:-1]]) | (direction == 0.0)
+    index = np.arange(track.size)
+    since = track.position - track.position[np.maximum.accumulate(np.where(turned, index, 0))]
+    yielded = (direction != 0.0) & (np.abs(since) > _YIELDED * SOFTEST)
+    margin = max(1, round(_MARGIN / track.dt))
+    return np.where(binary_erosion(yielded, np.ones(2 * margin + 1)), coarse, fine)

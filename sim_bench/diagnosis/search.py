@@ -11,7 +11,7 @@ from .generic import generic_rows
 from .preparation import Prepared
 from .screening import Column, Screen, orthonormal, project_out, screen
 from .solver import Fit
-from .structure import N_BASE, Candidate, Structure
+from .structure import N_BASE, Candidate, Structure, fit_all
 from .track import FloatArray
 
 __all__ = ["Explanation", "Found", "search"]
@@ -93,7 +93,7 @@ def search(prepared: Prepared) -> Found:
             tried += _grow(prepared, pairs[:1], generic, None)
     best = _choose(tried, threshold)
     if best is not None and len(best.names) > 1:
-        polished = _polish(prepared, best, generic)
+        (polished,) = _polish(prepared, [best], generic)
         tried[tried.index(best)] = best = polished
     tried.sort(key=lambda explanation: -explanation.gain)
     return Found(tuple(tried), best, threshold, explainable, null, first)
@@ -151,18 +151,18 @@ def _excess(span: FloatArray, residual: FloatArray) -> float:
 def _singles(prepared: Prepared, first: Screen, generic: FloatArray) -> list[Explanation]:
     """Each strong effect on its own: a quick refit of its best hypotheses, and a careful one of the best effects."""
     rows = np.log(prepared.fit.residual.size)
-    quick: list[Explanation] = []
     groups = _ranked(first, _SINGLES)
     suspected = [group for group in _grouped(first) if group[0].candidate.effect.suspected(prepared.structure.contexts)]
-    for columns in [*groups, *(group for group in suspected if group not in groups)]:
-        options = [c for c in columns if c.energy > max(0.3 * columns[0].energy, rows) or columns in suspected][:2]
-        trials = [_explain(prepared, (c.candidate,), prepared.fit, generic) for c in options]
-        if trials:
-            quick.append(max(trials, key=_preference))
+    options = [
+        [c for c in columns if c.energy > max(0.3 * columns[0].energy, rows) or columns in suspected][:2]
+        for columns in [*groups, *(group for group in suspected if group not in groups)]
+    ]
+    trials = iter(_explain(prepared, [((c.candidate,), prepared.fit) for part in options for c in part], generic))
+    quick = [max((next(trials) for _ in part), key=_preference) for part in options if part]
     quick.sort(key=_preference, reverse=True)
-    careful = [_polish(prepared, explanation, generic) for explanation in quick[:_CAREFUL]]
+    careful = _polish(prepared, quick[:_CAREFUL], generic)
     if all(explanation.coverage < _ENOUGH for explanation in careful):
-        careful += [_polish(prepared, explanation, generic) for explanation in quick[_CAREFUL:_MORE_CAREFUL]]
+        careful += _polish(prepared, quick[_CAREFUL:_MORE_CAREFUL], generic)
     return careful + quick[len(careful) :]
 
 
@@ -189,7 +189,7 @@ def _grow(
     prepared: Prepared, seeds: Sequence[Explanation], generic: FloatArray, first: Screen | None
 ) -> list[Explanation]:
     """One more effect on top of each seed, found by screening about the seed's own minimum."""
-    result: list[Explanation] = []
+    wanted: list[tuple[tuple[Candidate, ...], Fit]] = []
     seen: set[tuple[str, ...]] = set()
     for seed in seeds:
         screened = screen(prepared.problem, seed.structure, seed.fit.theta, seed.fit.residual, seed.fit.jacobian)
@@ -198,13 +198,13 @@ def _grow(
             if names in seen:
                 continue
             seen.add(names)
-            result.append(_explain(prepared, (*_settled(seed), columns[0].candidate), seed.fit, generic))
+            wanted.append(((*_settled(seed), columns[0].candidate), seed.fit))
     for pair in first.pairs(prepared.fit.residual, _PARTNERS) if first is not None else ():
         names = tuple(sorted(c.name for c in pair))
         if names not in seen:
             seen.add(names)
-            result.append(_explain(prepared, pair, prepared.fit, generic))
-    return result
+            wanted.append((pair, prepared.fit))
+    return _explain(prepared, wanted, generic)
 
 
 def _settled(explanation: Explanation) -> tuple[Candidate, ...]:
@@ -213,21 +213,34 @@ def _settled(explanation: Explanation) -> tuple[Candidate, ...]:
     return tuple(Candidate(c.name, tuple(values[c.name].items())) for c in explanation.structure.candidates)
 
 
-def _polish(prepared: Prepared, explanation: Explanation, generic: FloatArray) -> Explanation:
-    """The same explanation at the minimum of fresh Jacobians, its effects computed for the joint that was found."""
-    plant = explanation.structure.plant(explanation.fit.theta)
-    contexts = tuple(replace(context, plant=plant) for context in prepared.structure.contexts)
-    structure = Structure(contexts, _settled(explanation))
-    fit = structure.fit(prepared.problem, explanation.fit.theta, prepared.box, iterations=4, refresh=2)
-    return max(explanation, _judged(prepared, structure, fit, generic), key=_preference)
+def _polish(prepared: Prepared, explanations: Sequence[Explanation], generic: FloatArray) -> list[Explanation]:
+    """The same explanations at the minima of fresh Jacobians, their effects computed for the joint that was found."""
+    structures = []
+    for explanation in explanations:
+        plant = explanation.structure.plant(explanation.fit.theta)
+        contexts = tuple(replace(context, plant=plant) for context in prepared.structure.contexts)
+        structures.append(Structure(contexts, _settled(explanation)))
+    descents = [
+        (structure, structure.descent(explanation.fit.theta, prepared.box, iterations=4, refresh=2))
+        for structure, explanation in zip(structures, explanations, strict=True)
+    ]
+    fits = fit_all(prepared.problem, descents)
+    polished = [_judged(prepared, s, fit, generic) for s, fit in zip(structures, fits, strict=True)]
+    return [max(pair, key=_preference) for pair in zip(explanations, polished, strict=True)]
 
 
-def _explain(prepared: Prepared, candidates: tuple[Candidate, ...], from_fit: Fit, generic: FloatArray) -> Explanation:
-    """Fit base and candidates jointly in the simulator and judge what they leave over."""
-    structure = Structure(prepared.structure.contexts, candidates)
-    start = np.concatenate([from_fit.theta[:N_BASE], structure.start()])
-    fit = structure.fit(prepared.problem, start, prepared.box, jacobian=from_fit.jacobian, iterations=5, refresh=99)
-    return _judged(prepared, structure, fit, generic)
+def _explain(
+    prepared: Prepared, wanted: Sequence[tuple[tuple[Candidate, ...], Fit]], generic: FloatArray
+) -> list[Explanation]:
+    """Fit base and candidates jointly in the simulator, each set from a fit without them, and judge what they leave."""
+    descents = []
+    for candidates, fit in wanted:
+        structure = Structure(prepared.structure.contexts, candidates)
+        start = np.concatenate([fit.theta[:N_BASE], structure.start()])
+        descent = structure.descent(start, prepared.box, jacobian=fit.jacobian, iterations=5, refresh=99)
+        descents.append((structure, descent))
+    fits = fit_all(prepared.problem, descents)
+    return [_judged(prepared, structure, fit, generic) for (structure, _), fit in zip(descents, fits, strict=True)]
 
 
 def _judged(prepared: Prepared, structure: Structure, fit: Fit, generic: FloatArray) -> Explanation:

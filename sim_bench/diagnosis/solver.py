@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from .track import FloatArray
 
-__all__ = ["Box", "Fit", "finite_differences", "minimise"]
+__all__ = ["Box", "Descent", "Fit", "descend", "minimise", "together"]
+
+_DIFFERENCE = 0.02  # of a parameter's scale
+_TOLERANCE = 1e-2  # fall of the cost that ends the descent, in units of the mean squared residual
 
 Residual = Callable[[Sequence[FloatArray]], list[FloatArray]]
 
@@ -61,54 +64,66 @@ class Fit:
     cost: float
 
 
-def finite_differences(
-    evaluate: Residual, theta: FloatArray, at: FloatArray, box: Box, which: Sequence[int]
-) -> FloatArray:
-    """Columns of the Jacobian for the parameters `which`, by one-sided differences. Shape (m, len(which))."""
-    points, steps = [], []
-    for i in which:
-        step = 0.02 * box.scale[i]
-        if theta[i] + step > box.upper[i]:
-            step = -step
-        point = theta.copy()
-        point[i] += step
-        points.append(point)
-        steps.append(step)
-    values = evaluate(points)
-    columns = np.stack([(value - at) / step for value, step in zip(values, steps, strict=True)], axis=1)
-    return np.where(np.isfinite(columns), columns, 0.0)
+Descent = Generator[list[FloatArray], list[FloatArray], Fit]
+"""A minimisation under way: asks for residuals at several points, and returns the minimum."""
 
 
-def minimise(
-    evaluate: Residual,
+def minimise(evaluate: Residual, theta: FloatArray, box: Box, *, iterations: int = 8, refresh: int = 1) -> Fit:
+    """Least squares from `theta`, for residuals that are evaluated at several points at once."""
+    return together([descend(theta, box, iterations=iterations, refresh=refresh)], lambda asked: [evaluate(asked[0])])[
+        0
+    ]
+
+
+def together(
+    descents: Sequence[Descent], evaluate: Callable[[list[list[FloatArray]]], list[list[FloatArray]]]
+) -> list[Fit]:
+    """Run minimisations side by side, so that their simulations share calls.
+
+    Args:
+        descents: The minimisations.
+        evaluate: Residuals for the points that each of them asks for; none for those that have finished.
+    """
+    fits: list[Fit | None] = [None] * len(descents)
+    asked = [next(one) for one in descents]
+    while any(fit is None for fit in fits):
+        answers = evaluate(asked)
+        for i, (one, answer) in enumerate(zip(descents, answers, strict=True)):
+            if fits[i] is None:
+                try:
+                    asked[i] = one.send(answer)
+                except StopIteration as stop:
+                    fits[i], asked[i] = stop.value, []
+    return [fit for fit in fits if fit is not None]
+
+
+def descend(
     theta: FloatArray,
     box: Box,
     *,
     jacobian: FloatArray | None = None,
     iterations: int = 8,
     refresh: int = 1,
-    tolerance: float = 1e-3,
-) -> Fit:
+) -> Descent:
     """Least squares from `theta`.
 
     Args:
-        evaluate: Residuals at several points at once.
         theta: Start.
         box: Domain and priors.
-        jacobian: Jacobian at the start where it is known.
+        jacobian: The first columns of the Jacobian at the start where they are known.
         iterations: Most steps.
         refresh: Compute the Jacobian afresh every so many steps; between them it is updated by Broyden's formula.
-        tolerance: Stop when the cost falls by less than this share of the mean squared residual times ten.
     """
     theta = box.clip(theta)
-    residual = evaluate([theta])[0]
-    cost = _cost(residual, theta, box)
-    everything = range(theta.size)
-    J = finite_differences(evaluate, theta, residual, box, everything) if jacobian is None else jacobian
+    known = np.zeros((0, 0)) if jacobian is None else jacobian
+    steps = _differences(theta, box)
+    at, *moved = yield [theta, *_points(theta, steps, range(known.shape[1], theta.size))]
+    residual, cost = at, _cost(at, theta, box)
+    J = np.concatenate([known.reshape(at.size, -1), _columns(moved, at, steps[known.shape[1] :])], axis=1)
     damping, age = 1e-3, 0
     for _ in range(iterations):
         trials = [_step(J, residual, theta, box, d) for d in (damping, 30 * damping)]
-        values = evaluate(trials)
+        values = yield trials
         costs = [_cost(value, trial, box) for value, trial in zip(values, trials, strict=True)]
         best = int(np.argmin(costs))
         gain = cost - costs[best]
@@ -117,7 +132,7 @@ def minimise(
                 break
             damping *= 100.0
             if age:
-                J, age = finite_differences(evaluate, theta, residual, box, everything), 0
+                J, age = (yield from _jacobian(theta, residual, box)), 0
             continue
         move = trials[best] - theta
         J = J + np.outer(values[best] - residual - J @ move, move / box.scale**2) / max(
@@ -125,11 +140,35 @@ def minimise(
         )
         theta, residual, cost, age = trials[best], values[best], costs[best], age + 1
         damping = max(1e-6, damping * (0.1 if best == 0 else 10.0))
-        if gain < tolerance * 10.0 * cost / residual.size:
+        if gain < _TOLERANCE * cost / residual.size:
             break
         if age >= refresh:
-            J, age = finite_differences(evaluate, theta, residual, box, everything), 0
+            J, age = (yield from _jacobian(theta, residual, box)), 0
     return Fit(theta, residual, J, cost)
+
+
+def _jacobian(theta: FloatArray, at: FloatArray, box: Box) -> Generator[list[FloatArray], list[FloatArray], FloatArray]:
+    """Fresh Jacobian at `theta`, where the residual is `at`. Shape (m, p)."""
+    steps = _differences(theta, box)
+    moved = yield _points(theta, steps, range(theta.size))
+    return _columns(moved, at, steps)
+
+
+def _differences(theta: FloatArray, box: Box) -> FloatArray:
+    """One-sided steps that stay inside. Shape (p,)."""
+    step = _DIFFERENCE * box.scale
+    return np.where(theta + step > box.upper, -step, step)
+
+
+def _points(theta: FloatArray, steps: FloatArray, which: Sequence[int]) -> list[FloatArray]:
+    return [theta + steps[i] * np.eye(theta.size)[i] for i in which]
+
+
+def _columns(moved: Sequence[FloatArray], at: FloatArray, steps: FloatArray) -> FloatArray:
+    if not moved:
+        return np.zeros((at.size, 0))
+    columns = np.stack([(value - at) / step for value, step in zip(moved, steps, strict=True)], axis=1)
+    return np.where(np.isfinite(columns), columns, 0.0)
 
 
 def _cost(residual: FloatArray, theta: FloatArray, box: Box) -> float:

@@ -11,10 +11,10 @@ from .base import BASE_NAMES, unpack
 from .effects import EFFECTS, Context, Effect, EffectParameter
 from .observer import Contribution, Observation, Plant
 from .problem import Problem
-from .solver import Box, Fit, finite_differences, minimise
+from .solver import Box, Descent, Fit, descend, together
 from .track import FloatArray
 
-__all__ = ["Candidate", "Structure"]
+__all__ = ["Candidate", "Structure", "fit_all"]
 
 N_BASE = len(BASE_NAMES)
 
@@ -110,20 +110,18 @@ class Structure:
         """Weighted residual vectors at several points."""
         return problem.residual(self.contributions, N_BASE)(points)
 
-    def fit(
+    def descent(
         self,
-        problem: Problem,
         theta: FloatArray,
         base_box: Box,
         *,
         jacobian: FloatArray | None = None,
         iterations: int = 8,
         refresh: int = 1,
-    ) -> Fit:
-        """Fit base and effects together from `theta`.
+    ) -> Descent:
+        """A fit of base and effects together from `theta`, for `fit_all`.
 
         Args:
-            problem: Recordings and weights.
             theta: Start, base first.
             base_box: Domain of the base.
             jacobian: The first columns of the Jacobian at the start where they are known; the others are added.
@@ -131,9 +129,17 @@ class Structure:
             refresh: Steps between fresh Jacobians.
         """
         box = base_box.joined(self.box())
-        evaluate = problem.residual(self.contributions, N_BASE)
-        if jacobian is not None and self.candidates:
-            at = evaluate([theta])[0]
-            extra = finite_differences(evaluate, theta, at, box, range(jacobian.shape[1], theta.size))
-            jacobian = np.concatenate([jacobian, extra], axis=1)
-        return minimise(evaluate, theta, box, jacobian=jacobian, iterations=iterations, refresh=refresh)
+        return descend(theta, box, jacobian=jacobian, iterations=iterations, refresh=refresh)
+
+
+def fit_all(problem: Problem, descents: Sequence[tuple[Structure, Descent]]) -> list[Fit]:
+    """Run fits of several structures side by side."""
+    structures = [structure for structure, _ in descents]
+
+    def evaluate(asked: list[list[FloatArray]]) -> list[list[FloatArray]]:
+        pairs = [(s, point) for s, points in zip(structures, asked, strict=True) for point in points]
+        runs = problem.runs([s.plant(p) for s, p in pairs], [s.contributions(p[N_BASE:]) for s, p in pairs])
+        vectors = iter([problem.vector(run) for run in runs])
+        return [[next(vectors) for _ in points] for points in asked]
+
+    return together([descent for _, descent in descents], evaluate)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -80,6 +81,7 @@ class Track:
         rotary: Whether gravity depends on the sine of the position.
         channels: Further columns by name (load_torque, temperature, ...). Each of shape (n,).
         name: What to call this recording.
+        substeps: In how many steps the observer takes each sample; empty before that is known. Shape (n,).
     """
 
     dt: float
@@ -92,6 +94,7 @@ class Track:
     channels: Mapping[str, FloatArray] = field(default_factory=dict)
     name: str = "recording"
     jitter: float = 0.0
+    substeps: NDArray[np.int64] = field(default_factory=lambda: np.ones(0, dtype=np.int64))
 
     @property
     def size(self) -> int:
@@ -102,6 +105,11 @@ class Track:
     def time(self) -> FloatArray:
         """Time since the first sample [s]. Shape (n,)."""
         return np.arange(self.size, dtype=np.float64) * np.float64(self.dt)
+
+    @cached_property
+    def waves(self) -> tuple[FloatArray, FloatArray]:
+        """Cosine and sine of the position, which every simulation needs. Shapes (n,)."""
+        return np.cos(self.position), np.sin(self.position)
 
     @classmethod
     def build(
