@@ -22,6 +22,11 @@ _TOLERANCE = 0.005  # relative error of a parameter that the observer's own appr
 _SAME_FACTOR = ("payload_error", "torque_gain_error")
 _USUAL_GAIN = 0.1  # largest gain error of a torque signal that is usual; masses are off by more
 _SIGNIFICANT = 25.0  # fall of chi squared that a change must bring
+_SIMPLER = 4.0  # chi squared that one more parameter must be worth
+# A joint that slides shows offset plus half the difference of the directions; only its presliding tells one from the
+# other. Both of the Coulomb level, from simulated joints with nothing missing.
+_SLIDING = 0.002  # deviation of the sum of the two, beyond that of the fit
+_SPLIT = 0.22  # deviation of their difference, of which the fit is far too sure
 
 
 @dataclass(frozen=True)
@@ -53,17 +58,12 @@ def compare_rigid(plant: Plant, covariance: FloatArray, given: RigidJoint, unit:
         "payload_error": np.eye(3),
         "torque_gain_error": np.array([[1.0, *given.gravity]]).T,
     }
-    scores = {"": float(shift @ weight @ shift)}
-    fitted: dict[str, FloatArray] = {}
-    for name, span in hypotheses.items():
-        step = np.linalg.solve(span.T @ weight @ span + 1e-12 * np.eye(span.shape[1]), span.T @ weight @ shift)
-        rest = shift - span @ step
-        scores[name], fitted[name] = float(rest @ weight @ rest) + 4.0 * span.shape[1], step
+    scores, fitted = _weigh(shift, weight, hypotheses)
     best = min(scores, key=lambda name: scores[name])
     if not best or scores[""] - scores[best] < _SIGNIFICANT:
         return Comparison()
     # Inertia and gravity that are off by the same factor are a gain as well as another mass.
-    alike = best in _SAME_FACTOR and scores["torque_gain_error"] <= scores["payload_error"] + 4.0
+    alike = best in _SAME_FACTOR and scores["torque_gain_error"] <= scores["payload_error"] + _SIMPLER
     if alike:
         best = "torque_gain_error" if abs(float(fitted["torque_gain_error"][0])) <= _USUAL_GAIN else "payload_error"
     deviation = np.sqrt(np.diag(covariance))
@@ -76,6 +76,20 @@ def compare_rigid(plant: Plant, covariance: FloatArray, given: RigidJoint, unit:
     if alike:
         named = replace(named, indistinguishable_from=tuple(name for name in _SAME_FACTOR if name != best))
     return Comparison((named,), tuple(changes))
+
+
+def _weigh(
+    shift: FloatArray, weight: FloatArray, hypotheses: dict[str, FloatArray]
+) -> tuple[dict[str, float], dict[str, FloatArray]]:
+    """Chi squared that each hypothesis leaves of `shift`, with a penalty for its parameters, and those."""
+    scores: dict[str, float] = {"": float(shift @ weight @ shift)}
+    fitted: dict[str, FloatArray] = {}
+    for name, span in hypotheses.items():
+        normal = span.T @ weight @ span + 1e-12 * np.eye(span.shape[1])
+        step = np.asarray(np.linalg.solve(normal, span.T @ weight @ shift), dtype=np.float64)
+        rest = shift - span @ step
+        scores[name], fitted[name] = float(rest @ weight @ rest) + _SIMPLER * span.shape[1], step
+    return scores, fitted
 
 
 def _named(
@@ -100,55 +114,78 @@ def _named(
     return _effect(name, "parameter", numbers, "the load is not the simulation's")
 
 
-def compare_friction(plant: Plant, deviations: dict[str, float], given: FrictionModel, unit: str) -> Comparison:
-    """Compare offset and the symmetry of the friction with a given friction model."""
+def compare_friction(plant: Plant, covariance: FloatArray, given: FrictionModel, unit: str) -> Comparison:
+    """Compare offset and the symmetry of the friction with a given friction model.
+
+    Args:
+        plant: Refitted joint.
+        covariance: Of the offset and the Coulomb torques forward and reverse. Shape (3, 3).
+        given: The friction model.
+        unit: Unit of torque.
+    """
     try:
         forward, reverse = given.forward, given.reverse
     except ParameterError:
         return Comparison()
-    level = 0.5 * (forward.coulomb_torque + reverse.coulomb_torque)
-    effects: list[NamedEffect] = []
+    level = max(0.5 * (forward.coulomb_torque + reverse.coulomb_torque), 1e-9)
     odd = 0.5 * ((plant.forward[0] - plant.reverse[0]) - (forward.coulomb_torque - reverse.coulomb_torque))
-    odd_deviation = 0.5 * float(np.hypot(deviations["forward.coulomb_torque"], deviations["reverse.coulomb_torque"]))
-    if abs(odd) > max(4.0 * odd_deviation, 0.01 * level):
-        ratio = float(odd / max(level, 1e-9))
-        wide = 1.96 * odd_deviation / max(level, 1e-9)
-        effects.append(
-            _effect(
-                "direction_asymmetry",
-                "parameter",
-                {"asymmetry": Quantity(ratio, "1", (ratio - wide, ratio + wide))},
-                f"friction differs between the directions by {200 * abs(ratio):.0f} %",
-            )
-        )
-    offset, deviation = plant.offset, deviations["offset"]
-    if abs(offset) > max(4.0 * deviation, 0.01 * level):
-        wide = 1.96 * deviation
-        effects.append(
-            _effect(
-                "torque_offset",
-                "parameter",
-                {"offset": Quantity(offset, unit, (offset - wide, offset + wide))},
-                f"a constant torque of {offset:.3g} {unit} is missing",
-            )
-        )
+    effects = _uneven(np.array([plant.offset, odd]), covariance, level, unit)
+    deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     changes = (
         _change(
             "forward.coulomb_torque",
             forward.coulomb_torque,
             plant.forward[0],
-            deviations["forward.coulomb_torque"],
+            float(deviations[1]),
             unit,
         ),
         _change(
             "reverse.coulomb_torque",
             reverse.coulomb_torque,
             plant.reverse[0],
-            deviations["reverse.coulomb_torque"],
+            float(deviations[2]),
             unit,
         ),
     )
-    return Comparison(tuple(effects), changes if effects else ())
+    return Comparison(effects, changes if effects else ())
+
+
+def _uneven(shift: FloatArray, covariance: FloatArray, level: float, unit: str) -> tuple[NamedEffect, ...]:
+    """Names for a shift of offset and odd part of the Coulomb torque: one of the two where that is enough."""
+    odd = np.array([[1.0, 0.0, 0.0], [0.0, 0.5, -0.5]])
+    sides = np.array([[0.5, 0.5], [0.5, -0.5]])  # offset and odd part, from their sum and their difference
+    floor = sides @ np.diag([_SLIDING * level, _SPLIT * level]) ** 2 @ sides.T
+    weight = np.linalg.inv(odd @ covariance @ odd.T + floor)
+    names = ("torque_offset", "direction_asymmetry")
+    both = "+".join(names)
+    hypotheses = {names[0]: np.eye(2)[:, :1], names[1]: np.eye(2)[:, 1:], both: np.eye(2)}
+    scores, fitted = _weigh(shift, weight, hypotheses)
+    best = min(scores, key=lambda name: scores[name])
+    if not best or scores[""] - scores[best] < _SIGNIFICANT:
+        return ()
+    alike = best != both and abs(scores[names[0]] - scores[names[1]]) <= _SIMPLER
+    best = names[0] if alike else best  # an offset leaves the joint as it is
+    span = hypotheses[best]
+    half = 1.96 * np.sqrt(np.diag(np.linalg.inv(span.T @ weight @ span)))
+    effects = [
+        _uneven_effect(name, float(value), float(wide), (level, unit))
+        for name, value, wide in zip(best.split("+"), fitted[best], half, strict=True)
+    ]
+    return tuple(replace(one, indistinguishable_from=names[1:] if alike else ()) for one in effects)
+
+
+def _uneven_effect(name: str, value: float, half: float, context: tuple[float, str]) -> NamedEffect:
+    level, unit = context
+    if name == "torque_offset":
+        numbers = {"offset": Quantity(value, unit, (value - half, value + half))}
+        return _effect(name, "parameter", numbers, f"a constant torque of {value:.3g} {unit} is missing")
+    ratio, wide = value / level, half / level
+    numbers = {
+        "asymmetry": Quantity(ratio, "1", (ratio - wide, ratio + wide)),
+        "coulomb_difference": Quantity(2.0 * value, unit, (2.0 * (value - half), 2.0 * (value + half))),
+    }
+    sentence = f"friction differs between the directions by {200 * abs(ratio):.0f} %"
+    return _effect(name, "parameter", numbers, sentence)
 
 
 def _change(name: str, given: float, refitted: float, deviation: float, unit: str) -> Change:

@@ -222,8 +222,8 @@ def _compare(answer: Answer, chosen: Explanation | None) -> Comparison:
     if answer.rigid is not None and answer.rigid.rotary:
         result = compare_rigid(plant, cov[:3, :3], answer.rigid, answer.unit)
     if answer.friction is not None:
-        deviations = dict(zip(BASE_NAMES, np.sqrt(np.maximum(np.diag(cov), 0.0))[:N_BASE].tolist(), strict=True))
-        more = compare_friction(plant, deviations, answer.friction, answer.unit)
+        at = [BASE_NAMES.index(name) for name in ("offset", "forward.coulomb_torque", "reverse.coulomb_torque")]
+        more = compare_friction(plant, cov[np.ix_(at, at)], answer.friction, answer.unit)
         result = Comparison(result.effects + more.effects, result.changes + more.changes)
     return result
 

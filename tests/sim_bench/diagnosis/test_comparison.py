@@ -1,0 +1,60 @@
+"""A refit against the given simulation: names, plain numbers, and one name where one is enough."""
+
+from dataclasses import replace
+
+import msgspec
+import numpy as np
+import pytest
+
+from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
+from fricomp.model import FrictionModel
+from fricomp.sim_bench.diagnosis import RigidJoint
+from fricomp.sim_bench.diagnosis.comparison import Comparison, compare_friction, compare_rigid
+from fricomp.sim_bench.diagnosis.observer import Plant
+
+_PLANT = Plant(0.3, (1.0, 6.0), 0.0, (2.0, 2.6, 0.05, 1.0), (2.0, 2.6, 0.05, 1.0), 4e4)
+_SURE = np.diag([1e-4, 1e-3, 1e-3]) ** 2
+
+
+def _friction(offset: float, odd: float, deviation: float = 1e-3) -> Comparison:
+    """The comparison of a refit that found `offset` and half a difference of `odd` between the directions."""
+    curve = StribeckCurve(2.0, 2.6, 0.05, 1.0)
+    given = FrictionModel(law=FrictionLaw((BidirectionalStribeck(curve, curve),)))
+    plant = replace(_PLANT, offset=offset, forward=(2.0 + odd, 2.6, 0.05, 1.0), reverse=(2.0 - odd, 2.6, 0.05, 1.0))
+    return compare_friction(plant, np.eye(3) * deviation**2, given, "N·m")
+
+
+def test_a_payload_is_named_in_numbers_that_any_writer_of_json_takes() -> None:
+    given = RigidJoint(0.27, (0.9, 5.2), 0.0, 0.0, 0.0, True)
+    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m").effects
+    assert effect.name == "payload_error"
+    assert effect.parameters["inertia_change"].value == pytest.approx(0.03, abs=1e-3)
+    assert effect.parameters["gravity_sin_change"].value == pytest.approx(0.8, abs=0.02)
+    assert msgspec.json.decode(msgspec.json.encode(effect))["name"] == "payload_error"
+
+
+@pytest.mark.parametrize("split", [-0.2, 0.0, 0.2])
+def test_what_sliding_cannot_split_gets_one_name_and_its_alias(split: float) -> None:
+    (effect,) = _friction(0.05 + split, 0.05 - split).effects
+    assert effect.name == "torque_offset"
+    assert effect.indistinguishable_from == ("direction_asymmetry",)
+    low, high = effect.parameters["offset"].ci95
+    assert low < 0.1 < high
+
+
+def test_a_split_beyond_all_doubt_gets_both_names() -> None:
+    effects = _friction(1.5, -1.3).effects
+    assert [effect.name for effect in effects] == ["torque_offset", "direction_asymmetry"]
+    assert effects[0].parameters["offset"].value == pytest.approx(1.5, abs=0.1)
+    assert effects[1].parameters["coulomb_difference"].value == pytest.approx(-2.6, abs=0.2)
+    assert effects[1].parameters["asymmetry"].value == pytest.approx(-0.65, abs=0.05)
+
+
+def test_a_split_that_leaves_the_sum_as_it_is_names_nothing() -> None:
+    assert _friction(0.4, -0.4).effects == ()
+    assert _friction(0.4, -0.4).changes == ()
+
+
+def test_a_shift_within_the_doubt_of_the_fit_names_nothing() -> None:
+    assert _friction(0.1, 0.0).effects
+    assert not _friction(0.1, 0.0, deviation=0.05).effects
