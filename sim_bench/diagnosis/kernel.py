@@ -120,8 +120,9 @@ def _feel(state: np.ndarray, general: bool) -> None:
         state[_FELT, j], state[_RATIO, j], state[_POWER, j] = felt, ratio, ratio * ratio
     if general:
         for j in range(LANES):
-            base = _EXPONENT if state[_W, j] >= 0.0 else _EXPONENT + _REVERSE
-            state[_POWER, j] = state[_RATIO, j] ** state[base, j]
+            exponent = state[_EXPONENT if state[_W, j] >= 0.0 else _EXPONENT + _REVERSE, j]
+            if exponent != 2.0:
+                state[_POWER, j] = state[_RATIO, j] ** exponent
 
 
 @_inlined

@@ -125,7 +125,7 @@ def diagnose_blind(files: dict[str, bytes]) -> BlindAnswer:
 
 
 def _run(folder: Path) -> str:
-    command = [sys.executable, "-m", "fricomp.sim_bench.proof.diagnosing"]
+    command = [sys.executable, "-m", "fricomp.sim_bench.blind_diagnosis"]
     environment = {**os.environ, **_ONE_THREAD}
     try:
         done = subprocess.run(

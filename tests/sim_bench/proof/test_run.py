@@ -1,6 +1,8 @@
 """Whole runs with diagnoses whose answers are known."""
 
 import json
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -218,3 +220,9 @@ def test_a_plan_runs_from_its_seeds(tmp_path: Path) -> None:
     planned = plan_cases(2, development_seeds(40), 6.0)
     scores = run_proof(planned, tmp_path, (SerialExecutor(), 1), salt="s", diagnose=always_consistent)
     assert {int(score.seed) for score in scores} == {40, 41}
+
+
+def test_the_blind_side_imports_nothing_of_the_generator() -> None:
+    code = "import sys, fricomp.sim_bench.blind_diagnosis; print([name for name in sys.modules if 'concealed' in name])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

@@ -1,6 +1,6 @@
 """The blind side of a proof: diagnoses the case in the working folder and writes what came out.
 
-Run as `python -m fricomp.sim_bench.proof.diagnosing`; it is `fricomp diagnose` without its report. It imports nothing
+Run as `python -m fricomp.sim_bench.blind_diagnosis`; it is `fricomp diagnose` without its report. It imports nothing
 of the generator and sees nothing but the files beside it.
 """
 
