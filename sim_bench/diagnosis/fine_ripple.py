@@ -17,7 +17,15 @@ from fricomp.recording import Recording
 
 from .track import FloatArray
 
-__all__ = ["LEAST_FALL", "FineRipple", "Harmonic", "error_on_left_out_blocks", "find_fine_ripple", "spectrum_of"]
+__all__ = [
+    "LEAST_FALL",
+    "FineRipple",
+    "Harmonic",
+    "error_on_left_out_blocks",
+    "fall_by",
+    "find_fine_ripple",
+    "spectrum_of",
+]
 
 LEAST_FALL = 0.3
 """Part of the held-out energy that the harmonics must take."""
@@ -83,31 +91,49 @@ class FineRipple:
         return 1.0 - float(self.after @ self.after) / float(self.before @ self.before)
 
 
-def find_fine_ripple(recording: Recording, seed: int = 0, least: float = LEAST_FALL) -> FineRipple | None:
+def find_fine_ripple(recording: Recording, seed: int = 0) -> FineRipple | None:
     """Harmonics over position in the samples; None where they do not predict blocks that were left out.
 
     Args:
         recording: One recording.
         seed: Of the choice of samples, where there are too many.
-        least: Part of the held-out energy that the harmonics must take.
     """
-    options = [_samples(recording, window, seed) for window in _WINDOWS if len(recording) > 20 * window]
-    options = [option for option in options if option["time"].size > 400]
-    if not options:
+    best = _best_samples(recording, seed)
+    if best is None:
         return None
-    wide = recording.metadata.continuous
-    bases = [_base(option, wide) for option in options]
-    errors = [
-        float(np.sum(error_on_left_out_blocks(A, o["torque"]) ** 2) / o["time"].size)
-        for A, o in zip(bases, options, strict=True)
-    ]
-    samples, base = options[int(np.argmin(errors))], bases[int(np.argmin(errors))]
-    orders = _orders(samples["position"], wide)
+    samples, base = best
+    orders = _orders(samples["position"], recording.metadata.continuous)
     if orders.size < 20:
         return None
     chosen = _pursue(samples, base, orders)
     ripple = _judge(samples, base, chosen, orders)
-    return ripple if ripple is not None and ripple.fall >= least else None
+    return ripple if ripple is not None and ripple.fall >= LEAST_FALL else None
+
+
+def fall_by(recording: Recording, harmonics: Sequence[Harmonic], seed: int = 0) -> float:
+    """Part of the held-out energy of `recording` that waves of the orders of `harmonics` take, at least 0."""
+    best = _best_samples(recording, seed)
+    if best is None:
+        return 0.0
+    samples, base = best
+    table = np.column_stack([base, *(_waves(samples, one.order, one.level) for one in harmonics)])
+    before, after = (error_on_left_out_blocks(one, samples["torque"]) for one in (base, table))
+    return max(1.0 - float(after @ after) / float(before @ before), 0.0)
+
+
+def _best_samples(recording: Recording, seed: int) -> tuple[dict[str, FloatArray], FloatArray] | None:
+    """Samples and base columns, with the derivative filter that leaves the least on blocks left out."""
+    options = [_samples(recording, window, seed) for window in _WINDOWS if len(recording) > 20 * window]
+    options = [option for option in options if option["time"].size > 400]
+    if not options:
+        return None
+    bases = [_base(option, recording.metadata.continuous) for option in options]
+    errors = [
+        float(np.sum(error_on_left_out_blocks(A, o["torque"]) ** 2) / o["time"].size)
+        for A, o in zip(bases, options, strict=True)
+    ]
+    best = int(np.argmin(errors))
+    return options[best], bases[best]
 
 
 def _samples(recording: Recording, window: int, seed: int) -> dict[str, FloatArray]:

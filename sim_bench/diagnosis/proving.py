@@ -13,7 +13,7 @@ import numpy as np
 
 from fricomp.recording import Recording
 
-from .fine_ripple import LEAST_FALL, FineRipple, find_fine_ripple
+from .fine_ripple import LEAST_FALL, FineRipple, fall_by
 from .result import Quantity
 from .soft_presliding import bristle, find_soft_presliding
 from .track import FloatArray, smooth_derivative
@@ -62,11 +62,11 @@ def _stribeck(velocity: FloatArray, value: Mapping[str, float], side: str) -> tu
 
 
 def beyond_the_base(recording: Recording, found: FineRipple, base: Mapping[str, Quantity], seed: int) -> bool:
-    """Whether the ripple takes clearly more than a ripple that is found where only the base acts."""
+    """Whether the ripple leaves clearly less than waves of its orders leave where only the base acts."""
     if not base:
         return True
-    nulls = (find_fine_ripple(base_recording(recording, base, seed + k), seed, least=0.0) for k in range(_BASES))
-    return all(found.fall >= LEAST_FALL + (0.0 if one is None else one.fall) for one in nulls)
+    nulls = (fall_by(base_recording(recording, base, seed + k), found.harmonics, seed) for k in range(_BASES))
+    return all(1.0 - found.fall <= (1.0 - LEAST_FALL) * (1.0 - fall) for fall in nulls)
 
 
 def softer_than_the_base(recording: Recording, base: Mapping[str, Quantity], seed: int) -> bool:
