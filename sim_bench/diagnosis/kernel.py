@@ -126,8 +126,13 @@ def _feel(state: np.ndarray, general: bool) -> None:
 
 
 @_inlined
-def _advance(state: np.ndarray, f: float, h: float, gains: tuple[float, float], rest_speed: float) -> None:
-    """One substep of `h` [s] at the share `f` of the sample."""
+def _advance(
+    state: np.ndarray, f: float, middle: float, h: float, gains: tuple[float, float], rest_speed: float
+) -> None:
+    """One substep of `h` [s] at the share `f` of the sample, with the torque at `middle` of the substep.
+
+    The error is taken where the substep begins, so that its size leaves no trace in it.
+    """
     for j in range(LANES):
         x, w, z = state[_X, j], state[_W, j], state[_Z, j]
         c_f, c_r = state[_COULOMB, j], state[_COULOMB + _REVERSE, j]
@@ -135,9 +140,9 @@ def _advance(state: np.ndarray, f: float, h: float, gains: tuple[float, float], 
         v_f, v_r = state[_VISCOUS, j], state[_VISCOUS + _REVERSE, j]
         forth = w >= 0.0
         c, top, viscous = c_f if forth else c_r, s_f if forth else s_r, v_f if forth else v_r
-        q = state[_Q, j] + state[_DQ, j] * f
-        u = gains[0] * (q - x) + gains[1] * (state[_V, j] + state[_DV, j] * f - w)
-        g = c + (top - c) * _falling(state[_POWER, j]) + state[_LEVEL, j] + state[_DLEVEL, j] * f
+        q, v = state[_Q, j] + state[_DQ, j] * f, state[_V, j] + state[_DV, j] * f
+        u = gains[0] * (q - x) + gains[1] * (v - w)
+        g = c + (top - c) * _falling(state[_POWER, j]) + state[_LEVEL, j] + state[_DLEVEL, j] * middle
         limit = max(g, 1e-9) * state[_SOFTNESS, j]
         steady = limit if forth else -limit
         z = steady + (z - steady) * _falling(abs(w) * h / limit)
@@ -146,11 +151,11 @@ def _advance(state: np.ndarray, f: float, h: float, gains: tuple[float, float], 
         third = min(max(state[_THIRD, j] + state[_NARROW, j] * w * h, -limit), limit)
         mean = z + state[_SHARPNESS, j] * ((1.0 / 3.0) * (first + second + third) - z)
         bristle = state[_SIGMA_0, j] * mean + state[_SIGMA_1, j] * (mean - state[_MEAN, j]) / h
-        tau = state[_TAU, j] + state[_DTAU, j] * f
+        tau = state[_TAU, j] + state[_DTAU, j] * middle
         faster = w + h * (tau - viscous * state[_FELT, j] - bristle + u) * state[_MOBILITY, j]
         x += 0.5 * h * (w + faster)
         leak = state[_LEAK, j]
-        x += h * (leak if abs(faster) < rest_speed else 0.0) * (q - x)
+        x += h * (leak if abs(faster) < rest_speed else 0.0) * (q + v * h - x)
         state[_X, j], state[_W, j], state[_Z, j], state[_MEAN, j] = x, faster, z, mean
         state[_FIRST, j], state[_SECOND, j], state[_THIRD, j] = first, second, third
         state[_SUM_U, j] += u
@@ -200,7 +205,7 @@ def observe(
             out[1, j, k], out[2, j, k] = state[_X, j], state[_W, j]
         for s in range(taken):
             _feel(state, general)
-            _advance(state, (s + 0.5) / taken, h, gains, rest_speed)
+            _advance(state, s / taken, (s + 0.5) / taken, h, gains, rest_speed)
         for j in range(LANES):
             out[0, j, k], out[3, j, k] = state[_SUM_U, j] / taken, state[_SUM_BRISTLE, j] / taken
 
