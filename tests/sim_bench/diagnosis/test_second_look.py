@@ -126,4 +126,4 @@ def test_the_base_alone_gives_the_recording_of_a_joint_with_nothing_missing() ->
     sliding = np.abs(columns["true_velocity"]) > 0.2
     sliding[:200] = False  # the loop jerks at its start
     # Two independent noises of 0.05 N·m, and what the encoder's steps put into the acceleration.
-    assert np.sqrt(np.mean(error[sliding] ** 2)) < 0.03 * float(np.std(recording.torque))
+    assert np.sqrt(np.mean(error[sliding] ** 2)) < 0.05 * float(np.std(recording.torque))
