@@ -41,6 +41,7 @@ _FRICTION_REACH = [10.0, 10.0, 2.0, 20.0]
 _REACH = np.array([4.0, 40.0, 40.0, 40.0, *_FRICTION_REACH, *_FRICTION_REACH, 3.0, 2.0, 3.0, 2.0, 2.0])
 _DAMPING = 0.012  # [s] largest sigma_1 / sigma_0 of a bristle that is part of the base
 _INERTIA = 0.3  # relative deviation of a simulation's inertia from that of the joint
+_ASYMMETRY = 0.2  # deviation of the difference of the Coulomb torques of both directions, in their mean
 _DELAY = 5e-4  # [s] a wider prior swallows delays that are real
 
 
@@ -119,6 +120,7 @@ class BaseModel:
         low = np.array([*lower, -dt, 0.0, 0.0, 0.0])
         high = np.array([*upper, _DELAY, _DAMPING, 1.0, 1.5])
         centre = start.copy()
+        centre[4] = centre[8] = level
         weight = np.zeros(start.size)
         weight[0] = 1.0 / _INERTIA if known_inertia else 0.0
         for i in (6, 10):
@@ -130,7 +132,10 @@ class BaseModel:
         weight[15] = 1.0 / 0.5
         centre[15] = 0.5
         weight[16] = 1.0 / 0.7
+        # Sliding shows offset and difference of the directions as one sum; only the start of motion could part them.
+        difference = (np.eye(start.size)[4] - np.eye(start.size)[8]) / (_ASYMMETRY * level)
+        precision = np.diag(weight**2) + np.outer(difference, difference)
         return cls(
             np.clip(start, low, high),
-            Box(low, high, np.array([*scale, 0.5 * reach, 0.2 * _DAMPING, 0.3, 0.5]), centre, weight, _REACH),
+            Box(low, high, np.array([*scale, 0.5 * reach, 0.2 * _DAMPING, 0.3, 0.5]), centre, precision, _REACH),
         )

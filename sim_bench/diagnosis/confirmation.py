@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from .preparation import Prepared
-from .solver import Box
+from .solver import Box, at_least
 from .structure import Structure
 from .track import FloatArray
 
@@ -134,7 +134,7 @@ def _held_out_by_simulation(
 def _move(residual: FloatArray, jacobian: FloatArray, box: Box, train: FloatArray) -> FloatArray:
     """Gauss-Newton step on the rows of `train`, at most one scale long in each parameter. Shape (p,)."""
     A = jacobian[train] * box.scale
-    prior = np.diag(np.maximum((box.weight * box.scale) ** 2, 0.1))
+    prior = at_least(box.scaled_precision, 0.1)
     step = np.linalg.solve(A.T @ A + prior, -A.T @ residual[train])
     result: FloatArray = box.scale * np.clip(step, -1.0, 1.0)
     return result
@@ -143,6 +143,6 @@ def _move(residual: FloatArray, jacobian: FloatArray, box: Box, train: FloatArra
 def covariance(fit_jacobian: FloatArray, box: Box) -> FloatArray:
     """Covariance of base and effect parameters in the solver's coordinates. Shape (p, p)."""
     A = fit_jacobian * box.scale
-    H = A.T @ A + np.diag(np.maximum((box.weight * box.scale) ** 2, 1e-9))
+    H = A.T @ A + at_least(box.scaled_precision, 1e-9)
     result: FloatArray = np.linalg.pinv(H, hermitian=True) * np.outer(box.scale, box.scale)
     return result

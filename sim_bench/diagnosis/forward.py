@@ -20,7 +20,7 @@ from .observer import Contribution, Plant
 from .preparation import Prepared
 from .result import Forward
 from .search import Explanation
-from .solver import Box
+from .solver import Box, at_least
 from .structure import N_BASE, Structure
 from .track import FloatArray, Track
 
@@ -123,7 +123,7 @@ def _trained(prepared: Prepared, model: tuple[Structure, FloatArray, FloatArray]
     kept[: first.size] = first < start - _GAP / prepared.problem.tracks[0].dt
     box: Box = prepared.box.joined(structure.box())
     A = jacobian[kept] * box.scale
-    prior = np.diag(np.maximum((box.weight * box.scale) ** 2, 0.1))
+    prior = at_least(box.scaled_precision, 0.1)
     step = np.linalg.solve(A.T @ A + prior, -A.T @ residual[kept])
     return box.clip(theta + box.scale * np.clip(step, -1.0, 1.0))
 

@@ -6,7 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import solve_toeplitz
+from scipy.ndimage import minimum_filter1d
 from scipy.signal import lfilter
 
 from .base import BASE_NAMES, BaseModel, unpack
@@ -27,6 +29,8 @@ from .weak_form import estimate_plant
 
 __all__ = ["Prepared", "prepare"]
 
+_SLIDING = 2.0  # rest speeds
+_SELDOM = 0.1  # share of the rows
 _FIRST_NULLS = 12  # for the weights of the first refit
 _SAME_COLOUR = 0.08  # difference of correlations that chance may bring
 _EVEN = 0.8  # quotient of the bulk's excess and that of all rows, below which few rows make it: no noise does
@@ -69,6 +73,16 @@ class Prepared:
         ends = np.cumsum([grid.centres.size for grid in self.problem.grids])[:-1]
         parts = np.split(self.fit.jacobian, ends)
         return np.concatenate([lfilter([1.0], recolouring, part, axis=0) for part in parts])
+
+    @property
+    def sliding(self) -> NDArray[np.bool_]:
+        """Rows in which the joint slides all the time; all of them where it hardly ever does. Shape (m,)."""
+        parts = []
+        for track, grid in zip(self.problem.tracks, self.problem.grids, strict=True):
+            slowest = minimum_filter1d(np.abs(track.velocity), grid.window.size)[grid.centres]
+            parts.append(slowest > _SLIDING * self.problem.observer.rest_speed)
+        rows = np.concatenate(parts)
+        return rows if np.mean(rows) > _SELDOM else np.ones(rows.size, dtype=bool)
 
     @property
     def noise_ratio(self) -> float:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .effects import EFFECTS
 from .generic import generic_rows
 from .preparation import Prepared
 from .screening import Column, Screen, orthonormal, project_out, screen
@@ -27,7 +28,8 @@ _QUANTILE = 0.98
 _LEAST_GAIN = 30.0
 _ANOTHER = 0.08  # of the gain, that one more effect must add: less is the form of the first one not quite met
 _LAST_RESORT = 0.8  # of its gain is what an explanation with a torque from outside counts for
-_MATERIAL = 0.05  # gain per row: below it the base model's own small errors could be named
+_MOST_OF_A_ROW = 9.0  # gain that one row may add to what counts against the threshold
+_MATERIAL = 0.02  # gain per row: below it the base model's own small errors could be named
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +40,8 @@ class Explanation:
         structure: Base and effects.
         fit: The minimum.
         gain: Fall of the cost from the base, less the BIC penalty.
+        certain: The same from rows that can show the effects, none counting for more than a few: rows about rest hang
+            on a bristle that no model has quite right, and a handful of rows decides nothing.
         coverage: Part of the explainable energy that it covers.
         refused: Why it is not physical; empty where it is.
     """
@@ -45,6 +49,7 @@ class Explanation:
     structure: Structure
     fit: Fit
     gain: float
+    certain: float
     coverage: float
     refused: str = ""
 
@@ -91,7 +96,7 @@ def search(prepared: Prepared) -> Found:
         pairs = [e for e in _acceptable(tried, threshold) if len(e.names) == 2]
         if pairs and pairs[0].coverage < _ENOUGH:
             tried += _grow(prepared, pairs[:1], generic, None)
-    best = _choose(tried, threshold)
+    best = _choose(prepared, tried, threshold)
     if best is not None and len(best.names) > 1:
         (polished,) = _polish(prepared, [best], generic)
         tried[tried.index(best)] = best = polished
@@ -100,7 +105,7 @@ def search(prepared: Prepared) -> Found:
 
 
 def _acceptable(tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
-    passing = [e for e in tried if not e.refused and e.gain > threshold]
+    passing = [e for e in tried if not e.refused and e.certain > threshold]
     return sorted(passing, key=lambda explanation: -_weighed(explanation))
 
 
@@ -109,7 +114,7 @@ def _weighed(explanation: Explanation) -> float:
     return explanation.gain * (_LAST_RESORT if "external_disturbance" in explanation.names else 1.0)
 
 
-def _choose(tried: Sequence[Explanation], threshold: float) -> Explanation | None:
+def _choose(prepared: Prepared, tried: Sequence[Explanation], threshold: float) -> Explanation | None:
     """The smallest explanation that no larger one beats by a material gain and coverage."""
     best: Explanation | None = None
     for size in (1, 2, 3):
@@ -117,12 +122,27 @@ def _choose(tried: Sequence[Explanation], threshold: float) -> Explanation | Non
         if not options:
             continue
         top = options[0]
-        if best is None or (
-            _weighed(top) > _weighed(best) + max(threshold, _ANOTHER * best.gain)
-            and top.coverage > best.coverage + 0.015
-        ):
+        if best is None or _better(prepared, top, best, threshold):
             best = top
     return best
+
+
+def _better(prepared: Prepared, larger: Explanation, best: Explanation, threshold: float) -> bool:
+    """Whether the further effects of a larger explanation add enough, and where they can be seen."""
+    least = max(threshold, _ANOTHER * best.gain)
+    further = set(larger.names) - set(best.names)
+    return (
+        _weighed(larger) > _weighed(best) + least
+        and _counted(prepared, further, best.fit, larger.fit) > least
+        and larger.coverage > best.coverage + 0.015
+    )
+
+
+def _counted(prepared: Prepared, names: Collection[str], before: Fit, after: Fit) -> float:
+    """Fall of the cost in rows that can show the effects `names`, none counting for more than a few."""
+    fall = np.minimum(before.residual**2 - after.residual**2, _MOST_OF_A_ROW)
+    everywhere = any(EFFECTS[name].shown_at_rest for name in names)
+    return float(np.sum(fall if everywhere else fall[prepared.sliding]))
 
 
 def _null_gain(prepared: Prepared, screened: Screen) -> float:
@@ -245,11 +265,12 @@ def _explain(
 
 def _judged(prepared: Prepared, structure: Structure, fit: Fit, generic: FloatArray) -> Explanation:
     fall = prepared.fit.cost - fit.cost
-    gain = fall - structure.freedom * np.log(fit.residual.size)
+    penalty = structure.freedom * float(np.log(fit.residual.size))
+    certain = _counted(prepared, structure.names, prepared.fit, fit) - penalty
     span = orthonormal(project_out(generic, orthonormal(fit.jacobian)), 1e-4)
     left = max(_excess(span, fit.residual), 0.0)
     coverage = fall / (fall + left) if fall > 0.0 else 0.0
-    return Explanation(structure, fit, float(gain), float(coverage), _refusal(structure, fit))
+    return Explanation(structure, fit, fall - penalty, certain, float(coverage), _refusal(structure, fit))
 
 
 def _refusal(structure: Structure, fit: Fit) -> str:

@@ -6,10 +6,11 @@ from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from .track import FloatArray
 
-__all__ = ["Box", "Descent", "Fit", "descend", "minimise", "together"]
+__all__ = ["Box", "Descent", "Fit", "at_least", "descend", "minimise", "together"]
 
 _DIFFERENCE = 0.02  # of a parameter's scale
 _TOLERANCE = 1e-2  # fall of the cost that ends the descent, in units of the mean squared residual
@@ -26,7 +27,7 @@ class Box:
         upper: Upper bounds. Shape (p,).
         scale: Change of each parameter that matters; differences are taken over a small part of it. Shape (p,).
         centre: Where a weak prior pulls each parameter. Shape (p,).
-        weight: Strength of that pull, as one over its standard deviation; 0 for none. Shape (p,).
+        precision: Inverse covariance of that prior; 0 for none. Shape (p, p).
         reach: Longest step, in units of `scale`. Shape (p,).
     """
 
@@ -34,17 +35,25 @@ class Box:
     upper: FloatArray
     scale: FloatArray
     centre: FloatArray
-    weight: FloatArray
+    precision: FloatArray
     reach: FloatArray
 
     def clip(self, theta: FloatArray) -> FloatArray:
         """The nearest point inside."""
         return np.clip(theta, self.lower, self.upper)
 
+    @property
+    def scaled_precision(self) -> FloatArray:
+        """The prior's inverse covariance where each parameter is measured in its scale. Shape (p, p)."""
+        return self.precision * np.outer(self.scale, self.scale)
+
     def joined(self, other: Box) -> Box:
         """This domain with further parameters behind."""
-        pairs = zip(self.__dict__.values(), other.__dict__.values(), strict=True)
-        return Box(*(np.concatenate(pair) for pair in pairs))
+        joined = {
+            name: block_diag(mine, theirs) if mine.ndim == 2 else np.concatenate([mine, theirs])
+            for (name, mine), theirs in zip(self.__dict__.items(), other.__dict__.values(), strict=True)
+        }
+        return Box(**joined)
 
 
 @dataclass(frozen=True)
@@ -62,6 +71,12 @@ class Fit:
     residual: FloatArray
     jacobian: FloatArray
     cost: float
+
+
+def at_least(matrix: FloatArray, floor: float) -> FloatArray:
+    """`matrix` with its diagonal raised to `floor`. Shape (p, p)."""
+    result: FloatArray = matrix + np.diag(np.maximum(floor - np.diag(matrix), 0.0))
+    return result
 
 
 Descent = Generator[list[FloatArray], list[FloatArray], Fit]
@@ -172,8 +187,8 @@ def _columns(moved: Sequence[FloatArray], at: FloatArray, steps: FloatArray) -> 
 
 
 def _cost(residual: FloatArray, theta: FloatArray, box: Box) -> float:
-    pull = box.weight * (theta - box.centre)
-    value = float(residual @ residual + pull @ pull)
+    away = theta - box.centre
+    value = float(residual @ residual + away @ box.precision @ away)
     return value if np.isfinite(value) else np.inf
 
 
@@ -184,10 +199,10 @@ def _step(J: FloatArray, residual: FloatArray, theta: FloatArray, box: Box, damp
     for _ in range(3):
         S = box.scale[free]
         A = J[:, free] * S
-        H = A.T @ A + np.diag((box.weight[free] * S) ** 2)
+        H = A.T @ A + box.scaled_precision[np.ix_(free, free)]
         g = (
             A.T @ (residual + J[:, ~free] @ (target - theta)[~free])
-            + S * box.weight[free] ** 2 * (theta - box.centre)[free]
+            + S * (box.precision @ (np.where(free, theta, target) - box.centre))[free]
         )
         H += damping * np.diag(np.diag(H) + 1e-9 * np.trace(H) / H.shape[0])
         move = np.zeros(theta.size)

@@ -76,9 +76,9 @@ class Structure:
         lower = np.where(fixed, start, [p.lower for p in parameters])
         upper = np.where(fixed, start, [p.upper for p in parameters])
         scale = np.array([p.scale if p.scale > 0.0 else 1e-9 for p in parameters])
-        weight = np.array([1.0 / p.prior if p.prior > 0.0 else 0.0 for p in parameters])
+        precision = np.diag([1.0 / p.prior**2 if p.prior > 0.0 else 0.0 for p in parameters])
         reach = np.array([1000.0 if p.linear else 2.0 for p in parameters])
-        return Box(lower, upper, scale, start.copy(), weight, reach)
+        return Box(lower, upper, scale, start.copy(), precision, reach)
 
     def values(self, vector: FloatArray) -> dict[str, dict[str, float]]:
         """Effect parameters by effect and name."""

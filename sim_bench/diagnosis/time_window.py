@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from .effects import Context
 from .problem import Problem
-from .solver import Box, Fit
+from .solver import Box, Fit, at_least
 from .track import FloatArray
 
 __all__ = ["push", "time_windows"]
@@ -89,7 +89,7 @@ def _refit_without(inside: _Mask, fit: Fit, box: Box) -> FloatArray:
     """The residual once the base is refitted, linearly, to the rows that are not `inside`. Shape (m,)."""
     A = fit.jacobian * box.scale
     out = ~binary_dilation(inside, np.ones(2 * _MEAN + 1))
-    H = A[out].T @ A[out] + np.diag((box.weight * box.scale) ** 2 + 1e-6)
+    H = A[out].T @ A[out] + at_least(box.scaled_precision, 1e-6)
     result: FloatArray = fit.residual - A @ np.linalg.solve(H, A[out].T @ fit.residual[out])
     return result
 

@@ -102,7 +102,7 @@ def _gravity(context: Context) -> tuple[FloatArray, FloatArray]:
     """Gravity torque [N·m] and its derivative by the position [N·m/rad]. Shapes (n,)."""
     if not context.rotary:
         return np.zeros_like(context.position), np.zeros_like(context.position)
-    cosine, sine = np.cos(context.position), np.sin(context.position)
+    cosine, sine = context.waves
     a, b = context.plant.gravity
     return a * cosine + b * sine, b * cosine - a * sine
 

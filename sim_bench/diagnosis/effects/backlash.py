@@ -24,6 +24,7 @@ class Backlash(Effect):
     citation = "nordin2002"
     says = "a gap lets the load go whenever the transmitted torque changes sign"
     located_by = "load_torque"
+    shown_at_rest = True
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (

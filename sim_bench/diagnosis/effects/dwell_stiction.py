@@ -21,6 +21,7 @@ class DwellStiction(Effect):
     citation = "armstrong1994survey"
     says = "the breakaway torque grows with the time at rest"
     located_by = "time_since_reversal"
+    shown_at_rest = True
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -61,6 +62,11 @@ class Context:
         """Time since the first sample [s]."""
         return np.arange(self.position.size, dtype=np.float64) * np.float64(self.dt)
 
+    @cached_property
+    def waves(self) -> tuple[FloatArray, FloatArray]:
+        """Cosine and sine of the position. Shapes (n,)."""
+        return np.cos(self.position), np.sin(self.position)
+
     @property
     def stribeck_velocity(self) -> FloatArray:
         """Stribeck velocity of the direction of motion [rad/s]."""
@@ -101,6 +107,7 @@ class Effect(ABC):
     citation: ClassVar[str]
     says: ClassVar[str]
     located_by: ClassVar[str] = "velocity"
+    shown_at_rest: ClassVar[bool] = False  # else only rows in which the joint slides speak for it
     contains: ClassVar[tuple[str, ...]] = ()
 
     @abstractmethod

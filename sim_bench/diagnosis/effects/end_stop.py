@@ -23,6 +23,7 @@ class EndStop(Effect):
     citation = ""
     says = "a stop pushes back at the end of the range"
     located_by = "position"
+    shown_at_rest = True
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = contexts[0].scale

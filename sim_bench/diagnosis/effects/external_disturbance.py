@@ -21,6 +21,7 @@ class ExternalDisturbance(Effect):
     citation = ""
     says = "a torque from outside acts for a while; it is no function of the joint's state"
     located_by = "time"
+    shown_at_rest = True
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = 0.05 * contexts[0].scale

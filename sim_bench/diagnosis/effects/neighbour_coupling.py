@@ -21,6 +21,7 @@ class NeighbourCoupling(Effect):
     citation = "siciliano2009"
     says = "the motion of a neighbouring joint is felt here"
     located_by = "time"
+    shown_at_rest = True
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = contexts[0].scale

@@ -21,6 +21,7 @@ class PreslidingHysteresis(Effect):
     citation = "canudas1995lugre"
     says = "after each reversal the friction builds up over a visible travel"
     located_by = "time_since_reversal"
+    shown_at_rest = True
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (

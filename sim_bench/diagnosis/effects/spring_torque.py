@@ -21,6 +21,7 @@ class SpringTorque(Effect):
     citation = ""
     says = "a spring pulls the joint"
     located_by = "position"
+    shown_at_rest = True
     contains = ("torque_offset",)
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:

@@ -38,6 +38,7 @@ class TorqueSensorHysteresis(Effect):
     citation = "wen1976"
     says = "the torque reading lags behind the load in a loop"
     located_by = "load_torque"
+    shown_at_rest = True
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         largest = _largest(contexts)
