@@ -10,10 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from fricomp.errors import ParameterError
 
-__all__ = ["PALETTE", "Band", "Bars", "Chart", "HeatMap", "Line", "Mark", "Panel", "Points", "Rule"]
+__all__ = ["CROWDED", "PALETTE", "Band", "Bars", "Chart", "HeatMap", "Line", "Mark", "Panel", "Points", "Rule"]
 
 PALETTE = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#4D4D4D", "#8C6D1F")
 """Colours that remain apart for colour-blind readers [okabe2008]; a mark's `color` counts from 0."""
+
+CROWDED = 12
+"""Names along x from which they stand upright in a heat map."""
 
 Values = NDArray[np.float64]
 Scale = Literal["linear", "log"]
@@ -124,7 +127,7 @@ class HeatMap:
         x: Shape (n_columns,).
         y: Shape (n_rows,).
         values: Shape (n_rows, n_columns); NaN stays empty.
-        color_label: What the colour means, with its unit.
+        color_label: What the colour means, with its unit; empty for no scale beside the map.
         diverging: Whether zero is the middle, such as for correlations.
         x_names: Names in place of x, such as of parameters.
         y_names: Names in place of y.
@@ -199,6 +202,17 @@ class Panel:
             found.append(PALETTE[index % len(PALETTE)])
         return tuple(found)
 
+    def has_lone_bars(self) -> bool:
+        """Whether no category has bars of two marks, so that each bar can stand in the middle of its category."""
+        taken: set[str] = set()
+        for mark in self.marks:
+            if isinstance(mark, Bars):
+                here = {name for name, value in zip(mark.categories, mark.values, strict=True) if np.isfinite(value)}
+                if taken & here:
+                    return False
+                taken |= here
+        return True
+
 
 @dataclass(frozen=True, eq=False)
 class Chart:
@@ -230,6 +244,36 @@ class Chart:
     def rows(self) -> int:
         """Panels one above the other."""
         return -(-len(self.panels) // self.columns)
+
+    def legends(self) -> tuple[tuple[str, ...], ...]:
+        """Labels that each panel's legend has; what an earlier panel has named is not named again."""
+        shown: set[tuple[str, str]] = set()
+        found = []
+        for panel in self.panels:
+            new = []
+            for mark, color in zip(panel.marks, panel.colors(), strict=True):
+                label = getattr(mark, "label", "")
+                if label and (label, color) not in shown:
+                    shown.add((label, color))
+                    new.append(label)
+            found.append(tuple(new))
+        return tuple(found)
+
+    def legend_lines(self, letter: float, symbol: float, width: float) -> tuple[int, ...]:
+        """Lines that each panel's legend takes above it; it may use the room of its neighbours where they have none.
+
+        Args:
+            letter: Width of a letter.
+            symbol: Width of the symbol of an entry, and of the gaps around it.
+            width: Of the whole chart.
+        """
+        legends, lines = self.legends(), []
+        for number, labels in enumerate(legends):
+            row = number - number % self.columns
+            alone = sum(map(bool, legends[row : row + self.columns])) <= 1 and number == row
+            room = width / (1 if alone else self.columns)
+            lines.append(int(-(-sum(len(label) * letter + symbol for label in labels) // room)))
+        return tuple(lines)
 
 
 def _read_only(values: ArrayLike) -> Values:

@@ -6,7 +6,7 @@ from itertools import zip_longest
 from typing import Any
 
 from fricomp.errors import MissingExtraError
-from fricomp.report.chart import Band, Bars, Chart, HeatMap, Line, Mark, Panel, Points, Rule
+from fricomp.report.chart import CROWDED, Band, Bars, Chart, HeatMap, Line, Mark, Panel, Points, Rule
 from fricomp.report.thinning import thin
 
 __all__ = ["draw_interactive", "plotly_javascript"]
@@ -55,7 +55,7 @@ def draw_interactive(chart: Chart) -> str:
         horizontal_spacing=0.09 if chart.columns > 1 else 0.0,
         subplot_titles=[panel.title for panel in chart.panels],
     )
-    lines = _legend_lines(chart)
+    lines = chart.legend_lines(_LETTER, _SYMBOL, _PAGE)
     height += max(lines) * _LEGEND_LINE - _LEGEND_LINE
     shown: set[tuple[str, str]] = set()
     for number, panel in enumerate(chart.panels):
@@ -76,21 +76,7 @@ def draw_interactive(chart: Chart) -> str:
     return html
 
 
-def _legend_lines(chart: Chart) -> list[int]:
-    """Lines that the legend of each panel takes; what an earlier panel has named is not named again."""
-    shown: set[tuple[str, str]] = set()
-    lines = []
-    for panel in chart.panels:
-        named = {(getattr(mark, "label", ""), c) for mark, c in zip(panel.marks, panel.colors(), strict=True)}
-        new = [label for label, color in named - shown if label]
-        shown |= named
-        width = sum(len(label) * _LETTER + _SYMBOL for label in new)
-        room = _PAGE / (chart.columns if shown - named else 1)
-        lines.append(int(-(-width // room)))
-    return lines
-
-
-def _dress(figure: Any, chart: Chart, height: float, lines: list[int]) -> None:
+def _dress(figure: Any, chart: Chart, height: float, lines: tuple[int, ...]) -> None:
     """Fonts, margins, and each panel's title at its left edge."""
     figure.update_layout(
         height=height,
@@ -125,6 +111,8 @@ def _draw_panel(figure: Any, panel: Panel, place: dict[str, int], number: int, s
                 trace["colorbar"] = _color_bar(figure, trace["colorbar"], number)
             else:
                 trace["legend"] = legend
+                if trace["type"] == "bar" and panel.has_lone_bars():
+                    trace["offsetgroup"] = "middle"
                 trace["showlegend"] = trace["showlegend"] and (trace["name"], color) not in shown
             figure.add_trace(trace, **place)
         shown.add((getattr(mark, "label", ""), color))
@@ -138,6 +126,8 @@ def _draw_panel(figure: Any, panel: Panel, place: dict[str, int], number: int, s
         figure.update_yaxes(range=list(panel.y_range), **place)
     figure.update_xaxes(**_log_ticks(panel.x_scale), **place)
     figure.update_yaxes(**_log_ticks(panel.y_scale), **place)
+    if any(len(mark.x_names) > CROWDED for mark in panel.marks if isinstance(mark, HeatMap)):
+        figure.update_xaxes(tickangle=-90, **place)
     domain = figure.layout[_axis("yaxis", number)].domain[1], figure.layout[_axis("xaxis", number)].domain[0]
     figure.update_layout({legend: _legend(*domain)})
 
@@ -187,9 +177,9 @@ def _traces(mark: Mark, color: str) -> list[dict[str, Any]]:
             bars = {"type": "bar", "x": mark.categories, "y": mark.values, "marker": {"color": color}, **named}
             return [bars | _error(mark)]
         case HeatMap():
-            scale: dict[str, Any] = {}
+            scale: dict[str, Any] = {"colorscale": "Viridis", "showscale": bool(mark.color_label)}
             if mark.diverging:
-                scale = {"colorscale": "RdBu", "reversescale": True, "zmid": 0.0}
+                scale |= {"colorscale": "RdBu", "reversescale": True, "zmid": 0.0}
             if mark.limits is not None:
                 scale |= {"zmin": mark.limits[0], "zmax": mark.limits[1]}
             grid = {"x": mark.x_names or mark.x, "y": mark.y_names or mark.y, "z": mark.values}

@@ -20,7 +20,7 @@ class Table:
 
     Attributes:
         columns: Headings, with units.
-        rows: One entry a column; a cell that begins with a digit or a sign is set flush right.
+        rows: One entry a column; a column of cells that begin with a digit or a sign is set flush right.
         caption: What it shows; empty for none.
     """
 
@@ -32,6 +32,14 @@ class Table:
         for row in self.rows:
             if len(row) != len(self.columns):
                 raise ParameterError(f"a table of {len(self.columns)} columns has a row of {len(row)}: {row}")
+
+    @property
+    def numeric(self) -> tuple[bool, ...]:
+        """Whether each column holds numbers, with dashes or nothing where there are none."""
+        return tuple(
+            any(map(_is_numeric, cells)) and all(_is_numeric(cell) or cell in ("", "–") for cell in cells)
+            for cells in zip(*self.rows, strict=True)
+        ) or (False,) * len(self.columns)
 
 
 Outcome = Literal["passed", "warning", "failed", "note"]
@@ -111,7 +119,6 @@ def write_report(page: ReportPage, path: str | os.PathLike[str]) -> Path:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.tests["numeric"] = _is_numeric
     sections = [
         {"title": section.title, "folded": section.folded, "blocks": [_block(block) for block in section.blocks]}
         for section in page.sections

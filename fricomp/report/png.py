@@ -9,13 +9,16 @@ from typing import Any
 import numpy as np
 
 from fricomp.errors import MissingExtraError
-from fricomp.report.chart import Band, Bars, Chart, HeatMap, Line, Mark, Panel, Points, Rule
+from fricomp.report.chart import CROWDED, Band, Bars, Chart, HeatMap, Line, Mark, Panel, Points, Rule
 from fricomp.report.thinning import thin
 
 __all__ = ["draw_png"]
 
 _DOTS_PER_INCH = 130
 _WIDTH = 1100.0 / 100.0  # [in] for a page of 1100 px at the usual 100 px/in
+_LETTER, _SYMBOL = 8.2, 56.0  # widths that decide how many lines a legend takes [px]
+_LEGEND_LINE = 23.0  # height of a line of the legend [px]
+_POINT = 72.0 / 100.0  # [pt/px]
 _STROKE = {"solid": "-", "dashed": "--", "dotted": ":"}
 _STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
@@ -54,34 +57,53 @@ def draw_png(chart: Chart, path: str | os.PathLike[str]) -> Path:
         raise MissingExtraError("matplotlib", "report") from error
     target = Path(path)
     with mpl.rc_context(_STYLE):
-        figure = Figure(figsize=(_WIDTH, (chart.rows * chart.panel_height + 70) / 100.0), layout="constrained")
+        lines = _row_lines(chart)
+        height = chart.rows * chart.panel_height + 70 + sum(lines[:: chart.columns]) * _LEGEND_LINE
+        figure = Figure(figsize=(_WIDTH, height / 100.0), layout="constrained")
         FigureCanvasAgg(figure)
         figure.suptitle(chart.title, x=0.01, ha="left", fontsize=14, fontweight="bold")
         axes = list(figure.subplots(chart.rows, chart.columns, squeeze=False, sharex=chart.share_x).flat)
         for ax in axes[len(chart.panels) :]:
             ax.remove()
-        for ax, panel in zip(axes, chart.panels, strict=False):
-            _draw_panel(figure, ax, panel)
+        for ax, panel, named, above in zip(axes, chart.panels, chart.legends(), lines, strict=False):
+            _draw_panel(figure, ax, panel, named, above)
             if chart.share_x:
                 ax.label_outer()
         figure.savefig(target, dpi=_DOTS_PER_INCH)
     return target
 
 
-def _draw_panel(figure: Any, ax: Any, panel: Panel) -> None:
+def _row_lines(chart: Chart) -> list[int]:
+    """Lines of legend above each panel: those of the panel of its row that has most."""
+    lines = chart.legend_lines(_LETTER, _SYMBOL, 0.9 * 100.0 * _WIDTH)
+    starts = [number - number % chart.columns for number in range(len(lines))]
+    return [max(lines[start : start + chart.columns]) for start in starts]
+
+
+def _draw_panel(figure: Any, ax: Any, panel: Panel, named: tuple[str, ...], above: int) -> None:
     for order, (mark, color) in enumerate(zip(panel.marks, panel.colors(), strict=True)):
         _draw_mark(figure, ax, mark, color, _bar_place(panel, order))
     ax.set_xlabel(panel.x_label)
     ax.set_ylabel(panel.y_label)
-    ax.set_title(panel.title, loc="left")
+    ax.set_title(panel.title, loc="left", pad=6.0 + above * _LEGEND_LINE * _POINT)
     if panel.x_scale == "log":
         ax.set_xscale("log")
     if panel.y_scale == "log":
         ax.set_yscale("log")
     if panel.y_range is not None:
         ax.set_ylim(panel.y_range)
-    if any(getattr(mark, "label", "") for mark in panel.marks):
-        ax.legend(frameon=True, framealpha=0.85, edgecolor="none", loc="best")
+    if named:
+        _draw_legend(ax, named, above)
+
+
+def _draw_legend(ax: Any, named: tuple[str, ...], lines: int) -> None:
+    """Between the panel and its title, where it covers nothing."""
+    handles, labels = ax.get_legend_handles_labels()
+    known = dict(zip(labels, handles, strict=True))
+    ax.legend(
+        [known[label] for label in named], named, loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False,
+        ncols=-(-len(named) // lines), borderpad=0.0, borderaxespad=0.3, handlelength=1.6, columnspacing=1.6,
+    )  # fmt: skip
 
 
 def _draw_mark(figure: Any, ax: Any, mark: Mark, color: str, bar_place: tuple[float, float]) -> None:
@@ -115,6 +137,8 @@ def _bar_place(panel: Panel, order: int) -> tuple[float, float]:
     bars = [i for i, mark in enumerate(panel.marks) if isinstance(mark, Bars)]
     if order not in bars:
         return 0.0, 0.8
+    if panel.has_lone_bars():
+        return 0.0, 0.5
     width = 0.8 / len(bars)
     return (bars.index(order) - (len(bars) - 1) / 2.0) * width, width
 
@@ -127,9 +151,11 @@ def _draw_heat_map(figure: Any, ax: Any, mark: HeatMap) -> None:
     mesh = ax.pcolormesh(
         mark.x, mark.y, mark.values, shading="nearest", cmap="RdBu_r" if mark.diverging else "viridis", **limits
     )
-    figure.colorbar(mesh, ax=ax, label=mark.color_label)
+    if mark.color_label:
+        figure.colorbar(mesh, ax=ax, label=mark.color_label)
     if mark.x_names:
-        ax.set_xticks(mark.x, mark.x_names, **_slant(mark.x_names))
+        upright = {"rotation": 90} if len(mark.x_names) > CROWDED else None
+        ax.set_xticks(mark.x, mark.x_names, **(upright or _slant(mark.x_names)))
     if mark.y_names:
         ax.set_yticks(mark.y, mark.y_names)
     ax.grid(visible=False)

@@ -38,6 +38,32 @@ def test_colors_follow_the_order_unless_given() -> None:
     assert panel.colors() == (PALETTE[0], PALETTE[4], PALETTE[1])
 
 
+def test_a_legend_names_what_no_earlier_panel_has_named() -> None:
+    x = np.zeros(1)
+    panels = (
+        Panel((Line(x, x, "law", color=0), Points(x, x, color=1)), "", ""),
+        Panel((Line(x, x, "law", color=0), Line(x, x, "data", color=1)), "", ""),
+        Panel((Line(x, x, "law", color=2),), "", ""),
+    )
+    chart = Chart("three", "Three", panels, columns=3)
+    assert chart.legends() == (("law",), ("data",), ("law",))
+    assert chart.legend_lines(letter=10.0, symbol=20.0, width=150.0) == (1, 2, 1)
+
+
+def test_a_legend_takes_the_room_of_neighbours_that_have_none() -> None:
+    x = np.zeros(1)
+    panels = (Panel((Line(x, x, "a long name"),), "", ""), Panel((Line(x, x),), "", ""))
+    assert Chart("two", "Two", panels, columns=2).legend_lines(10.0, 20.0, 200.0) == (1, 0)
+    assert Chart("two", "Two", panels[::-1], columns=2).legend_lines(10.0, 20.0, 200.0) == (0, 2)
+
+
+def test_bars_stand_alone_where_no_category_has_two() -> None:
+    names, nan = ("a", "b"), np.nan
+    one, other = Bars(names, np.array([1.0, nan])), Bars(names, np.array([nan, 2.0]))
+    assert Panel((one, other), "", "").has_lone_bars()
+    assert not Panel((one, other, one), "", "").has_lone_bars()
+
+
 def test_a_chart_needs_a_panel() -> None:
     with pytest.raises(ParameterError, match="at least one panel"):
         Chart("empty", "Empty", ())

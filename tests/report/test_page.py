@@ -1,17 +1,15 @@
 """Report pages and PNG files."""
 
 import re
-import shutil
 import struct
-import subprocess
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from fricomp.errors import ParameterError
 from fricomp.report import Chart, Check, ReportPage, Section, Table, draw_png, write_report
-
-_CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 
 
 @pytest.fixture(scope="module")
@@ -57,16 +55,31 @@ def test_a_table_refuses_rows_of_another_length() -> None:
 def test_a_png_has_the_size_the_chart_asks_for(every_mark: Chart, tmp_path: Path) -> None:
     data = draw_png(every_mark, tmp_path / "chart.png").read_bytes()
     width, height = struct.unpack(">II", data[16:24])
-    assert (width, height) == (1430, round((2 * every_mark.panel_height + 70) * 1.3))
+    legends = 2 * 23  # a line of labels above each row of panels
+    assert (width, height) == (1430, int((2 * every_mark.panel_height + 70 + legends) * 1.3))
+
+
+def test_a_column_is_flush_right_where_it_holds_numbers_or_dashes() -> None:
+    table = Table(("name", "fall", "remark"), (("a", "–", "–"), ("b", "74% to 82%", "2 of them"), ("c", "", "none")))
+    assert table.numeric == (False, True, False)
+    assert Table(("a", "b"), ()).numeric == (False, False)
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(_CHROMIUM is None, reason="needs chromium: apt-get install chromium")
-def test_a_browser_draws_every_chart_without_a_network(html: Path, tmp_path: Path) -> None:
-    assert _CHROMIUM is not None
-    options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=8000", "--dump-dom"]
-    apart = [f"--user-data-dir={tmp_path}", "--proxy-server=127.0.0.1:9"]  # nothing answers there
-    shown = subprocess.run([_CHROMIUM, *options, *apart, html.as_uri()], check=True, capture_output=True, timeout=120)
-    dom = shown.stdout.decode()
-    assert all(f'class="subplot {axes}"' in dom for axes in ("xy", "x2y2", "x3y3"))
-    assert ">Stribeck velocity</text>" in dom
+def test_a_browser_draws_every_chart_without_a_network(html: Path, open_page: Callable[[Path], Any]) -> None:
+    shown = open_page(html)
+    assert all(f'class="subplot {axes}"' in shown.dom for axes in ("xy", "x2y2", "x3y3"))
+    assert ">Stribeck velocity</text>" in shown.dom
+    assert (shown.complaints, shown.fetched) == ((), ())
+
+
+@pytest.mark.slow
+def test_the_browser_tells_of_a_broken_script_and_of_what_a_page_fetches(
+    tmp_path: Path, open_page: Callable[[Path], Any]
+) -> None:
+    address = "http://fonts.invalid/letters.css"
+    page = tmp_path / "broken.html"
+    page.write_text(f'<link rel="stylesheet" href="{address}"><script>missing();</script>')
+    shown = open_page(page)
+    assert "missing is not defined" in shown.complaints[0]
+    assert shown.fetched == (address,)

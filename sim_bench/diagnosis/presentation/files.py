@@ -84,7 +84,7 @@ def _write_models(
         kind = "extended" if diagnosis.extended_model is not None else "refitted"
         save_model(model, folder / "friction.json")
         files.append(folder / "friction.json")
-        notes.append(f"friction.json: the {kind} friction law, {', '.join(term.name for term in model.law.terms)}.")
+        notes.append(f"friction.json: the {kind} friction law: {' + '.join(term.name for term in model.law.terms)}.")
         for name, write in (("friction.onnx", save_extended_network), ("friction.xml", _save_mjcf(simulation, joint))):
             try:
                 notes.append(f"{name}: {write(model, folder / name)}.")

@@ -10,7 +10,7 @@ from fricomp.report import Band, Chart, HeatMap, Line, Mark, Panel, Rule
 
 from ..result import Evidence, Interval, Location, RowSeries
 from ..track import FloatArray
-from .over_time import AFTER, BEFORE, NOISE
+from .over_time import AFTER, BASE, BEFORE, NAMED, NOISE
 from .wording import AXIS_TITLES, Units, words
 
 __all__ = ["map_chart", "plane_chart"]
@@ -34,8 +34,9 @@ def map_chart(evidence: Evidence, location: Location, units: Units, *, named: bo
         "Residual over its noise",
         panels,
         columns=2 if len(panels) > 1 else 1,
-        caption="1 is what a joint with nothing missing shows. Bands are 95 % over blocks of time; marked stretches "
-        "are where the mismatch is said to sit.",
+        caption="1 is what a joint with nothing missing shows on the whole; at rest and just after it has turned round "
+        "it shows less. Bands are 95 % over blocks of time"
+        + ("; the mismatch sits in the marked stretches." if any(location.values()) else "."),
         panel_height=230,
     )
 
@@ -59,9 +60,9 @@ def _panel(
     ]
     x = np.repeat(edges, 2)[1:-1]  # each bin as a level line
     marks.append(Band(x, np.repeat(low, 2), np.repeat(high, 2), color=BEFORE))
-    marks.append(Line(x, np.repeat(before, 2), "before", color=BEFORE))
+    marks.append(Line(x, np.repeat(before, 2), BASE, color=BEFORE))
     if named and after is not None:
-        marks.append(Line(x, np.repeat(after, 2), "with what was named", color=AFTER))
+        marks.append(Line(x, np.repeat(after, 2), NAMED, color=AFTER))
     marks.append(Rule(1.0, "y", color=NOISE))
     title = AXIS_TITLES.get(name, words(name)).capitalize()
     return Panel(tuple(marks), units.axis(name), "residual / noise [1]", title, y_range=(0.0, 1.05 * top))
@@ -97,7 +98,8 @@ def plane_chart(series: Sequence[RowSeries], units: Units, *, named: bool) -> Ch
             panels += _plane(name, series, units, named)
     if not panels:
         return None
-    caption = "Colour is the RMS of the missing torque over its noise in each cell; the same scale before and after."
+    caption = "Colour is the RMS of the missing torque over its noise in each cell"
+    caption += "; the same scale for both models." if named else "."
     return Chart("planes", "Over two quantities", tuple(panels), columns=2 if named else 1, caption=caption)
 
 
@@ -108,7 +110,7 @@ def _plane(name: str, series: Sequence[RowSeries], units: Units, named: bool) ->
     grids = [_cells((x, v), (x_edges, v_edges), series, side) for side in ("before", "after")[: 1 + named]]
     largest = max((float(np.nanmax(grid)) for grid in grids if np.any(np.isfinite(grid))), default=1.0)
     limits = (0.0, max(largest, 1.5))
-    titles = ("Before", "With what was named")
+    titles = (BASE.capitalize(), NAMED.capitalize())
     labels = ("", "residual / noise") if named else ("residual / noise",)
     return [
         Panel(

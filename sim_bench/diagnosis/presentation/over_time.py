@@ -12,10 +12,13 @@ from ..result import RowSeries
 from ..track import FloatArray
 from .wording import Units, words
 
-__all__ = ["AFTER", "BEFORE", "NOISE", "motion_chart", "motion_columns", "time_chart"]
+__all__ = ["AFTER", "BASE", "BEFORE", "NAMED", "NOISE", "motion_chart", "motion_columns", "time_chart"]
 
 BEFORE, AFTER, NOISE = 1, 0, 6
 """Colours of the base model, of the extended model and of the noise, in every chart."""
+
+BASE, NAMED = "base model", "with what was named"
+"""Names of the base model and of the extended one, in every chart."""
 
 
 def time_chart(series: RowSeries, units: Units, number: int, *, named: bool, changes: tuple[float, ...] = ()) -> Chart:
@@ -30,10 +33,10 @@ def time_chart(series: RowSeries, units: Units, number: int, *, named: bool, cha
     """
     noise = 1.96 * series.spread
     marks: list[Mark] = [Band(series.time, -noise, noise, "where nothing is missing (95 %)", color=NOISE)]
-    marks.append(Line(series.time, series.before, "before", color=BEFORE, width=1.0))
+    marks.append(Line(series.time, series.before, BASE, color=BEFORE, width=1.0))
     if named:
-        marks.append(Line(series.time, series.after, "with what was named", color=AFTER, width=1.0))
-    marks += [Rule(time, "x", "changes here" if i == 0 else "", color=4) for i, time in enumerate(changes)]
+        marks.append(Line(series.time, series.after, NAMED, color=AFTER, width=1.0))
+    marks += [Rule(time, "x", "its size changes" if i == 0 else "", color=4) for i, time in enumerate(changes)]
     residual = Panel(tuple(marks), "time [s]", f"missing torque [{units.torque}]", "Measured less simulated torque")
     motion = Panel(
         (Line(series.time, series.velocity, color=2, width=1.0),), "time [s]", units.axis("velocity"), "Motion"
@@ -43,7 +46,8 @@ def time_chart(series: RowSeries, units: Units, number: int, *, named: bool, cha
         f"over-time-{number}",
         f"Over time: {series.name}",
         (residual, motion, place),
-        caption="Drag a box to look closer; all panels follow. Values are means over the windows of the residual.",
+        caption="Drag a box to look closer; all panels follow. Values are means over the windows of the residual. The "
+        "grey band is wide where the joint has just turned round: no recording fixes friction there to the last digit.",
         panel_height=230,
         share_x=True,
     )
@@ -53,7 +57,12 @@ def motion_chart(motion: Mapping[str, FloatArray], units: Units) -> Chart:
     """The motion to record next."""
     columns = motion_columns(motion)
     panels = tuple(
-        Panel((Line(columns["time"], columns[name], color=2, width=1.2),), "time [s]", units.axis(name), words(name))
+        Panel(
+            (Line(columns["time"], columns[name], color=2, width=1.2),),
+            "time [s]",
+            units.axis(name),
+            words(name).capitalize(),
+        )
         for name in ("velocity", "position")
         if name in columns
     )

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from fricomp.report import Chart, ReportPage, Section, Table
 
-from ..result import Diagnosis, DiagnosisRecord, NamedEffect
+from ..result import Diagnosis, NamedEffect
 from .maps import map_chart, plane_chart
 from .over_time import motion_chart, time_chart
 from .tables import base_table, change_table, effect_table, error_table, forward_table, location_table
@@ -31,7 +31,7 @@ def diagnosis_charts(diagnosis: Diagnosis) -> dict[str, Chart]:
         map_chart(evidence, record.location, units, named=named),
         plane_chart(evidence.series, units, named=named),
         order_chart(evidence.orders, record, units),
-        rival_chart(record.rivals),
+        rival_chart(record.rivals, record.effects),
         distinguishability_chart(record.distinguishability),
         motion_chart(diagnosis.motion, units) if diagnosis.motion else None,
     ]
@@ -60,10 +60,10 @@ def diagnosis_page(
             forward_table(record),
         ),
         _section("What changed in the simulation", change_table(record)),
-        _section("Before and after", *over_time),
+        _section("Before and after" if record.effects else "Over time", *over_time),
         _section("Where it sits", location_table(record, units), charts.get("where"), charts.get("planes")),
         _section("Ripple over position", charts.get("orders")),
-        _section("Evidence for each rival", charts.get("rivals"), rival_table(record.rivals)),
+        _section("What was weighed", charts.get("rivals"), rival_table(record.rivals, record.effects)),
         _section("What this recording can tell apart", charts.get("distinguishability")),
         _section("What to record next", *_next(diagnosis), charts.get("motion")),
         _section("The base model", base_table(record), folded=True),
@@ -79,10 +79,6 @@ def diagnosis_page(
     )
 
 
-def _errors(record: DiagnosisRecord) -> list[Table | None]:
-    return [error_table(record), forward_table(record)]
-
-
 def _joint(name: str) -> str:
     """The joint's name, unless it has none but the default."""
     return "Diagnosis" if name in ("", "joint") else f"Joint {name}"
@@ -95,13 +91,12 @@ def _section(title: str, *blocks: str | Chart | Table | None, folded: bool = Fal
 
 
 def _explanations(effects: tuple[NamedEffect, ...]) -> list[str]:
-    """Equation, meaning and source of each effect in one paragraph."""
+    """Kind, meaning, equation and source of each effect in one paragraph."""
     texts = []
     for effect in effects:
-        sentence = effect.sentence.rstrip(".")
-        source = f" [{effect.citation}]" if effect.citation else ""
         equation = f" It is modelled as {effect.equation}." if effect.equation else ""
-        texts.append(f"{effect.name}: {sentence}{source}.{equation}")
+        source = f" Source: {effect.citation}, in docs/references.md." if effect.citation else ""
+        texts.append(f"{effect.name} ({effect.kind}): {effect.sentence.rstrip('.')}.{equation}{source}")
     return texts
 
 
@@ -109,18 +104,20 @@ def _next(diagnosis: Diagnosis) -> list[str]:
     proposed = diagnosis.record.next_experiment
     if proposed is None:
         return []
+    why = proposed.why[:1].upper() + proposed.why[1:].rstrip(".")
     command = f"fricomp calibrate --backend … --motion {proposed.motion} --out runs/next"
-    return [proposed.why, f"It separates {', '.join(proposed.separates)}. Record it with: {command}"]
+    return [f"{why}.", f"This motion would tell {' from '.join(proposed.separates)}. Record it with: {command}"]
 
 
 def _key_figures(diagnosis: Diagnosis, units: Units) -> dict[str, str]:
     record, facts = diagnosis.record, {"verdict": diagnosis.verdict.replace("_", " ")}
     if record.noise_ratio is not None:
-        facts["mismatch over noise"] = f"{record.noise_ratio:.3g}"
+        facts["residual over its noise"] = f"{record.noise_ratio:.3g}"
     if record.heldout is not None:
         errors = record.heldout
-        facts["held-out error"] = f"{errors.rmse_before:.3g} → {errors.rmse_after:.3g} {units.torque}"
+        after = f" → {errors.rmse_after:.3g}" if record.effects else ""
+        facts["held-out error"] = f"{errors.rmse_before:.3g}{after} {units.torque}"
         facts["noise floor"] = f"{errors.noise_floor:.3g} {units.torque}"
         if record.effects:
-            facts["explained of what can be"] = f"{errors.explained:.0%}"
+            facts["explained, of what can be"] = f"{errors.explained:.0%}"
     return facts

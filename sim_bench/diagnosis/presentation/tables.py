@@ -5,27 +5,33 @@ from __future__ import annotations
 from fricomp.report import Table
 
 from ..result import DiagnosisRecord
+from .over_time import BASE, NAMED
 from .wording import Units, derived_parameters, format_interval, format_location, format_number, format_quantity, words
 
-__all__ = ["base_table", "change_table", "effect_table", "error_table", "location_table"]
+__all__ = ["base_table", "change_table", "effect_table", "error_table", "forward_table", "location_table"]
+
+_BASE = f"{BASE}: the simulation, refitted"
 
 
 def effect_table(record: DiagnosisRecord) -> Table | None:
-    """Every named effect with its parameters, its share and its aliases; None where nothing was named."""
+    """Every named effect with its parameters, its share and its aliases; None where nothing was named.
+
+    The unit stands behind the value: a terminal has no room for a column of it.
+    """
     rows: list[tuple[str, ...]] = []
     for effect in record.effects:
         share = f"{effect.share:.0%}"
         aliases = ", ".join(effect.indistinguishable_from) or "–"
-        head: tuple[str, str] = (effect.name, effect.kind)
+        head: tuple[str, ...] = (effect.name,)
         rest = (share, aliases)
         for name, quantity in derived_parameters(effect).items():
-            unit = "" if quantity.unit == "1" else quantity.unit
+            unit = "" if quantity.unit == "1" else f" {quantity.unit}"
             value = format_number(quantity.value, 0.5 * (quantity.ci95[1] - quantity.ci95[0]) or None)
-            rows.append((*head, words(name), value, format_interval(quantity), unit, *rest))
-            head, rest = ("", ""), ("", "")
+            rows.append((*head, words(name), value + unit, format_interval(quantity), *rest))
+            head, rest = ("",), ("", "")
         if not effect.parameters:
-            rows.append((*head, "–", "–", "–", "", *rest))
-    columns = ("effect", "kind", "parameter", "value", "95 % interval", "unit", "share", "cannot be told from")
+            rows.append((*head, "–", "–", "–", *rest))
+    columns = ("effect", "parameter", "value", "95 % interval", "share", "cannot be told from")
     return Table(columns, tuple(rows)) if rows else None
 
 
@@ -35,12 +41,12 @@ def error_table(record: DiagnosisRecord) -> Table | None:
     if found is None:
         return None
     low, high = found.ci95_reduction
-    rows: list[tuple[str, ...]] = [("with what the simulation has, refitted", f"{found.rmse_before:.4g}", "–")]
+    rows: list[tuple[str, ...]] = [(_BASE, f"{found.rmse_before:.4g}", "–")]
     if record.effects:
-        rows.append(("with what was named", f"{found.rmse_after:.4g}", f"−{low:.0%} to −{high:.0%}"))
-    rows.append(("noise floor: a model with nothing missing", f"{found.noise_floor:.4g}", "–"))
+        rows.append((NAMED, f"{found.rmse_after:.4g}", f"{low:.0%} to {high:.0%}"))
+    rows.append(("noise floor: nothing missing", f"{found.noise_floor:.4g}", "–"))
     caption = "On blocks that took no part in the fit."
-    return Table(("error on held-out data", f"RMS [{found.unit}]", "change (95 % interval)"), tuple(rows), caption)
+    return Table(("error on held-out data", f"RMS [{found.unit}]", "falls by (95 % interval)"), tuple(rows), caption)
 
 
 def forward_table(record: DiagnosisRecord) -> Table | None:
@@ -48,9 +54,9 @@ def forward_table(record: DiagnosisRecord) -> Table | None:
     found = record.forward
     if found is None:
         return None
-    rows: list[tuple[str, ...]] = [("with what the simulation has, refitted", f"{found.rmse_before:.4g}")]
+    rows: list[tuple[str, ...]] = [(_BASE, f"{found.rmse_before:.4g}")]
     if record.effects:
-        rows.append(("with what was named", f"{found.rmse_after:.4g}"))
+        rows.append((NAMED, f"{found.rmse_after:.4g}"))
     low, high = found.interval
     caption = f"Simulated in MuJoCo from {low:.3g} to {high:.3g} s, which took no part. {found.controller}."
     return Table(("position error of a forward simulation", f"RMS [{found.unit}]"), tuple(rows), caption)

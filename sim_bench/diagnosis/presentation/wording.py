@@ -124,7 +124,7 @@ def format_location(location: Location, units: Units) -> str:
     for quantity, intervals in location.items():
         spans = ", ".join(f"{low:.3g} to {high:.3g}" for low, high in intervals[:4])
         more = f" and {len(intervals) - 4} more" if len(intervals) > 4 else ""
-        parts.append(f"{AXIS_TITLES.get(quantity, words(quantity))} {spans}{more} {units.unit(quantity)}")
+        parts.append(f"{AXIS_TITLES.get(quantity, words(quantity))} {spans} {units.unit(quantity)}{more}")
     return "; ".join(parts)
 
 

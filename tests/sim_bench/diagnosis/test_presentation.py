@@ -1,10 +1,10 @@
 """Report, tables and files of a diagnosis."""
 
 import re
-import shutil
-import subprocess
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ from fricomp.calibration.sweep.motion_file import read_motion
 from fricomp.export import state_columns
 from fricomp.laws import BidirectionalStribeck, Cogging, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel, Validity, load_model
+from fricomp.report import HeatMap
 from fricomp.sim_bench.diagnosis import (
     DIAGNOSIS_SCHEMA,
     Diagnosis,
@@ -29,6 +30,7 @@ from fricomp.sim_bench.diagnosis import (
     load_diagnosis,
 )
 from fricomp.sim_bench.diagnosis.presentation import (
+    Units,
     WrittenDiagnosis,
     diagnosis_charts,
     effect_table,
@@ -37,8 +39,9 @@ from fricomp.sim_bench.diagnosis.presentation import (
     with_names,
     write_diagnosis,
 )
+from fricomp.sim_bench.diagnosis.presentation.maps import plane_chart
+from fricomp.sim_bench.diagnosis.presentation.weighing import rival_chart, rival_table
 
-_CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome")
 _CURVE = StribeckCurve(2.0, 2.8, 0.05, 1.1)
 _JOINT = """<mujoco><worldbody><body><joint name="elbow" axis="0 1 0"/>
 <inertial pos="0.2 0 0" mass="1" diaginertia="0.3 0.3 0.3"/></body></worldbody></mujoco>"""
@@ -139,10 +142,10 @@ def test_a_diagnosis_without_evidence_has_no_charts_and_still_a_page(tmp_path: P
 def test_the_table_has_period_and_amplitude_of_a_ripple(diagnosis: Diagnosis) -> None:
     table = effect_table(diagnosis.record)
     assert table is not None
-    rows = {row[2]: row for row in table.rows}
-    assert rows["period"][3:6] == ("0.12566", "0.12541 to 0.12592", "rad")
-    assert rows["amplitude"][3] == "0.300"
-    assert table.rows[0][6:] == ("97%", "kinematic_error")
+    rows = {row[1]: row for row in table.rows}
+    assert rows["period"][2:4] == ("0.12566 rad", "0.12541 to 0.12592")
+    assert rows["amplitude"][2] == "0.300 N·m"
+    assert table.rows[0][4:] == ("97%", "kinematic_error")
 
 
 def test_errors_stand_beside_the_noise_floor(diagnosis: Diagnosis) -> None:
@@ -230,19 +233,34 @@ def test_verdicts_of_one_word_have_a_title(diagnosis: Diagnosis, tmp_path: Path)
     assert "<h1>Joint elbow: nothing is missing</h1>" in (tmp_path / "report.html").read_text()
 
 
+def test_what_cannot_be_told_from_what_was_named_is_not_called_refused(diagnosis: Diagnosis) -> None:
+    rivals = (
+        Rival(effects=("cogging",), gain=5e4),
+        Rival(effects=("kinematic_error",), gain=4.9e4, refused="another explanation is better or simpler"),
+        Rival(effects=("end_stop",), gain=9.0, refused="pulls outwards"),
+    )
+    table = rival_table(rivals, diagnosis.record.effects)
+    assert table is not None
+    assert [row[-1] for row in table.rows] == ["named", "cannot be told from what was named", "pulls outwards"]
+    chart = rival_chart(rivals, diagnosis.record.effects)
+    assert chart is not None
+    assert chart.panels[0].has_lone_bars()
+
+
+@pytest.mark.parametrize(("named", "scales"), [(True, [False, True] * 2), (False, [True] * 2)])
+def test_maps_side_by_side_share_one_colour_scale(diagnosis: Diagnosis, named: bool, scales: list[bool]) -> None:
+    chart = plane_chart(diagnosis.evidence.series, Units(), named=named)
+    assert chart is not None
+    maps = [mark for panel in chart.panels for mark in panel.marks if isinstance(mark, HeatMap)]
+    assert [bool(mark.color_label) for mark in maps] == scales
+
+
 @pytest.mark.slow
-@pytest.mark.skipif(_CHROMIUM is None, reason="needs chromium: apt-get install chromium")
 def test_a_browser_draws_every_chart_without_errors_or_a_network(
-    diagnosis: Diagnosis, written: WrittenDiagnosis, tmp_path: Path
+    diagnosis: Diagnosis, written: WrittenDiagnosis, open_page: Callable[[Path], Any]
 ) -> None:
-    assert _CHROMIUM is not None
-    options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=8000", "--dump-dom"]
-    options += ["--enable-logging=stderr", "--v=0", f"--user-data-dir={tmp_path / 'profile'}"]
-    apart = ["--proxy-server=127.0.0.1:9"]  # nothing answers there
-    page = (written.folder / "report.html").as_uri()
-    shown = subprocess.run([_CHROMIUM, *options, *apart, page], check=True, capture_output=True, timeout=180)
-    dom, log = shown.stdout.decode(), shown.stderr.decode()
+    shown = open_page(written.folder / "report.html")
+    assert (shown.complaints, shown.fetched) == ((), ())
     for name in diagnosis_charts(diagnosis):
-        drawn = dom[dom.index(f'id="chart-{name}"') :][:200_000]
+        drawn = shown.dom[shown.dom.index(f'id="chart-{name}"') :][:200_000]
         assert 'class="subplot xy"' in drawn, name
-    assert "CONSOLE" not in log
