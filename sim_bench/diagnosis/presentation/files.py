@@ -84,7 +84,8 @@ def _write_models(
         kind = "extended" if diagnosis.extended_model is not None else "refitted"
         save_model(model, folder / "friction.json")
         files.append(folder / "friction.json")
-        notes.append(f"friction.json: the {kind} friction law: {' + '.join(term.name for term in model.law.terms)}.")
+        law = " + ".join(term.name for term in model.law.terms)
+        notes.append(f"friction.json: the {kind} friction law: {law}{_left_out(diagnosis)}.")
         for name, write in (("friction.onnx", save_extended_network), ("friction.xml", _save_mjcf(simulation, joint))):
             try:
                 notes.append(f"{name}: {write(model, folder / name)}.")
@@ -96,6 +97,16 @@ def _write_models(
         files.append(_write_motion(diagnosis.motion, folder / "motion.csv"))
         notes.append("motion.csv: the motion to record next, for fricomp calibrate --motion.")
     return files, notes
+
+
+def _left_out(diagnosis: Diagnosis) -> str:
+    """What was named and is not in the law: it stands in no term of it."""
+    model = diagnosis.extended_model
+    inside = {"stribeck_shape"} | {term.name for term in model.law.terms} if model is not None else set()
+    if model is not None and model.law.is_dynamic:
+        inside.add("presliding_hysteresis")
+    missing = [one.name for one in diagnosis.record.effects if one.kind == "physics" and one.name not in inside]
+    return f"; without {', '.join(missing)}, for which a friction law has no term" if missing else ""
 
 
 def _save_mjcf(simulation: Path | None, joint: str | None):  # type: ignore[no-untyped-def]

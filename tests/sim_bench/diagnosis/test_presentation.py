@@ -212,6 +212,16 @@ def test_the_network_of_a_law_of_velocity_alone_is_that_law(diagnosis: Diagnosis
     np.testing.assert_allclose(torque, diagnosis.base_model.torque(velocity), atol=1e-5)
 
 
+def test_the_notes_tell_what_the_friction_law_cannot_hold(diagnosis: Diagnosis, tmp_path: Path) -> None:
+    springy = with_fields(diagnosis.record.effects[0], name="joint_elasticity")
+    record = with_fields(diagnosis.record, effects=(*diagnosis.record.effects, springy))
+    plain = replace(diagnosis, record=record, evidence=Evidence(), motion=None)
+    expected = "friction.json: the extended friction law: stribeck + cogging; without joint_elasticity, "
+    assert write_diagnosis(plain, tmp_path).notes[0].startswith(expected)
+    base_only = replace(plain, extended_model=None)
+    assert "without cogging, joint_elasticity" in write_diagnosis(base_only, tmp_path).notes[0]
+
+
 def test_a_torque_in_amperes_is_no_mjcf(diagnosis: Diagnosis, tmp_path: Path) -> None:
     assert diagnosis.base_model is not None
     amperes = replace(diagnosis, base_model=replace(diagnosis.base_model, torque_unit="A"), extended_model=None)
