@@ -19,6 +19,7 @@ _WIDTH = 1100.0 / 100.0  # [in] for a page of 1100 px at the usual 100 px/in
 _LETTER, _SYMBOL = 8.2, 56.0  # widths that decide how many lines a legend takes [px]
 _LEGEND_LINE = 23.0  # height of a line of the legend [px]
 _POINT = 72.0 / 100.0  # [pt/px]
+_BLANK = "\u00a0"  # a title that shows nothing and takes its room
 _STROKE = {"solid": "-", "dashed": "--", "dotted": ":"}
 _STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
@@ -85,7 +86,8 @@ def _draw_panel(figure: Any, ax: Any, panel: Panel, named: tuple[str, ...], abov
         _draw_mark(figure, ax, mark, color, _bar_place(panel, order))
     ax.set_xlabel(panel.x_label)
     ax.set_ylabel(panel.y_label)
-    ax.set_title(panel.title, loc="left", pad=6.0 + above * _LEGEND_LINE * _POINT)
+    room = above * _LEGEND_LINE * _POINT
+    ax.set_title(panel.title or _BLANK * bool(above), loc="left", pad=6.0 + room if panel.title else room - 10.0)
     if panel.x_scale == "log":
         ax.set_xscale("log")
     if panel.y_scale == "log":
@@ -97,13 +99,14 @@ def _draw_panel(figure: Any, ax: Any, panel: Panel, named: tuple[str, ...], abov
 
 
 def _draw_legend(ax: Any, named: tuple[str, ...], lines: int) -> None:
-    """Between the panel and its title, where it covers nothing."""
+    """Between the panel and its title, where it covers nothing; the title keeps the room, so it may pass the panel."""
     handles, labels = ax.get_legend_handles_labels()
     known = dict(zip(labels, handles, strict=True))
-    ax.legend(
+    legend = ax.legend(
         [known[label] for label in named], named, loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False,
         ncols=-(-len(named) // lines), borderpad=0.0, borderaxespad=0.3, handlelength=1.6, columnspacing=1.6,
     )  # fmt: skip
+    legend.set_in_layout(False)
 
 
 def _draw_mark(figure: Any, ax: Any, mark: Mark, color: str, bar_place: tuple[float, float]) -> None:
