@@ -25,14 +25,14 @@ BASE_NAMES = (
     "reverse.excess",
     "reverse.log_stribeck_velocity",
     "reverse.viscous_coefficient",
-    "log_sigma_0",
+    "log_breakaway",
     "delay",
     "damping_time",
     "sharpness",
     "log_spread",
 )
 
-SOFTEST = 4e-4
+SOFTEST = 2.5e-4
 """Presliding distance F_c / sigma_0 up to which a joint counts as stiff [rad]; beyond it presliding is an effect."""
 
 _BREAKAWAY = (2e-6, SOFTEST)  # [rad] presliding distance of the base model
@@ -53,7 +53,7 @@ def pack(plant: Plant) -> FloatArray:
     return np.array(
         [
             *values,
-            np.log(plant.sigma_0),
+            np.log(plant.level / plant.sigma_0),
             plant.delay,
             plant.sigma_1 / plant.sigma_0,
             plant.sharpness,
@@ -65,14 +65,15 @@ def pack(plant: Plant) -> FloatArray:
 def unpack(theta: FloatArray) -> Plant:
     """The plant that `theta` describes."""
     f, r = theta[4:8], theta[8:12]
+    sigma_0 = max(0.5 * float(f[0] + r[0]), 1e-9) / float(np.exp(theta[12]))
     return Plant(
         inertia=float(np.exp(theta[0])),
         gravity=(float(theta[1]), float(theta[2])),
         offset=float(theta[3]),
         forward=(float(f[0]), float(f[0] + f[1]), float(np.exp(f[2])), float(f[3])),
         reverse=(float(r[0]), float(r[0] + r[1]), float(np.exp(r[2])), float(r[3])),
-        sigma_0=float(np.exp(theta[12])),
-        sigma_1=float(np.exp(theta[12]) * theta[14]),
+        sigma_0=sigma_0,
+        sigma_1=sigma_0 * float(theta[14]),
         delay=float(theta[13]),
         sharpness=float(theta[15]),
         spread=float(np.exp(theta[16])),
@@ -100,11 +101,11 @@ class BaseModel:
         viscous = max(plant.forward[3], plant.reverse[3], 0.1 * level / top_speed)
         size = max(float(np.hypot(*plant.gravity)), level)
         gravity_free = 100.0 * size if rotary else 0.0
-        stiffness = (np.log(level / _BREAKAWAY[1]), np.log(level / _BREAKAWAY[0]))
+        breakaway = np.log(_BREAKAWAY)
         start = pack(
             replace(
                 plant,
-                sigma_0=float(np.exp(0.6 * stiffness[0] + 0.4 * stiffness[1])),
+                sigma_0=plant.level / float(np.exp(0.4 * breakaway[0] + 0.6 * breakaway[1])),
                 delay=0.5 * (_DELAY - dt),
                 sharpness=0.5,
             )
@@ -113,8 +114,8 @@ class BaseModel:
         friction_high = [50 * level, 10 * level, np.log(top_speed), 50 * viscous]
         friction_scale = [0.1 * level, 0.1 * level, 0.3, 0.2 * viscous]
         inertia = start[0]
-        lower = [inertia - 3, -gravity_free, -gravity_free, -100 * size, *friction_low, *friction_low, stiffness[0]]
-        upper = [inertia + 3, gravity_free, gravity_free, 100 * size, *friction_high, *friction_high, stiffness[1]]
+        lower = [inertia - 3, -gravity_free, -gravity_free, -100 * size, *friction_low, *friction_low, breakaway[0]]
+        upper = [inertia + 3, gravity_free, gravity_free, 100 * size, *friction_high, *friction_high, breakaway[1]]
         scale = [0.05, 0.05 * size, 0.05 * size, 0.05 * level, *friction_scale, *friction_scale, 0.3]
         reach = 0.5 * (dt + _DELAY)
         low = np.array([*lower, -dt, 0.0, 0.0, 0.0])

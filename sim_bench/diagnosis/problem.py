@@ -25,7 +25,7 @@ _ROW_STEP = 0.020  # [s]
 _INNOVATION_WINDOW = 0.061  # [s]
 _FINE, _COARSE = (3, 40), 2  # substeps of a sample
 _SLIDING = 4.0  # rest speeds
-_YIELDED = 10.0  # presliding distances of the softest bristle of the base
+_YIELDED = 16.0  # presliding distances of the softest bristle of the base
 _MARGIN = 0.02  # [s] by which the simulated joint may turn earlier or later than the recorded one
 
 

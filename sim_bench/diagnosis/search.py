@@ -28,6 +28,7 @@ _QUANTILE = 0.98
 _LEAST_GAIN = 30.0
 _ANOTHER = 0.08  # of the gain, that one more effect must add: less is the form of the first one not quite met
 _LAST_RESORT = 0.8  # of its gain is what an explanation with a torque from outside counts for
+_LAST_STEPS = 12  # of the explanation that was chosen
 _MOST_OF_A_ROW = 9.0  # gain that one row may add to what counts against the threshold
 _MATERIAL = 0.02  # gain per row: below it the base model's own small errors could be named
 
@@ -97,8 +98,8 @@ def search(prepared: Prepared) -> Found:
         if pairs and pairs[0].coverage < _ENOUGH:
             tried += _grow(prepared, pairs[:1], generic, None)
     best = _choose(prepared, tried, threshold)
-    if best is not None and len(best.names) > 1:
-        (polished,) = _polish(prepared, [best], generic)
+    if best is not None:
+        (polished,) = _polish(prepared, [best], generic, iterations=_LAST_STEPS, refresh=1)
         tried[tried.index(best)] = best = polished
     tried.sort(key=lambda explanation: -explanation.gain)
     return Found(tuple(tried), best, threshold, explainable, null, first)
@@ -140,7 +141,7 @@ def _better(prepared: Prepared, larger: Explanation, best: Explanation, threshol
 
 def _counted(prepared: Prepared, names: Collection[str], before: Fit, after: Fit) -> float:
     """Fall of the cost in rows that can show the effects `names`, none counting for more than a few."""
-    fall = np.minimum(before.residual**2 - after.residual**2, _MOST_OF_A_ROW)
+    fall = np.clip(before.residual**2 - after.residual**2, -_MOST_OF_A_ROW, _MOST_OF_A_ROW)
     everywhere = any(EFFECTS[name].shown_at_rest for name in names)
     return float(np.sum(fall if everywhere else fall[prepared.sliding]))
 
@@ -233,7 +234,14 @@ def _settled(explanation: Explanation) -> tuple[Candidate, ...]:
     return tuple(Candidate(c.name, tuple(values[c.name].items())) for c in explanation.structure.candidates)
 
 
-def _polish(prepared: Prepared, explanations: Sequence[Explanation], generic: FloatArray) -> list[Explanation]:
+def _polish(
+    prepared: Prepared,
+    explanations: Sequence[Explanation],
+    generic: FloatArray,
+    *,
+    iterations: int = 4,
+    refresh: int = 2,
+) -> list[Explanation]:
     """The same explanations at the minima of fresh Jacobians, their effects computed for the joint that was found."""
     structures = []
     for explanation in explanations:
@@ -241,7 +249,7 @@ def _polish(prepared: Prepared, explanations: Sequence[Explanation], generic: Fl
         contexts = tuple(replace(context, plant=plant) for context in prepared.structure.contexts)
         structures.append(Structure(contexts, _settled(explanation)))
     descents = [
-        (structure, structure.descent(explanation.fit.theta, prepared.box, iterations=4, refresh=2))
+        (structure, structure.descent(explanation.fit.theta, prepared.box, iterations=iterations, refresh=refresh))
         for structure, explanation in zip(structures, explanations, strict=True)
     ]
     fits = fit_all(prepared.problem, descents)

@@ -13,6 +13,7 @@ from .track import FloatArray
 __all__ = ["Box", "Descent", "Fit", "at_least", "descend", "minimise", "together"]
 
 _DIFFERENCE = 0.02  # of a parameter's scale
+_DAMPINGS = (1.0, 30.0, 900.0)  # tried at once, as simulations come in batches
 _TOLERANCE = 1e-2  # fall of the cost that ends the descent, in units of the mean squared residual
 
 Residual = Callable[[Sequence[FloatArray]], list[FloatArray]]
@@ -137,7 +138,7 @@ def descend(
     J = np.concatenate([known.reshape(at.size, -1), _columns(moved, at, steps[known.shape[1] :])], axis=1)
     damping, age = 1e-3, 0
     for _ in range(iterations):
-        trials = [_step(J, residual, theta, box, d) for d in (damping, 30 * damping)]
+        trials = [_step(J, residual, theta, box, damping * factor) for factor in _DAMPINGS]
         values = yield trials
         costs = [_cost(value, trial, box) for value, trial in zip(values, trials, strict=True)]
         best = int(np.argmin(costs))
@@ -154,7 +155,7 @@ def descend(
             float(np.sum((move / box.scale) ** 2)), 1e-30
         )
         theta, residual, cost, age = trials[best], values[best], costs[best], age + 1
-        damping = max(1e-6, damping * (0.1 if best == 0 else 10.0))
+        damping = max(1e-6, damping * (0.1 if best == 0 else _DAMPINGS[best] / 3.0))
         if gain < _TOLERANCE * cost / residual.size:
             break
         if age >= refresh:

@@ -10,6 +10,8 @@ from ..base import SOFTEST
 from ..observer import Contribution
 from .effect import Context, Effect, EffectParameter, Values, register
 
+_LEAST = 4e-4  # [rad] breakaway distance that no joint has of itself
+
 
 @register
 class PreslidingHysteresis(Effect):
@@ -26,7 +28,7 @@ class PreslidingHysteresis(Effect):
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (
             EffectParameter(
-                "breakaway_distance", "{position}", 0.3, float(np.log(SOFTEST)), float(np.log(5e-2)), linear=False
+                "breakaway_distance", "{position}", 0.3, float(np.log(_LEAST)), float(np.log(5e-2)), linear=False
             ),
             EffectParameter("damping_time", "s", 2e-3, 0.0, 0.05, linear=False),
         )
@@ -37,7 +39,7 @@ class PreslidingHysteresis(Effect):
     def suspected(self, contexts: Sequence[Context]) -> bool:
         """The base's own bristle is as soft as it may be."""
         plant = contexts[0].plant
-        return plant.level / plant.sigma_0 > 0.9 * SOFTEST
+        return plant.level / plant.sigma_0 > 0.8 * SOFTEST
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         sigma_0 = context.plant.level / float(np.exp(values["breakaway_distance"]))
