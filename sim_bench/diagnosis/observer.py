@@ -152,6 +152,7 @@ def simulate_all(jobs: Sequence[Job], observer: Observer, gains: tuple[float, fl
 def _simulate(jobs: Sequence[Job], settings: FloatArray) -> list[Observation]:
     """Run at most `LANES` simulations of tracks of one length; lanes left over repeat the last one."""
     first, n = jobs[0].track, jobs[0].track.size
+    assert first.substeps.size == n, "the track is none of a problem: observer_for fixes the substeps of its tracks"
     signals, plants = np.empty((4, LANES, n)), np.empty((len(FRICTION_SLOTS), LANES))
     for lane in range(LANES):
         track, plant, contribution = jobs[min(lane, len(jobs) - 1)]

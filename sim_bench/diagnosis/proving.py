@@ -46,8 +46,7 @@ def _base_torque(recording: Recording, base: Mapping[str, Quantity]) -> FloatArr
     a = smooth_derivative(v, dt)
     curve = {side: _stribeck(v, value, side) for side in ("forward", "reverse")}
     level, viscous = (np.where(v > 0.0, curve["forward"][k], curve["reverse"][k]) for k in (0, 1))
-    coulomb = 0.5 * (value["forward.coulomb_torque"] + value["reverse.coulomb_torque"])
-    z = bristle(q, max(coulomb / value["sigma_0"], 1e-12))
+    z = bristle(q, max(value["breakaway"], 1e-12))
     body = value["inertia"] * a + value["offset"]
     if recording.metadata.motion == "rotary":
         body = body + value["gravity_cos"] * np.cos(q) + value["gravity_sin"] * np.sin(q)

@@ -46,7 +46,7 @@ def forward_sentence(forward: Forward) -> str:
 
 def _effect(effect: NamedEffect) -> str:
     numbers = ", ".join(
-        f"{name.replace('_', ' ')} {q.value:.4g} {q.unit} ({q.ci95[0]:.4g} to {q.ci95[1]:.4g})"
+        f"{name.replace('_', ' ')} {q.value:.4g}{_unit(q.unit)} ({q.ci95[0]:.4g} to {q.ci95[1]:.4g})"
         for name, q in effect.parameters.items()
     )
     text = f"{effect.name}: {effect.sentence}"
@@ -57,11 +57,20 @@ def _effect(effect: NamedEffect) -> str:
     return text
 
 
+def _unit(unit: str) -> str:
+    """Behind a number; nothing for a plain one."""
+    return "" if unit in ("", "1") else f" {unit}"
+
+
 def _where(record: DiagnosisRecord) -> str:
     parts = []
+    speed = record.base["forward.stribeck_velocity"].unit if record.base else ""
+    units = {"velocity": speed, "position": speed.removesuffix("/s"), "acceleration": f"{speed}²" if speed else ""}
+    units |= {"time_since_reversal": "s", "temperature": "°C"}
+    units |= {"load_torque": record.heldout.unit} if record.heldout is not None else {}
     for name, intervals in record.location.items():
         if name == "time" or not intervals:
             continue
         spans = ", ".join(f"{low:.3g} to {high:.3g}" for low, high in intervals[:3])
-        parts.append(f"{name.replace('_', ' ')} {spans}")
+        parts.append(f"{name.replace('_', ' ')} {spans}{_unit(units.get(name, ''))}")
     return f"Most of it sits at {'; '.join(parts)}." if parts else "It is spread over the whole recording."

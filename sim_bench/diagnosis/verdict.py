@@ -41,9 +41,10 @@ from .velocity_lag import velocity_lag
 
 __all__ = ["Answer", "conclude"]
 
-_COVERED = 0.85
+_COVERED = 0.8
 _UNKNOWN = 0.15  # energy per row, in units of the noise, that something unnamed must reach to be reported
 _LOUD = 1.15  # residual over noise that it must reach
+_FORM = 0.03  # deviation that a law of slightly another form leaves in a parameter, in its value; not in an order
 _CONFIRMED = 0.0  # lower end of the interval of the reduction must exceed it
 
 
@@ -133,7 +134,7 @@ def _propose(answer: Answer, chosen: Explanation | None) -> tuple[NextExperiment
         proposal = propose(answer.prepared, chosen, explanation)
         if proposal is None:
             return None
-        why = f"{proposal.title}: the two explanations would differ by {proposal.difference:.3g} {answer.unit} there"
+        why = f"{proposal.title}, where the two explanations differ by {proposal.difference:.3g} {answer.unit}"
         names = tuple(sorted(swapped))
         return NextExperiment(motion="motion.csv", separates=names, why=why), proposal.motion
     return None
@@ -203,7 +204,8 @@ def _quantities(answer: Answer, chosen: Explanation, name: str, deviations: Floa
         if owner != name:
             continue
         unit = parameter.unit.replace("{torque}", answer.unit).replace("{position}", answer.position_unit)
-        half = 1.96 * float(deviation) if parameter.scale > 0.0 else 0.0
+        form = 0.0 if parameter.unit.startswith("1/") else _FORM * (1.0 if parameter.logarithmic else abs(float(value)))
+        half = 1.96 * float(np.hypot(deviation, form)) if parameter.scale > 0.0 else 0.0
         low, mid, high = float(value) - half, float(value), float(value) + half
         if parameter.logarithmic:
             low, mid, high = (float(np.exp(x)) for x in (low, mid, high))
@@ -259,6 +261,7 @@ def _base(answer: Answer, chosen: Explanation | None) -> dict[str, Quantity]:
         "damping_time": "s",
         "viscous_coefficient": f"{answer.unit}·s/{answer.position_unit}",
     }
+    units |= {"sharpness": "1", "spread": "1", "breakaway": answer.position_unit}
     units |= {"stribeck_velocity": f"{answer.position_unit}/s", "sigma_0": f"{answer.unit}/{answer.position_unit}"}
     for name, value, wide in zip(BASE_NAMES, fit.theta, 1.96 * deviation, strict=False):
         low, mid, high = float(value - wide), float(value), float(value + wide)
@@ -278,7 +281,7 @@ def _rivals(found: Found, chosen: Explanation | None) -> tuple[Rival, ...]:
         elif not why and chosen is not None and explanation is not chosen:
             why = "another explanation is better or simpler"
         elif not why and chosen is None:
-            why = "leaves too much of the residual over"
+            why = "leaves too much unexplained"
         rivals.append(
             Rival(effects=explanation.names, gain=explanation.gain, coverage=explanation.coverage, refused=why)
         )

@@ -23,7 +23,6 @@ class Backlash(Effect):
     equation = "J_l theta'' = K dz(q - theta, eps) - gravity"
     citation = "nordin2002"
     says = "a gap lets the load go whenever the transmitted torque changes sign"
-    located_by = "load_torque"
     shown_at_rest = True
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:

@@ -20,7 +20,6 @@ class DriveLag(Effect):
     equation = "tau = tau_command / (1 + T s)"
     citation = "hollerbach2016"
     says = "the torque that acts follows the recorded one through a low pass"
-    located_by = "acceleration"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (EffectParameter("time_constant", "s", 2e-3, 0.0, 0.05, linear=False),)

@@ -20,7 +20,6 @@ class DwellStiction(Effect):
     equation = "F_s rises by A (1 - exp(-t_d / tau)) after a rest of t_d"
     citation = "armstrong1994survey"
     says = "the breakaway torque grows with the time at rest"
-    located_by = "time_since_reversal"
     shown_at_rest = True
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:

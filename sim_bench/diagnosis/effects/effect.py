@@ -106,7 +106,6 @@ class Effect(ABC):
     equation: ClassVar[str]
     citation: ClassVar[str]
     says: ClassVar[str]
-    located_by: ClassVar[str] = "velocity"
     shown_at_rest: ClassVar[bool] = False  # else only rows in which the joint slides speak for it
     contains: ClassVar[tuple[str, ...]] = ()
 

@@ -19,7 +19,6 @@ class EncoderEccentricity(Effect):
     equation = "q_recorded = q + A sin(q + phi)"
     citation = ""
     says = "the encoder reads once per turn wrong"
-    located_by = "position"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         size = 1e-3

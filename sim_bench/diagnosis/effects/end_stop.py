@@ -22,7 +22,6 @@ class EndStop(Effect):
     equation = "tau = k (q - q_max)_+"
     citation = ""
     says = "a stop pushes back at the end of the range"
-    located_by = "position"
     shown_at_rest = True
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:

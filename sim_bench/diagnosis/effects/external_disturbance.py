@@ -20,7 +20,6 @@ class ExternalDisturbance(Effect):
     equation = "tau = sum of A_k sin(pi (t - t_k) / T_k)^n_k"
     citation = ""
     says = "a torque from outside acts for a while; it is no function of the joint's state"
-    located_by = "time"
     shown_at_rest = True
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:

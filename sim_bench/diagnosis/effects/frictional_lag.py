@@ -17,7 +17,6 @@ class FrictionalLag(Effect):
     equation = "tau_f(t) = F(v(t - tau_L))"
     citation = "hess1990"
     says = "the friction level follows the velocity with a lag"
-    located_by = "acceleration"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (EffectParameter("lag", "s", 2e-3, 0.0, 0.1, linear=False),)

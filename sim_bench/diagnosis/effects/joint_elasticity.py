@@ -20,7 +20,6 @@ class JointElasticity(Effect):
     equation = "J_l theta'' = K (q - theta) + d (q' - theta') - gravity"
     citation = "spong1987"
     says = "the transmission is flexible"
-    located_by = "acceleration"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         low, high = (float(np.log(contexts[0].plant.inertia * w**2)) for w in (15.0, 1500.0))

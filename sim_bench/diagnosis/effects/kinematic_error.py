@@ -20,7 +20,6 @@ class KinematicError(Effect):
     equation = "tau = e' (gravity + 2 J_l a) + J_l e'' v² + gravity' e, e = A sin(n q + phi)"
     citation = "tuttle1992"
     says = "the gear runs unevenly, felt as a ripple that grows with the square of the speed"
-    located_by = "velocity"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (

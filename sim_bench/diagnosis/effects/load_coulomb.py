@@ -23,7 +23,6 @@ class LoadCoulomb(Effect):
     equation = "tau_f = c_l |tau_l| sgn(v)"
     citation = "bittencourt2010"
     says = "the friction level grows with the transmitted load"
-    located_by = "load_torque"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (EffectParameter("coefficient", "{torque}/{torque}", 0.02, -0.2, 2.0), SHARE)

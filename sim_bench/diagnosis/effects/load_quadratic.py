@@ -23,7 +23,6 @@ class LoadQuadratic(Effect):
     equation = "tau_f = c_q tau_l^2 sgn(v), or c_d |tau_l| [tau_l v > 0] sgn(v)"
     citation = "duclusaud2025bam"
     says = "friction curves with the load, or differs between driving and braking"
-    located_by = "load_torque"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         largest = max(float(np.max(np.abs(c.load_torque))) for c in contexts) or 1.0

@@ -23,7 +23,6 @@ class LoadStribeck(Effect):
     equation = "tau_f = c_ls |tau_l| exp(-(|v|/v_s)^2) sgn(v)"
     citation = "duclusaud2025bam"
     says = "the extra friction of slow motion grows with the transmitted load"
-    located_by = "velocity"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (EffectParameter("coefficient", "{torque}/{torque}", 0.02, -0.2, 2.0), SHARE)

@@ -20,7 +20,6 @@ class NeighbourCoupling(Effect):
     equation = "tau = M_12 a_2 cos q_2 + c v_2^2 sin q_2"
     citation = "siciliano2009"
     says = "the motion of a neighbouring joint is felt here"
-    located_by = "time"
     shown_at_rest = True
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:

@@ -19,7 +19,6 @@ class PayloadError(Effect):
     equation = "tau = dg_c cos q + dg_s sin q + dJ a, of each recording after the first"
     citation = "hollerbach2016"
     says = "the recordings were made with different loads"
-    located_by = "load_torque"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         first = contexts[0]

@@ -22,7 +22,6 @@ class PositionCoulomb(Effect):
     equation = "tau_f = (a cos n q + b sin n q) sgn(v)"
     citation = "bittencourt2010"
     says = "the friction level waves with the position"
-    located_by = "position"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = contexts[0].scale

@@ -22,7 +22,6 @@ class PowerLawViscous(Effect):
     equation = "tau_f = c |v|^n sgn(v)"
     citation = "wolf2018"
     says = "viscous friction is concave in speed"
-    located_by = "velocity"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale, top = contexts[0].scale, max(float(np.max(np.abs(c.velocity))) for c in contexts)

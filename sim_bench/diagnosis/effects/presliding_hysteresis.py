@@ -22,14 +22,12 @@ class PreslidingHysteresis(Effect):
     equation = "z' = v - sigma_0 |v| z / g(v), tau_f = sigma_0 z + sigma_1 z'"
     citation = "canudas1995lugre"
     says = "after each reversal the friction builds up over a visible travel"
-    located_by = "time_since_reversal"
     shown_at_rest = True
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        low, high = float(np.log(_LEAST)), float(np.log(5e-2))
         return (
-            EffectParameter(
-                "breakaway_distance", "{position}", 0.3, float(np.log(_LEAST)), float(np.log(5e-2)), linear=False
-            ),
+            EffectParameter("breakaway_distance", "{position}", 0.3, low, high, linear=False, logarithmic=True),
             EffectParameter("damping_time", "s", 2e-3, 0.0, 0.05, linear=False),
         )
 

@@ -22,7 +22,6 @@ class QuadraticDrag(Effect):
     equation = "tau_f = c v |v|"
     citation = "bittencourt2010"
     says = "friction grows faster than in proportion to speed"
-    located_by = "velocity"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale, top = contexts[0].scale, max(float(np.max(np.abs(c.velocity))) for c in contexts)

@@ -20,7 +20,6 @@ class SpringTorque(Effect):
     equation = "tau = k (q - q_0), q_0 by the offset"
     citation = ""
     says = "a spring pulls the joint"
-    located_by = "position"
     shown_at_rest = True
     contains = ("torque_offset",)
 

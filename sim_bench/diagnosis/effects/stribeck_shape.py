@@ -17,7 +17,6 @@ class StribeckShape(Effect):
     equation = "F_c + (F_s - F_c) exp(-(|v|/v_s)^delta), delta other than 2"
     citation = "bittencourt2010"
     says = "the Stribeck curve falls with another exponent than two"
-    located_by = "velocity"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (EffectParameter("stribeck_exponent", "1", 0.2, 0.4, 4.0, linear=False),)

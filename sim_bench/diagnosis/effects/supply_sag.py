@@ -19,7 +19,6 @@ class SupplySag(Effect):
     equation = "tau = tau_recorded (1 - c |v|), or by the recorded voltage"
     citation = "duclusaud2025bam"
     says = "the torque falls short as the supply sags"
-    located_by = "torque"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         top = max(float(np.max(np.abs(c.velocity))) for c in contexts)

@@ -20,7 +20,6 @@ class ThermalFriction(Effect):
     equation = "tau_f = F_v (1 - beta dT) v + F_c (1 - gamma dT) sgn(v)"
     citation = "simoni2015"
     says = "friction changes with the temperature of the joint"
-    located_by = "time"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         viscous = max(max(c.plant.forward[3], c.plant.reverse[3]) for c in contexts)

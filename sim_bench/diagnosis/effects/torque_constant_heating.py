@@ -18,7 +18,6 @@ class TorqueConstantHeating(Effect):
     equation = "tau = tau_recorded (1 - alpha dT), dT from the dissipated current"
     citation = "pillay1989"
     says = "the torque constant falls as the motor warms"
-    located_by = "time"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (

@@ -17,7 +17,6 @@ class TorqueDelay(Effect):
     equation = "tau_recorded(t) = tau(t - T_d)"
     citation = "hollerbach2016"
     says = "the recorded torque is late"
-    located_by = "acceleration"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (EffectParameter("delay", "s", 1e-3, -0.03, 0.05, linear=False),)

@@ -17,7 +17,6 @@ class TorqueGainError(Effect):
     equation = "tau_recorded = (1 + eps) tau"
     citation = "hollerbach2016"
     says = "the recorded torque has a wrong scale"
-    located_by = "torque"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (EffectParameter("gain_error", "1", 0.02, -0.5, 0.5),)

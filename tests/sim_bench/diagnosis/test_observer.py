@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -31,7 +33,7 @@ def test_true_plant_leaves_the_sensor_noise_in_motion(kind: str) -> None:
     track = track_of(joint, kind, 20.0)
     plant = true_plant(joint)
     problem = observer_for([track], plant, Observer())
-    run = problem.observe([Job(track, plant, Contribution())])[0]
+    run = problem.observe([Job(problem.tracks[0], plant, Contribution())])[0]
     grid = problem.grids[0]
     rows, moving = grid.of(run.missing), np.abs(track.velocity[grid.centres]) > 0.05
     noise = joint.torque_noise * np.linalg.norm(grid.window)
@@ -43,7 +45,7 @@ def test_missing_torque_is_seen_with_its_size_and_sign() -> None:
     track = track_of(joint, "fourier", 15.0)
     plant = true_plant(joint)
     problem = observer_for([track], plant, Observer())
-    base, pushed = problem.observe([Job(track, plant, Contribution(additive=a)) for a in (0.0, 0.5)])
+    base, pushed = problem.observe([Job(problem.tracks[0], plant, Contribution(additive=a)) for a in (0.0, 0.5)])
     moving = np.abs(track.velocity) > 0.1
     assert np.mean((pushed.missing - base.missing)[moving]) == pytest.approx(0.5, rel=0.05)
 
@@ -63,3 +65,27 @@ def test_encoder_step_and_noise_are_found() -> None:
     track = track_of(joint, "rich", 20.0)
     assert track.resolution == pytest.approx(joint.resolution, rel=1e-6)
     assert track.torque_noise.size == pytest.approx(joint.torque_noise, rel=1.2)
+
+
+def test_lanes_answer_alike_however_many_run_side_by_side() -> None:
+    joint = ToyJoint()
+    plant = true_plant(joint)
+    problem = observer_for([track_of(joint, "rich", 6.0)], plant, Observer())
+    jobs = [Job(problem.tracks[0], replace(plant, sigma_0=plant.sigma_0 * f), Contribution()) for f in (0.7, 1.0, 1.4)]
+    together = problem.observe(jobs * 4)
+    for job, run, again in zip(jobs, together, together[9:], strict=False):
+        alone = problem.observe([job])[0]
+        assert np.array_equal(run.missing, alone.missing)
+        assert np.array_equal(again.missing, alone.missing)
+
+
+def test_few_substeps_where_the_bristle_has_yielded_change_little() -> None:
+    joint = ToyJoint()
+    plant = true_plant(joint)
+    problem = observer_for([track_of(joint, "fourier", 15.0)], plant, Observer())
+    track = problem.tracks[0]
+    assert track.substeps.min() < track.substeps.max()
+    fine = replace(track, substeps=np.full(track.size, track.substeps.max()))
+    mixed, everywhere = (problem.observe([Job(one, plant, Contribution())])[0].missing for one in (track, fine))
+    rows = [problem.grids[0].of(one) for one in (mixed, everywhere)]
+    assert np.sqrt(np.mean((rows[0] - rows[1]) ** 2)) < 0.1 * np.std(rows[1])

@@ -15,15 +15,15 @@ from fricomp.sim_bench.diagnosis.soft_presliding import bristle, find_soft_presl
 from .toy_joint import ToyJoint, record
 
 
-def _base(inertia: float, sides: tuple[float, float, float, float], sigma_0: float) -> dict[str, Quantity]:
+def _base(inertia: float, sides: tuple[float, float, float, float], breakaway: float) -> dict[str, Quantity]:
     """A base without gravity, the same in both directions."""
     curve = dict(zip(("coulomb_torque", "excess", "stribeck_velocity", "viscous_coefficient"), sides, strict=True))
-    values = {"inertia": inertia, "gravity_cos": 0.0, "gravity_sin": 0.0, "offset": 0.1, "sigma_0": sigma_0}
+    values = {"inertia": inertia, "gravity_cos": 0.0, "gravity_sin": 0.0, "offset": 0.1, "breakaway": breakaway}
     values |= {f"{side}.{name}": value for side in ("forward", "reverse") for name, value in curve.items()}
     return {name: Quantity(value, "", (value, value)) for name, value in values.items()}
 
 
-_SLOW = _base(0.02, (9.0, 4.0, 0.05, 10.0), 1e5)
+_SLOW = _base(0.02, (9.0, 4.0, 0.05, 10.0), 9e-5)
 
 
 def _waving(ripple: float) -> Recording:
@@ -45,7 +45,7 @@ def _braked() -> Recording:
     return Recording(time=t, position=q, torque=force, metadata=RecordingMetadata(motion="linear", torque_unit="N"))
 
 
-_BRAKE = _base(1.0, (9000.0, 500.0, 0.02, 4000.0), 9000.0 / 5e-6)
+_BRAKE = _base(1.0, (9000.0, 500.0, 0.02, 4000.0), 5e-6)
 
 
 def _answer(verdict: str, share: float | None, base: dict[str, Quantity]) -> Diagnosis:
@@ -89,7 +89,7 @@ def test_a_good_answer_and_a_base_at_its_noise_are_kept(verdict: str, share: flo
 def test_a_bristle_that_the_base_has_itself_is_none() -> None:
     assert find_soft_presliding(_braked()) is not None
     assert softer_than_the_base(_braked(), _BRAKE, 0)
-    soft = _base(1.0, (9000.0, 0.0, 0.02, 4000.0), 9000.0 / 0.004)
+    soft = _base(1.0, (9000.0, 0.0, 0.02, 4000.0), 0.004)
     assert not softer_than_the_base(_braked(), soft, 0)
 
 
@@ -114,7 +114,7 @@ def test_the_base_alone_gives_the_recording_of_a_joint_with_nothing_missing() ->
         "gravity_cos": joint.gravity * np.sin(joint.phase),
         "gravity_sin": joint.gravity * np.cos(joint.phase),
         "offset": joint.offset,
-        "sigma_0": joint.sigma_0,
+        "breakaway": 0.5 * (joint.forward[0] + joint.reverse[0]) / joint.sigma_0,
     }
     for side in ("forward", "reverse"):
         coulomb, static, velocity, viscous = getattr(joint, side)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fricomp.sim_bench.diagnosis.kernel import observe
+from fricomp.sim_bench.diagnosis.kernel import LANES, observe
 from fricomp.sim_bench.diagnosis.observer import Plant
 from fricomp.sim_bench.diagnosis.track import FloatArray, Track, sampling_jitter, smooth_derivative, torque_noise
 
@@ -59,11 +59,11 @@ def reversal_torque(plant: Plant, travel: float) -> FloatArray:
     there, back = np.linspace(0.0, 2.0 * travel, 4000), np.linspace(2.0 * travel, travel, 2000)
     position = np.concatenate([there, back])
     velocity = np.gradient(position, DT)
-    out = np.empty((4, position.size))
-    settings = np.array([DT, 10, 1e6, 2e3, 0.0, 0.0])
-    zeros = np.zeros_like(position)
-    observe(position, velocity, zeros, zeros, plant.slots(), settings, out)
-    return np.asarray(out[3])
+    settings, substeps = np.array([DT, 1e6, 2e3, 0.0, 0.0]), np.full(position.size, 10)
+    signals = [np.tile(one, (LANES, 1)) for one in (position, velocity, 0.0 * position, 0.0 * position)]
+    plants, out = np.tile(plant.slots()[:, None], LANES), np.empty((4, LANES, position.size))
+    observe(signals[0], signals[1], signals[2], signals[3], plants, settings, substeps, out)
+    return np.asarray(out[3, 0])
 
 
 def test_the_abrupt_share_follows_the_maxwell_slip_model() -> None:
