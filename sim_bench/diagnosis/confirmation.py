@@ -17,7 +17,7 @@ __all__ = ["Confirmation", "confirm"]
 _BLOCKS = 6
 _GAP_ROWS = 15  # 0.3 s, five correlation times of the rows
 _BOOTSTRAPS = 400
-_PARTS = (1.0, 0.25)  # of a step that are simulated
+_PARTS = (1.0, 0.5, 0.25, 0.06)  # of a step that are simulated
 
 
 @dataclass(frozen=True)
@@ -43,17 +43,12 @@ def confirm(
     prepared: Prepared, structure: Structure, theta: FloatArray, jacobian: FloatArray, seed: int
 ) -> Confirmation:
     """Refit base and effects on all blocks but one, about their joint minimum, and judge them on that one."""
-    sizes = [grid.centres.size for grid in prepared.problem.grids]
     spread = np.concatenate(prepared.nulls.weights.spread)
-    after_fit = structure.residuals(prepared.problem, [theta])[0]
-    box = prepared.box.joined(structure.box())
-    folds = _folds(sizes)
-    before = _held_out(prepared.fit.residual, prepared.fit.jacobian, prepared.box, folds)
-    if any(not parameter.linear for _, parameter in structure.parameters()):
-        moves = [_move(after_fit, jacobian, box, train) for train, _ in folds]
-        after = _held_out_by_simulation(prepared, structure, theta, after_fit, list(zip(folds, moves, strict=True)))
-    else:
-        after = _held_out(after_fit, jacobian, box, folds)
+    folds = _folds([grid.centres.size for grid in prepared.problem.grids])
+    before = _held_out(prepared, prepared.structure, prepared.fit.theta, prepared.fit.jacobian, folds)
+    after = before
+    if structure.candidates:
+        after = _held_out(prepared, structure, theta, jacobian, folds)
     raw = [
         np.concatenate(
             [
@@ -102,32 +97,27 @@ def _folds(sizes: list[int]) -> list[tuple[FloatArray, FloatArray]]:
 
 
 def _held_out(
-    residual: FloatArray, jacobian: FloatArray, box: Box, folds: list[tuple[FloatArray, FloatArray]]
-) -> FloatArray:
-    """Residual of each row by parameters that its own block did not help to fit."""
-    result = residual.copy()
-    for train, test in folds:
-        result[test] = residual[test] + jacobian[test] @ _move(residual, jacobian, box, train)
-    return result
-
-
-def _held_out_by_simulation(
     prepared: Prepared,
     structure: Structure,
     theta: FloatArray,
-    residual: FloatArray,
-    folds: list[tuple[tuple[FloatArray, FloatArray], FloatArray]],
+    jacobian: FloatArray,
+    folds: list[tuple[FloatArray, FloatArray]],
 ) -> FloatArray:
-    """The same where lines are no guide: each fold's step is simulated, and taken if its own rows gain by it."""
-    box = prepared.box.joined(structure.box())
-    points = [box.clip(theta + part * move) for _, move in folds for part in _PARTS]
-    values = structure.residuals(prepared.problem, points)
+    """Residual of each row by parameters that its own block did not help to fit. Shape (m,).
+
+    About the joint minimum each fold takes a step on its own rows. It is simulated, and taken where those gain by it:
+    a bristle or a gap is no line, and what a line promises may be far from what comes.
+    """
+    residual = structure.residuals(prepared.problem, [theta])[0]
+    box = prepared.box.joined(structure.box()) if structure.candidates else prepared.box
+    moves = [_move(residual, jacobian, box, train) for train, _ in folds]
+    values = structure.residuals(prepared.problem, [box.clip(theta + part * move) for move in moves for part in _PARTS])
     result = residual.copy()
-    for i, ((train, test), _) in enumerate(folds):
+    for i, (train, test) in enumerate(folds):
         options = values[i * len(_PARTS) : (i + 1) * len(_PARTS)]
         best = min(options, key=lambda option: float(option[train] @ option[train]))
         fall = float(residual[train] @ residual[train]) - float(best[train] @ best[train])
-        result[test] = (best if fall > theta.size else residual)[test]
+        result[test] = (best if fall > 0.0 else residual)[test]
     return result
 
 

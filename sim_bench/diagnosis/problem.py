@@ -104,6 +104,11 @@ class Problem:
         """No effects."""
         return [Contribution()] * len(self.tracks)
 
+    def timed_for(self, plant: Plant) -> Problem:
+        """The same problem with samples cut as finely as `plant` asks for."""
+        tracks = [replace(track, substeps=_substeps(track, plant, self.observer, self.gains)) for track in self.tracks]
+        return replace(self, tracks=tuple(tracks))
+
     def with_velocity(self, observations: Sequence[Observation]) -> Problem:
         """The same problem with velocities improved by the simulation: its own plus that of the slow innovation."""
         tracks = tuple(improved(track, one) for track, one in zip(self.tracks, observations, strict=True))
@@ -121,10 +126,9 @@ def observer_for(tracks: Sequence[Track], plant: Plant, observer: Observer) -> P
     inertia, omega = plant.inertia, observer.bandwidth
     slope = max(0.858 * (s - c) / v - f for c, s, v, f in (plant.forward, plant.reverse))
     gains = (inertia * omega**2, 2.0 * inertia * omega + max(slope, 0.0))
-    timed = [replace(track, substeps=_substeps(track, plant, observer, gains)) for track in tracks]
     scale = max(1.0, 5.0 / (omega * _ROW_WIDTH))
-    grids = [RowGrid.build(t, scale * _ROW_WIDTH, scale * _ROW_STEP, 0.5) for t in timed]
-    return Problem(tuple(timed), tuple(grids), observer, gains)
+    grids = [RowGrid.build(t, scale * _ROW_WIDTH, scale * _ROW_STEP, 0.5) for t in tracks]
+    return Problem(tuple(tracks), tuple(grids), observer, gains).timed_for(plant)
 
 
 def _substeps(track: Track, plant: Plant, observer: Observer, gains: tuple[float, float]) -> NDArray[np.int64]:

@@ -27,7 +27,9 @@ _ENOUGH = 0.98  # coverage at which nothing more is looked for
 _QUANTILE = 0.98
 _LEAST_GAIN = 30.0
 _ANOTHER = 0.08  # of the gain, that one more effect must add: less is the form of the first one not quite met
-_LAST_RESORT = 0.8  # of its gain is what an explanation with a torque from outside counts for
+# What of its gain an explanation counts for that would fill in for others: pushes in windows of time for anything that
+# comes and goes, a friction wave of any order for friction under a load that follows the position.
+_FILLS_IN = {"external_disturbance": 0.8, "position_coulomb": 0.97}
 _LAST_STEPS = 12  # of the explanation that was chosen
 _MOST_OF_A_ROW = 9.0  # gain that one row may add to what counts against the threshold
 _MATERIAL = 0.02  # gain per row: below it the base model's own small errors could be named
@@ -111,8 +113,8 @@ def _acceptable(tried: Sequence[Explanation], threshold: float) -> list[Explanat
 
 
 def _weighed(explanation: Explanation) -> float:
-    """Gain, less a share for what explains by windows in time: it would fill in for any effect that comes and goes."""
-    return explanation.gain * (_LAST_RESORT if "external_disturbance" in explanation.names else 1.0)
+    """Gain, less a share for effects that fill in for others."""
+    return explanation.gain * min(_FILLS_IN.get(name, 1.0) for name in explanation.names)
 
 
 def _choose(prepared: Prepared, tried: Sequence[Explanation], threshold: float) -> Explanation | None:

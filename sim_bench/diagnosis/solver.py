@@ -14,6 +14,7 @@ __all__ = ["Box", "Descent", "Fit", "at_least", "descend", "minimise", "together
 
 _DIFFERENCE = 0.02  # of a parameter's scale
 _DAMPINGS = (1.0, 30.0, 900.0)  # tried at once, as simulations come in batches
+_LARGEST = 1e50  # of a derivative
 _TOLERANCE = 1e-2  # fall of the cost that ends the descent, in units of the mean squared residual
 
 Residual = Callable[[Sequence[FloatArray]], list[FloatArray]]
@@ -184,7 +185,8 @@ def _columns(moved: Sequence[FloatArray], at: FloatArray, steps: FloatArray) -> 
     if not moved:
         return np.zeros((at.size, 0))
     columns = np.stack([(value - at) / step for value, step in zip(moved, steps, strict=True)], axis=1)
-    return np.where(np.isfinite(columns), columns, 0.0)
+    # A point that does not simulate says nothing about its parameter.
+    return np.where(np.max(np.abs(columns), axis=0) < _LARGEST, columns, 0.0)
 
 
 def _cost(residual: FloatArray, theta: FloatArray, box: Box) -> float:

@@ -41,11 +41,11 @@ from .velocity_lag import velocity_lag
 
 __all__ = ["Answer", "conclude"]
 
-_COVERED = 0.8
+_COVERED = 0.85
 _UNKNOWN = 0.15  # energy per row, in units of the noise, that something unnamed must reach to be reported
 _LOUD = 1.15  # residual over noise that it must reach
 _FORM = 0.03  # deviation that a law of slightly another form leaves in a parameter, in its value; not in an order
-_CONFIRMED = 0.0  # lower end of the interval of the reduction must exceed it
+_RARE, _MUCH = 0.7, 3.0  # explained on held-out data, and thresholds of gain, of what shows in a few blocks only
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def conclude(answer: Answer) -> Diagnosis:
     best = found.best
     chosen = best if best is not None and best.coverage >= _COVERED else None
     held = _confirm(answer, chosen)
-    if chosen is not None and held.ci95_reduction[0] <= _CONFIRMED:
+    if chosen is not None and not _confirmed(held, chosen, found.threshold):
         chosen = None
     unknown = chosen is None and _stands_out(found, prepared)
     series = _series(answer, chosen)
@@ -120,6 +120,12 @@ def conclude(answer: Answer) -> Diagnosis:
         extended_model=extended_model(answer.recordings, prepared, chosen),
         motion=proposal[1] if proposal is not None else None,
     )
+
+
+def _confirmed(held: Confirmation, chosen: Explanation, threshold: float) -> bool:
+    """Whether the fall of the held-out error is sure, over blocks or, where few blocks show the effect, by its size."""
+    rare = held.explained > _RARE and chosen.certain > _MUCH * threshold
+    return held.ci95_reduction[0] > 0.0 or (rare and held.rmse_after < held.rmse_before)
 
 
 def _propose(answer: Answer, chosen: Explanation | None) -> tuple[NextExperiment, dict[str, FloatArray]] | None:
