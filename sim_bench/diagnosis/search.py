@@ -29,7 +29,7 @@ _LEAST_GAIN = 30.0
 _ANOTHER = 0.08  # of the gain, that one more effect must add: less is the form of the first one not quite met
 # What of its gain an explanation counts for that would fill in for others: pushes in windows of time for anything that
 # comes and goes, a friction wave of any order for friction under a load that follows the position.
-_FILLS_IN = {"external_disturbance": 0.8, "position_coulomb": 0.97}
+_FILLS_IN = {"external_disturbance": 0.8, "position_coulomb": 0.98}
 _LAST_STEPS = 12  # of the explanation that was chosen
 _MOST_OF_A_ROW = 9.0  # gain that one row may add to what counts against the threshold
 _MATERIAL = 0.02  # gain per row: below it the base model's own small errors could be named
