@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fricomp.sim_bench.diagnosis.observer import Contribution, Job, Observer, Plant
+from fricomp.sim_bench.diagnosis.kernel import _falling
+from fricomp.sim_bench.diagnosis.observer import Contribution, Job, Observer, Plant, shifted
 from fricomp.sim_bench.diagnosis.problem import observer_for
 from fricomp.sim_bench.diagnosis.track import Track
 from fricomp.sim_bench.diagnosis.weak_form import estimate_plant
@@ -89,3 +90,27 @@ def test_few_substeps_where_the_bristle_has_yielded_change_little() -> None:
     mixed, everywhere = (problem.observe([Job(one, plant, Contribution())])[0].missing for one in (track, fine))
     rows = [problem.grids[0].of(one) for one in (mixed, everywhere)]
     assert np.sqrt(np.mean((rows[0] - rows[1]) ** 2)) < 0.1 * np.std(rows[1])
+
+
+def test_another_stribeck_exponent_in_one_lane_leaves_the_others_as_they_are() -> None:
+    joint = ToyJoint()
+    plant = true_plant(joint)
+    problem = observer_for([track_of(joint, "rich", 6.0)], plant, Observer())
+    jobs = [Job(problem.tracks[0], replace(plant, stribeck_exponent=one), Contribution()) for one in (2.0, 1.2)]
+    squared, other = (run.missing for run in problem.observe(jobs))
+    alone = [problem.observe([job])[0].missing for job in jobs]
+    assert np.array_equal(squared, alone[0])
+    assert np.array_equal(other, alone[1])
+    assert not np.allclose(squared, other, atol=1e-3)
+
+
+def test_the_exponential_of_the_lanes_is_that_of_numpy() -> None:
+    x = np.concatenate([np.linspace(0.0, 45.0, 2000), np.geomspace(1e-9, 1.0, 200)])
+    assert np.max(np.abs([_falling(float(one)) for one in x] - np.exp(-x))) < 1e-9
+
+
+@pytest.mark.parametrize("samples", [0.0, 0.25, 3.0, 2.5, -1.75, -4.0, 200.0, -200.0])
+def test_a_shift_reads_later_samples_and_holds_the_ends(samples: float) -> None:
+    values = np.random.default_rng(0).standard_normal(50)
+    index = np.arange(50.0)
+    np.testing.assert_allclose(shifted(values, samples), np.interp(index + samples, index, values), atol=1e-12)

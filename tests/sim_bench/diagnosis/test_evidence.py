@@ -1,0 +1,184 @@
+"""What counts as evidence: rows in which the joint slides, a little from each, and on data that took no part."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from fricomp.sim_bench.diagnosis.confirmation import Confirmation, _folds, _held_out
+from fricomp.sim_bench.diagnosis.observer import Observer, Plant
+from fricomp.sim_bench.diagnosis.preparation import Prepared
+from fricomp.sim_bench.diagnosis.problem import observer_for
+from fricomp.sim_bench.diagnosis.search import Explanation, _acceptable, _better, _counted
+from fricomp.sim_bench.diagnosis.solver import Box, Fit
+from fricomp.sim_bench.diagnosis.structure import Candidate, Structure
+from fricomp.sim_bench.diagnosis.track import FloatArray, Track
+from fricomp.sim_bench.diagnosis.verdict import _confirmed
+
+_PLANT = Plant(0.3, (1.0, 6.0), 0.0, (2.0, 2.6, 0.05, 1.0), (2.0, 2.6, 0.05, 1.0), 4e4)
+
+
+def _track() -> Track:
+    """Four seconds to and fro at 0.4 rad/s, six at rest, and a slide of four again."""
+    t = np.arange(14_000) * 1e-3
+    moving = (t < 4.0) | (t >= 10.0)
+    position = np.cumsum(0.4 * np.sign(np.sin(2.0 * np.pi * 0.5 * t)) * moving) * 1e-3
+    return Track.build(1e-3, position, np.zeros_like(t))
+
+
+@pytest.fixture(scope="module")
+def prepared() -> Prepared:
+    none = cast(Any, None)
+    return Prepared(observer_for([_track()], _PLANT, Observer()), none, none, none, none)
+
+
+def _fit(residual: FloatArray) -> Fit:
+    return Fit(np.zeros(0), residual, np.zeros((residual.size, 0)), float(residual @ residual))
+
+
+def _explanation(names: Sequence[str], gain: float, residual: FloatArray, certain: float | None = None) -> Explanation:
+    structure = Structure((), tuple(Candidate(name, ()) for name in names))
+    return Explanation(structure, _fit(residual), gain, gain if certain is None else certain, 0.9)
+
+
+def test_rows_whose_window_touches_rest_do_not_slide(prepared: Prepared) -> None:
+    time = prepared.problem.grids[0].centres * 1e-3
+    at_rest = (time > 4.05) & (time < 9.95)
+    assert not prepared.sliding[at_rest].any()
+    assert prepared.sliding[(time > 2.1) & (time < 2.9)].all()
+    assert not prepared.sliding[np.abs(time - 3.0) < 0.01].any()  # it turns there
+
+
+def test_a_joint_that_hardly_ever_slides_has_all_rows(prepared: Prepared) -> None:
+    track = prepared.problem.tracks[0]
+    still = replace(track, velocity=np.zeros(track.size))
+    resting = replace(prepared, problem=replace(prepared.problem, tracks=(still,)))
+    assert resting.sliding.all()
+
+
+def test_rest_speaks_only_for_effects_that_show_there(prepared: Prepared) -> None:
+    sliding = prepared.sliding
+    before, after = np.full(sliding.size, 2.0), np.full(sliding.size, 2.0)
+    after[~sliding] = 0.0
+    fall = 4.0 * np.sum(~sliding)
+    assert _counted(prepared, ("frictional_lag",), _fit(before), _fit(after)) == 0.0
+    assert _counted(prepared, ("backlash",), _fit(before), _fit(after)) == pytest.approx(fall)
+    assert _counted(prepared, ("backlash", "frictional_lag"), _fit(before), _fit(after)) == pytest.approx(fall)
+
+
+def test_no_row_counts_for_more_than_three_deviations(prepared: Prepared) -> None:
+    before = np.zeros(prepared.sliding.size)
+    first, second = np.flatnonzero(prepared.sliding)[:2]
+    before[first] = 100.0
+    assert _counted(prepared, ("cogging",), _fit(before), _fit(0.0 * before)) == pytest.approx(9.0)
+    assert _counted(prepared, ("cogging",), _fit(0.0 * before), _fit(before)) == pytest.approx(-9.0)
+    before[second] = 2.0
+    assert _counted(prepared, ("cogging",), _fit(before), _fit(0.0 * before)) == pytest.approx(13.0)
+
+
+def test_what_rest_alone_gains_does_not_make_a_pair(prepared: Prepared) -> None:
+    sliding, quiet = prepared.sliding, np.zeros(prepared.sliding.size)
+    only_rest, everywhere = np.where(sliding, 0.0, 2.0), np.full(sliding.size, 2.0)
+    pair = replace(_explanation(("cogging", "frictional_lag"), 5000.0, quiet), coverage=0.99)
+    assert _better(prepared, pair, _explanation(("cogging",), 100.0, everywhere), 50.0)
+    assert not _better(prepared, pair, _explanation(("cogging",), 100.0, only_rest), 50.0)
+    ended = replace(_explanation(("cogging", "end_stop"), 5000.0, quiet), coverage=0.99)
+    assert _better(prepared, ended, _explanation(("cogging",), 100.0, only_rest), 50.0)
+
+
+def test_only_what_is_certain_passes_the_threshold() -> None:
+    row = np.zeros(1)
+    loud = _explanation(("backlash",), 900.0, row, certain=20.0)
+    sure = _explanation(("cogging",), 400.0, row, certain=300.0)
+    refused = replace(_explanation(("end_stop",), 999.0, row), refused="pulls outwards")
+    assert _acceptable([loud, sure, refused], 30.0) == [sure]
+
+
+@pytest.mark.parametrize(("filling", "share"), [("position_coulomb", 0.99), ("external_disturbance", 0.85)])
+def test_what_fills_in_for_others_yields_to_what_fits_about_as_well(filling: str, share: float) -> None:
+    fills = _explanation((filling,), 1000.0, np.zeros(1))
+    plain = _explanation(("load_coulomb",), share * 1000.0, np.zeros(1))
+    assert _acceptable([fills, plain], 30.0) == [plain, fills]
+    clear = _explanation(("load_coulomb",), 0.7 * 1000.0, np.zeros(1))
+    assert _acceptable([fills, clear], 30.0) == [fills, clear]
+
+
+@dataclass(frozen=True)
+class _Known:
+    """A structure whose residual is `bend` of a line in its parameters."""
+
+    table: FloatArray
+    torque: FloatArray
+    bend: float = 0.0
+    candidates: tuple[Candidate, ...] = ()
+
+    def residuals(self, _: object, points: Sequence[FloatArray]) -> list[FloatArray]:
+        return [self.table @ p - self.torque + self.bend * np.abs(p).sum() for p in points]
+
+
+def _held(structure: _Known, theta: FloatArray) -> FloatArray:
+    size = theta.size
+    box = Box(-np.full(size, 9.0), np.full(size, 9.0), np.ones(size), np.zeros(size), np.eye(size), np.ones(size))
+    prepared = cast(Prepared, SimpleNamespace(problem=None, box=box))
+    return _held_out(prepared, cast(Any, structure), theta, structure.table, _folds([structure.torque.size]))
+
+
+def test_a_line_leaves_what_a_fit_to_the_other_blocks_leaves() -> None:
+    rng = np.random.default_rng(0)
+    table, torque = 3.0 * rng.standard_normal((600, 3)), rng.standard_normal(600)
+    theta = np.asarray(np.linalg.lstsq(table, torque, rcond=None)[0], dtype=np.float64)
+    found = _held(_Known(table, torque), theta)
+    for train, test in _folds([600]):
+        fitted = np.linalg.lstsq(table[train], torque[train], rcond=None)[0]
+        np.testing.assert_allclose(found[test], table[test] @ fitted - torque[test], atol=1e-3)
+        assert np.sum(train) == 600 - np.sum(test) - (15 if test[0] or test[-1] else 30)
+
+
+def test_a_step_by_which_its_own_rows_lose_is_not_taken() -> None:
+    rng = np.random.default_rng(1)
+    table, torque = rng.standard_normal((600, 2)), rng.standard_normal(600)
+    bent = _Known(table, torque, bend=50.0)
+    np.testing.assert_array_equal(_held(bent, np.zeros(2)), -torque)
+
+
+def test_three_recordings_are_left_out_whole() -> None:
+    folds = _folds([50, 70, 60])
+    assert [int(np.sum(test)) for _, test in folds] == [50, 70, 60]
+    assert all(np.array_equal(train, np.logical_not(test)) for train, test in folds)
+
+
+@pytest.mark.parametrize(
+    ("low", "explained", "certain", "after", "sure"),
+    [
+        (0.01, 0.1, 40.0, 0.9, True),
+        (-0.01, 0.8, 200.0, 0.9, True),  # in few blocks, and strong there
+        (-0.01, 0.8, 60.0, 0.9, False),
+        (-0.01, 0.5, 200.0, 0.9, False),
+        (-0.01, 0.8, 200.0, 1.1, False),
+    ],
+)
+def test_a_fall_is_sure_over_blocks_or_by_its_size(
+    low: float, explained: float, certain: float, after: float, sure: bool
+) -> None:
+    held = Confirmation(1.0, after, 0.5, (low, 0.5), explained)
+    assert _confirmed(held, _explanation(("backlash",), 500.0, np.zeros(1), certain), 50.0) == sure
+
+
+def test_samples_are_cut_finely_where_a_bristle_may_be_stretched() -> None:
+    problem = observer_for([_track()], _PLANT, Observer())
+    stiff, soft = (problem.timed_for(replace(_PLANT, sigma_0=one)).tracks[0].substeps for one in (4e5, 1e4))
+    assert stiff.min() == soft.min() >= 2
+    assert stiff.max() > soft.max() > 2
+    assert np.all(stiff >= soft)
+    time = np.arange(stiff.size) * 1e-3
+    assert np.all(stiff[(time > 3.99) & (time < 10.01)] == stiff.max())  # at rest, and 10 ms about it
+    assert np.all(stiff[np.abs(time - 2.0) < 0.01] == stiff.max())  # where it turns
+    assert np.all(stiff[(time > 2.1) & (time < 2.9)] == stiff.min())
+    longest = 1e-3 / stiff.max() * np.sqrt((3.0 * 4e5 + problem.gains[0]) / _PLANT.inertia)
+    assert longest <= problem.observer.step
+    np.testing.assert_array_equal(problem.tracks[0].substeps, problem.timed_for(_PLANT).tracks[0].substeps)
