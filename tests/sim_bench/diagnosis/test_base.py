@@ -1,0 +1,49 @@
+"""The base model as a vector: there and back, stiffness by its travel, and a prior on the difference of directions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fricomp.sim_bench.diagnosis.base import BASE_NAMES, SOFTEST, BaseModel, pack, unpack
+from fricomp.sim_bench.diagnosis.observer import Plant
+
+_PLANT = Plant(
+    0.3, (1.0, 6.0), 0.1, (2.0, 2.6, 0.05, 1.0), (2.4, 2.7, 0.04, 1.2), 4e4, sigma_1=40.0, delay=1e-4, sharpness=0.3,
+    spread=1.7,
+)  # fmt: skip
+_COULOMB = [BASE_NAMES.index(f"{side}.coulomb_torque") for side in ("forward", "reverse")]
+
+
+def _model() -> BaseModel:
+    return BaseModel.around(_PLANT, dt=1e-3, top_speed=1.5, rotary=True)
+
+
+def test_a_plant_survives_its_vector() -> None:
+    there = unpack(pack(_PLANT))
+    np.testing.assert_allclose(there.slots(), _PLANT.slots(), rtol=1e-12)
+    assert (there.gravity, there.offset, there.delay) == (_PLANT.gravity, _PLANT.offset, _PLANT.delay)
+
+
+def test_a_bristle_keeps_its_travel_when_the_friction_rises() -> None:
+    theta = pack(_PLANT)
+    theta[_COULOMB] *= 2.0
+    assert unpack(theta).sigma_0 == pytest.approx(2.0 * _PLANT.sigma_0)
+    softest = _model().box.upper[BASE_NAMES.index("log_breakaway")]
+    assert np.exp(softest) == pytest.approx(SOFTEST)
+
+
+def test_the_prior_binds_the_difference_of_the_directions_and_not_their_mean() -> None:
+    box = _model().box
+    both, apart = np.zeros(len(BASE_NAMES)), np.zeros(len(BASE_NAMES))
+    both[_COULOMB], apart[_COULOMB] = [1.0, 1.0], [0.5, -0.5]
+    assert both @ box.precision @ both == pytest.approx(0.0, abs=1e-12)
+    # A difference of a fifth of the mean is one standard deviation.
+    assert apart @ box.precision @ apart == pytest.approx((1.0 / (0.2 * _PLANT.level)) ** 2)
+    assert box.centre[_COULOMB[0]] == box.centre[_COULOMB[1]]
+
+
+def test_the_start_lies_inside() -> None:
+    model = _model()
+    np.testing.assert_array_equal(model.box.clip(model.start), model.start)
+    assert np.all(model.box.lower < model.box.upper)
