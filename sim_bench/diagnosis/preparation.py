@@ -30,9 +30,11 @@ from .weak_form import estimate_plant
 __all__ = ["Prepared", "prepare"]
 
 _SLIDING = 2.0  # rest speeds
+_SETTLED = 0.16  # [s] about a row, in which observer and whitener still answer to a start or a stop
 _SELDOM = 0.1  # share of the rows
 _FIRST_NULLS = 12  # for the weights of the first refit
 _SAME_COLOUR = 0.08  # difference of correlations that chance may bring
+_DYING, _FAINTER = 0.9, 8  # largest root of a filter that dies away within some rows, and tries to get there
 _EVEN = 0.8  # quotient of the bulk's excess and that of all rows, below which few rows make it: no noise does
 _USUAL = 1.4  # factor on the noise that needs no such evidence
 _LEVEL = (0.6, 1.8)  # most that the noise found in single samples is corrected by
@@ -79,7 +81,8 @@ class Prepared:
         """Rows in which the joint slides all the time; all of them where it hardly ever does. Shape (m,)."""
         parts = []
         for track, grid in zip(self.problem.tracks, self.problem.grids, strict=True):
-            slowest = minimum_filter1d(np.abs(track.velocity), grid.window.size)[grid.centres]
+            around = grid.window.size + round(_SETTLED / track.dt)
+            slowest = minimum_filter1d(np.abs(track.velocity), around)[grid.centres]
             parts.append(slowest > _SLIDING * self.problem.observer.rest_speed)
         rows = np.concatenate(parts)
         return rows if np.mean(rows) > _SELDOM else np.ones(rows.size, dtype=bool)
@@ -135,14 +138,24 @@ def _recoloured(prepared: Prepared) -> Prepared:
     trimmed, bulk = (_ratio(ours, theirs, size) for size in (_trimmed, _typical))
     if np.max(np.abs(shift)) < _SAME_COLOUR or trimmed > min(_LEVEL[1], bulk / _EVEN):
         return prepared
-    extra = solve_toeplitz(np.array([1.0, *shift[:-1]]), shift)
+    extra, shift = _stable(shift)
     weights = prepared.nulls.weights
-    recolouring = np.array([1.0, *-extra]) / np.sqrt(max(1.0 - extra @ shift, 0.1))
+    recolouring = np.array([1.0, *-extra]) / np.sqrt(max(1.0 - float(extra @ shift), 0.1))
     whitener = np.convolve(weights.whitener, recolouring)
     problem = replace(prepared.problem, weights=replace(weights, whitener=whitener))
     evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
     fit = minimise(evaluate, prepared.fit.theta, prepared.box, iterations=6, refresh=2)
     return replace(prepared, problem=problem, fit=fit, recolouring=recolouring)
+
+
+def _stable(shift: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Prediction from the last three rows by the correlations `shift`, both fainter until its inverse dies away."""
+    for _ in range(_FAINTER):
+        extra: FloatArray = solve_toeplitz(np.array([1.0, *shift[:-1]]), shift)
+        if np.max(np.abs(np.roots([1.0, *-extra]))) < _DYING:
+            return extra, shift
+        shift = 0.7 * shift
+    return np.zeros_like(shift), np.zeros_like(shift)
 
 
 def _correlation(values: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""The search: all single effects and pairs screened at once, the best refitted jointly, triples by swaps."""
+"""The search: single effects and pairs screened at once, the best refitted jointly, a third on top of the best pair."""
 
 from __future__ import annotations
 
@@ -32,6 +32,7 @@ _ANOTHER = 0.08  # of the gain, that one more effect must add: less is the form 
 _FILLS_IN = {"external_disturbance": 0.8, "position_coulomb": 0.98}
 _LAST_STEPS = 12  # of the explanation that was chosen
 _MOST_OF_A_ROW = 9.0  # gain that one row may add to what counts against the threshold
+_FAIR = 0.5  # of what an effect of sliding would explain in the rows that slide, were it spread evenly, that it must
 _MATERIAL = 0.02  # gain per row: below it the base model's own small errors could be named
 
 
@@ -102,7 +103,8 @@ def search(prepared: Prepared) -> Found:
     best = _choose(prepared, tried, threshold)
     if best is not None:
         (polished,) = _polish(prepared, [best], generic, iterations=_LAST_STEPS, refresh=1)
-        tried[tried.index(best)] = best = polished
+        if polished.certain > threshold:
+            tried[tried.index(best)] = best = polished
     tried.sort(key=lambda explanation: -explanation.gain)
     return Found(tuple(tried), best, threshold, explainable, null, first)
 
@@ -142,10 +144,15 @@ def _better(prepared: Prepared, larger: Explanation, best: Explanation, threshol
 
 
 def _counted(prepared: Prepared, names: Collection[str], before: Fit, after: Fit) -> float:
-    """Fall of the cost in rows that can show the effects `names`, none counting for more than a few."""
+    """Fall of the cost in rows that can show the effects `names`, none counting for more than a few; nothing where
+    too little of it lies where the joint slides: effects of sliding reach rest only by bending the bristle.
+    """
     fall = np.clip(before.residual**2 - after.residual**2, -_MOST_OF_A_ROW, _MOST_OF_A_ROW)
-    everywhere = any(EFFECTS[name].shown_at_rest for name in names)
-    return float(np.sum(fall if everywhere else fall[prepared.sliding]))
+    if any(EFFECTS[name].shown_at_rest for name in names):
+        return float(np.sum(fall))
+    rows = prepared.sliding
+    sliding, fair = float(np.sum(fall[rows])), float(np.sum(fall)) * float(np.mean(rows))
+    return sliding if sliding > _FAIR * fair else min(sliding, 0.0)
 
 
 def _null_gain(prepared: Prepared, screened: Screen) -> float:

@@ -104,10 +104,10 @@ def _fine_ripples(recordings: Sequence[Recording], diagnosis: Diagnosis, seed: i
 
 def _ripple_of(diagnosis: Diagnosis) -> tuple[float, float] | None:
     """Order and amplitude of the ripple that was named alone; None where none was."""
-    names = [effect.name for effect in diagnosis.effects if effect.kind == "physics"]
-    if names != ["cogging"]:
+    physics = [effect for effect in diagnosis.effects if effect.kind == "physics"]
+    if [effect.name for effect in physics] != ["cogging"]:
         return None
-    values = {name: one.value for name, one in diagnosis.effects[0].parameters.items()}
+    values = {name: one.value for name, one in physics[0].parameters.items()}
     if not {"order", "sine", "cosine"} <= set(values):
         return None
     return values["order"], float(np.hypot(values["sine"], values["cosine"]))

@@ -136,6 +136,8 @@ def descend(
     steps = _differences(theta, box)
     at, *moved = yield [theta, *_points(theta, steps, range(known.shape[1], theta.size))]
     residual, cost = at, _cost(at, theta, box)
+    if not np.isfinite(cost):  # a start that does not simulate
+        return Fit(theta, residual, np.zeros((at.size, theta.size)), cost)
     J = np.concatenate([known.reshape(at.size, -1), _columns(moved, at, steps[known.shape[1] :])], axis=1)
     damping, age = 1e-3, 0
     for _ in range(iterations):
@@ -144,7 +146,7 @@ def descend(
         costs = [_cost(value, trial, box) for value, trial in zip(values, trials, strict=True)]
         best = int(np.argmin(costs))
         gain = cost - costs[best]
-        if gain <= 0.0:
+        if not gain > 0.0:
             if age == 0 and damping > 10.0:
                 break
             damping *= 100.0

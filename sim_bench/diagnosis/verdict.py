@@ -44,7 +44,9 @@ __all__ = ["Answer", "conclude"]
 _COVERED = 0.85
 _UNKNOWN = 0.15  # energy per row, in units of the noise, that something unnamed must reach to be reported
 _LOUD = 1.15  # residual over noise that it must reach
-_FORM = 0.03  # deviation that a law of slightly another form leaves in a parameter, in its value; not in an order
+_FORM = (
+    0.03  # relative deviation that a law of slightly another form leaves in a size; not in an order, an edge, a time
+)
 _RARE, _MUCH = 0.7, 3.0  # explained on held-out data, and thresholds of gain, of what shows in a few blocks only
 
 
@@ -210,7 +212,7 @@ def _quantities(answer: Answer, chosen: Explanation, name: str, deviations: Floa
         if owner != name:
             continue
         unit = parameter.unit.replace("{torque}", answer.unit).replace("{position}", answer.position_unit)
-        form = 0.0 if parameter.unit.startswith("1/") else _FORM * (1.0 if parameter.logarithmic else abs(float(value)))
+        form = _FORM * (1.0 if parameter.logarithmic else abs(float(value)) if parameter.linear else 0.0)
         half = 1.96 * float(np.hypot(deviation, form)) if parameter.scale > 0.0 else 0.0
         low, mid, high = float(value) - half, float(value), float(value) + half
         if parameter.logarithmic:
@@ -280,9 +282,12 @@ def _base(answer: Answer, chosen: Explanation | None) -> dict[str, Quantity]:
 
 def _rivals(found: Found, chosen: Explanation | None) -> tuple[Rival, ...]:
     rivals = []
-    for explanation in found.explanations[:12]:
+    listed = found.explanations[:12]
+    if chosen is not None and chosen not in listed:
+        listed = (*listed, chosen)
+    for explanation in listed:
         why = explanation.refused
-        if not why and explanation.gain <= found.threshold:
+        if not why and explanation.certain <= found.threshold:
             why = "does not exceed what a recording with nothing missing gives"
         elif not why and chosen is not None and explanation is not chosen:
             why = "another explanation is better or simpler"
