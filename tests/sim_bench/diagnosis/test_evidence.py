@@ -12,7 +12,7 @@ import pytest
 
 from fricomp.sim_bench.diagnosis.confirmation import Confirmation, _folds, _held_out
 from fricomp.sim_bench.diagnosis.observer import Observer, Plant
-from fricomp.sim_bench.diagnosis.preparation import Prepared
+from fricomp.sim_bench.diagnosis.preparation import Prepared, _stable
 from fricomp.sim_bench.diagnosis.problem import observer_for
 from fricomp.sim_bench.diagnosis.search import Explanation, _acceptable, _better, _counted
 from fricomp.sim_bench.diagnosis.solver import Box, Fit
@@ -181,3 +181,21 @@ def test_samples_are_cut_finely_where_a_bristle_may_be_stretched() -> None:
     longest = 1e-3 / stiff.max() * np.sqrt((3.0 * 4e5 + problem.gains[0]) / _PLANT.inertia)
     assert longest <= problem.observer.step
     np.testing.assert_array_equal(problem.tracks[0].substeps, problem.timed_for(_PLANT).tracks[0].substeps)
+
+
+def test_what_lies_mostly_about_rest_speaks_for_no_effect_of_sliding(prepared: Prepared) -> None:
+    """Both bring 40 where the joint slides; the second far more about rest, as a bent bristle would."""
+    rows = prepared.sliding
+    none = _fit(np.zeros(rows.size))
+    some = np.where(rows, 40.0 / rows.sum(), 0.0)
+    rest = some + np.where(rows, 0.0, 600.0 / (~rows).sum())
+    assert _counted(prepared, {"frictional_lag"}, _fit(np.sqrt(some)), none) == pytest.approx(40.0)
+    assert _counted(prepared, {"frictional_lag"}, _fit(np.sqrt(rest)), none) == 0.0
+
+
+@pytest.mark.parametrize("shift", [(0.3, 0.1, 0.0), (0.9, -0.6, 0.95), (-0.99, 0.99, -0.99)])
+def test_the_residuals_own_colour_never_makes_a_filter_that_grows(shift: tuple[float, float, float]) -> None:
+    extra, used = _stable(np.array(shift))
+    assert np.max(np.abs(np.roots([1.0, *-extra]))) < 1.0
+    if shift[0] == 0.3:
+        np.testing.assert_array_equal(used, shift)

@@ -106,3 +106,12 @@ def test_a_prior_is_measured_in_scales() -> None:
 def test_a_floor_raises_the_diagonal_alone() -> None:
     raised = at_least(np.array([[0.25, -0.25, 0.0], [-0.25, 0.25, 0.0], [0.0, 0.0, 0.0]]), 0.1)
     np.testing.assert_array_equal(raised, [[0.25, -0.25, 0.0], [-0.25, 0.25, 0.0], [0.0, 0.0, 0.1]])
+
+
+def test_a_start_that_does_not_simulate_ends_its_own_descent_only() -> None:
+    def evaluate(asked: list[list[FloatArray]]) -> list[list[FloatArray]]:
+        return [[np.full(20, np.nan) for _ in asked[0]], _line(asked[1])]
+
+    lost, found = together([descend(np.zeros(3), _box(), jacobian=_A), descend(np.zeros(3), _box())], evaluate)
+    assert not np.isfinite(lost.cost)
+    np.testing.assert_allclose(found.theta, np.linalg.lstsq(_A, _Y, rcond=None)[0], atol=1e-4)
