@@ -35,6 +35,8 @@ _RESTING = 0.6  # of the slowest speed that counts as sliding
 _SLOW_BANDWIDTH = 30.0  # [rad/s] observer for recordings below 300 Hz
 
 
+# Points of a search that do not simulate overflow; they are left out where they come up.
+@np.errstate(over="ignore", invalid="ignore")
 def diagnose(
     recordings: Recording | Sequence[Recording],
     simulation: RigidJoint | str | Path | None = None,
