@@ -138,7 +138,7 @@ def _better(prepared: Prepared, larger: Explanation, best: Explanation, threshol
     further = set(larger.names) - set(best.names)
     return (
         _weighed(larger) > _weighed(best) + least
-        and _counted(prepared, further, best.fit, larger.fit) > least
+        and _counted(prepared, further, best.fit, larger.fit) > max(threshold, _ANOTHER * best.certain)
         and larger.coverage > best.coverage + 0.015
     )
 
