@@ -33,7 +33,7 @@ BASE_NAMES = (
 )
 
 SOFTEST = 2.5e-4
-"""Presliding distance F_c / sigma_0 up to which a joint counts as stiff [rad]; beyond it presliding is an effect."""
+"""Presliding distance F_c / sigma_0 of the softest bristle that is part of the base [rad]."""
 
 _BREAKAWAY = (2e-6, SOFTEST)  # [rad] presliding distance of the base model
 # Longest step in scales: parameters that enter linearly may go anywhere at once.

@@ -66,7 +66,11 @@ class Plant:
         """Gravity and offset at `position` [N·m]."""
         if not rotary:
             return np.full_like(position, self.offset)
-        return self.gravity[0] * np.cos(position) + self.gravity[1] * np.sin(position) + self.offset
+        return self.static_torque(np.cos(position), np.sin(position))
+
+    def static_torque(self, cosine: FloatArray, sine: FloatArray) -> FloatArray:
+        """Gravity and offset where cosine and sine of the position are known [N·m]."""
+        return self.gravity[0] * cosine + self.gravity[1] * sine + self.offset
 
 
 @dataclass(frozen=True)
@@ -136,7 +140,7 @@ def simulate_all(jobs: Sequence[Job], observer: Observer, gains: tuple[float, fl
         observer: Observer settings.
         gains: K [N·m/rad] and D [N·m·s/rad].
     """
-    settings = np.array([0.0, *gains, observer.rest_speed, observer.leak])
+    settings = (*gains, observer.rest_speed, observer.leak)
     groups: dict[int, list[int]] = {}
     for index, job in enumerate(jobs):
         groups.setdefault(id(job.track.substeps), []).append(index)
@@ -149,7 +153,7 @@ def simulate_all(jobs: Sequence[Job], observer: Observer, gains: tuple[float, fl
     return [result[index] for index in range(len(jobs))]
 
 
-def _simulate(jobs: Sequence[Job], settings: FloatArray) -> list[Observation]:
+def _simulate(jobs: Sequence[Job], settings: tuple[float, ...]) -> list[Observation]:
     """Run at most `LANES` simulations of tracks of one length; lanes left over repeat the last one."""
     first, n = jobs[0].track, jobs[0].track.size
     assert first.substeps.size == n, "the track is none of a problem: observer_for fixes the substeps of its tracks"
@@ -159,21 +163,14 @@ def _simulate(jobs: Sequence[Job], settings: FloatArray) -> list[Observation]:
         plant = replace(plant, **contribution.plant) if contribution.plant else plant
         plants[:, lane] = plant.slots()
         signals[0, lane], signals[1, lane] = track.position, track.velocity
+        held = plant.static_torque(*track.waves) if track.rotary else plant.offset
         torque = shifted(track.torque, (plant.delay + contribution.delay) / track.dt)
-        signals[2, lane] = torque - _static_torque(track, plant) - contribution.additive
+        signals[2, lane] = torque - held - contribution.additive
         signals[3, lane] = contribution.level
     out = np.empty((4, LANES, n))
-    observer = np.array([first.dt, *settings[1:]])
+    observer = np.array([first.dt, *settings])
     observe(signals[0], signals[1], signals[2], signals[3], plants, observer, first.substeps, out)
     return [Observation(*out[:, lane]) for lane in range(len(jobs))]
-
-
-def _static_torque(track: Track, plant: Plant) -> FloatArray | float:
-    """Gravity and offset along a recording [N·m]. Shape (n,), or a number."""
-    if not track.rotary:
-        return plant.offset
-    cosine, sine = track.waves
-    return plant.gravity[0] * cosine + plant.gravity[1] * sine + plant.offset
 
 
 def shifted(values: FloatArray, samples: float) -> FloatArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,7 +77,7 @@ class Prepared:
         parts = np.split(self.fit.jacobian, ends)
         return np.concatenate([lfilter([1.0], recolouring, part, axis=0) for part in parts])
 
-    @property
+    @cached_property
     def sliding(self) -> NDArray[np.bool_]:
         """Rows in which the joint slides all the time; all of them where it hardly ever does. Shape (m,)."""
         parts = []

@@ -87,9 +87,9 @@ Descent = Generator[list[FloatArray], list[FloatArray], Fit]
 
 def minimise(evaluate: Residual, theta: FloatArray, box: Box, *, iterations: int = 8, refresh: int = 1) -> Fit:
     """Least squares from `theta`, for residuals that are evaluated at several points at once."""
-    return together([descend(theta, box, iterations=iterations, refresh=refresh)], lambda asked: [evaluate(asked[0])])[
-        0
-    ]
+    descent = descend(theta, box, iterations=iterations, refresh=refresh)
+    (fit,) = together([descent], lambda asked: [evaluate(asked[0])])
+    return fit
 
 
 def together(

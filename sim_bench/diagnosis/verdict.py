@@ -270,7 +270,7 @@ def _base(answer: Answer, chosen: Explanation | None) -> dict[str, Quantity]:
         "viscous_coefficient": f"{answer.unit}·s/{answer.position_unit}",
     }
     units |= {"sharpness": "1", "spread": "1", "breakaway": answer.position_unit}
-    units |= {"stribeck_velocity": f"{answer.position_unit}/s", "sigma_0": f"{answer.unit}/{answer.position_unit}"}
+    units |= {"stribeck_velocity": f"{answer.position_unit}/s"}
     for name, value, wide in zip(BASE_NAMES, fit.theta, 1.96 * deviation, strict=False):
         low, mid, high = float(value - wide), float(value), float(value + wide)
         if "log_" in name:
