@@ -97,7 +97,13 @@ def _(term: Cogging) -> PlainForm:
 
 @plain_form.register
 def _(term: SpringTorque) -> PlainForm:
-    return PlainForm("held", lambda position: term.stiffness * (position - term.centre))
+    stiffness, centre, hardening = term.stiffness, term.centre, term.hardening
+
+    def torque(position: float) -> float:
+        stretch = position - centre
+        return stiffness * stretch * (1.0 + hardening * stretch * stretch)
+
+    return PlainForm("held", torque)
 
 
 @plain_form.register

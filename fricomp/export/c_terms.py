@@ -86,7 +86,9 @@ def _(term: PositionCoulomb, literal: Literal) -> tuple[TermKind, str]:
 
 @c_expression.register
 def _(term: SpringTorque, literal: Literal) -> tuple[TermKind, str]:
-    return "held", f"({literal(term.stiffness)} * (position - {literal(term.centre)}))"
+    stretch = f"(position - {literal(term.centre)})"
+    stiffer = f"({literal(1.0)} + {literal(term.hardening)} * {stretch} * {stretch})"
+    return "held", f"({literal(term.stiffness)} * {stretch} * {stiffer})"
 
 
 @c_expression.register

@@ -64,8 +64,15 @@ _TERMS: dict[type[Term], OnnxTerm] = {
     PositionCoulomb: OnnxTerm("dry", _WAVE_PARAMETERS, _WAVE),
     SpringTorque: OnnxTerm(
         "held",
-        {"stiffness": 0.0, "centre": 0.0},
-        (("Sub", ("position", "centre_"), "stretch_"), ("Mul", ("stretch_", "stiffness_"), "torque_")),
+        {"stiffness": 0.0, "centre": 0.0, "hardening": 0.0},
+        (
+            ("Sub", ("position", "centre_"), "stretch_"),
+            ("Mul", ("stretch_", "stiffness_"), "straight_"),
+            ("Mul", ("stretch_", "stretch_"), "square_"),
+            ("Mul", ("square_", "hardening_"), "share_"),
+            ("Mul", ("straight_", "share_"), "stiffer_"),
+            ("Add", ("straight_", "stiffer_"), "torque_"),
+        ),
     ),
     EndStop: OnnxTerm(
         "held",

@@ -86,7 +86,10 @@ def _without(model: FrictionModel, terms: Sequence[Term]) -> FrictionModel:
 
 
 def _spring(term: SpringTorque) -> dict[str, str]:
-    return {"stiffness": f"{term.stiffness:.9g}", "springref": f"{term.centre:.9g}"}
+    polynomial = f"{term.stiffness:.9g}"
+    if term.hardening:
+        polynomial += f" 0 {term.stiffness * term.hardening:.9g}"
+    return {"stiffness": polynomial, "springref": f"{term.centre:.9g}"}
 
 
 def _cogging(term: Cogging) -> str:

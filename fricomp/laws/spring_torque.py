@@ -15,22 +15,29 @@ __all__ = ["SpringTorque"]
 
 @dataclass(frozen=True)
 class SpringTorque(Term):
-    """k (q - q_0).
+    """k (x + h x^3), x = q - q_0.
 
     Attributes:
         stiffness: k [N·m/rad] or [N/m].
         centre: q_0 [rad] or [m].
+        hardening: h [1/rad²] or [1/m²]: part by which the spring stiffens at one unit of stretch.
     """
 
     name: ClassVar[str] = "spring_torque"
-    units: ClassVar[Mapping[str, str]] = {"stiffness": "{torque}/{position}", "centre": "{position}"}
+    units: ClassVar[Mapping[str, str]] = {
+        "stiffness": "{torque}/{position}",
+        "centre": "{position}",
+        "hardening": "1/{position}²",
+    }
 
     stiffness: float
     centre: float
+    hardening: float = 0.0
 
     def __post_init__(self) -> None:
-        require_nonnegative(self, "stiffness")
+        require_nonnegative(self, "stiffness", "hardening")
 
     def torque(self, point: OperatingPoint) -> Scalar:
         """Torque at `point`."""
-        return self.stiffness * (np.asarray(point.position, dtype=np.float64) - self.centre)
+        stretch = np.asarray(point.position, dtype=np.float64) - self.centre
+        return self.stiffness * stretch * (1.0 + self.hardening * stretch**2)

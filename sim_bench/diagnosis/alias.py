@@ -9,7 +9,7 @@ from .result import Distinguishability
 from .screening import Screen, orthonormal
 from .search import Explanation, Found
 
-__all__ = ["aliases", "distinguishability"]
+__all__ = ["aliases", "alternatives", "as_good", "distinguishability"]
 
 _CLOSE = 12.0  # gain within which two explanations count as equally good
 
@@ -20,21 +20,22 @@ def aliases(found: Found, name: str) -> tuple[str, ...]:
     if best is None:
         return ()
     others = set(best.names) - {name}
-    close = {
-        next(iter(set(rival.names) - others))
-        for rival in found.explanations
-        if _stands_in(rival, best, others) and rival.names != best.names
-    }
+    close = {next(iter(set(rival.names) - others)) for rival in alternatives(found) if others <= set(rival.names)}
     return tuple(sorted(close))
 
 
-def _stands_in(rival: Explanation, best: Explanation, others: set[str]) -> bool:
-    return (
-        len(rival.names) == len(best.names)
-        and others <= set(rival.names)
-        and not rival.refused
-        and rival.gain > best.gain - max(_CLOSE, 0.03 * best.gain)
-    )
+def alternatives(found: Found) -> list[Explanation]:
+    """Explanations by other effects, as many of them, that fit about as well as the best one, best first."""
+    best = found.best
+    if best is None:
+        return []
+    alike = (e for e in found.explanations if len(e.names) == len(best.names) and e.names != best.names)
+    return [rival for rival in alike if not rival.refused and as_good(rival, best)]
+
+
+def as_good(rival: Explanation, best: Explanation) -> bool:
+    """Whether an explanation fits about as well as the best one."""
+    return rival.gain > best.gain - max(_CLOSE, 0.03 * best.gain)
 
 
 def distinguishability(prepared: Prepared, screened: Screen) -> Distinguishability:

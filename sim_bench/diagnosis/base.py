@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .observer import Plant
+from .rigid import RigidJoint
 from .solver import Box
 from .track import FloatArray
 
-__all__ = ["BASE_NAMES", "SOFTEST", "BaseModel", "pack", "unpack"]
+__all__ = ["BASE_NAMES", "LONGEST_DELAY", "SOFTEST", "BaseModel", "pack", "unpack"]
 
 BASE_NAMES = (
     "log_inertia",
@@ -35,14 +36,16 @@ BASE_NAMES = (
 SOFTEST = 2.5e-4
 """Presliding distance F_c / sigma_0 of the softest bristle that is part of the base [rad]."""
 
+LONGEST_DELAY = 5e-4
+"""Delay between torque and motion up to which a chain of sensors counts as usual [s]; more swallows real delays."""
+
 _BREAKAWAY = (2e-6, SOFTEST)  # [rad] presliding distance of the base model
 # Longest step in scales: parameters that enter linearly may go anywhere at once.
 _FRICTION_REACH = [10.0, 10.0, 2.0, 20.0]
 _REACH = np.array([4.0, 40.0, 40.0, 40.0, *_FRICTION_REACH, *_FRICTION_REACH, 3.0, 2.0, 3.0, 2.0, 2.0])
 _DAMPING = 0.012  # [s] largest sigma_1 / sigma_0 of a bristle that is part of the base
-_INERTIA = 0.3  # relative deviation of a simulation's inertia from that of the joint
+_RIGID = 0.3  # relative deviation of a simulation's inertia and gravity from those of the joint
 _ASYMMETRY = 0.2  # deviation of the difference of the Coulomb torques of both directions, in their mean
-_DELAY = 5e-4  # [s] a wider prior swallows delays that are real
 
 
 def pack(plant: Plant) -> FloatArray:
@@ -94,9 +97,9 @@ class BaseModel:
 
     @classmethod
     def around(
-        cls, plant: Plant, *, dt: float, top_speed: float, rotary: bool, known_inertia: bool = False
+        cls, plant: Plant, *, dt: float, top_speed: float, rotary: bool, known: RigidJoint | None = None
     ) -> BaseModel:
-        """The domain around a first estimate of the plant; an inertia that is known binds weakly."""
+        """The domain around a first estimate of the plant; inertia and gravity of a simulation bind weakly."""
         level = max(plant.level, 1e-6)
         viscous = max(plant.forward[3], plant.reverse[3], 0.1 * level / top_speed)
         size = max(float(np.hypot(*plant.gravity)), level)
@@ -106,7 +109,7 @@ class BaseModel:
             replace(
                 plant,
                 sigma_0=plant.level / float(np.exp(0.4 * breakaway[0] + 0.6 * breakaway[1])),
-                delay=0.5 * (_DELAY - dt),
+                delay=0.5 * (LONGEST_DELAY - dt),
                 sharpness=0.5,
             )
         )
@@ -117,13 +120,16 @@ class BaseModel:
         lower = [inertia - 3, -gravity_free, -gravity_free, -100 * size, *friction_low, *friction_low, breakaway[0]]
         upper = [inertia + 3, gravity_free, gravity_free, 100 * size, *friction_high, *friction_high, breakaway[1]]
         scale = [0.05, 0.05 * size, 0.05 * size, 0.05 * level, *friction_scale, *friction_scale, 0.3]
-        reach = 0.5 * (dt + _DELAY)
+        reach = 0.5 * (dt + LONGEST_DELAY)
         low = np.array([*lower, -dt, 0.0, 0.0, 0.0])
-        high = np.array([*upper, _DELAY, _DAMPING, 1.0, 1.5])
+        high = np.array([*upper, LONGEST_DELAY, _DAMPING, 1.0, 1.5])
         centre = start.copy()
         centre[4] = centre[8] = level
         weight = np.zeros(start.size)
-        weight[0] = 1.0 / _INERTIA if known_inertia else 0.0
+        if known is not None:
+            weight[0] = 1.0 / _RIGID
+            centre[1:3] = known.gravity
+            weight[1:3] = 1.0 / (_RIGID * max(float(np.hypot(*known.gravity)), level))
         for i in (6, 10):
             centre[i] = np.log(0.05 * top_speed)
             weight[i] = 1.0 / 1.5

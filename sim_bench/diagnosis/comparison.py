@@ -18,7 +18,8 @@ from .track import FloatArray
 
 __all__ = ["Comparison", "compare_friction", "compare_rigid"]
 
-_TOLERANCE = 0.005  # relative error of a parameter that the observer's own approximations may cause
+# Relative errors that the observer's own approximations may cause, from simulated joints with nothing missing.
+_INERTIA, _GRAVITY = 0.005, 0.002
 _SAME_FACTOR = ("payload_error", "torque_gain_error")
 _USUAL_GAIN = 0.1  # largest gain error of a torque signal that is usual; masses are off by more
 _SIGNIFICANT = 25.0  # fall of chi squared that a change must bring
@@ -49,7 +50,7 @@ def compare_rigid(plant: Plant, covariance: FloatArray, given: RigidJoint, unit:
     gravity = float(np.hypot(*given.gravity))
     refit = np.array([log(plant.inertia), *plant.gravity])
     prior = np.array([log(given.inertia), *given.gravity])
-    floor = np.diag([_TOLERANCE, *([_TOLERANCE * max(gravity, 1e-9)] * 2)]) ** 2
+    floor = np.diag([_INERTIA, *([_GRAVITY * max(gravity, 1e-9)] * 2)]) ** 2
     # Gravity far below friction says nothing about a gain: the floor keeps chi squared from tiny biases.
     weight = np.linalg.inv(covariance + floor)
     shift = refit - prior

@@ -34,6 +34,7 @@ _SLIDING = 2.0  # rest speeds
 _SETTLED = 0.16  # [s] about a row, in which observer and whitener still answer to a start or a stop
 _SELDOM = 0.1  # share of the rows
 _FIRST_NULLS = 12  # for the weights of the first refit
+_HALF_STEPS = 6  # towards the colour of the nulls
 _SAME_COLOUR = 0.08  # difference of correlations that chance may bring
 _DYING, _FAINTER = 0.9, 8  # largest root of a filter that dies away within some rows, and tries to get there
 _EVEN = 0.8  # quotient of the bulk's excess and that of all rows, below which few rows make it: no noise does
@@ -110,9 +111,7 @@ def prepare(
     start = estimate_plant(list(tracks))
     start = start if rigid is None else replace(start, inertia=rigid.inertia)
     top = max(float(np.quantile(np.abs(track.velocity), 0.995)) for track in tracks)
-    base = BaseModel.around(
-        start, dt=tracks[0].dt, top_speed=top, rotary=tracks[0].rotary, known_inertia=rigid is not None
-    )
+    base = BaseModel.around(start, dt=tracks[0].dt, top_speed=top, rotary=tracks[0].rotary, known=rigid)
     problem = observer_for(tracks, start, observer)
     fit = minimise(problem.residual(problem.nothing, len(BASE_NAMES)), base.start, base.box, iterations=10, refresh=2)
     raw = problem
@@ -135,18 +134,35 @@ def _noise_parts(prepared: Prepared) -> tuple[FloatArray, list[FloatArray]]:
 def _recoloured(prepared: Prepared) -> Prepared:
     """Whiten the residual by its own correlation where it is not that of the nulls, which keep theirs."""
     ours, theirs = _noise_parts(prepared)
-    shift = _correlation(ours) - np.mean([_correlation(one) for one in theirs], axis=0)
     trimmed, bulk = (_ratio(ours, theirs, size) for size in (_trimmed, _typical))
-    if np.max(np.abs(shift)) < _SAME_COLOUR or trimmed > min(_LEVEL[1], bulk / _EVEN):
+    if trimmed > min(_LEVEL[1], bulk / _EVEN):
         return prepared
-    extra, shift = _stable(shift)
+    recolouring = _colour_filter(ours, np.mean([_correlation(one) for one in theirs], axis=0))
+    if recolouring.size == 1:
+        return prepared
     weights = prepared.nulls.weights
-    recolouring = np.array([1.0, *-extra]) / np.sqrt(max(1.0 - float(extra @ shift), 0.1))
     whitener = np.convolve(weights.whitener, recolouring)
     problem = replace(prepared.problem, weights=replace(weights, whitener=whitener))
     evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
     fit = minimise(evaluate, prepared.fit.theta, prepared.box, iterations=6, refresh=2)
     return replace(prepared, problem=problem, fit=fit, recolouring=recolouring)
+
+
+def _colour_filter(values: FloatArray, correlation: FloatArray) -> FloatArray:
+    """Filter that gives `values` this correlation over one to three rows and keeps their size; (1,) where it is theirs.
+
+    In several half steps: what the base takes out correlates rows as well, so correlations do not simply add.
+    """
+    found, filtered = np.ones(1), values
+    for _ in range(_HALF_STEPS):
+        shift = _correlation(filtered) - correlation
+        if np.max(np.abs(shift)) < _SAME_COLOUR:
+            break
+        extra, _ = _stable(0.5 * shift)
+        found = np.convolve(found, [1.0, *-extra])
+        filtered = lfilter(found, [1.0], values)
+    result: FloatArray = found * _typical(values) / _typical(filtered)
+    return result
 
 
 def _stable(shift: FloatArray) -> tuple[FloatArray, FloatArray]:

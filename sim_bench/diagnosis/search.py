@@ -11,18 +11,18 @@ from .effects import EFFECTS
 from .generic import generic_rows
 from .preparation import Prepared
 from .screening import Column, Screen, orthonormal, project_out, screen
-from .solver import Fit
+from .solver import Box, Fit
 from .structure import N_BASE, Candidate, Structure, fit_all
 from .track import FloatArray
 
-__all__ = ["Explanation", "Found", "search"]
+__all__ = ["Explanation", "Found", "fit_from", "search"]
 
 _SINGLES = 8  # effects refitted on their own
 _FAINT = 0.03  # of the strongest effect's energy: weaker ones are not refitted
 _CAREFUL = 3  # of them refined with fresh Jacobians
 _MORE_CAREFUL = 6  # of them where none of those explains enough
-_SEEDS = 1  # singles from which pairs are grown
-_PARTNERS = 4  # partners tried for each
+_PARTNERS = 4  # partners tried for each explanation that is grown
+_ALIKE = 0.9  # of the energy of a partner's best hypothesis, from which its next one is tried as well
 _ENOUGH = 0.98  # coverage at which nothing more is looked for
 _QUANTILE = 0.98
 _LEAST_GAIN = 30.0
@@ -30,9 +30,11 @@ _ANOTHER = 0.08  # of the gain, that one more effect must add: less is the form 
 # What of its gain an explanation counts for that would fill in for others: pushes in windows of time for anything that
 # comes and goes, a friction wave of any order for friction under a load that follows the position.
 _FILLS_IN = {"external_disturbance": 0.8, "position_coulomb": 0.98}
-_LAST_STEPS = 12  # of the explanation that was chosen
+_LAST_STEPS = 12  # of the explanation that was chosen and of rivals close to it
+_NEAR, _FINALISTS = 0.1, 2  # of its gain that a rival may lack, and how many of them there are
 _MOST_OF_A_ROW = 9.0  # gain that one row may add to what counts against the threshold
 _FAIR = 0.5  # of what an effect of sliding would explain in the rows that slide, were it spread evenly, that it must
+_LOUD_ABOUT_REST = 0.6  # gain per row there; the form of the bristle has been seen to leave 0.3 of nothing missing
 _MATERIAL = 0.02  # gain per row: below it the base model's own small errors could be named
 
 
@@ -47,6 +49,7 @@ class Explanation:
         certain: The same from rows that can show the effects, none counting for more than a few: rows about rest hang
             on a bristle that no model has quite right, and a handful of rows decides nothing.
         coverage: Part of the explainable energy that it covers.
+        left: Energy that a generic basis explains of what it leaves, beyond chance.
         refused: Why it is not physical; empty where it is.
     """
 
@@ -55,6 +58,7 @@ class Explanation:
     gain: float
     certain: float
     coverage: float
+    left: float = 0.0
     refused: str = ""
 
     @property
@@ -71,7 +75,8 @@ class Found:
         explanations: All that were refitted, best first, refused ones too.
         best: The best accepted one; None where nothing stands out.
         threshold: Gain that an effect must exceed.
-        explainable: Energy that a generic basis explains of the base's residual beyond chance.
+        explainable: Energy that a generic basis explains of the base's residual beyond chance, no row counting for
+            more than a few.
         explainable_null: The largest such energy over the nulls, at the same quantile as the threshold.
         first: Screening about the base model.
     """
@@ -91,20 +96,22 @@ def search(prepared: Prepared) -> Found:
     threshold = max(_LEAST_GAIN, _MATERIAL * fit.residual.size, _null_gain(prepared, first))
     generic = generic_rows(problem, prepared.structure.contexts)
     span = orthonormal(project_out(generic, prepared.basis), 1e-4)
-    explainable = _excess(span, fit.residual)
-    null = float(np.quantile([_excess(span, v) for v in prepared.null_residuals()], _QUANTILE))
+    explainable = _spread_excess(span, fit.residual)
+    null = float(np.quantile([_spread_excess(span, v) for v in prepared.null_residuals()], _QUANTILE))
     tried = _singles(prepared, first, generic)
     accepted = _acceptable(tried, threshold)
     if accepted and accepted[0].coverage < _ENOUGH:
-        tried += _grow(prepared, accepted[:_SEEDS], generic, first)
+        tried += _grow(prepared, accepted[:1], generic, first)
+        tried += _grow(prepared, _partners(tried, accepted[0], threshold), generic, None)
         pairs = [e for e in _acceptable(tried, threshold) if len(e.names) == 2]
         if pairs and pairs[0].coverage < _ENOUGH:
             tried += _grow(prepared, pairs[:1], generic, None)
     best = _choose(prepared, tried, threshold)
     if best is not None:
-        (polished,) = _polish(prepared, [best], generic, iterations=_LAST_STEPS, refresh=1)
-        if polished.certain > threshold:
-            tried[tried.index(best)] = best = polished
+        close = _close_to(best, _acceptable(tried, threshold))
+        finished = _polish(prepared, close, generic, iterations=_LAST_STEPS, refresh=2)
+        tried = finished + [explanation for explanation in tried if explanation not in close]
+        best = _choose(prepared, tried, threshold)
     tried.sort(key=lambda explanation: -explanation.gain)
     return Found(tuple(tried), best, threshold, explainable, null, first)
 
@@ -112,6 +119,19 @@ def search(prepared: Prepared) -> Found:
 def _acceptable(tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
     passing = [e for e in tried if not e.refused and e.certain > threshold]
     return sorted(passing, key=lambda explanation: -_weighed(explanation))
+
+
+def _partners(tried: Sequence[Explanation], seed: Explanation, threshold: float) -> list[Explanation]:
+    """The other effects of the best pair, alone: beside them its partner may be of another form, or another effect."""
+    pairs = [e for e in _acceptable(tried, threshold) if len(e.names) == 2]
+    others = set(pairs[0].names) - set(seed.names) if pairs else set()
+    return [e for e in tried if len(e.names) == 1 and others.issuperset(e.names)]
+
+
+def _close_to(best: Explanation, accepted: Sequence[Explanation]) -> list[Explanation]:
+    """The chosen explanation and the rivals that the last steps could still bring before it."""
+    near = [e for e in accepted if e is not best and e.gain > (1.0 - _NEAR) * best.gain]
+    return [best, *sorted(near, key=lambda rival: -rival.gain)[:_FINALISTS]]
 
 
 def _weighed(explanation: Explanation) -> float:
@@ -127,9 +147,17 @@ def _choose(prepared: Prepared, tried: Sequence[Explanation], threshold: float) 
         if not options:
             continue
         top = options[0]
-        if best is None or _better(prepared, top, best, threshold):
+        if (best is None or _better(prepared, top, best, threshold)) and not _idle(top, tried, threshold):
             best = top
     return best
+
+
+def _idle(larger: Explanation, tried: Sequence[Explanation], threshold: float) -> bool:
+    """Whether some of its effects explain about all alone, be they refused: the others would only carry them."""
+    return any(
+        set(part.names) < set(larger.names) and _weighed(larger) < _weighed(part) + max(threshold, _ANOTHER * part.gain)
+        for part in tried
+    )
 
 
 def _better(prepared: Prepared, larger: Explanation, best: Explanation, threshold: float) -> bool:
@@ -145,12 +173,14 @@ def _better(prepared: Prepared, larger: Explanation, best: Explanation, threshol
 
 def _counted(prepared: Prepared, names: Collection[str], before: Fit, after: Fit) -> float:
     """Fall of the cost in rows that can show the effects `names`, none counting for more than a few; nothing where
-    too little of it lies where the joint slides: effects of sliding reach rest only by bending the bristle.
+    too little of it lies where the joint slides: effects of sliding reach rest only by bending the bristle. A fall
+    about rest that no error of the bristle's form reaches counts for any of them.
     """
     fall = np.clip(before.residual**2 - after.residual**2, -_MOST_OF_A_ROW, _MOST_OF_A_ROW)
-    if any(EFFECTS[name].shown_at_rest for name in names):
-        return float(np.sum(fall))
     rows = prepared.sliding
+    about_rest = float(np.mean(fall[~rows])) if not np.all(rows) else 0.0
+    if about_rest > _LOUD_ABOUT_REST or any(EFFECTS[name].shown_at_rest for name in names):
+        return float(np.sum(fall))
     sliding, fair = float(np.sum(fall[rows])), float(np.sum(fall)) * float(np.mean(rows))
     return sliding if sliding > _FAIR * fair else min(sliding, 0.0)
 
@@ -176,6 +206,12 @@ def _excess(span: FloatArray, residual: FloatArray) -> float:
     """Energy explained by `span` beyond what noise gives."""
     energy = float(np.sum((span.T @ residual) ** 2))
     return energy - int(span.shape[1])
+
+
+def _spread_excess(span: FloatArray, residual: FloatArray) -> float:
+    """The same where no row counts for more than a few: one bad moment is no physics."""
+    limit = float(np.sqrt(_MOST_OF_A_ROW))
+    return _excess(span, np.clip(residual, -limit, limit))
 
 
 def _singles(prepared: Prepared, first: Screen, generic: FloatArray) -> list[Explanation]:
@@ -228,7 +264,8 @@ def _grow(
             if names in seen:
                 continue
             seen.add(names)
-            wanted.append(((*_settled(seed), columns[0].candidate), seed.fit))
+            alike = [c.candidate for c in columns[:2] if c.energy > _ALIKE * columns[0].energy]
+            wanted += [((*_settled(seed), candidate), seed.fit) for candidate in alike]
     for pair in first.pairs(prepared.fit.residual, _PARTNERS) if first is not None else ():
         names = tuple(sorted(c.name for c in pair))
         if names not in seen:
@@ -280,6 +317,28 @@ def _explain(
     return [_judged(prepared, structure, fit, generic) for (structure, _), fit in zip(descents, fits, strict=True)]
 
 
+def fit_from(
+    prepared: Prepared, wanted: Sequence[Sequence[Candidate]], theta: FloatArray, box: Box
+) -> list[Explanation]:
+    """Fit base and candidates jointly from the base at `theta`, in another domain than the usual one.
+
+    Args:
+        prepared: Base model and recordings.
+        wanted: Effects with their starting values, one set for each explanation.
+        theta: Start of the base. Shape (N_BASE,).
+        box: Domain and priors of the base.
+    """
+    structures = [Structure(prepared.structure.contexts, tuple(candidates)) for candidates in wanted]
+    starts = [np.concatenate([theta, structure.start()]) for structure in structures]
+    descents = [
+        (structure, structure.descent(start, box, iterations=_LAST_STEPS, refresh=2))
+        for structure, start in zip(structures, starts, strict=True)
+    ]
+    fits = fit_all(prepared.problem, descents)
+    generic = generic_rows(prepared.problem, prepared.structure.contexts)
+    return [_judged(prepared, structure, fit, generic) for structure, fit in zip(structures, fits, strict=True)]
+
+
 def _judged(prepared: Prepared, structure: Structure, fit: Fit, generic: FloatArray) -> Explanation:
     fall = prepared.fit.cost - fit.cost
     penalty = structure.freedom * float(np.log(fit.residual.size))
@@ -287,7 +346,7 @@ def _judged(prepared: Prepared, structure: Structure, fit: Fit, generic: FloatAr
     span = orthonormal(project_out(generic, orthonormal(fit.jacobian)), 1e-4)
     left = max(_excess(span, fit.residual), 0.0)
     coverage = fall / (fall + left) if fall > 0.0 else 0.0
-    return Explanation(structure, fit, fall - penalty, certain, float(coverage), _refusal(structure, fit))
+    return Explanation(structure, fit, fall - penalty, certain, float(coverage), left, _refusal(structure, fit))
 
 
 def _refusal(structure: Structure, fit: Fit) -> str:

@@ -147,7 +147,7 @@ def _with_ripple(
         _series(name, one.samples, (one.before, one.after))
         for name, one in zip(diagnosis.record.recordings, ripples, strict=False)
     )
-    record = _record(diagnosis, "missing_physics", (effect,), held)
+    record = _record(diagnosis, "missing_physics", (effect, *_compared(diagnosis)), held)
     evidence = Evidence(series=series, maps=excess_maps(series, seed), orders=ripples[0].orders)
     return Diagnosis(
         record, evidence, diagnosis.base_model, _extended(diagnosis.base_model, ripples[0].harmonics), None
@@ -180,7 +180,7 @@ def _with_presliding(
         _series(name, one.samples, (one.before, one.after))
         for name, one in zip(diagnosis.record.recordings, soft, strict=False)
     )
-    record = _record(diagnosis, "missing_physics", (effect,), held)
+    record = _record(diagnosis, "missing_physics", (effect, *_compared(diagnosis)), held)
     extended = diagnosis.base_model.with_law(first.law) if diagnosis.base_model is not None else None
     evidence = Evidence(series=series, maps=excess_maps(series, seed))
     return Diagnosis(record, evidence, diagnosis.base_model, extended, None)
@@ -246,10 +246,12 @@ def _with_drive_path(recordings: Sequence[Recording], diagnosis: Diagnosis, path
 
 
 def _record(diagnosis: Diagnosis, verdict: str, effects: tuple[NamedEffect, ...], held: HeldOut) -> DiagnosisRecord:
-    """The record with another answer; what was named before joins the refused rivals."""
+    """The record with another answer; what the search named before joins the refused rivals."""
     old = diagnosis.record
     refused = [
-        Rival(effects=(e.name,), gain=0.0, refused=f"covers {e.share:.0%} of the mismatch only") for e in old.effects
+        Rival(effects=(e.name,), gain=0.0, refused=f"covers {e.share:.0%} of the mismatch in the rows, less here")
+        for e in old.effects
+        if e.share > 0.0
     ]
     record = with_fields(
         old,
@@ -264,6 +266,11 @@ def _record(diagnosis: Diagnosis, verdict: str, effects: tuple[NamedEffect, ...]
         sentences=(),
     )
     return with_fields(record, sentences=sentences(record))
+
+
+def _compared(diagnosis: Diagnosis) -> tuple[NamedEffect, ...]:
+    """What differs from the given simulation and friction, which a finding in the samples leaves as it is."""
+    return tuple(effect for effect in diagnosis.effects if effect.share == 0.0)
 
 
 def _superseded(rival: Rival) -> Rival:

@@ -46,6 +46,11 @@ def read_simulated(
     if found.verdict == "bad_data":
         raise DiagnosisError(f"the simulated recording cannot be used: {' '.join(found.sentences[1:])}")
     base = found.record.base
+    if not base:
+        raise DiagnosisError(
+            "the simulated recording obeys no law of its joint's own motion, so no simulation can be read from it: "
+            "give one that moves freely, or the simulation itself with --simulation"
+        )
     rigid = RigidJoint(
         inertia=base["inertia"].value,
         gravity=(base["gravity_cos"].value, base["gravity_sin"].value),

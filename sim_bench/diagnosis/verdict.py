@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from dataclasses import replace as with_parts
 
 import numpy as np
 from msgspec.structs import replace
@@ -10,6 +11,7 @@ from msgspec.structs import replace
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
+from .agreement import agreeing
 from .alias import aliases, distinguishability
 from .base import BASE_NAMES
 from .comparison import Comparison, compare_friction, compare_rigid
@@ -41,9 +43,13 @@ from .velocity_lag import velocity_lag
 
 __all__ = ["Answer", "conclude"]
 
-_COVERED = 0.85
+_COVERED, _MOSTLY_COVERED = 0.85, 0.7
+_FAINT, _FAINT_NULLS = (
+    0.03,
+    3.0,
+)  # energy per row, and in that of the loudest nulls, that may be left where most is covered
 _UNKNOWN = 0.15  # energy per row, in units of the noise, that something unnamed must reach to be reported
-_LOUD = 1.15  # residual over noise that it must reach
+_LOUD, _LOUDEST = 1.15, 1.35  # residual over noise that it must reach; beyond the second something is missing anyway
 _FORM = (
     0.03  # relative deviation that a law of slightly another form leaves in a size; not in an order, an edge, a time
 )
@@ -74,9 +80,11 @@ class Answer:
 
 def conclude(answer: Answer) -> Diagnosis:
     """Draw the verdict and collect what supports it."""
+    agreed = agreeing(answer.prepared, answer.found, answer.rigid, lambda one: bool(_compare(answer, one).effects))
+    answer = with_parts(answer, found=agreed)
     prepared, found = answer.prepared, answer.found
     best = found.best
-    chosen = best if best is not None and best.coverage >= _COVERED else None
+    chosen = best if best is not None and _covers(best, answer) else None
     held = _confirm(answer, chosen)
     if chosen is not None and not _confirmed(held, chosen, found.threshold):
         chosen = None
@@ -124,6 +132,12 @@ def conclude(answer: Answer) -> Diagnosis:
     )
 
 
+def _covers(best: Explanation, answer: Answer) -> bool:
+    """Whether little is left beside `best`: of what it explains, or of what would stand out by itself."""
+    faint = max(_FAINT_NULLS * answer.found.explainable_null, _FAINT * answer.prepared.fit.residual.size)
+    return best.coverage >= _COVERED or (best.coverage >= _MOSTLY_COVERED and best.left < faint)
+
+
 def _confirmed(held: Confirmation, chosen: Explanation, threshold: float) -> bool:
     """Whether the fall of the held-out error is sure, over blocks or, where few blocks show the effect, by its size."""
     rare = held.explained > _RARE and chosen.certain > _MUCH * threshold
@@ -155,6 +169,8 @@ def _stands_out(found: Found, prepared: Prepared) -> bool:
     clear = max(3.0 * found.explainable_null, _UNKNOWN * rows)
     if prepared.noise_ratio < _LOUD:
         return False
+    if prepared.noise_ratio > _LOUDEST:
+        return True
     return found.explainable > clear or (best is not None and best.gain > max(4.0 * found.threshold, _UNKNOWN * rows))
 
 

@@ -33,7 +33,7 @@ def make_model(*terms: Term, velocity: tuple[float, float] = (-1.0, 1.0)) -> Fri
 EXTRA_TERMS: tuple[Term, ...] = (
     Cogging(0.05, -0.03, 9.0),
     PositionCoulomb(0.04, 0.02, 3.0),
-    SpringTorque(0.3, 0.1),
+    SpringTorque(0.3, 0.1, 0.2),
     EndStop(2.0, -0.5, -1.0),
     LoadCoulomb(0.1),
     LoadQuadratic(0.02),

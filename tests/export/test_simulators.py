@@ -117,7 +117,7 @@ def test_symmetric_curve_keeps_its_shape() -> None:
 @pytest.mark.parametrize("position", [-0.7, 0.0, 0.1, 1.3])
 def test_cogging_and_spring_are_said_natively(position: float, angle: str) -> None:
     robot = ROBOT.replace("<option", f'<compiler angle="{angle}"/><option', 1)
-    law = (Stribeck(FORWARD), Cogging(0.03, -0.05, 6.0), SpringTorque(0.4, 0.2))
+    law = (Stribeck(FORWARD), Cogging(0.03, -0.05, 6.0), SpringTorque(0.4, 0.2, 0.5))
     export = export_mjcf(make_model(*law), "dcmotor")
     assert export.fidelity.largest < 1e-12
     model = mujoco.MjModel.from_xml_string(apply_to_mjcf(export, robot, "elbow"))
@@ -125,6 +125,7 @@ def test_cogging_and_spring_are_said_natively(position: float, angle: str) -> No
     data.qpos[0] = position
     mujoco.mj_forward(model, data)
     expected = 0.03 * np.sin(6.0 * position) - 0.05 * np.cos(6.0 * position) + 0.4 * (position - 0.2)
+    expected += 0.2 * (position - 0.2) ** 3
     assert -float(data.qfrc_actuator[0] + data.qfrc_passive[0]) == pytest.approx(expected, abs=1e-9)
 
 

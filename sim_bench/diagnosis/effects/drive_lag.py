@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.signal import lfilter
 
+from ..base import LONGEST_DELAY
 from ..observer import Contribution
 from .effect import Context, Effect, EffectParameter, Values, register
 
@@ -26,6 +27,10 @@ class DriveLag(Effect):
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return [{"time_constant": 2e-3}, {"time_constant": 6e-3}]
+
+    def suspected(self, contexts: Sequence[Context]) -> bool:
+        """The base's own delay is as long as it may be."""
+        return contexts[0].plant.delay > 0.9 * LONGEST_DELAY
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         torque, lag = context.torque, values["time_constant"]

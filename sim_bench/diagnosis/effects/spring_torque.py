@@ -13,11 +13,11 @@ from .effect import Context, Effect, EffectParameter, Values, register
 
 @register
 class SpringTorque(Effect):
-    """tau = k (q - q_0)."""
+    """tau = k (x + h x^3), x = q - q_0."""
 
     name = "spring_torque"
     kind = "physics"
-    equation = "tau = k (q - q_0), q_0 by the offset"
+    equation = "tau = k (x + h x^3), x = q - q_0"
     citation = ""
     says = "a spring pulls the joint"
     shown_at_rest = True
@@ -25,13 +25,23 @@ class SpringTorque(Effect):
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = contexts[0].scale
-        return (EffectParameter("stiffness", "{torque}/{position}", 0.05 * scale, -1e6, 1e6),)
+        # A straight spring has its centre in the offset; only one that stiffens shows it.
+        return (
+            EffectParameter("stiffness", "{torque}/{position}", 0.05 * scale, -1e6, 1e6),
+            EffectParameter("centre", "{position}", 0.2, -10.0, 10.0, linear=False, prior=0.5),
+            EffectParameter("hardening", "1/{position}²", 0.1, 0.0, 5.0, linear=False, prior=0.5),
+        )
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        # A stiffening spring is a straight one and a change of gravity, but for the simulation's gravity.
+        return [{}, {"hardening": 0.2}]
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        return Contribution(additive=values["stiffness"] * context.position)
+        stretch = context.position - values["centre"]
+        return Contribution(additive=values["stiffness"] * stretch * (1.0 + values["hardening"] * stretch**2))
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return "the spring would push away from its centre" if values["stiffness"] <= 0.0 else None
 
     def term(self, values: Values, plant: Plant) -> Term | None:
-        return SpringTorqueTerm(values["stiffness"], 0.0)
+        return SpringTorqueTerm(values["stiffness"], values["centre"], values["hardening"])

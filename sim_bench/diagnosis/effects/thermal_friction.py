@@ -10,23 +10,29 @@ from ..observer import Contribution
 from ..warming import heat_of
 from .effect import Context, Effect, EffectParameter, Values, register
 
+_STRONGEST = 3.0  # most that the logarithm of viscous friction may change
+
 
 @register
 class ThermalFriction(Effect):
-    """tau_f = F_v (1 - beta dT) v + F_c (1 - gamma dT) sgn(v) [simoni2015]."""
+    """tau_f = F_v exp(-beta dT) v + F_c (1 - gamma dT) sgn(v) [simoni2015]."""
 
     name = "thermal_friction"
     kind = "physics"
-    equation = "tau_f = F_v (1 - beta dT) v + F_c (1 - gamma dT) sgn(v)"
+    equation = "tau_f = F_v exp(-beta dT) v + F_c (1 - gamma dT) sgn(v)"
     citation = "simoni2015"
     says = "friction changes with the temperature of the joint"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         viscous = max(max(c.plant.forward[3], c.plant.reverse[3]) for c in contexts)
         largest = max(float(np.max(np.abs(heat_of(c, 30.0)))) for c in contexts)
-        unit = "{torque}·s/{position}/K" if "temperature" in contexts[0].channels else "{torque}·s/{position}"
+        recorded = "temperature" in contexts[0].channels
+        per_kelvin = "/K" if recorded else ""
+        slope = 0.05 * (viscous + 0.1 * contexts[0].scale) / largest
+        level = 0.05 * contexts[0].scale / largest
         return (
-            EffectParameter("viscous_slope", unit, 0.05 * (viscous + 0.1 * contexts[0].scale) / largest, -1e6, 1e6),
+            EffectParameter("viscous_slope", "{torque}·s/{position}" + per_kelvin, slope, -1e6, 1e6),
+            EffectParameter("coulomb_slope", "{torque}" + per_kelvin, level if recorded else 0.0, -1e6, 1e6),
             EffectParameter("time_constant", "s", 0.0, 0.0, 1e4, linear=False),
         )
 
@@ -36,8 +42,15 @@ class ThermalFriction(Effect):
         return [{"time_constant": tau} for tau in (10.0, 30.0, 100.0)]
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        heat = heat_of(context, values["time_constant"])
-        return Contribution(additive=-values["viscous_slope"] * heat * context.velocity)
+        heat, plant = heat_of(context, values["time_constant"]), context.plant
+        viscous = np.where(context.velocity >= 0.0, plant.forward[3], plant.reverse[3])
+        viscous = np.maximum(viscous, 0.1 * context.scale / max(float(np.max(np.abs(context.velocity))), 1e-9))
+        fall = np.clip(values["viscous_slope"] * heat / viscous, -_STRONGEST, _STRONGEST)
+        return Contribution(
+            additive=viscous * np.expm1(-fall) * context.velocity, level=-values["coulomb_slope"] * heat
+        )
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        return "friction would rise with temperature" if values["viscous_slope"] <= 0.0 else None
+        speed = max(float(np.sqrt(np.mean(c.velocity**2))) for c in contexts)
+        rises = values["viscous_slope"] * speed + values["coulomb_slope"] <= 0.0
+        return "friction would rise with temperature" if rises else None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..base import LONGEST_DELAY
 from ..observer import Contribution
 from .effect import Context, Effect, EffectParameter, Values, register
 
@@ -23,6 +24,10 @@ class TorqueDelay(Effect):
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return [{"delay": 1e-3}, {"delay": 4e-3}, {"delay": -1e-3}]
+
+    def suspected(self, contexts: Sequence[Context]) -> bool:
+        """The base's own delay is as long as it may be."""
+        return contexts[0].plant.delay > 0.9 * LONGEST_DELAY
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(delay=values["delay"])

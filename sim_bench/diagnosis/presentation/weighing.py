@@ -52,7 +52,7 @@ def _outcome(rival: Rival, effects: Sequence[NamedEffect]) -> str:
     """Whether an explanation was named, cannot be told from what was named, or was refused."""
     if not rival.refused:
         return _ACCEPTED
-    named, tried = {one.name: one for one in effects}, set(rival.effects)
+    named, tried = {one.name: one for one in effects if one.share > 0.0}, set(rival.effects)
     left_out, instead = set(named) - tried, tried - set(named)
     alike = len(left_out) == len(instead) == 1 and instead <= set(named[min(left_out)].indistinguishable_from)
     return _ALIKE if alike else _REFUSED

@@ -9,10 +9,11 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from fricomp.sim_bench.diagnosis.confirmation import Confirmation, _folds, _held_out
 from fricomp.sim_bench.diagnosis.observer import Observer, Plant
-from fricomp.sim_bench.diagnosis.preparation import Prepared, _stable
+from fricomp.sim_bench.diagnosis.preparation import Prepared, _colour_filter, _correlation, _stable, _typical
 from fricomp.sim_bench.diagnosis.problem import observer_for
 from fricomp.sim_bench.diagnosis.search import Explanation, _acceptable, _better, _counted
 from fricomp.sim_bench.diagnosis.solver import Box, Fit
@@ -63,12 +64,18 @@ def test_a_joint_that_hardly_ever_slides_has_all_rows(prepared: Prepared) -> Non
 
 def test_rest_speaks_only_for_effects_that_show_there(prepared: Prepared) -> None:
     sliding = prepared.sliding
-    before, after = np.full(sliding.size, 2.0), np.full(sliding.size, 2.0)
+    before, after = np.full(sliding.size, 0.7), np.full(sliding.size, 0.7)
     after[~sliding] = 0.0
-    fall = 4.0 * np.sum(~sliding)
+    fall = 0.49 * np.sum(~sliding)
     assert _counted(prepared, ("frictional_lag",), _fit(before), _fit(after)) == 0.0
     assert _counted(prepared, ("backlash",), _fit(before), _fit(after)) == pytest.approx(fall)
     assert _counted(prepared, ("backlash", "frictional_lag"), _fit(before), _fit(after)) == pytest.approx(fall)
+
+
+def test_a_fall_about_rest_that_no_bristle_reaches_speaks_for_any_effect(prepared: Prepared) -> None:
+    loud = np.where(prepared.sliding, 1.0, 2.0)
+    counted = _counted(prepared, ("load_stribeck",), _fit(loud), _fit(np.ones(loud.size)))
+    assert counted == pytest.approx(3.0 * np.sum(~prepared.sliding))
 
 
 def test_no_row_counts_for_more_than_three_deviations(prepared: Prepared) -> None:
@@ -82,7 +89,7 @@ def test_no_row_counts_for_more_than_three_deviations(prepared: Prepared) -> Non
 
 def test_what_rest_alone_gains_does_not_make_a_pair(prepared: Prepared) -> None:
     sliding, quiet = prepared.sliding, np.zeros(prepared.sliding.size)
-    only_rest, everywhere = np.where(sliding, 0.0, 2.0), np.full(sliding.size, 2.0)
+    only_rest, everywhere = np.where(sliding, 0.0, 0.7), np.full(sliding.size, 2.0)
     pair = replace(_explanation(("cogging", "frictional_lag"), 5000.0, quiet), coverage=0.99)
     assert _better(prepared, pair, _explanation(("cogging",), 100.0, everywhere), 50.0)
     assert not _better(prepared, pair, _explanation(("cogging",), 100.0, only_rest), 50.0)
@@ -184,13 +191,24 @@ def test_samples_are_cut_finely_where_a_bristle_may_be_stretched() -> None:
 
 
 def test_what_lies_mostly_about_rest_speaks_for_no_effect_of_sliding(prepared: Prepared) -> None:
-    """Both bring 40 where the joint slides; the second far more about rest, as a bent bristle would."""
+    """Both bring 20 where the joint slides; the second far more about rest, as a bent bristle would."""
     rows = prepared.sliding
     none = _fit(np.zeros(rows.size))
-    some = np.where(rows, 40.0 / rows.sum(), 0.0)
-    rest = some + np.where(rows, 0.0, 600.0 / (~rows).sum())
-    assert _counted(prepared, {"frictional_lag"}, _fit(np.sqrt(some)), none) == pytest.approx(40.0)
+    some = np.where(rows, 20.0 / rows.sum(), 0.0)
+    rest = some + np.where(rows, 0.0, 0.58)
+    assert _counted(prepared, {"frictional_lag"}, _fit(np.sqrt(some)), none) == pytest.approx(20.0)
     assert _counted(prepared, {"frictional_lag"}, _fit(np.sqrt(rest)), none) == 0.0
+
+
+@pytest.mark.parametrize("memory", [0.6, -0.4])
+@pytest.mark.parametrize("wanted", [(0.0, 0.0, 0.0), (-0.2, -0.15, -0.1)])
+def test_a_residual_of_another_colour_gets_that_of_the_nulls(memory: float, wanted: tuple[float, ...]) -> None:
+    values = lfilter([1.0], [1.0, -memory], np.random.default_rng(3).standard_normal(4000))
+    found = _colour_filter(values, np.array(wanted))
+    filtered = lfilter(found, [1.0], values)
+    np.testing.assert_allclose(_correlation(filtered), wanted, atol=0.12)
+    assert _typical(filtered) == pytest.approx(_typical(values))
+    np.testing.assert_array_equal(_colour_filter(values, _correlation(values)), [1.0])
 
 
 @pytest.mark.parametrize("shift", [(0.3, 0.1, 0.0), (0.9, -0.6, 0.95), (-0.99, 0.99, -0.99)])

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -151,9 +152,14 @@ def test_location_counts_for_localised_effects_only() -> None:
     assert math.isnan(_score(_truth(_effect("end_stop")), said).overlap)
 
 
-def test_gap_closed_is_energy_above_the_floor() -> None:
+@pytest.mark.parametrize(("share", "closed"), [(0.9, 1.0), (0.0, math.nan)])
+def test_gap_closed_is_energy_above_the_floor_where_the_residual_changes(share: float, closed: float) -> None:
     heldout = {"rmse_before": 0.5, "rmse_after": 0.3, "noise_floor": 0.3}
-    assert _score(_truth(_effect("cogging")), answer("missing_physics", ["cogging"], heldout=heldout)).gap_closed == 1.0
+    said = answer("missing_physics", ["cogging"], heldout=heldout)
+    record = json.loads(said.diagnosis)
+    record["effects"][0]["share"] = share
+    score = _score(_truth(_effect("cogging")), replace(said, diagnosis=json.dumps(record).encode()))
+    assert score.gap_closed == pytest.approx(closed, nan_ok=True)
 
 
 def test_an_interval_counts_where_the_parameter_can_be_compared() -> None:

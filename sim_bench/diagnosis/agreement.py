@@ -1,0 +1,86 @@
+"""Whether an explanation that leaves the given simulation as it is fits as well as one that moves its parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import islice, product
+
+import numpy as np
+
+from .alias import alternatives, as_good
+from .preparation import Prepared
+from .rigid import RigidJoint
+from .screening import candidates_for
+from .search import Explanation, Found, fit_from
+from .solver import Box
+from .structure import N_BASE, Candidate
+from .track import FloatArray
+
+__all__ = ["agreeing"]
+
+_HELD = 0.002  # relative deviation of inertia and gravity that are held at those of the simulation
+_NEAR, _MOST_NEAR = 0.9, 2  # of the best gain, from which an explanation is tried with the simulation's parameters
+_MOST_STARTS = 4
+
+
+def agreeing(
+    prepared: Prepared, found: Found, rigid: RigidJoint | None, differs: Callable[[Explanation], bool]
+) -> Found:
+    """What was found, with a best explanation that agrees with the simulation where one fits as well.
+
+    Friction that differs between driving and braking, for example, looks like friction under load and another gravity;
+    a spring that stiffens like a straight one and another gravity.
+
+    Args:
+        prepared: Base model and recordings.
+        found: What the search found.
+        rigid: Inertia and gravity of the simulation; None where none was given.
+        differs: Whether an explanation moves parameters of the simulation by more than their error.
+    """
+    best = found.best
+    if best is None or not differs(best):
+        return found
+    options = alternatives(found)
+    if rigid is not None and rigid.rotary:
+        held = [e for one in _near(found, best) for e in _held(prepared, one, rigid)]
+        options += [e for e in held if as_good(e, best) and not e.refused]
+    kept = sorted((e for e in options if not differs(e)), key=lambda explanation: -explanation.gain)
+    if not kept:
+        return found
+    others = tuple(e for e in found.explanations if e is not kept[0])
+    return replace(found, best=kept[0], explanations=(kept[0], *others))
+
+
+def _near(found: Found, best: Explanation) -> list[Explanation]:
+    """The best explanation and others that come near it, of each set of effects the best one."""
+    near = {best.names: best}
+    for rival in found.explanations:
+        if len(rival.names) == len(best.names) and rival.gain > _NEAR * best.gain:
+            near.setdefault(rival.names, rival)
+    return list(near.values())[:_MOST_NEAR]
+
+
+def _held(prepared: Prepared, best: Explanation, rigid: RigidJoint) -> list[Explanation]:
+    """The effects of `best` from each of their starts, with inertia and gravity held at those of the simulation."""
+    contexts = best.structure.contexts
+    offered = candidates_for(contexts)
+    starts = {name: [candidate for candidate in offered if candidate.name == name] for name in best.names}
+    options = [found if len(found) > 1 else [_settled(best, name)] for name, found in starts.items()]
+    box = _hold(prepared.box, rigid)
+    theta = np.concatenate([box.centre[:3], best.fit.theta[3:N_BASE]])
+    return fit_from(prepared, list(islice(product(*options), _MOST_STARTS)), theta, box)
+
+
+def _settled(explanation: Explanation, name: str) -> Candidate:
+    values = explanation.structure.values(explanation.fit.theta[N_BASE:])
+    return Candidate(name, tuple(values[name].items()))
+
+
+def _hold(box: Box, rigid: RigidJoint) -> Box:
+    """`box` with a narrow prior on inertia and gravity."""
+    gravity = _HELD * max(float(np.hypot(*rigid.gravity)), 1e-9)
+    centre: FloatArray = np.concatenate([[np.log(rigid.inertia), *rigid.gravity], box.centre[3:]])
+    precision = box.precision.copy()
+    precision[range(3), range(3)] = np.array([_HELD, gravity, gravity]) ** -2.0
+    return replace(box, centre=centre, precision=precision)
