@@ -13,6 +13,7 @@ _REST_PART = 0.5  # part of the time at rest that deserves a word
 _STUCK_TIME = 0.25  # [s]
 _STUCK_ROWS = 20
 _STUCK_TRAVEL = 0.05  # part of the travel covered while the channel stands still
+_BEYOND_LAG = 2.0  # usual distances from the reference, that it must move while the position stays
 _WRAP_FACTOR = 10.0  # a wrap is so many times larger than the steps around it
 _JUMP_FACTOR = 30.0
 _SPIKE_FACTOR = 25.0
@@ -146,9 +147,17 @@ def _find_stuck(recording: Recording, name: str, motion: Samples | None, travel:
         start, stop = int(starts[run]), int(stops[run])
         moved = float(np.ptp(motion[start : stop + 1]))
         explained = abs(values[start]) * duration[run] if name == "velocity" else 0.0
-        if moved > _STUCK_TRAVEL * travel and abs(moved - explained) > 0.25 * moved:
+        usual = _usual_lag(recording, start, stop) if motion is recording.position_reference else 0.0
+        if moved > max(_STUCK_TRAVEL * travel, _BEYOND_LAG * usual) and abs(moved - explained) > 0.25 * moved:
             return _describe_stuck(recording, name, start, stop)
     return None
+
+
+def _usual_lag(recording: Recording, start: int, stop: int) -> float:
+    """How far the joint lags behind its reference elsewhere: a soft loop stays that long in stiction [as position]."""
+    assert recording.position_reference is not None
+    lag = np.delete(np.abs(recording.position_reference - recording.position), slice(start, stop + 1))
+    return float(np.quantile(lag, 0.95)) if lag.size else 0.0
 
 
 def _describe_stuck(recording: Recording, name: str, start: int, stop: int) -> Finding:

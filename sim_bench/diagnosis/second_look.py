@@ -103,14 +103,12 @@ def _fine_ripples(recordings: Sequence[Recording], diagnosis: Diagnosis, seed: i
 
 
 def _ripple_of(diagnosis: Diagnosis) -> tuple[float, float] | None:
-    """Order and amplitude of the ripple that was named alone; None where none was."""
-    physics = [effect for effect in diagnosis.effects if effect.kind == "physics"]
-    if [effect.name for effect in physics] != ["cogging"]:
-        return None
-    values = {name: one.value for name, one in physics[0].parameters.items()}
-    if not {"order", "sine", "cosine"} <= set(values):
-        return None
-    return values["order"], float(np.hypot(values["sine"], values["cosine"]))
+    """Order and amplitude of the ripple that was named; None where none was."""
+    for effect in diagnosis.effects:
+        values = {name: one.value for name, one in effect.parameters.items()}
+        if effect.name == "cogging" and {"order", "sine", "cosine"} <= set(values):
+            return values["order"], float(np.hypot(values["sine"], values["cosine"]))
+    return None
 
 
 def _finer(harmonic: Harmonic, coarse: tuple[float, float]) -> bool:

@@ -29,7 +29,7 @@ def sentences(record: DiagnosisRecord) -> tuple[str, ...]:
             f"(by {100 * low:.0f} to {100 * high:.0f} %); the noise floor is {held.noise_floor:.3g} {held.unit}."
         )
     if record.verdict == "unknown_physics":
-        lines.append(_where(record))
+        lines += [_vibration(record), _where(record)]
     return tuple(line for line in lines if line)
 
 
@@ -62,6 +62,11 @@ def _unit(unit: str) -> str:
     return "" if unit in ("", "1") else f" {unit}"
 
 
+def _vibration(record: DiagnosisRecord) -> str:
+    tones = [0.5 * (low + high) for low, high in record.location.get("frequency", ())]
+    return "".join(f"Something vibrates at {tone:.4g} Hz, whatever the joint does." for tone in tones)
+
+
 def _where(record: DiagnosisRecord) -> str:
     parts = []
     speed = record.base["forward.stribeck_velocity"].unit if record.base else ""
@@ -69,7 +74,7 @@ def _where(record: DiagnosisRecord) -> str:
     units |= {"time_since_reversal": "s", "temperature": "°C"}
     units |= {"load_torque": record.heldout.unit} if record.heldout is not None else {}
     for name, intervals in record.location.items():
-        if name == "time" or not intervals:
+        if name in ("time", "frequency") or not intervals:
             continue
         spans = ", ".join(f"{low:.3g} to {high:.3g}" for low, high in intervals[:3])
         parts.append(f"{name.replace('_', ' ')} {spans}{_unit(units.get(name, ''))}")

@@ -38,12 +38,14 @@ from .rigid import RigidJoint
 from .search import Explanation, Found
 from .sentence import sentences
 from .structure import N_BASE
+from .tone import find_tone
 from .track import FloatArray
 from .velocity_lag import velocity_lag
 
 __all__ = ["Answer", "conclude"]
 
 _COVERED, _MOSTLY_COVERED = 0.85, 0.7
+_CLEAR = 1.5  # thresholds of gain that an explanation must reach which covers less
 _FAINT, _FAINT_NULLS = (
     0.03,
     3.0,
@@ -53,6 +55,7 @@ _LOUD, _LOUDEST = 1.15, 1.35  # residual over noise that it must reach; beyond t
 _FORM = (
     0.03  # relative deviation that a law of slightly another form leaves in a size; not in an order, an edge, a time
 )
+_TONE = 2.5  # times the strongest line that a null shows, from which a line is a vibration
 _RARE, _MUCH = 0.7, 3.0  # explained on held-out data, and thresholds of gain, of what shows in a few blocks only
 
 
@@ -88,7 +91,9 @@ def conclude(answer: Answer) -> Diagnosis:
     held = _confirm(answer, chosen)
     if chosen is not None and not _confirmed(held, chosen, found.threshold):
         chosen = None
-    unknown = chosen is None and _stands_out(found, prepared)
+    tone = find_tone(prepared)
+    vibrates = tone.energy > _TONE * tone.energy_null
+    unknown = chosen is None and (vibrates or _stands_out(found, prepared))
     series = _series(answer, chosen)
     effects = _effects(answer, chosen, held, series)
     compared = _compare(answer, chosen)
@@ -96,6 +101,8 @@ def conclude(answer: Answer) -> Diagnosis:
     effects.sort(key=lambda effect: -effect.share)
     verdict = _verdict(effects, unknown)
     location = _location(series, chosen, unknown)
+    if vibrates and chosen is None:
+        location = {**location, "frequency": [(tone.frequency - tone.width, tone.frequency + tone.width)]}
     record = DiagnosisRecord(
         schema=DIAGNOSIS_SCHEMA,
         verdict=verdict,  # type: ignore[arg-type]
@@ -135,7 +142,8 @@ def conclude(answer: Answer) -> Diagnosis:
 def _covers(best: Explanation, answer: Answer) -> bool:
     """Whether little is left beside `best`: of what it explains, or of what would stand out by itself."""
     faint = max(_FAINT_NULLS * answer.found.explainable_null, _FAINT * answer.prepared.fit.residual.size)
-    return best.coverage >= _COVERED or (best.coverage >= _MOSTLY_COVERED and best.left < faint)
+    clear = best.certain > _CLEAR * answer.found.threshold
+    return best.coverage >= _COVERED or (clear and best.coverage >= _MOSTLY_COVERED and best.left < faint)
 
 
 def _confirmed(held: Confirmation, chosen: Explanation, threshold: float) -> bool:
@@ -280,7 +288,7 @@ def _base(answer: Answer, chosen: Explanation | None) -> dict[str, Quantity]:
     deviation = np.sqrt(np.maximum(np.diag(covariance(fit.jacobian, answer.prepared.box.joined(structure.box()))), 0.0))
     result = {}
     units = {
-        "inertia": "kg·m²",
+        "inertia": "kg·m²" if answer.prepared.problem.tracks[0].rotary else "kg",
         "delay": "s",
         "damping_time": "s",
         "viscous_coefficient": f"{answer.unit}·s/{answer.position_unit}",

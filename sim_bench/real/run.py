@@ -12,7 +12,7 @@ from fricomp.errors import FricompError
 from fricomp.recording import read_public
 
 from ..diagnosis import Diagnosis, DiagnosisRecord, Quantity, diagnose, load_diagnosis
-from ..diagnosis.presentation import with_names, write_diagnosis
+from ..diagnosis.presentation import derived_parameters, with_names, write_diagnosis
 from .arm import ARMS, arm_xml
 from .cases import RealCase
 
@@ -51,8 +51,10 @@ class RealOutcome:
 
     @property
     def found_values(self) -> tuple[tuple[str, float, Quantity], ...]:
-        """Name, known value and found value of each parameter of the named effects that the case knows."""
-        found = {n: q for effect in (self.record.effects if self.record else ()) for n, q in effect.parameters.items()}
+        """Name, known value and found value of each parameter that the case knows, of the strongest effect with it."""
+        found: dict[str, Quantity] = {}
+        for effect in self.record.effects if self.record else ():
+            found = {**derived_parameters(effect), **found}
         return tuple((name, value, found[name]) for name, value, _ in self.case.known if name in found)
 
     @property

@@ -4,7 +4,15 @@ from .files import WrittenDiagnosis, write_diagnosis
 from .fleet import fleet_row, fleet_table, write_fleet
 from .page import diagnosis_charts, diagnosis_page
 from .tables import base_table, change_table, effect_table, error_table, forward_table, location_table
-from .wording import VERDICT_TITLES, Units, format_interval, format_location, format_quantity, with_names
+from .wording import (
+    VERDICT_TITLES,
+    Units,
+    derived_parameters,
+    format_interval,
+    format_location,
+    format_quantity,
+    with_names,
+)
 
 __all__ = [
     "VERDICT_TITLES",
@@ -12,6 +20,7 @@ __all__ = [
     "WrittenDiagnosis",
     "base_table",
     "change_table",
+    "derived_parameters",
     "diagnosis_charts",
     "diagnosis_page",
     "effect_table",
