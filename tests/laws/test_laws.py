@@ -15,6 +15,7 @@ from fricomp.laws import (
     LuGre,
     OperatingPoint,
     SmoothedCoulomb,
+    SpringTorque,
     Stribeck,
     StribeckCurve,
     Viscous,
@@ -53,6 +54,15 @@ def test_symmetric_stribeck_is_odd() -> None:
     law = FrictionLaw((Stribeck(FORWARD),))
     v = np.linspace(0.001, 1.0, 50)
     np.testing.assert_array_equal(law.torque(v), -np.asarray(law.torque(-v)))
+
+
+def test_a_spring_stiffens_with_the_cube_of_its_stretch() -> None:
+    law = FrictionLaw((SpringTorque(2.0, 0.5, 0.3),))
+    position = np.array([-1.0, 0.5, 1.5])
+    point = OperatingPoint(velocity=np.zeros(3), position=position)
+    np.testing.assert_allclose(law.terms[0].torque(point), [-3.0 - 0.6 * 1.5**3, 0.0, 2.6])
+    with pytest.raises(ParameterError, match="hardening"):
+        SpringTorque(2.0, 0.5, -0.1)
 
 
 @pytest.mark.parametrize("shape", ["tanh", "arctan"])

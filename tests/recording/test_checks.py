@@ -160,6 +160,17 @@ def test_stuck_channel_is_named_with_its_first_row(make_recording: MakeRecording
     assert (finding.row, finding.column) == (1301, column)
 
 
+@pytest.mark.parametrize(("lag", "dead"), [(0.01, True), (0.5, False)])
+def test_a_soft_loop_may_leave_the_joint_in_stiction(make_recording: MakeRecording, lag: float, dead: bool) -> None:
+    recording = make_recording()
+    position = recording.position.copy()
+    position[1300:1700] = position[1300]
+    behind = 0.8 * np.sin(np.pi * (recording.time + lag))  # what the loop follows late
+    channels = {name: recording.channels[name] for name in ("time", "torque")}
+    held = Recording.from_channels(channels | {"position": position, "position_reference": behind}, recording.metadata)
+    assert ("stuck" in _codes(held)) == dead
+
+
 def test_commanded_torque_may_stay_constant(make_recording: MakeRecording) -> None:
     recording = make_recording()
     steps = np.where(recording.torque > 0, 0.5, -0.5)

@@ -14,28 +14,32 @@ from .effect import Context, Effect, EffectParameter, Values, register
 
 @register
 class DriveLag(Effect):
-    """tau = tau_command / (1 + T s) [hollerbach2016]."""
+    """tau = tau_command / (1 + T s / n)^n, n = 1 or 2 [hollerbach2016]."""
 
     name = "drive_lag"
     kind = "measurement"
-    equation = "tau = tau_command / (1 + T s)"
+    equation = "tau = tau_command / (1 + T s / n)^n"
     citation = "hollerbach2016"
     says = "the torque that acts follows the recorded one through a low pass"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        return (EffectParameter("time_constant", "s", 2e-3, 0.0, 0.05, linear=False),)
+        return (
+            EffectParameter("time_constant", "s", 2e-3, 0.0, 0.05, linear=False),
+            EffectParameter("order", "1", 0.0, 1.0, 2.0, linear=False),
+        )
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        return [{"time_constant": 2e-3}, {"time_constant": 6e-3}]
+        return [{"time_constant": lag, "order": order} for lag in (2e-3, 6e-3) for order in (1.0, 2.0)]
 
     def suspected(self, contexts: Sequence[Context]) -> bool:
         """The base's own delay is as long as it may be."""
         return contexts[0].plant.delay > 0.9 * LONGEST_DELAY
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        torque, lag = context.torque, values["time_constant"]
-        if lag < 1e-6:
+        if values["time_constant"] < 1e-6:
             return Contribution()
-        keep = float(np.exp(-context.dt / lag))
-        acting, _ = lfilter([1.0 - keep], [1.0, -keep], torque, zi=[keep * torque[0]])
-        return Contribution(additive=torque - acting)
+        keep = float(np.exp(-context.dt * values["order"] / values["time_constant"]))
+        acting = context.torque
+        for _ in range(round(values["order"])):
+            acting, _ = lfilter([1.0 - keep], [1.0, -keep], acting, zi=[keep * acting[0]])
+        return Contribution(additive=context.torque - acting)

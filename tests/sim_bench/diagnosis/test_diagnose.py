@@ -44,6 +44,16 @@ def test_a_wrong_inertia_is_a_parameter_and_no_physics() -> None:
     assert [effect.name for effect in diagnosis.effects] == ["inertia_error"]
 
 
+def test_a_spring_that_stiffens_is_told_from_another_gravity_by_the_simulation() -> None:
+    joint = ToyJoint(spring=(2.5, 0.15, 0.4))
+    given = RigidJoint(joint.inertia, (1.773, 5.732), 0.0, 0.0, 0.0, True)
+    diagnosis = diagnose(recording(joint, "rich", 40.0), given)
+    assert [effect.name for effect in diagnosis.effects] == ["spring_torque"], diagnosis.sentences
+    for name, truth in zip(("stiffness", "centre", "hardening"), joint.spring, strict=True):
+        low, high = diagnosis.effects[0].parameters[name].ci95
+        assert low <= truth <= high, name
+
+
 def test_the_same_recording_gets_the_same_answer() -> None:
     data = recording(replace(ToyJoint(), cogging=(0.15, 40.0)), "fourier", 20.0)
     first, second = diagnose(data), diagnose(data)

@@ -82,6 +82,28 @@ def test_values_of_the_wrong_sign_are_refused(name: str, context: Context) -> No
     assert effect.refuse(values, [context])
 
 
+def test_warmth_thins_the_oil_and_changes_the_level(context: Context) -> None:
+    warm = replace(context, channels={"temperature": 25.0 + 10.0 * np.sin(context.time)})
+    heat = warm.channels["temperature"] - np.mean(warm.channels["temperature"])
+    values = {"viscous_slope": 0.04, "coulomb_slope": -0.01, "time_constant": 0.0}
+    found = EFFECTS["thermal_friction"].contribution(warm, values)
+    viscous = np.where(warm.velocity >= 0.0, 1.0, 1.1)
+    oil = viscous * (np.exp(-0.04 * heat / viscous) - 1.0) * warm.velocity
+    np.testing.assert_allclose(found.additive, oil, atol=1e-12)
+    np.testing.assert_allclose(found.level, 0.01 * heat, atol=1e-12)
+    assert EFFECTS["thermal_friction"].refuse(values | {"coulomb_slope": -1.0}, [warm])
+    assert EFFECTS["thermal_friction"].refuse(values, [warm]) is None
+
+
+@pytest.mark.parametrize(("delay", "suspected"), [(2e-4, False), (5e-4, True)])
+@pytest.mark.parametrize("name", ["torque_delay", "drive_lag"])
+def test_a_base_with_its_longest_delay_points_at_a_longer_one(
+    name: str, delay: float, suspected: bool, context: Context
+) -> None:
+    late = replace(context, plant=replace(context.plant, delay=delay))
+    assert EFFECTS[name].suspected([late]) == suspected
+
+
 def test_a_neighbour_that_rests_adds_nothing(context: Context) -> None:
     alone = replace(context, channels={})
     torque = EFFECTS["neighbour_coupling"].contribution(alone, {"inertia": 0.1, "centrifugal": 0.1}).additive

@@ -28,6 +28,7 @@ class ToyJoint:
     load_coulomb: float = 0.0
     cogging: tuple[float, float] = (0.0, 50.0)
     quadratic_drag: float = 0.0
+    spring: tuple[float, float, float] = (0.0, 0.0, 0.0)
     torque_noise: float = 0.05
     resolution: float = 2 * np.pi / 2**18
     gains: tuple[float, float] = (900.0, 30.0)
@@ -62,7 +63,8 @@ def _run(ref: FloatArray, vref: FloatArray, aref: FloatArray, p: FloatArray, sub
             zn = zs + (z - zs) * np.exp(-abs(w) * h * s0 / g)
             fr = s0 * zn + s1 * (zn - z) / h + p[b + 3] * w + p[17] * w * abs(w)
             z = zn
-            w += h * (tau - load - off - fr - p[15] * np.sin(p[16] * x)) / J
+            pull = p[21] * ((x - p[22]) + p[23] * (x - p[22]) ** 3)
+            w += h * (tau - load - off - fr - p[15] * np.sin(p[16] * x) - pull) / J
             x += h * w
     return out
 
@@ -130,6 +132,7 @@ def record(joint: ToyJoint, kind: str = "rich", duration: float = 60.0, seed: in
             joint.quadratic_drag,
             joint.resolution,
             *joint.gains,
+            *joint.spring,
         ]
     )
     out = _run(ref, vref, aref, p, 20)

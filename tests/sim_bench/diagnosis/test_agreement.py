@@ -1,0 +1,68 @@
+"""An explanation that leaves the simulation as it is comes before one that moves its parameters and fits as well."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from fricomp.sim_bench.diagnosis.agreement import _hold, agreeing
+from fricomp.sim_bench.diagnosis.rigid import RigidJoint
+from fricomp.sim_bench.diagnosis.search import Explanation, Found, _choose
+from fricomp.sim_bench.diagnosis.solver import Box, Fit
+from fricomp.sim_bench.diagnosis.structure import Candidate, Structure
+
+_NONE = cast(Any, None)
+
+
+def _explanation(names: tuple[str, ...], gain: float, refused: str = "") -> Explanation:
+    structure = Structure((), tuple(Candidate(name, ()) for name in names))
+    fit = Fit(np.zeros(0), np.zeros(1), np.zeros((1, 0)), 0.0)
+    return Explanation(structure, fit, gain, gain, 0.99, 0.0, refused)
+
+
+def _found(*explanations: Explanation) -> Found:
+    return Found(explanations, explanations[0], 30.0, 0.0, 0.0, _NONE)
+
+
+_LOAD, _SPLIT = _explanation(("load_coulomb",), 1000.0), _explanation(("load_quadratic",), 990.0)
+
+
+def test_of_two_that_fit_as_well_the_one_that_agrees_is_taken() -> None:
+    found = agreeing(_NONE, _found(_LOAD, _SPLIT), None, lambda one: one is _LOAD)
+    assert found.best is _SPLIT
+    assert set(found.explanations) == {_LOAD, _SPLIT}
+
+
+@pytest.mark.parametrize(
+    ("rival", "differing"),
+    [
+        (_SPLIT, {"load_coulomb", "load_quadratic"}),  # both move the simulation
+        (_SPLIT, set()),  # neither does
+        (_explanation(("load_quadratic",), 900.0), {"load_coulomb"}),  # fits worse
+        (_explanation(("load_quadratic",), 990.0, "static friction would fall"), {"load_coulomb"}),
+        (_explanation(("load_quadratic", "cogging"), 999.0), {"load_coulomb"}),  # has more effects
+    ],
+)
+def test_else_the_best_one_stays(rival: Explanation, differing: set[str]) -> None:
+    found = agreeing(_NONE, _found(_LOAD, rival), None, lambda one: one.names[0] in differing)
+    assert found.best is _LOAD
+
+
+def test_the_simulation_is_held_and_nothing_else() -> None:
+    box = Box(-np.ones(17), np.ones(17), np.ones(17), np.full(17, 0.5), np.eye(17), np.ones(17))
+    held = _hold(box, RigidJoint(2.0, (3.0, 4.0), 0.0, 0.0, 0.0, True))
+    np.testing.assert_allclose(held.centre[:3], [np.log(2.0), 3.0, 4.0])
+    np.testing.assert_allclose(np.sqrt(np.diag(held.precision)[:3]), [500.0, 100.0, 100.0])
+    np.testing.assert_array_equal(held.centre[3:], box.centre[3:])
+    np.testing.assert_array_equal(held.precision[3:], box.precision[3:])
+
+
+def test_an_effect_that_is_only_carried_is_not_named() -> None:
+    """What one effect explains all but alone stays unnamed where that effect is refused."""
+    alone = _explanation(("stribeck_shape",), 440.0, "the exponent is two within its tolerance")
+    carried = _explanation(("joint_elasticity", "stribeck_shape"), 450.0)
+    assert _choose(_NONE, [alone, carried], 30.0) is None
+    worth = _explanation(("joint_elasticity", "stribeck_shape"), 900.0)
+    assert _choose(_NONE, [alone, worth], 30.0) is worth
