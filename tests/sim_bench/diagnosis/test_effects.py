@@ -95,6 +95,49 @@ def test_warmth_thins_the_oil_and_changes_the_level(context: Context) -> None:
     assert EFFECTS["thermal_friction"].refuse(values, [warm]) is None
 
 
+@pytest.mark.parametrize("order", [1.0, 2.0])
+def test_an_eccentric_encoder_shows_the_torque_of_another_motion(order: float, context: Context) -> None:
+    """The true motion is a sine; what an encoder of 40 mrad eccentricity makes of it is differentiated by hand."""
+    size, q, v, a = 0.04, context.position, context.velocity, context.acceleration
+    angle = order * q + 0.7
+    bend = size * order * np.cos(angle)
+    shown = replace(
+        context,
+        position=q + size * np.sin(angle),
+        velocity=v * (1.0 + bend),
+        acceleration=a * (1.0 + bend) - size * order**2 * np.sin(angle) * v**2,
+    )
+    values = {"sine": size * np.cos(0.7), "cosine": size * np.sin(0.7), "order": order}
+    found = EFFECTS["encoder_eccentricity"].contribution(shown, values).additive
+    plant = context.plant
+    truth, claimed = (
+        plant.gravity_torque(one.position, True) + plant.inertia * one.acceleration for one in (context, shown)
+    )
+    oil = np.where(v >= 0.0, 1.0, 1.1) * (v - shown.velocity)
+    np.testing.assert_allclose(found, truth - claimed + oil, atol=2e-4)
+
+
+def test_a_supply_sags_with_speed_and_with_power(context: Context) -> None:
+    effect = EFFECTS["supply_sag"]
+    both = effect.contribution(context, {"coefficient": 0.01, "loss_by_power": 0.002}).additive
+    share = 0.01 * np.abs(context.velocity) + 0.002 * np.abs(context.velocity * context.torque)
+    np.testing.assert_allclose(both, share * context.torque)
+    low = replace(context, channels={"voltage": 24.0 - context.velocity**2})
+    logged = effect.contribution(low, {"coefficient": 0.01, "loss_by_power": 0.0}).additive
+    np.testing.assert_allclose(logged, 0.01 * (24.0 - low.channels["voltage"]) * context.torque, atol=1e-3)
+    assert effect.refuse({"coefficient": 0.001, "loss_by_power": -0.01}, [context])
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_drive_follows_through_one_pole_or_two(order: int, context: Context) -> None:
+    step = replace(context, torque=np.where(context.time < 1.0, 0.0, 1.0))
+    values = {"time_constant": 0.02, "order": float(order)}
+    acting = step.torque - EFFECTS["drive_lag"].contribution(step, values).additive
+    since = np.maximum(step.time - 1.0, 0.0) * order / 0.02
+    wanted = 1.0 - np.exp(-since) * (1.0 + since * (order - 1))
+    np.testing.assert_allclose(acting, np.where(step.time < 1.0, 0.0, wanted), atol=0.06)  # a sample is 0.05 T
+
+
 @pytest.mark.parametrize(("delay", "suspected"), [(2e-4, False), (5e-4, True)])
 @pytest.mark.parametrize("name", ["torque_delay", "drive_lag"])
 def test_a_base_with_its_longest_delay_points_at_a_longer_one(
