@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import islice, product
 
 import numpy as np
 
 from .alias import alternatives, as_good
+from .effects import EFFECTS, Context
 from .preparation import Prepared
 from .rigid import RigidJoint
-from .screening import candidates_for
 from .search import Explanation, Found, fit_from
 from .solver import Box
 from .structure import N_BASE, Candidate
@@ -64,12 +64,15 @@ def _near(found: Found, best: Explanation) -> list[Explanation]:
 def _held(prepared: Prepared, best: Explanation, rigid: RigidJoint) -> list[Explanation]:
     """The effects of `best` from each of their starts, with inertia and gravity held at those of the simulation."""
     contexts = best.structure.contexts
-    offered = candidates_for(contexts)
-    starts = {name: [candidate for candidate in offered if candidate.name == name] for name in best.names}
-    options = [found if len(found) > 1 else [_settled(best, name)] for name, found in starts.items()]
+    options = [[_settled(best, name), *_others(contexts, name)] for name in best.names]
     box = _hold(prepared.box, rigid)
     theta = np.concatenate([box.centre[:3], best.fit.theta[3:N_BASE]])
     return fit_from(prepared, list(islice(product(*options), _MOST_STARTS)), theta, box)
+
+
+def _others(contexts: Sequence[Context], name: str) -> list[Candidate]:
+    starts = EFFECTS[name].other_starts(contexts)
+    return [Candidate(name, tuple(start.items())) for start in starts if any(start.values())]
 
 
 def _settled(explanation: Explanation, name: str) -> Candidate:

@@ -14,7 +14,7 @@ from .preparation import Prepared
 from .problem import observer_for
 from .screening import orthonormal, project_out
 from .search import Explanation
-from .structure import N_BASE, Structure
+from .structure import N_BASE
 from .track import FloatArray, Track, smooth_derivative
 
 __all__ = ["Proposal", "propose"]
@@ -81,9 +81,12 @@ def _difference(prepared: Prepared, pair: tuple[Explanation, Explanation], posit
     context = build_contexts(alone, plant, seen, prepared.structure.contexts[0].hints)[0]
     rows = []
     for explanation in pair:
-        structure = Structure((context,), explanation.structure.candidates)
-        effects = structure.contributions(explanation.fit.theta[N_BASE:])
-        run = alone.observe([Job(track, structure.plant(explanation.fit.theta), effects[0])])[0]
+        # By name: of several recordings some effects have parameters of their own, of which the first ones count here.
+        values = explanation.structure.values(explanation.fit.theta[N_BASE:])
+        total = Contribution()
+        for candidate in explanation.structure.candidates:
+            total = total + candidate.effect.contribution(context, values[candidate.name])
+        run = alone.observe([Job(track, explanation.structure.plant(explanation.fit.theta), total)])[0]
         rows.append(grid.of(run.missing))
     basis = orthonormal(_base_columns(context.position, seen[0], plant)[grid.centres])
     left = project_out((rows[0] - rows[1])[:, None], basis)

@@ -27,6 +27,8 @@ _ENOUGH = 0.98  # coverage at which nothing more is looked for
 _QUANTILE = 0.98
 _LEAST_GAIN = 30.0
 _ANOTHER = 0.08  # of the gain, that one more effect must add: less is the form of the first one not quite met
+_MUCH, _REMNANT = 3.0, 0.3  # thresholds of gain, and part of what is left, of effects that complete an explanation
+_OVERWHELMING = 20.0  # thresholds from which they count wherever they show; a bristle has been seen to bring 7
 # What of its gain an explanation counts for that would fill in for others: pushes in windows of time for anything that
 # comes and goes, a friction wave of any order for friction under a load that follows the position.
 _FILLS_IN = {"external_disturbance": 0.8, "position_coulomb": 0.98}
@@ -155,20 +157,37 @@ def _choose(prepared: Prepared, tried: Sequence[Explanation], threshold: float) 
 def _idle(larger: Explanation, tried: Sequence[Explanation], threshold: float) -> bool:
     """Whether some of its effects explain about all alone, be they refused: the others would only carry them."""
     return any(
-        set(part.names) < set(larger.names) and _weighed(larger) < _weighed(part) + max(threshold, _ANOTHER * part.gain)
+        set(part.names) < set(larger.names)
+        and _weighed(larger) < _weighed(part) + _worth(part, threshold)
+        and not _completes(larger, part, threshold)
         for part in tried
     )
 
 
 def _better(prepared: Prepared, larger: Explanation, best: Explanation, threshold: float) -> bool:
     """Whether the further effects of a larger explanation add enough, and where they can be seen."""
-    least = max(threshold, _ANOTHER * best.gain)
     further = set(larger.names) - set(best.names)
+    counted = _counted(prepared, further, best.fit, larger.fit)
+    if _completes(larger, best, threshold):
+        return counted > threshold or _weighed(larger) > _weighed(best) + _OVERWHELMING * threshold
     return (
-        _weighed(larger) > _weighed(best) + least
-        and _counted(prepared, further, best.fit, larger.fit) > max(threshold, _ANOTHER * best.certain)
+        _weighed(larger) > _weighed(best) + _worth(best, threshold)
+        and counted > max(threshold, _ANOTHER * best.certain)
         and larger.coverage > best.coverage + 0.015
     )
+
+
+def _worth(part: Explanation, threshold: float) -> float:
+    """Gain that further effects must add: less is the form of the first ones not quite met."""
+    return max(threshold, _ANOTHER * part.gain)
+
+
+def _completes(larger: Explanation, part: Explanation, threshold: float) -> bool:
+    """Whether its further effects take away nearly all that is left, as none does of a form that is not quite met."""
+    clear = _weighed(larger) > _weighed(part) + _MUCH * threshold
+    if _FILLS_IN.keys() & set(larger.names) - set(part.names):
+        return False
+    return clear and larger.coverage > _ENOUGH and larger.left < _REMNANT * part.left
 
 
 def _counted(prepared: Prepared, names: Collection[str], before: Fit, after: Fit) -> float:

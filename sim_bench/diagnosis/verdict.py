@@ -46,10 +46,8 @@ __all__ = ["Answer", "conclude"]
 
 _COVERED, _MOSTLY_COVERED = 0.85, 0.7
 _CLEAR = 1.5  # thresholds of gain that an explanation must reach which covers less
-_FAINT, _FAINT_NULLS = (
-    0.03,
-    3.0,
-)  # energy per row, and in that of the loudest nulls, that may be left where most is covered
+# Energy per row, and in that of the loudest nulls, that may be left where most is covered.
+_FAINT, _FAINT_NULLS = 0.03, 3.0
 _UNKNOWN = 0.15  # energy per row, in units of the noise, that something unnamed must reach to be reported
 _LOUD, _LOUDEST = 1.15, 1.35  # residual over noise that it must reach; beyond the second something is missing anyway
 _FORM = (

@@ -121,6 +121,10 @@ class Effect(ABC):
         """Hypotheses for the parameters in which the contribution is not linear."""
         return [{}]
 
+    def other_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        """Hypotheses that are tried where the fitted ones ask for another inertia or gravity than the simulation's."""
+        return self.starts(contexts)
+
     def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         """Many hypotheses, of which simulation keeps the best as starts; none where `starts` is enough."""
         return []

@@ -32,9 +32,9 @@ class SpringTorque(Effect):
             EffectParameter("hardening", "1/{position}²", 0.1, 0.0, 5.0, linear=False, prior=0.5),
         )
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        # A stiffening spring is a straight one and a change of gravity, but for the simulation's gravity.
-        return [{}, {"hardening": 0.2}]
+    def other_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        # A spring that stiffens is a straight one and a change of gravity, but for the simulation's gravity.
+        return [{"hardening": 0.2}]
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         stretch = context.position - values["centre"]
