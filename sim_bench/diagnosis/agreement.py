@@ -43,7 +43,7 @@ def agreeing(
         return found
     options = alternatives(found)
     if rigid is not None and rigid.rotary:
-        held = [e for one in _near(found, best) for e in _held(prepared, one, rigid)]
+        held = _held(prepared, _near(found, best), rigid)
         options += [e for e in held if as_good(e, best) and not e.refused]
     kept = sorted((e for e in options if not differs(e)), key=lambda explanation: -explanation.gain)
     if not kept:
@@ -61,23 +61,21 @@ def _near(found: Found, best: Explanation) -> list[Explanation]:
     return list(near.values())[:_MOST_NEAR]
 
 
-def _held(prepared: Prepared, best: Explanation, rigid: RigidJoint) -> list[Explanation]:
-    """The effects of `best` from each of their starts, with inertia and gravity held at those of the simulation."""
-    contexts = best.structure.contexts
-    options = [[_settled(best, name), *_others(contexts, name)] for name in best.names]
+def _held(prepared: Prepared, near: Sequence[Explanation], rigid: RigidJoint) -> list[Explanation]:
+    """The effects of each explanation in all their forms, with inertia and gravity held at those of the simulation."""
     box = _hold(prepared.box, rigid)
-    theta = np.concatenate([box.centre[:3], best.fit.theta[3:N_BASE]])
-    return fit_from(prepared, list(islice(product(*options), _MOST_STARTS)), theta, box)
+    wanted = []
+    for one in near:
+        theta = np.concatenate([box.centre[:3], one.fit.theta[3:N_BASE]])
+        settled = sorted(one.settled, key=lambda candidate: candidate.name)
+        forms = [[candidate, *_others(one.structure.contexts, candidate.name)] for candidate in settled]
+        wanted += [(candidates, theta) for candidates in islice(product(*forms), _MOST_STARTS)]
+    return fit_from(prepared, wanted, box)
 
 
 def _others(contexts: Sequence[Context], name: str) -> list[Candidate]:
     starts = EFFECTS[name].other_starts(contexts)
     return [Candidate(name, tuple(start.items())) for start in starts if any(start.values())]
-
-
-def _settled(explanation: Explanation, name: str) -> Candidate:
-    values = explanation.structure.values(explanation.fit.theta[N_BASE:])
-    return Candidate(name, tuple(values[name].items()))
 
 
 def _hold(box: Box, rigid: RigidJoint) -> Box:

@@ -61,7 +61,7 @@ def confirm(
     unit = float(np.sqrt(np.mean(raw[0]) / np.mean(spread**2)))
     # Nulls are fitted to all of their rows; on rows that took no part they would leave this much more.
     rows, freedom = before.size, prepared.fit.theta.size
-    left = np.mean([np.mean((null * spread) ** 2) for null in prepared.null_residuals()])
+    left = np.mean([np.mean((null * spread) ** 2) for null in prepared.null_residuals])
     floor = unit * float(np.sqrt(left * (rows + freedom) / (rows - freedom)))
     blocks = np.array_split(np.arange(before.size), max(10, before.size // 50))
     b = np.array([energy_before[k].sum() for k in blocks])

@@ -82,11 +82,9 @@ def _difference(prepared: Prepared, pair: tuple[Explanation, Explanation], posit
     rows = []
     for explanation in pair:
         # By name: of several recordings some effects have parameters of their own, of which the first ones count here.
-        values = explanation.structure.values(explanation.fit.theta[N_BASE:])
-        total = Contribution()
-        for candidate in explanation.structure.candidates:
-            total = total + candidate.effect.contribution(context, values[candidate.name])
-        run = alone.observe([Job(track, explanation.structure.plant(explanation.fit.theta), total)])[0]
+        structure, theta = explanation.structure, explanation.fit.theta
+        effects = structure.contribution(context, structure.values(theta[N_BASE:]))
+        run = alone.observe([Job(track, structure.plant(theta), effects)])[0]
         rows.append(grid.of(run.missing))
     basis = orthonormal(_base_columns(context.position, seen[0], plant)[grid.centres])
     left = project_out((rows[0] - rows[1])[:, None], basis)

@@ -62,11 +62,17 @@ class Prepared:
     nulls: Nulls
     recolouring: FloatArray | None = None
 
-    @property
+    @cached_property
     def basis(self) -> FloatArray:
         """Orthonormal columns of the base model. Shape (m, p)."""
         return orthonormal(self.fit.jacobian)
 
+    @cached_property
+    def generic(self) -> FloatArray:
+        """Weighted rows of the generic basis. Shape (m, d)."""
+        return generic_rows(self.problem, self.structure.contexts)
+
+    @cached_property
     def null_residuals(self) -> list[FloatArray]:
         """Nulls after the base is refitted to them, in weighted rows. Shapes (m,)."""
         basis = self.basis if self.recolouring is None else orthonormal(self._jacobian_of_nulls(self.recolouring))
@@ -89,10 +95,10 @@ class Prepared:
         rows = np.concatenate(parts)
         return rows if np.mean(rows) > _SELDOM else np.ones(rows.size, dtype=bool)
 
-    @property
+    @cached_property
     def noise_ratio(self) -> float:
         """Weighted residual over that of the nulls."""
-        null = np.mean([vector @ vector for vector in self.null_residuals()])
+        null = np.mean([vector @ vector for vector in self.null_residuals])
         return float(np.sqrt(self.fit.residual @ self.fit.residual / null))
 
 
@@ -124,7 +130,7 @@ def prepare(
 def _noise_parts(prepared: Prepared) -> tuple[FloatArray, list[FloatArray]]:
     """What neither the base nor any smooth torque reaches: of the residual, shape (m,), and of each null."""
     span = orthonormal(
-        np.concatenate([prepared.fit.jacobian, generic_rows(prepared.problem, prepared.structure.contexts)], axis=1),
+        np.concatenate([prepared.fit.jacobian, prepared.generic], axis=1),
         1e-6,
     )
     ours, *theirs = (project_out(v[:, None], span)[:, 0] for v in (prepared.fit.residual, *prepared.nulls.vectors()))
@@ -158,21 +164,21 @@ def _colour_filter(values: FloatArray, correlation: FloatArray) -> FloatArray:
         shift = _correlation(filtered) - correlation
         if np.max(np.abs(shift)) < _SAME_COLOUR:
             break
-        extra, _ = _stable(0.5 * shift)
+        extra = _stable(0.5 * shift)
         found = np.convolve(found, [1.0, *-extra])
         filtered = lfilter(found, [1.0], values)
     result: FloatArray = found * _typical(values) / _typical(filtered)
     return result
 
 
-def _stable(shift: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Prediction from the last three rows by the correlations `shift`, both fainter until its inverse dies away."""
+def _stable(shift: FloatArray) -> FloatArray:
+    """Prediction from the last three rows by the correlations `shift`, fainter ones until its inverse dies away."""
     for _ in range(_FAINTER):
         extra: FloatArray = solve_toeplitz(np.array([1.0, *shift[:-1]]), shift)
         if np.max(np.abs(np.roots([1.0, *-extra]))) < _DYING:
-            return extra, shift
+            return extra
         shift = 0.7 * shift
-    return np.zeros_like(shift), np.zeros_like(shift)
+    return np.zeros_like(shift)
 
 
 def _correlation(values: FloatArray) -> FloatArray:

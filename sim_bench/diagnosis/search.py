@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .effects import EFFECTS
-from .generic import generic_rows
 from .preparation import Prepared
 from .screening import Column, Screen, orthonormal, project_out, screen
-from .solver import Box, Fit
+from .solver import Box, Descent, Fit
 from .structure import N_BASE, Candidate, Structure, fit_all
 from .track import FloatArray
 
@@ -68,6 +67,12 @@ class Explanation:
         """Names of its effects, sorted."""
         return self.structure.names
 
+    @property
+    def settled(self) -> tuple[Candidate, ...]:
+        """Its effects, starting where their fit ended."""
+        values = self.structure.values(self.fit.theta[N_BASE:])
+        return tuple(Candidate(c.name, tuple(values[c.name].items())) for c in self.structure.candidates)
+
 
 @dataclass(frozen=True)
 class Found:
@@ -93,25 +98,24 @@ class Found:
 
 def search(prepared: Prepared) -> Found:
     """Find the effects that explain the residual of the base model."""
-    problem, fit = prepared.problem, prepared.fit
-    first = screen(problem, prepared.structure, fit.theta, fit.residual, fit.jacobian)
+    fit = prepared.fit
+    first = screen(prepared.problem, prepared.structure, fit.theta, fit.residual, fit.jacobian)
     threshold = max(_LEAST_GAIN, _MATERIAL * fit.residual.size, _null_gain(prepared, first))
-    generic = generic_rows(problem, prepared.structure.contexts)
-    span = orthonormal(project_out(generic, prepared.basis), 1e-4)
+    span = orthonormal(project_out(prepared.generic, prepared.basis), 1e-4)
     explainable = _spread_excess(span, fit.residual)
-    null = float(np.quantile([_spread_excess(span, v) for v in prepared.null_residuals()], _QUANTILE))
-    tried = _singles(prepared, first, generic)
+    null = float(np.quantile([_spread_excess(span, v) for v in prepared.null_residuals], _QUANTILE))
+    tried = _singles(prepared, first)
     accepted = _acceptable(tried, threshold)
     if accepted and accepted[0].coverage < _ENOUGH:
-        tried += _grow(prepared, accepted[:1], generic, first)
-        tried += _grow(prepared, _partners(tried, accepted[0], threshold), generic, None)
+        tried += _grow(prepared, accepted[:1], first)
+        tried += _grow(prepared, _partners(tried, accepted[0], threshold))
         pairs = [e for e in _acceptable(tried, threshold) if len(e.names) == 2]
         if pairs and pairs[0].coverage < _ENOUGH:
-            tried += _grow(prepared, pairs[:1], generic, None)
+            tried += _grow(prepared, pairs[:1])
     best = _choose(prepared, tried, threshold)
     if best is not None:
         close = _close_to(best, _acceptable(tried, threshold))
-        finished = _polish(prepared, close, generic, iterations=_LAST_STEPS, refresh=2)
+        finished = _polish(prepared, close, iterations=_LAST_STEPS, refresh=2)
         tried = finished + [explanation for explanation in tried if explanation not in close]
         best = _choose(prepared, tried, threshold)
     tried.sort(key=lambda explanation: -explanation.gain)
@@ -212,7 +216,7 @@ def _null_gain(prepared: Prepared, screened: Screen) -> float:
             float(np.sum((column.span.T @ vector) ** 2)) - _freedom(prepared, column) * float(rows)
             for column in screened.columns
         )
-        for vector in prepared.null_residuals()
+        for vector in prepared.null_residuals
     ]
     return float(np.quantile(gains, _QUANTILE))
 
@@ -233,7 +237,7 @@ def _spread_excess(span: FloatArray, residual: FloatArray) -> float:
     return _excess(span, np.clip(residual, -limit, limit))
 
 
-def _singles(prepared: Prepared, first: Screen, generic: FloatArray) -> list[Explanation]:
+def _singles(prepared: Prepared, first: Screen) -> list[Explanation]:
     """Each strong effect on its own: a quick refit of its best hypotheses, and a careful one of the best effects."""
     rows = np.log(prepared.fit.residual.size)
     groups = _ranked(first, _SINGLES)
@@ -242,12 +246,12 @@ def _singles(prepared: Prepared, first: Screen, generic: FloatArray) -> list[Exp
         [c for c in columns if c.energy > max(0.3 * columns[0].energy, rows) or columns in suspected][:2]
         for columns in [*groups, *(group for group in suspected if group not in groups)]
     ]
-    trials = iter(_explain(prepared, [((c.candidate,), prepared.fit) for part in options for c in part], generic))
+    trials = iter(_explain(prepared, [((c.candidate,), prepared.fit) for part in options for c in part]))
     quick = [max((next(trials) for _ in part), key=_preference) for part in options if part]
     quick.sort(key=_preference, reverse=True)
-    careful = _polish(prepared, quick[:_CAREFUL], generic)
+    careful = _polish(prepared, quick[:_CAREFUL])
     if all(explanation.coverage < _ENOUGH for explanation in careful):
-        careful += _polish(prepared, quick[_CAREFUL:_MORE_CAREFUL], generic)
+        careful += _polish(prepared, quick[_CAREFUL:_MORE_CAREFUL])
     return careful + quick[len(careful) :]
 
 
@@ -270,10 +274,10 @@ def _grouped(screened: Screen) -> list[list[Column]]:
     return list(groups.values())
 
 
-def _grow(
-    prepared: Prepared, seeds: Sequence[Explanation], generic: FloatArray, first: Screen | None
-) -> list[Explanation]:
-    """One more effect on top of each seed, found by screening about the seed's own minimum."""
+def _grow(prepared: Prepared, seeds: Sequence[Explanation], first: Screen | None = None) -> list[Explanation]:
+    """One more effect on top of each seed, found by screening about the seed's own minimum; the pairs that `first`
+    scores highest besides.
+    """
     wanted: list[tuple[tuple[Candidate, ...], Fit]] = []
     seen: set[tuple[str, ...]] = set()
     for seed in seeds:
@@ -284,47 +288,30 @@ def _grow(
                 continue
             seen.add(names)
             alike = [c.candidate for c in columns[:2] if c.energy > _ALIKE * columns[0].energy]
-            wanted += [((*_settled(seed), candidate), seed.fit) for candidate in alike]
+            wanted += [((*seed.settled, candidate), seed.fit) for candidate in alike]
     for pair in first.pairs(prepared.fit.residual, _PARTNERS) if first is not None else ():
         names = tuple(sorted(c.name for c in pair))
         if names not in seen:
             seen.add(names)
             wanted.append((pair, prepared.fit))
-    return _explain(prepared, wanted, generic)
-
-
-def _settled(explanation: Explanation) -> tuple[Candidate, ...]:
-    """The candidates of an explanation, starting where its fit ended."""
-    values = explanation.structure.values(explanation.fit.theta[N_BASE:])
-    return tuple(Candidate(c.name, tuple(values[c.name].items())) for c in explanation.structure.candidates)
+    return _explain(prepared, wanted)
 
 
 def _polish(
-    prepared: Prepared,
-    explanations: Sequence[Explanation],
-    generic: FloatArray,
-    *,
-    iterations: int = 4,
-    refresh: int = 2,
+    prepared: Prepared, explanations: Sequence[Explanation], *, iterations: int = 4, refresh: int = 2
 ) -> list[Explanation]:
     """The same explanations at the minima of fresh Jacobians, their effects computed for the joint that was found."""
-    structures = []
+    descents = []
     for explanation in explanations:
         plant = explanation.structure.plant(explanation.fit.theta)
         contexts = tuple(replace(context, plant=plant) for context in prepared.structure.contexts)
-        structures.append(Structure(contexts, _settled(explanation)))
-    descents = [
-        (structure, structure.descent(explanation.fit.theta, prepared.box, iterations=iterations, refresh=refresh))
-        for structure, explanation in zip(structures, explanations, strict=True)
-    ]
-    fits = fit_all(prepared.problem, descents)
-    polished = [_judged(prepared, s, fit, generic) for s, fit in zip(structures, fits, strict=True)]
-    return [max(pair, key=_preference) for pair in zip(explanations, polished, strict=True)]
+        structure = Structure(contexts, explanation.settled)
+        descent = structure.descent(explanation.fit.theta, prepared.box, iterations=iterations, refresh=refresh)
+        descents.append((structure, descent))
+    return [max(pair, key=_preference) for pair in zip(explanations, _fitted(prepared, descents), strict=True)]
 
 
-def _explain(
-    prepared: Prepared, wanted: Sequence[tuple[tuple[Candidate, ...], Fit]], generic: FloatArray
-) -> list[Explanation]:
+def _explain(prepared: Prepared, wanted: Sequence[tuple[tuple[Candidate, ...], Fit]]) -> list[Explanation]:
     """Fit base and candidates jointly in the simulator, each set from a fit without them, and judge what they leave."""
     descents = []
     for candidates, fit in wanted:
@@ -332,37 +319,38 @@ def _explain(
         start = np.concatenate([fit.theta[:N_BASE], structure.start()])
         descent = structure.descent(start, prepared.box, jacobian=fit.jacobian, iterations=5, refresh=99)
         descents.append((structure, descent))
-    fits = fit_all(prepared.problem, descents)
-    return [_judged(prepared, structure, fit, generic) for (structure, _), fit in zip(descents, fits, strict=True)]
+    return _fitted(prepared, descents)
 
 
 def fit_from(
-    prepared: Prepared, wanted: Sequence[Sequence[Candidate]], theta: FloatArray, box: Box
+    prepared: Prepared, wanted: Sequence[tuple[Sequence[Candidate], FloatArray]], box: Box
 ) -> list[Explanation]:
-    """Fit base and candidates jointly from the base at `theta`, in another domain than the usual one.
+    """Fit base and candidates jointly in another domain than the usual one.
 
     Args:
         prepared: Base model and recordings.
-        wanted: Effects with their starting values, one set for each explanation.
-        theta: Start of the base. Shape (N_BASE,).
+        wanted: For each explanation its effects with their starting values, and the start of the base, shape (N_BASE,).
         box: Domain and priors of the base.
     """
-    structures = [Structure(prepared.structure.contexts, tuple(candidates)) for candidates in wanted]
-    starts = [np.concatenate([theta, structure.start()]) for structure in structures]
-    descents = [
-        (structure, structure.descent(start, box, iterations=_LAST_STEPS, refresh=2))
-        for structure, start in zip(structures, starts, strict=True)
-    ]
+    descents = []
+    for candidates, theta in wanted:
+        structure = Structure(prepared.structure.contexts, tuple(candidates))
+        start = np.concatenate([theta, structure.start()])
+        descents.append((structure, structure.descent(start, box, iterations=_LAST_STEPS, refresh=2)))
+    return _fitted(prepared, descents)
+
+
+def _fitted(prepared: Prepared, descents: Sequence[tuple[Structure, Descent]]) -> list[Explanation]:
+    """Run fits side by side, and judge what they leave."""
     fits = fit_all(prepared.problem, descents)
-    generic = generic_rows(prepared.problem, prepared.structure.contexts)
-    return [_judged(prepared, structure, fit, generic) for structure, fit in zip(structures, fits, strict=True)]
+    return [_judged(prepared, structure, fit) for (structure, _), fit in zip(descents, fits, strict=True)]
 
 
-def _judged(prepared: Prepared, structure: Structure, fit: Fit, generic: FloatArray) -> Explanation:
+def _judged(prepared: Prepared, structure: Structure, fit: Fit) -> Explanation:
     fall = prepared.fit.cost - fit.cost
     penalty = structure.freedom * float(np.log(fit.residual.size))
     certain = _counted(prepared, structure.names, prepared.fit, fit) - penalty
-    span = orthonormal(project_out(generic, orthonormal(fit.jacobian)), 1e-4)
+    span = orthonormal(project_out(prepared.generic, orthonormal(fit.jacobian)), 1e-4)
     left = max(_excess(span, fit.residual), 0.0)
     coverage = fall / (fall + left) if fall > 0.0 else 0.0
     return Explanation(structure, fit, fall - penalty, certain, float(coverage), left, _refusal(structure, fit))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -90,13 +90,14 @@ class Structure:
     def contributions(self, vector: FloatArray) -> list[Contribution]:
         """What the effects add to each recording."""
         values = self.values(vector)
-        result = []
-        for context in self.contexts:
-            total = Contribution()
-            for candidate in self.candidates:
-                total = total + candidate.effect.contribution(context, values[candidate.name])
-            result.append(total)
-        return result
+        return [self.contribution(context, values) for context in self.contexts]
+
+    def contribution(self, context: Context, values: Mapping[str, Mapping[str, float]]) -> Contribution:
+        """What the effects add along one motion, with parameters by effect and name."""
+        total = Contribution()
+        for candidate in self.candidates:
+            total = total + candidate.effect.contribution(context, values[candidate.name])
+        return total
 
     def observe(self, problem: Problem, theta: FloatArray) -> list[Observation]:
         """Observed simulations at `theta`."""

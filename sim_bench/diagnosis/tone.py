@@ -41,7 +41,7 @@ def find_tone(prepared: Prepared) -> Tone:
         )
     ]
     energy, frequency, width = max(lines)
-    nulls = [max(_strongest(part, 1.0)[0] for part in np.split(null, ends)) for null in prepared.null_residuals()]
+    nulls = [max(_strongest(part, 1.0)[0] for part in np.split(null, ends)) for null in prepared.null_residuals]
     return Tone(frequency, width, energy, max(nulls))
 
 

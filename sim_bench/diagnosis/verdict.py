@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from dataclasses import replace as with_parts
+from dataclasses import dataclass, replace
 
 import numpy as np
-from msgspec.structs import replace
+from msgspec.structs import replace as with_fields
 
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
@@ -38,7 +37,7 @@ from .rigid import RigidJoint
 from .search import Explanation, Found
 from .sentence import sentences
 from .structure import N_BASE
-from .tone import find_tone
+from .tone import Tone, find_tone
 from .track import FloatArray
 from .velocity_lag import velocity_lag
 
@@ -50,9 +49,8 @@ _CLEAR = 1.5  # thresholds of gain that an explanation must reach which covers l
 _FAINT, _FAINT_NULLS = 0.03, 3.0
 _UNKNOWN = 0.15  # energy per row, in units of the noise, that something unnamed must reach to be reported
 _LOUD, _LOUDEST = 1.15, 1.35  # residual over noise that it must reach; beyond the second something is missing anyway
-_FORM = (
-    0.03  # relative deviation that a law of slightly another form leaves in a size; not in an order, an edge, a time
-)
+# Relative deviation that a law of slightly another form leaves in a size; not in an order, an edge, a time.
+_FORM = 0.03
 _TONE = 2.5  # times the strongest line that a null shows, from which a line is a vibration
 _RARE, _MUCH = 0.7, 3.0  # explained on held-out data, and thresholds of gain, of what shows in a few blocks only
 
@@ -82,16 +80,15 @@ class Answer:
 def conclude(answer: Answer) -> Diagnosis:
     """Draw the verdict and collect what supports it."""
     agreed = agreeing(answer.prepared, answer.found, answer.rigid, lambda one: bool(_compare(answer, one).effects))
-    answer = with_parts(answer, found=agreed)
+    answer = replace(answer, found=agreed)
     prepared, found = answer.prepared, answer.found
     best = found.best
     chosen = best if best is not None and _covers(best, answer) else None
     held = _confirm(answer, chosen)
     if chosen is not None and not _confirmed(held, chosen, found.threshold):
         chosen = None
-    tone = find_tone(prepared)
-    vibrates = tone.energy > _TONE * tone.energy_null
-    unknown = chosen is None and (vibrates or _stands_out(found, prepared))
+    tone = _vibration(prepared) if chosen is None else None
+    unknown = chosen is None and (tone is not None or _stands_out(found, prepared))
     series = _series(answer, chosen)
     effects = _effects(answer, chosen, held, series)
     compared = _compare(answer, chosen)
@@ -99,7 +96,7 @@ def conclude(answer: Answer) -> Diagnosis:
     effects.sort(key=lambda effect: -effect.share)
     verdict = _verdict(effects, unknown)
     location = _location(series, chosen, unknown)
-    if vibrates and chosen is None:
+    if tone is not None:
         location = {**location, "frequency": [(tone.frequency - tone.width, tone.frequency + tone.width)]}
     record = DiagnosisRecord(
         schema=DIAGNOSIS_SCHEMA,
@@ -126,8 +123,8 @@ def conclude(answer: Answer) -> Diagnosis:
     )
     proposal = _propose(answer, chosen)
     if proposal is not None:
-        record = replace(record, next_experiment=proposal[0])
-    record = replace(record, sentences=sentences(record))
+        record = with_fields(record, next_experiment=proposal[0])
+    record = with_fields(record, sentences=sentences(record))
     return Diagnosis(
         record=record,
         evidence=_evidence(answer, series),
@@ -166,6 +163,12 @@ def _propose(answer: Answer, chosen: Explanation | None) -> tuple[NextExperiment
         names = tuple(sorted(swapped))
         return NextExperiment(motion="motion.csv", separates=names, why=why), proposal.motion
     return None
+
+
+def _vibration(prepared: Prepared) -> Tone | None:
+    """The strongest line in the spectrum of what the base leaves; None where nulls have such lines."""
+    tone = find_tone(prepared)
+    return tone if tone.energy > _TONE * tone.energy_null else None
 
 
 def _stands_out(found: Found, prepared: Prepared) -> bool:

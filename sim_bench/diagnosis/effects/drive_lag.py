@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.signal import lfilter
 
-from ..base import LONGEST_DELAY
+from ..base import at_longest_delay
 from ..observer import Contribution
 from .effect import Context, Effect, EffectParameter, Values, register
 
@@ -33,7 +33,7 @@ class DriveLag(Effect):
 
     def suspected(self, contexts: Sequence[Context]) -> bool:
         """The base's own delay is as long as it may be."""
-        return contexts[0].plant.delay > 0.9 * LONGEST_DELAY
+        return at_longest_delay(contexts[0].plant)
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         if values["time_constant"] < 1e-6:

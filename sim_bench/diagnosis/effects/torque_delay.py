@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..base import LONGEST_DELAY
+from ..base import at_longest_delay
 from ..observer import Contribution
 from .effect import Context, Effect, EffectParameter, Values, register
 
@@ -27,7 +27,7 @@ class TorqueDelay(Effect):
 
     def suspected(self, contexts: Sequence[Context]) -> bool:
         """The base's own delay is as long as it may be."""
-        return contexts[0].plant.delay > 0.9 * LONGEST_DELAY
+        return at_longest_delay(contexts[0].plant)
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(delay=values["delay"])

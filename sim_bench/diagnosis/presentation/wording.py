@@ -67,8 +67,8 @@ class Units:
         """Unit of a quantity that residuals are located by."""
         x = self.position
         known = {"velocity": f"{x}/s", "position": x, "acceleration": f"{x}/s²", "load_torque": self.torque}
-        known |= {"frequency": "Hz"}
-        return known.get(quantity, "°C" if quantity == "temperature" else "s")
+        known |= {"frequency": "Hz", "temperature": "°C"}
+        return known.get(quantity, "s")
 
     def axis(self, quantity: str) -> str:
         """Axis label with the unit."""

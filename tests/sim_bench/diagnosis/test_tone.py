@@ -23,7 +23,7 @@ def _prepared(residual: np.ndarray, parts: int = 1) -> Prepared:
     problem = SimpleNamespace(grids=[grid] * parts, tracks=[SimpleNamespace(dt=1e-3)] * parts)
     nulls = [rng.standard_normal(residual.size) for _ in range(20)]
     fit = SimpleNamespace(residual=residual)
-    return cast(Prepared, SimpleNamespace(problem=problem, fit=fit, null_residuals=lambda: nulls))
+    return cast(Prepared, SimpleNamespace(problem=problem, fit=fit, null_residuals=nulls))
 
 
 @pytest.mark.parametrize("parts", [1, 2])
