@@ -11,7 +11,7 @@ from .rigid import RigidJoint
 from .solver import Box
 from .track import FloatArray
 
-__all__ = ["BASE_NAMES", "SOFTEST", "BaseModel", "at_longest_delay", "pack", "unpack"]
+__all__ = ["BASE_NAMES", "SOFTEST", "BaseModel", "at_earliest", "at_latest", "pack", "unpack"]
 
 BASE_NAMES = (
     "log_inertia",
@@ -41,7 +41,9 @@ _BREAKAWAY = (2e-6, SOFTEST)  # [rad] presliding distance of the base model
 _FRICTION_REACH = [10.0, 10.0, 2.0, 20.0]
 _REACH = np.array([4.0, 40.0, 40.0, 40.0, *_FRICTION_REACH, *_FRICTION_REACH, 3.0, 2.0, 3.0, 2.0, 2.0])
 _DAMPING = 0.012  # [s] largest sigma_1 / sigma_0 of a bristle that is part of the base
-_LONGEST_DELAY = 5e-4  # [s] between torque and motion in a usual chain of sensors; more swallows real delays
+# Of the recorded torque behind the motion in a usual chain of sensors; more would swallow real delays and lags.
+_EARLIEST, _LATEST = -0.5, 5e-4  # [samples], [s]
+_NEAR = 0.9  # of such a bound, from which more may hide behind it
 _RIGID = 0.3  # relative deviation of a simulation's inertia and gravity from those of the joint
 _ASYMMETRY = 0.2  # deviation of the difference of the Coulomb torques of both directions, in their mean
 
@@ -81,9 +83,14 @@ def unpack(theta: FloatArray) -> Plant:
     )
 
 
-def at_longest_delay(plant: Plant) -> bool:
-    """Whether the delay of the base is about as long as it may be, so that a longer one may hide behind it."""
-    return plant.delay > 0.9 * _LONGEST_DELAY
+def at_latest(plant: Plant) -> bool:
+    """Whether the torque comes about as late as the base allows, so that a longer delay may hide behind it."""
+    return plant.delay > _NEAR * _LATEST
+
+
+def at_earliest(plant: Plant, dt: float) -> bool:
+    """Whether the torque comes about as early as the base allows, so that a lag may hide behind it."""
+    return plant.delay < _NEAR * _EARLIEST * dt
 
 
 @dataclass(frozen=True)
@@ -112,7 +119,7 @@ class BaseModel:
             replace(
                 plant,
                 sigma_0=plant.level / float(np.exp(0.4 * breakaway[0] + 0.6 * breakaway[1])),
-                delay=0.5 * (_LONGEST_DELAY - dt),
+                delay=0.5 * (_LATEST + _EARLIEST * dt),
                 sharpness=0.5,
             )
         )
@@ -123,9 +130,9 @@ class BaseModel:
         lower = [inertia - 3, -gravity_free, -gravity_free, -100 * size, *friction_low, *friction_low, breakaway[0]]
         upper = [inertia + 3, gravity_free, gravity_free, 100 * size, *friction_high, *friction_high, breakaway[1]]
         scale = [0.05, 0.05 * size, 0.05 * size, 0.05 * level, *friction_scale, *friction_scale, 0.3]
-        reach = 0.5 * (dt + _LONGEST_DELAY)
-        low = np.array([*lower, -dt, 0.0, 0.0, 0.0])
-        high = np.array([*upper, _LONGEST_DELAY, _DAMPING, 1.0, 1.5])
+        reach = 0.5 * (_LATEST - _EARLIEST * dt)
+        low = np.array([*lower, _EARLIEST * dt, 0.0, 0.0, 0.0])
+        high = np.array([*upper, _LATEST, _DAMPING, 1.0, 1.5])
         centre = start.copy()
         centre[4] = centre[8] = level
         weight = np.zeros(start.size)

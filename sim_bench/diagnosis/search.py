@@ -23,11 +23,13 @@ _MORE_CAREFUL = 6  # of them where none of those explains enough
 _PARTNERS = 4  # partners tried for each explanation that is grown
 _ALIKE = 0.9  # of the energy of a partner's best hypothesis, from which its next one is tried as well
 _ENOUGH = 0.98  # coverage at which nothing more is looked for
+# Residual over noise, and coverage, from and to which effects that screened badly are refitted as well.
+_BENT, _MOST = 1.2, 0.85
 _QUANTILE = 0.98
 _LEAST_GAIN = 30.0
 _ANOTHER = 0.08  # of the gain, that one more effect must add: less is the form of the first one not quite met
 _MUCH, _REMNANT = 3.0, 0.3  # thresholds of gain, and part of what is left, of effects that complete an explanation
-_OVERWHELMING = 20.0  # thresholds from which they count wherever they show; a bristle has been seen to bring 7
+_OVERWHELMING = 10.0  # thresholds from which they count wherever they show; a bristle has been seen to bring 7
 # What of its gain an explanation counts for that would fill in for others: pushes in windows of time for anything that
 # comes and goes, a friction wave of any order for friction under a load that follows the position.
 _FILLS_IN = {"external_disturbance": 0.8, "position_coulomb": 0.98}
@@ -36,7 +38,10 @@ _NEAR, _FINALISTS = 0.1, 2  # of its gain that a rival may lack, and how many of
 _MOST_OF_A_ROW = 9.0  # gain that one row may add to what counts against the threshold
 _FAIR = 0.5  # of what an effect of sliding would explain in the rows that slide, were it spread evenly, that it must
 _LOUD_ABOUT_REST = 0.6  # gain per row there; the form of the bristle has been seen to leave 0.3 of nothing missing
-_MATERIAL = 0.02  # gain per row: below it the base model's own small errors could be named
+_BRISTLE = 0.3  # such energy per row there, that is not held against an explanation
+# Gain per row of all, and coverage, of an explanation that counts wherever it shows: nulls reach 0.04 and 0.7.
+_PLAIN, _PLAINLY_COVERED = 0.08, 0.85
+_MATERIAL = 0.01  # gain per row: below it the base model's own small errors could be named
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,13 +204,17 @@ def _counted(prepared: Prepared, names: Collection[str], before: Fit, after: Fit
     too little of it lies where the joint slides: effects of sliding reach rest only by bending the bristle. A fall
     about rest that no error of the bristle's form reaches counts for any of them.
     """
-    fall = np.clip(before.residual**2 - after.residual**2, -_MOST_OF_A_ROW, _MOST_OF_A_ROW)
-    rows = prepared.sliding
+    fall, rows = _falls(before, after), prepared.sliding
     about_rest = float(np.mean(fall[~rows])) if not np.all(rows) else 0.0
     if about_rest > _LOUD_ABOUT_REST or any(EFFECTS[name].shown_at_rest for name in names):
         return float(np.sum(fall))
     sliding, fair = float(np.sum(fall[rows])), float(np.sum(fall)) * float(np.mean(rows))
     return sliding if sliding > _FAIR * fair else min(sliding, 0.0)
+
+
+def _falls(before: Fit, after: Fit) -> FloatArray:
+    """Fall of the cost in each row, none counting for more than a few. Shape (m,)."""
+    return np.clip(before.residual**2 - after.residual**2, -_MOST_OF_A_ROW, _MOST_OF_A_ROW)
 
 
 def _null_gain(prepared: Prepared, screened: Screen) -> float:
@@ -226,9 +235,8 @@ def _freedom(prepared: Prepared, column: Column) -> int:
 
 
 def _excess(span: FloatArray, residual: FloatArray) -> float:
-    """Energy explained by `span` beyond what noise gives."""
-    energy = float(np.sum((span.T @ residual) ** 2))
-    return energy - int(span.shape[1])
+    """Energy explained by `span`, orthonormal or some rows of it, beyond what noise gives."""
+    return float(np.sum((span.T @ residual) ** 2) - np.sum(span**2))
 
 
 def _spread_excess(span: FloatArray, residual: FloatArray) -> float:
@@ -238,13 +246,37 @@ def _spread_excess(span: FloatArray, residual: FloatArray) -> float:
 
 
 def _singles(prepared: Prepared, first: Screen) -> list[Explanation]:
-    """Each strong effect on its own: a quick refit of its best hypotheses, and a careful one of the best effects."""
+    """Each strong effect on its own: a quick refit of its best hypotheses, and a careful one of the best effects; all
+    other effects where none of those explains most, as a base that is bent far screens badly.
+    """
+    groups, contexts = _ranked(first, _SINGLES), prepared.structure.contexts
+    others = [group for group in _grouped(first) if group not in groups]
+    suspected = [group for group in others if group[0].candidate.effect.suspected(contexts)]
+    tried = _refitted(prepared, [*groups, *suspected])
+    if prepared.noise_ratio > _BENT and all(explanation.coverage < _MOST for explanation in tried):
+        tried += _refitted(prepared, [group for group in others if group not in suspected])
+        tried += _from_afar(prepared)
+    return sorted(tried, key=_preference, reverse=True)
+
+
+def _from_afar(prepared: Prepared) -> list[Explanation]:
+    """Effects with many minima, from starts far from each other."""
+    contexts, theta = prepared.structure.contexts, prepared.fit.theta
+    starts = [(name, start) for name, effect in EFFECTS.items() for start in effect.far_starts(contexts)]
+    return fit_from(prepared, [((Candidate(name, tuple(s.items())),), theta) for name, s in starts], prepared.box)
+
+
+def _refitted(prepared: Prepared, groups: Sequence[Sequence[Column]]) -> list[Explanation]:
+    """The best hypothesis of each effect refitted; the best effects with care."""
     rows = np.log(prepared.fit.residual.size)
-    groups = _ranked(first, _SINGLES)
-    suspected = [group for group in _grouped(first) if group[0].candidate.effect.suspected(prepared.structure.contexts)]
+    contexts = prepared.structure.contexts
     options = [
-        [c for c in columns if c.energy > max(0.3 * columns[0].energy, rows) or columns in suspected][:2]
-        for columns in [*groups, *(group for group in suspected if group not in groups)]
+        [
+            column
+            for column in group
+            if column.energy > max(0.3 * group[0].energy, rows) or column.candidate.effect.suspected(contexts)
+        ][:2]
+        for group in groups
     ]
     trials = iter(_explain(prepared, [((c.candidate,), prepared.fit) for part in options for c in part]))
     quick = [max((next(trials) for _ in part), key=_preference) for part in options if part]
@@ -325,7 +357,7 @@ def _explain(prepared: Prepared, wanted: Sequence[tuple[tuple[Candidate, ...], F
 def fit_from(
     prepared: Prepared, wanted: Sequence[tuple[Sequence[Candidate], FloatArray]], box: Box
 ) -> list[Explanation]:
-    """Fit base and candidates jointly in another domain than the usual one.
+    """Fit base and candidates jointly and with care, maybe in another domain than the usual one.
 
     Args:
         prepared: Base model and recordings.
@@ -349,11 +381,21 @@ def _fitted(prepared: Prepared, descents: Sequence[tuple[Structure, Descent]]) -
 def _judged(prepared: Prepared, structure: Structure, fit: Fit) -> Explanation:
     fall = prepared.fit.cost - fit.cost
     penalty = structure.freedom * float(np.log(fit.residual.size))
-    certain = _counted(prepared, structure.names, prepared.fit, fit) - penalty
-    span = orthonormal(project_out(prepared.generic, orthonormal(fit.jacobian)), 1e-4)
-    left = max(_excess(span, fit.residual), 0.0)
+    left = _left(prepared, fit)
     coverage = fall / (fall + left) if fall > 0.0 else 0.0
-    return Explanation(structure, fit, fall - penalty, certain, float(coverage), left, _refusal(structure, fit))
+    counted = _counted(prepared, structure.names, prepared.fit, fit)
+    if fall > _PLAIN * fit.residual.size and coverage > _PLAINLY_COVERED:
+        counted = float(np.sum(_falls(prepared.fit, fit)))
+    refused = _refusal(structure, fit)
+    return Explanation(structure, fit, fall - penalty, counted - penalty, float(coverage), left, refused)
+
+
+def _left(prepared: Prepared, fit: Fit) -> float:
+    """Energy that the generic basis explains of what a fit leaves, beyond chance and the form of the bristle."""
+    span, about_rest = orthonormal(project_out(prepared.generic, orthonormal(fit.jacobian)), 1e-4), ~prepared.sliding
+    bristle = _excess(span * about_rest[:, None], fit.residual)
+    of_its_form = float(np.clip(bristle, 0.0, _BRISTLE * np.sum(about_rest)))
+    return max(_excess(span, fit.residual) - of_its_form, 0.0)
 
 
 def _refusal(structure: Structure, fit: Fit) -> str:

@@ -139,8 +139,18 @@ def fit_all(problem: Problem, descents: Sequence[tuple[Structure, Descent]]) -> 
 
     def evaluate(asked: list[list[FloatArray]]) -> list[list[FloatArray]]:
         pairs = [(s, point) for s, points in zip(structures, asked, strict=True) for point in points]
-        runs = problem.runs([s.plant(p) for s, p in pairs], [s.contributions(p[N_BASE:]) for s, p in pairs])
+        runs = problem.runs([s.plant(p) for s, p in pairs], _contributions(pairs))
         vectors = iter([problem.vector(run) for run in runs])
         return [[next(vectors) for _ in points] for points in asked]
 
     return together([descent for _, descent in descents], evaluate)
+
+
+def _contributions(points: Sequence[tuple[Structure, FloatArray]]) -> list[list[Contribution]]:
+    """What the effects add at each point. A Jacobian moves one parameter at a time: most points share theirs."""
+    known: dict[tuple[int, bytes], list[Contribution]] = {}
+    keys = [(id(structure), point[N_BASE:].tobytes()) for structure, point in points]
+    for key, (structure, point) in zip(keys, points, strict=True):
+        if key not in known:
+            known[key] = structure.contributions(point[N_BASE:])
+    return [known[key] for key in keys]

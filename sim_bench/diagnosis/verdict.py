@@ -44,13 +44,12 @@ from .velocity_lag import velocity_lag
 __all__ = ["Answer", "conclude"]
 
 _COVERED, _MOSTLY_COVERED = 0.85, 0.7
+_FAINTLY_COVERED = 0.5  # where no more is left than nulls leave
 _CLEAR = 1.5  # thresholds of gain that an explanation must reach which covers less
 # Energy per row, and in that of the loudest nulls, that may be left where most is covered.
 _FAINT, _FAINT_NULLS = 0.03, 3.0
 _UNKNOWN = 0.15  # energy per row, in units of the noise, that something unnamed must reach to be reported
 _LOUD, _LOUDEST = 1.15, 1.35  # residual over noise that it must reach; beyond the second something is missing anyway
-# Relative deviation that a law of slightly another form leaves in a size; not in an order, an edge, a time.
-_FORM = 0.03
 _TONE = 2.5  # times the strongest line that a null shows, from which a line is a vibration
 _RARE, _MUCH = 0.7, 3.0  # explained on held-out data, and thresholds of gain, of what shows in a few blocks only
 
@@ -138,6 +137,8 @@ def _covers(best: Explanation, answer: Answer) -> bool:
     """Whether little is left beside `best`: of what it explains, or of what would stand out by itself."""
     faint = max(_FAINT_NULLS * answer.found.explainable_null, _FAINT * answer.prepared.fit.residual.size)
     clear = best.certain > _CLEAR * answer.found.threshold
+    if best.left < answer.found.explainable_null:
+        return best.coverage >= _FAINTLY_COVERED
     return best.coverage >= _COVERED or (clear and best.coverage >= _MOSTLY_COVERED and best.left < faint)
 
 
@@ -237,8 +238,8 @@ def _quantities(answer: Answer, chosen: Explanation, name: str, deviations: Floa
         if owner != name:
             continue
         unit = parameter.unit.replace("{torque}", answer.unit).replace("{position}", answer.position_unit)
-        form = _FORM * (1.0 if parameter.logarithmic else abs(float(value)) if parameter.linear else 0.0)
-        half = 1.96 * float(np.hypot(deviation, form)) if parameter.scale > 0.0 else 0.0
+        half = 1.96 * float(np.hypot(deviation, parameter.deviation_of_form(float(value))))
+        half = half if parameter.scale > 0.0 else 0.0
         low, mid, high = float(value) - half, float(value), float(value) + half
         if parameter.logarithmic:
             low, mid, high = (float(np.exp(x)) for x in (low, mid, high))

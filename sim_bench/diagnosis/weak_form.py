@@ -24,6 +24,7 @@ __all__ = ["estimate_plant", "rest_speed_of"]
 _MOST_ROWS = 6000
 _REST_SPEED = 5e-3  # [rad/s] or [m/s] of a joint of the usual speed
 _REST_SHARE = 0.05  # of the top speed, for slower ones
+_SLOW = 0.1  # share of the rows that are the slowest
 
 
 def rest_speed_of(tracks: Sequence[Track], width: float = 0.042) -> float:
@@ -138,19 +139,25 @@ def _plant(log_speeds: FloatArray, rows: WeakRows) -> Plant:
     f, r = (tuple(map(float, part)) for part in (x[1 + free : 4 + free], x[4 + free :]))
     speeds = np.exp(log_speeds)
     floor = 1e-3 * float(np.std(rows.torque))
+    slowest = float(np.quantile(np.abs(rows.velocity), _SLOW))
+    forward, reverse = (_curve(part, floor, float(vs), slowest) for part, vs in zip((f, r), speeds, strict=True))
     inertia = max(float(x[0]), 1e-3 * float(np.std(rows.torque) / (np.std(rows.inertia) + 1e-9)))
     return Plant(
         inertia=inertia,
         gravity=gravity,
         offset=float(x[1]),
-        forward=_curve(f, floor, float(speeds[0])),
-        reverse=_curve(r, floor, float(speeds[1])),
-        sigma_0=1e4 * max(f[0], r[0], floor),
+        forward=forward,
+        reverse=reverse,
+        sigma_0=1e4 * max(forward[0], reverse[0]),
     )
 
 
-def _curve(found: tuple[float, ...], floor: float, speed: float) -> tuple[float, float, float, float]:
-    """Coulomb and static torque, Stribeck velocity, viscous coefficient; a static torque that no slow sample holds
-    is kept to twice the Coulomb torque."""
-    coulomb = max(found[0], floor)
-    return coulomb, coulomb + min(found[1], coulomb), speed, found[2]
+def _curve(found: tuple[float, ...], floor: float, speed: float, slowest: float) -> tuple[float, float, float, float]:
+    """Coulomb and static torque, Stribeck velocity, viscous coefficient.
+
+    The static torque is at most twice the Coulomb torque, which is at least half of the dry friction that the
+    `slowest` rows hold: a fall over all speeds looks like no Coulomb torque, and more than slow rows hold is a guess.
+    """
+    held = found[0] + found[1] * float(np.exp(-((slowest / speed) ** 2)))
+    coulomb = max(found[0], 0.5 * held, floor)
+    return coulomb, min(max(found[0] + found[1], coulomb), 2.0 * coulomb), speed, found[2]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.signal import lfilter
 
-from ..base import at_longest_delay
+from ..base import at_earliest
 from ..observer import Contribution
 from .effect import Context, Effect, EffectParameter, Values, register
 
@@ -24,7 +24,7 @@ class DriveLag(Effect):
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (
-            EffectParameter("time_constant", "s", 2e-3, 0.0, 0.05, linear=False),
+            EffectParameter("time_constant", "s", 2e-3, 0.0, 0.05, linear=False, form=0.05),
             EffectParameter("order", "1", 0.0, 1.0, 2.0, linear=False),
         )
 
@@ -32,8 +32,8 @@ class DriveLag(Effect):
         return [{"time_constant": lag, "order": order} for lag in (2e-3, 6e-3) for order in (1.0, 2.0)]
 
     def suspected(self, contexts: Sequence[Context]) -> bool:
-        """The base's own delay is as long as it may be."""
-        return at_longest_delay(contexts[0].plant)
+        """The torque of the base is recorded as early as it may be."""
+        return at_earliest(contexts[0].plant, contexts[0].dt)
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         if values["time_constant"] < 1e-6:

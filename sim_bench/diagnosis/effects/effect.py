@@ -17,6 +17,8 @@ from ..track import FloatArray
 
 __all__ = ["EFFECTS", "Context", "Effect", "EffectParameter", "Kind", "Values", "lowest_order", "register"]
 
+_FORM = 0.03  # of a size; an order, an edge, a time are known as well as the fit says
+
 Kind = Literal["physics", "measurement", "parameter"]
 Values = Mapping[str, float]
 
@@ -86,6 +88,8 @@ class EffectParameter:
         linear: Whether the contribution is proportional to it, so that it is zero where the effect is absent.
         prior: Standard deviation of a weak prior around the start; 0 for none.
         logarithmic: Whether the number is fitted, and bounded, as its logarithm.
+        form: Relative deviation that a law of slightly another form leaves in it, from simulated joints; None for the
+            usual one of sizes.
     """
 
     name: str
@@ -96,6 +100,12 @@ class EffectParameter:
     linear: bool = True
     prior: float = 0.0
     logarithmic: bool = False
+    form: float | None = None
+
+    def deviation_of_form(self, value: float) -> float:
+        """Standard deviation that the law's form leaves, in the solver's coordinates."""
+        usual = _FORM if self.linear or self.logarithmic else 0.0
+        return (usual if self.form is None else self.form) * (1.0 if self.logarithmic else abs(value))
 
 
 class Effect(ABC):
@@ -124,6 +134,10 @@ class Effect(ABC):
     def other_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         """Hypotheses that are tried where the fitted ones ask for another inertia or gravity than the simulation's."""
         return self.starts(contexts)
+
+    def far_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        """Hypotheses far from each other, fitted with care where the base is bent so far that nothing explains most."""
+        return []
 
     def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         """Many hypotheses, of which simulation keeps the best as starts; none where `starts` is enough."""

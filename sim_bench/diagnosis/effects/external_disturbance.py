@@ -20,7 +20,6 @@ class ExternalDisturbance(Effect):
     equation = "tau = sum of A_k sin(pi (t - t_k) / T_k)^n_k"
     citation = ""
     says = "a torque from outside acts for a while; it is no function of the joint's state"
-    shown_at_rest = True
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = 0.05 * contexts[0].scale

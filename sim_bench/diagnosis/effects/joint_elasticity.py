@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..observer import Contribution
+from ..track import FloatArray
 from ..transmission import Transmission, carried
 from .effect import Context, Effect, EffectParameter, Values, register
 
@@ -24,7 +25,9 @@ class JointElasticity(Effect):
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         low, high = (float(np.log(contexts[0].plant.inertia * w**2)) for w in (15.0, 1500.0))
         return (
-            EffectParameter("stiffness", "{torque}/{position}", 0.2, low, high, linear=False, logarithmic=True),
+            EffectParameter(
+                "stiffness", "{torque}/{position}", 0.2, low, high, linear=False, logarithmic=True, form=0.1
+            ),
             EffectParameter("load_share", "1", 0.1, 0.05, 0.98, linear=False, prior=0.3),
             EffectParameter("damping_ratio", "1", 0.3, -7.0, 0.0, linear=False, prior=1.0, logarithmic=True),
             EffectParameter("hardening", "1", 0.1, 0.0, 5.0, linear=False, prior=1.0),
@@ -34,11 +37,10 @@ class JointElasticity(Effect):
         return self.kept(contexts)
 
     def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        inertia, ratio = 0.6 * contexts[0].plant.inertia, float(np.log(0.06))
-        return [
-            {"stiffness": float(np.log(inertia * w**2)), "load_share": 0.6, "damping_ratio": ratio}
-            for w in np.geomspace(40.0, 500.0, 40)
-        ]
+        return _resonances(contexts, np.geomspace(40.0, 500.0, 40))
+
+    def far_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return _resonances(contexts, np.geomspace(50.0, 300.0, 8))
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         stiffness, ratio = (float(np.exp(values[name])) for name in ("stiffness", "damping_ratio"))
@@ -46,3 +48,10 @@ class JointElasticity(Effect):
         return Contribution(
             additive=carried(context, Transmission(inertia, stiffness, ratio, hardening=values["hardening"]))
         )
+
+
+def _resonances(contexts: Sequence[Context], frequencies: FloatArray) -> list[dict[str, float]]:
+    """A usual load on springs on which it swings at these frequencies [rad/s]."""
+    share, ratio = 0.6, float(np.log(0.06))
+    stiffness = np.log(share * contexts[0].plant.inertia * frequencies**2)
+    return [{"stiffness": float(k), "load_share": share, "damping_ratio": ratio} for k in stiffness]

@@ -25,7 +25,7 @@ class LoadStribeck(Effect):
     says = "the extra friction of slow motion grows with the transmitted load"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        return (EffectParameter("coefficient", "{torque}/{torque}", 0.02, -0.2, 2.0), SHARE)
+        return (EffectParameter("coefficient", "{torque}/{torque}", 0.02, -0.2, 2.0, form=0.15), SHARE)
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return share_starts(contexts)

@@ -27,7 +27,9 @@ class PreslidingHysteresis(Effect):
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         low, high = float(np.log(_LEAST)), float(np.log(5e-2))
         return (
-            EffectParameter("breakaway_distance", "{position}", 0.3, low, high, linear=False, logarithmic=True),
+            EffectParameter(
+                "breakaway_distance", "{position}", 0.3, low, high, linear=False, logarithmic=True, form=0.15
+            ),
             EffectParameter("damping_time", "s", 2e-3, 0.0, 0.05, linear=False),
         )
 

@@ -19,7 +19,7 @@ class StribeckShape(Effect):
     says = "the Stribeck curve falls with another exponent than two"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        return (EffectParameter("stribeck_exponent", "1", 0.2, 0.4, 4.0, linear=False),)
+        return (EffectParameter("stribeck_exponent", "1", 0.2, 0.4, 4.0, linear=False, form=0.1),)
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return [{"stribeck_exponent": 1.0}, {"stribeck_exponent": 3.0}]

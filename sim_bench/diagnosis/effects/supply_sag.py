@@ -29,8 +29,8 @@ class SupplySag(Effect):
         swing = max(float(np.ptp(c.channels.get("voltage", np.array([0.0, top])))) for c in contexts)
         by_power = 0.0 if recorded else 0.02 / max(power, 1e-9)
         return (
-            EffectParameter("coefficient", unit, 0.02 / max(swing, 1e-9), -1e3, 1e3),
-            EffectParameter("loss_by_power", "s/({torque}·{position})", by_power, -1e3, 1e3),
+            EffectParameter("coefficient", unit, 0.02 / max(swing, 1e-9), -1e3, 1e3, form=0.1),
+            EffectParameter("loss_by_power", "s/({torque}·{position})", by_power, -1e3, 1e3, form=0.1),
         )
 
     def contribution(self, context: Context, values: Values) -> Contribution:

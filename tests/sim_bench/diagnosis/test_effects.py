@@ -138,13 +138,16 @@ def test_a_drive_follows_through_one_pole_or_two(order: int, context: Context) -
     np.testing.assert_allclose(acting, np.where(step.time < 1.0, 0.0, wanted), atol=0.06)  # a sample is 0.05 T
 
 
-@pytest.mark.parametrize(("delay", "suspected"), [(2e-4, False), (5e-4, True)])
-@pytest.mark.parametrize("name", ["torque_delay", "drive_lag"])
-def test_a_base_with_its_longest_delay_points_at_a_longer_one(
-    name: str, delay: float, suspected: bool, context: Context
+@pytest.mark.parametrize(
+    ("name", "samples", "suspected"),
+    [("torque_delay", 0.2, False), ("torque_delay", 0.5, True), ("drive_lag", -0.2, False), ("drive_lag", -0.5, True)],
+)
+def test_a_base_whose_delay_stands_at_its_bound_points_at_what_may_hide_behind_it(
+    name: str, samples: float, suspected: bool, context: Context
 ) -> None:
-    late = replace(context, plant=replace(context.plant, delay=delay))
-    assert EFFECTS[name].suspected([late]) == suspected
+    assert context.dt == 1e-3
+    at_bound = replace(context, plant=replace(context.plant, delay=samples * context.dt))
+    assert EFFECTS[name].suspected([at_bound]) == suspected
 
 
 def test_a_neighbour_that_rests_adds_nothing(context: Context) -> None:
