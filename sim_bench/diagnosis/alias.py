@@ -12,6 +12,7 @@ from .search import Explanation, Found
 __all__ = ["aliases", "alternatives", "as_good", "distinguishability"]
 
 _CLOSE = 12.0  # gain within which two explanations count as equally good
+_FORM = 0.03  # of the gain, that a law of slightly another form may lack
 
 
 def aliases(found: Found, name: str) -> tuple[str, ...]:
@@ -20,8 +21,10 @@ def aliases(found: Found, name: str) -> tuple[str, ...]:
     if best is None:
         return ()
     others = set(best.names) - {name}
-    close = {next(iter(set(rival.names) - others)) for rival in alternatives(found) if others <= set(rival.names)}
-    return tuple(sorted(close))
+    # Where the best one leaves nothing its form is right, and a worse rival's is not.
+    least = best.gain - max(_CLOSE, best.left, found.explainable_null)
+    rivals = [rival for rival in alternatives(found) if rival.gain > least and others <= set(rival.names)]
+    return tuple(sorted({next(iter(set(rival.names) - others)) for rival in rivals}))
 
 
 def alternatives(found: Found) -> list[Explanation]:
@@ -35,7 +38,7 @@ def alternatives(found: Found) -> list[Explanation]:
 
 def as_good(rival: Explanation, best: Explanation) -> bool:
     """Whether an explanation fits about as well as the best one."""
-    return rival.gain > best.gain - max(_CLOSE, 0.03 * best.gain)
+    return rival.gain > best.gain - max(_CLOSE, _FORM * best.gain)
 
 
 def distinguishability(prepared: Prepared, screened: Screen) -> Distinguishability:

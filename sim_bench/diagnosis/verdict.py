@@ -43,7 +43,7 @@ from .velocity_lag import velocity_lag
 
 __all__ = ["Answer", "conclude"]
 
-_COVERED, _MOSTLY_COVERED = 0.85, 0.7
+_COVERED, _MOSTLY_COVERED = 0.9, 0.7
 _FAINTLY_COVERED = 0.5  # where no more is left than nulls leave
 _CLEAR = 1.5  # thresholds of gain that an explanation must reach which covers less
 # Energy per row, and in that of the loudest nulls, that may be left where most is covered.

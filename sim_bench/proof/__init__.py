@@ -2,9 +2,10 @@
 
 from .failures import format_failures
 from .injected import plan_bare, plan_injected
+from .kept import keep_data, restore_data
 from .page import write_page
 from .plan import GROUPS, PlannedCase, plan_cases, plan_clear_cases
-from .run import count_open, keep_data, read_refused, read_scores, run_proof
+from .run import count_open, read_refused, read_scores, run_proof
 from .run_log import append_entry, next_run, read_entries
 from .score import Score
 from .seeds import development_seeds, diagnosis_tree, scored_seeds
@@ -40,6 +41,7 @@ __all__ = [
     "read_entries",
     "read_refused",
     "read_scores",
+    "restore_data",
     "run_proof",
     "scored_seeds",
     "seeds_of",

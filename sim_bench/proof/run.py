@@ -23,11 +23,11 @@ from .plan import PlannedCase
 from .score import Score, read_diagnosis, score_case
 from .seal import SealBook
 
-__all__ = ["Diagnose", "count_open", "keep_data", "read_refused", "read_scores", "run_proof"]
+__all__ = ["REFUSED", "Diagnose", "count_open", "read_refused", "read_scores", "run_proof", "write_score"]
 
 Diagnose = Callable[[dict[str, bytes]], BlindAnswer]
 
-_REFUSED = "refused.jsonl"
+REFUSED = "refused.jsonl"
 _NO_ANSWER = BlindAnswer(b"", b"", 0.0, "no answer")
 
 
@@ -57,7 +57,7 @@ class _Run:
         name = name_of(planned.spec)
         self.refused[name] = reason
         entry = {"case": name, "group": planned.group, "reason": reason, "command": command_of(planned.spec)}
-        with (self.folder / _REFUSED).open("a", encoding="utf-8") as file:
+        with (self.folder / REFUSED).open("a", encoding="utf-8") as file:
             file.write(json.dumps(entry, ensure_ascii=False) + "\n")
 
     def salt_of(self, planned: PlannedCase) -> str:
@@ -74,7 +74,7 @@ class _Run:
         answer = (self.folder / "answers" / f"{name}.json").read_bytes()
         self.seals.open(name, answer)
         score = score_case(planned, answer, blind, follow_up)
-        _write_score(score, self._score_path(planned))
+        write_score(score, self._score_path(planned))
         return score
 
     def _score_path(self, planned: PlannedCase) -> Path:
@@ -190,26 +190,12 @@ def count_open(planned: Sequence[PlannedCase], folder: Path) -> int:
 
 def read_refused(folder: Path) -> dict[str, str]:
     """Cases of a run that could not be made, each with the reason."""
-    path = folder / _REFUSED
+    path = folder / REFUSED
     lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
     return {entry["case"]: entry["reason"] for entry in map(json.loads, lines)}
 
 
-def keep_data(out: Path, folder: Path) -> None:
-    """Keep the seals and the scored answers of the run in `out` as data beside its page, in `folder`."""
-    import shutil
-
-    from pyarrow import concat_tables, parquet
-
-    folder.mkdir(parents=True, exist_ok=True)
-    tables = [parquet.read_table(path) for path in sorted((out / "scores").glob("*.parquet"))]
-    parquet.write_table(concat_tables(tables), folder / "scores.parquet")
-    shutil.copyfile(out / "seals.jsonl", folder / "seals.jsonl")
-    if (out / _REFUSED).exists():
-        shutil.copyfile(out / _REFUSED, folder / _REFUSED)
-
-
-def _write_score(score: Score, path: Path) -> None:
+def write_score(score: Score, path: Path) -> None:
     import pyarrow
     from pyarrow import parquet
 

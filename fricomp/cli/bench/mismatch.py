@@ -35,7 +35,7 @@ def mismatch(
     injected: Annotated[bool, typer.Option("--injected", help="Effects in real recordings; needs the data.")] = False,
     cases: Annotated[int | None, typer.Option(min=1, help=f"How many; {_FULL} by default.")] = None,
     minutes: Annotated[float | None, typer.Option(min=0.0, help="Start no case after this; --resume goes on.")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in OUT.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in OUT, else beside PAGE.")] = False,
     scored: Annotated[bool, typer.Option("--scored", help="Seeds that follow from the committed diagnosis.")] = False,
     first_seed: Annotated[int, typer.Option(help="First development seed.")] = 0,
     executor: Annotated[str, typer.Option(help="processes://N, serial or dask://host:port.")] = "processes",
@@ -49,12 +49,14 @@ def mismatch(
 
     Cases are interleaved: any beginning of a run is a fair sample of the whole, and a run that was stopped goes on.
     """
-    from fricomp.sim_bench.proof import RunSettings, load_or_start, plan_run
+    from fricomp.sim_bench.proof import RunSettings, load_or_start, plan_run, restore_data
 
     wanted = RunSettings(cases or (_QUICK if quick else _FULL), quick, clear, scored, first_seed, injected=injected)
     if speed_up:
         _time_workers(plan_run(wanted)[:speed_up], out)
         return
+    if resume and page is not None:
+        restore_data(page.with_suffix(""), out)
     settings = load_or_start(out, wanted, resume=resume, log=log, repository=Path.cwd())
     pool = (executor, workers)
     scores, planned = _run(settings, out, pool, minutes, log)

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from ..observer import Contribution
 from .effect import Context, Effect, EffectParameter, Values, register
 
+_SHORTEST = 1e-3  # [s]; a bristle of another form has been seen to look like 0.9 ms
+
 
 @register
 class FrictionalLag(Effect):
@@ -28,6 +30,6 @@ class FrictionalLag(Effect):
         return Contribution(plant={"lag": values["lag"]})
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        if values["lag"] < 0.5 * contexts[0].dt:
-            return "the lag is shorter than half a sample"
+        if values["lag"] < max(contexts[0].dt, _SHORTEST):
+            return "the lag is shorter than recordings can show"
         return None

@@ -41,5 +41,9 @@ class LoadQuadratic(Effect):
         shape = largest * np.abs(load) * (load * context.velocity > 0.0) if values["split"] > 0.5 else load**2
         return Contribution(level=values["coefficient"] * shape)
 
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        # Between driving and braking friction may differ either way.
+        return "friction would fall with load" if values["split"] < 0.5 and values["coefficient"] <= 0.0 else None
+
     def term(self, values: Values, plant: Plant) -> Term | None:
         return LoadQuadraticTerm(values["coefficient"]) if values["split"] < 0.5 else None

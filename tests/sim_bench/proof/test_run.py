@@ -13,13 +13,17 @@ from fricomp.sim_bench.concealed import CaseSpec
 from fricomp.sim_bench.fleet import SerialExecutor, open_executor
 from fricomp.sim_bench.proof import (
     PlannedCase,
+    RunSettings,
     count_open,
     development_seeds,
     format_failures,
+    keep_data,
+    load_or_start,
     measure_speed_up,
     plan_cases,
     read_refused,
     read_scores,
+    restore_data,
     run_proof,
     write_page,
 )
@@ -44,6 +48,25 @@ def test_a_run_whose_time_is_over_finishes_what_it_began_and_goes_on_later(tmp_p
     assert count_open(_PLANNED, tmp_path) == 1
     assert len(run_proof(_PLANNED, tmp_path, pool, salt="s", diagnose=always_consistent)) == 3
     assert count_open(_PLANNED, tmp_path) == 0
+
+
+def test_a_run_goes_on_from_the_data_beside_its_page(tmp_path: Path) -> None:
+    first, kept, second = (tmp_path / name for name in ("first", "proof", "second"))
+    settings = load_or_start(first, RunSettings(3), resume=False, log=tmp_path / "log", repository=tmp_path)
+    allowed, pool = iter([True, True]), (SerialExecutor(), 1)
+    begun = run_proof(
+        _PLANNED, first, pool, salt=settings.salt, diagnose=always_consistent, go_on=lambda: next(allowed, False)
+    )
+    keep_data(first, kept)
+    restore_data(kept, second)
+    again = load_or_start(second, RunSettings(3), resume=True, log=tmp_path / "log", repository=tmp_path)
+    assert again == settings
+    assert str(read_scores(second)) == str(begun)  # not all numbers equal themselves
+    assert count_open(_PLANNED, second) == 1
+    assert len(run_proof(_PLANNED, second, pool, salt=again.salt, diagnose=always_cogging)) == 3
+    assert (second / "seals.jsonl").read_text().startswith((first / "seals.jsonl").read_text())
+    restore_data(kept, second)  # a run that is there stays
+    assert count_open(_PLANNED, second) == 0
 
 
 @pytest.mark.slow
