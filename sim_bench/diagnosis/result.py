@@ -75,7 +75,10 @@ class NamedEffect(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class HeldOut(msgspec.Struct, frozen=True, kw_only=True):
-    """Errors on blocks that took no part in the fit, at the resolution of the residual's rows.
+    """Root mean square errors on blocks that took no part in the fit, over the rows of the residual.
+
+    Each row counts by its own noise, and the errors are in that of a typical row: what a model leaves about reversals,
+    where no bristle is quite right, does not drown the rest.
 
     Attributes:
         rmse_before: Of the base model.
