@@ -41,8 +41,7 @@ _BREAKAWAY = (2e-6, SOFTEST)  # [rad] presliding distance of the base model
 _FRICTION_REACH = [10.0, 10.0, 2.0, 20.0]
 _REACH = np.array([4.0, 40.0, 40.0, 40.0, *_FRICTION_REACH, *_FRICTION_REACH, 3.0, 2.0, 3.0, 2.0, 2.0])
 _DAMPING = 0.012  # [s] largest sigma_1 / sigma_0 of a bristle that is part of the base
-# Of the recorded torque behind the motion in a usual chain of sensors; more would swallow real delays and lags.
-_EARLIEST, _LATEST = -0.5, 5e-4  # [samples], [s]
+_LATEST = 5e-4  # [s] of the torque behind the motion in a usual chain of sensors; more swallows real delays
 _NEAR = 0.9  # of such a bound, from which more may hide behind it
 _RIGID = 0.3  # relative deviation of a simulation's inertia and gravity from those of the joint
 _ASYMMETRY = 0.2  # deviation of the difference of the Coulomb torques of both directions, in their mean
@@ -90,7 +89,13 @@ def at_latest(plant: Plant) -> bool:
 
 def at_earliest(plant: Plant, dt: float) -> bool:
     """Whether the torque comes about as early as the base allows, so that a lag may hide behind it."""
-    return plant.delay < _NEAR * _EARLIEST * dt
+    return plant.delay < _NEAR * _earliest(dt)
+
+
+def _earliest(dt: float) -> float:
+    """Least delay of the base [s]: a torque may belong to either end of its sample; of a millisecond to its middle,
+    since a whole one would swallow real lags."""
+    return -max(0.5 * dt, dt - _LATEST)
 
 
 @dataclass(frozen=True)
@@ -119,7 +124,7 @@ class BaseModel:
             replace(
                 plant,
                 sigma_0=plant.level / float(np.exp(0.4 * breakaway[0] + 0.6 * breakaway[1])),
-                delay=0.5 * (_LATEST + _EARLIEST * dt),
+                delay=0.5 * (_LATEST + _earliest(dt)),
                 sharpness=0.5,
             )
         )
@@ -130,8 +135,8 @@ class BaseModel:
         lower = [inertia - 3, -gravity_free, -gravity_free, -100 * size, *friction_low, *friction_low, breakaway[0]]
         upper = [inertia + 3, gravity_free, gravity_free, 100 * size, *friction_high, *friction_high, breakaway[1]]
         scale = [0.05, 0.05 * size, 0.05 * size, 0.05 * level, *friction_scale, *friction_scale, 0.3]
-        reach = 0.5 * (_LATEST - _EARLIEST * dt)
-        low = np.array([*lower, _EARLIEST * dt, 0.0, 0.0, 0.0])
+        reach = 0.5 * (_LATEST - _earliest(dt))
+        low = np.array([*lower, _earliest(dt), 0.0, 0.0, 0.0])
         high = np.array([*upper, _LATEST, _DAMPING, 1.0, 1.5])
         centre = start.copy()
         centre[4] = centre[8] = level

@@ -26,13 +26,14 @@ from .solver import Box, Fit, minimise
 from .structure import Structure
 from .time_window import time_windows
 from .track import FloatArray, Track
-from .weak_form import estimate_plant
+from .weak_form import estimate_plants
 
 __all__ = ["Prepared", "prepare"]
 
 _SLIDING = 2.0  # rest speeds
 _SETTLED = 0.16  # [s] about a row, in which observer and whitener still answer to a start or a stop
 _SELDOM = 0.1  # share of the rows
+_ASTRAY = 0.5  # of the first fit's cost, that a fit from another start must stay below
 _FIRST_NULLS = 12  # for the weights of the first refit
 _HALF_STEPS = 6  # towards the colour of the nulls
 _SAME_COLOUR = 0.08  # difference of correlations that chance may bring
@@ -114,17 +115,25 @@ def prepare(
         seed: Of their noise.
         rigid: Inertia and gravity as the simulation has them; a motion at one speed says nothing about the inertia.
     """
-    start = estimate_plant(list(tracks))
-    start = start if rigid is None else replace(start, inertia=rigid.inertia)
-    top = max(float(np.quantile(np.abs(track.velocity), 0.995)) for track in tracks)
-    base = BaseModel.around(start, dt=tracks[0].dt, top_speed=top, rotary=tracks[0].rotary, known=rigid)
-    problem = observer_for(tracks, start, observer)
-    fit = minimise(problem.residual(problem.nothing, len(BASE_NAMES)), base.start, base.box, iterations=10, refresh=2)
-    raw = problem
+    raw, fit, box = _first_fit(tracks, observer, rigid)
     for count in (_FIRST_NULLS, nulls):
-        fit, problem, found = _reweigh(raw, fit, base.box, count, seed)
-    prepared = Prepared(problem, _structure(problem, fit, base.box), fit, base.box, found)
+        fit, problem, found = _reweigh(raw, fit, box, count, seed)
+    prepared = Prepared(problem, _structure(problem, fit, box), fit, box, found)
     return _level_noise(_recoloured(prepared))
+
+
+def _first_fit(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | None) -> tuple[Problem, Fit, Box]:
+    """The base fitted without weights; from the second start only where the first one leads far astray."""
+    top = max(float(np.quantile(np.abs(track.velocity), 0.995)) for track in tracks)
+    tried = []
+    for plant in estimate_plants(tracks):
+        start = plant if rigid is None else replace(plant, inertia=rigid.inertia)
+        base = BaseModel.around(start, dt=tracks[0].dt, top_speed=top, rotary=tracks[0].rotary, known=rigid)
+        problem = observer_for(tracks, start, observer)
+        evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
+        tried.append((problem, minimise(evaluate, base.start, base.box, iterations=10, refresh=2), base.box))
+    usual, *others = tried
+    return next((other for other in others if other[1].cost < _ASTRAY * usual[1].cost), usual)
 
 
 def _noise_parts(prepared: Prepared) -> tuple[FloatArray, list[FloatArray]]:

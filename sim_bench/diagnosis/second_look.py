@@ -31,6 +31,7 @@ _NO_MOTION_LAW = (
 _ALIKE = 1.15  # ratio of held-out errors up to which two explanations of the drive are not told apart
 _BOOTSTRAPS = 400
 _OTHER_ORDER = 1.5  # ratio of orders from which two ripples are not the same one
+_RIPPLES = ("cogging", "position_coulomb")
 _LARGER = 2.0  # ratio of amplitudes from which the finer ripple is the one to name
 _LAWLESS = (
     "The drive follows its command late. The joint pushes against something unknown: no law of its own motion explains "
@@ -103,10 +104,10 @@ def _fine_ripples(recordings: Sequence[Recording], diagnosis: Diagnosis, seed: i
 
 
 def _ripple_of(diagnosis: Diagnosis) -> tuple[float, float] | None:
-    """Order and amplitude of the ripple that was named; None where none was."""
+    """Order and amplitude of the ripple that was named, of torque or of friction; None where none was."""
     for effect in diagnosis.effects:
         values = {name: one.value for name, one in effect.parameters.items()}
-        if effect.name == "cogging" and {"order", "sine", "cosine"} <= set(values):
+        if effect.name in _RIPPLES and {"order", "sine", "cosine"} <= set(values):
             return values["order"], float(np.hypot(values["sine"], values["cosine"]))
     return None
 

@@ -19,7 +19,7 @@ from fricomp.errors import DiagnosisError
 from .observer import Plant
 from .track import FloatArray, Track
 
-__all__ = ["estimate_plant", "rest_speed_of"]
+__all__ = ["estimate_plants", "rest_speed_of"]
 
 _MOST_ROWS = 6000
 _REST_SPEED = 5e-3  # [rad/s] or [m/s] of a joint of the usual speed
@@ -45,8 +45,11 @@ class WeakRows(NamedTuple):
     direction: FloatArray
 
 
-def estimate_plant(tracks: list[Track], *, width: float = 0.042, rest_speed: float | None = None) -> Plant:
-    """A first plant from the moving parts of `tracks`.
+def estimate_plants(
+    tracks: Sequence[Track], *, width: float = 0.042, rest_speed: float | None = None
+) -> tuple[Plant, ...]:
+    """First plants from the moving parts of `tracks`: the usual one and, where friction falls over all speeds and
+    leaves little or no Coulomb torque, one that has half of what the slowest rows hold.
 
     Args:
         tracks: Recordings of one joint.
@@ -70,7 +73,8 @@ def estimate_plant(tracks: list[Track], *, width: float = 0.042, rest_speed: flo
     grid = np.log(np.geomspace(max(2 * rest_speed, 0.01 * top), 0.5 * top, 6))
     start = min((_cost(np.array([a, a]), joined), a) for a in grid)[1]
     found = minimize(_cost, np.array([start, start]), args=(joined,), method="Nelder-Mead", options={"maxiter": 80})
-    return _plant(found.x, joined)
+    usual, level = (_plant(found.x, joined, hold=hold) for hold in (False, True))
+    return (usual,) if usual == level else (usual, level)
 
 
 def _weak_rows(track: Track, width: float, rest_speed: float) -> WeakRows:
@@ -132,14 +136,14 @@ def _cost(log_speeds: FloatArray, rows: WeakRows) -> float:
     return _solve(log_speeds, rows)[1]
 
 
-def _plant(log_speeds: FloatArray, rows: WeakRows) -> Plant:
+def _plant(log_speeds: FloatArray, rows: WeakRows, *, hold: bool) -> Plant:
     x, _ = _solve(log_speeds, rows)
     free = rows.gravity.shape[1]
     gravity = (float(x[2]), float(x[3])) if free == 3 else (0.0, 0.0)
     f, r = (tuple(map(float, part)) for part in (x[1 + free : 4 + free], x[4 + free :]))
     speeds = np.exp(log_speeds)
     floor = 1e-3 * float(np.std(rows.torque))
-    slowest = float(np.quantile(np.abs(rows.velocity), _SLOW))
+    slowest = float(np.quantile(np.abs(rows.velocity), _SLOW)) if hold else np.inf
     forward, reverse = (_curve(part, floor, float(vs), slowest) for part, vs in zip((f, r), speeds, strict=True))
     inertia = max(float(x[0]), 1e-3 * float(np.std(rows.torque) / (np.std(rows.inertia) + 1e-9)))
     return Plant(
@@ -155,8 +159,8 @@ def _plant(log_speeds: FloatArray, rows: WeakRows) -> Plant:
 def _curve(found: tuple[float, ...], floor: float, speed: float, slowest: float) -> tuple[float, float, float, float]:
     """Coulomb and static torque, Stribeck velocity, viscous coefficient.
 
-    The static torque is at most twice the Coulomb torque, which is at least half of the dry friction that the
-    `slowest` rows hold: a fall over all speeds looks like no Coulomb torque, and more than slow rows hold is a guess.
+    The Coulomb torque is at least half of the dry friction at the speed `slowest`, and the static torque at most twice
+    the Coulomb torque: more than slow rows hold is a guess.
     """
     held = found[0] + found[1] * float(np.exp(-((slowest / speed) ** 2)))
     coulomb = max(found[0], 0.5 * held, floor)

@@ -11,7 +11,7 @@ from fricomp.sim_bench.diagnosis.kernel import _falling
 from fricomp.sim_bench.diagnosis.observer import Contribution, Job, Observer, Plant, shifted
 from fricomp.sim_bench.diagnosis.problem import observer_for
 from fricomp.sim_bench.diagnosis.track import Track
-from fricomp.sim_bench.diagnosis.weak_form import estimate_plant
+from fricomp.sim_bench.diagnosis.weak_form import estimate_plants
 
 from .toy_joint import ToyJoint, record
 
@@ -53,7 +53,7 @@ def test_missing_torque_is_seen_with_its_size_and_sign() -> None:
 
 def test_weak_form_recovers_the_joint() -> None:
     joint = ToyJoint()
-    found = estimate_plant([track_of(joint, "rich", 60.0)])
+    found, *_ = estimate_plants([track_of(joint, "rich", 60.0)])
     assert found.inertia == pytest.approx(joint.inertia, rel=0.15)
     assert found.forward[2] == pytest.approx(joint.forward[2], rel=0.1)
     assert found.reverse[2] == pytest.approx(joint.reverse[2], rel=0.1)
