@@ -1,5 +1,6 @@
 """Proof of the diagnosis on concealed cases: sealing, running in another process, scoring."""
 
+from .earlier import format_earlier
 from .failures import format_failures
 from .injected import plan_bare, plan_injected
 from .kept import keep_data, restore_data
@@ -26,6 +27,7 @@ __all__ = [
     "count_open",
     "development_seeds",
     "diagnosis_tree",
+    "format_earlier",
     "format_failures",
     "is_wrong",
     "keep_data",

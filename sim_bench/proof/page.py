@@ -64,7 +64,9 @@ _LIMITS = """## What is not proved here
 _LONGEST = 60  # wrong answers in the page; all are in the data
 
 
-def write_page(scores: Sequence[Score], page: Path, *, title: str, reproduce: str, baselines: str = "") -> None:
+def write_page(
+    scores: Sequence[Score], page: Path, *, title: str, reproduce: str, baselines: str = "", earlier: str = ""
+) -> None:
     """Write `page` and the charts in the folder of its name beside it.
 
     Args:
@@ -73,6 +75,7 @@ def write_page(scores: Sequence[Score], page: Path, *, title: str, reproduce: st
         title: Which run this is, in one sentence.
         reproduce: Command that makes it again.
         baselines: Markdown of the comparison with other methods; empty for none.
+        earlier: Markdown of the scored runs before this one; empty for none.
     """
     injected = any(score.group.startswith("injected") for score in scores)
     charts = page.with_suffix("")
@@ -90,7 +93,7 @@ def write_page(scores: Sequence[Score], page: Path, *, title: str, reproduce: st
     if confusion:
         draw_png(_confusion_chart(confusion), charts / "confusion.png")
         sections.append(f"## Which answer came first\n\n![Confusion matrix]({charts.name}/confusion.png)")
-    sections += [baselines] if baselines else []
+    sections += [part for part in (earlier, baselines) if part]
     sections += [_answers_as_they_are(scores)] if injected else [_LIMITS]
     sections.append(f"## Wrong answers\n\n{_wrong_table(scores)}")
     page.write_text("\n\n".join(section.strip() for section in sections) + "\n", encoding="utf-8")

@@ -63,7 +63,7 @@ def mismatch(
     others = _compare(planned[:baselines], out, pool, scores)
     _show(scores, planned, out)
     if page is not None:
-        _write(page, settings, scores, len(planned), out, others)
+        _write(page, settings, scores, len(planned), out, others, log)
 
 
 def _time_workers(planned: Sequence[PlannedCase], out: Path) -> None:
@@ -176,12 +176,15 @@ def _table(figures: Sequence[Any]) -> Any:
     return table
 
 
-def _write(page: Path, settings: RunSettings, scores: Sequence[Score], planned: int, out: Path, others: str) -> None:
+def _write(
+    page: Path, settings: RunSettings, scores: Sequence[Score], planned: int, out: Path, others: str, log: Path
+) -> None:
     from fricomp.cli.terminal import console
-    from fricomp.sim_bench.proof import keep_data, write_page
+    from fricomp.sim_bench.proof import format_earlier, keep_data, read_entries, write_page
 
     title, reproduce = _title(settings, len(scores), planned), _reproduce(settings, out, page)
-    write_page(scores, page, title=title, reproduce=reproduce, baselines=others)
+    earlier = format_earlier(read_entries(log), settings.run) if settings.scored else ""
+    write_page(scores, page, title=title, reproduce=reproduce, baselines=others, earlier=earlier)
     keep_data(out, page.with_suffix(""))
     console().print(f"{page} written", soft_wrap=True)
 

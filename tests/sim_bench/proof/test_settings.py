@@ -6,7 +6,17 @@ from pathlib import Path
 import pytest
 
 from fricomp.errors import DiagnosisError
-from fricomp.sim_bench.proof import RunSettings, load_or_start, log_outcome, plan_run, read_entries, watch
+from fricomp.sim_bench.proof import (
+    RunSettings,
+    append_entry,
+    format_earlier,
+    load_or_start,
+    log_outcome,
+    next_run,
+    plan_run,
+    read_entries,
+    watch,
+)
 
 
 def _git(folder: Path, *arguments: str) -> None:
@@ -64,3 +74,17 @@ def test_a_scored_run_stops_when_the_diagnosis_is_another(tmp_path: Path, reposi
 def test_time_that_is_over_stops_a_run(tmp_path: Path) -> None:
     assert not watch(RunSettings(3), tmp_path, 0.0)()
     assert watch(RunSettings(3), tmp_path, 10.0)()
+
+
+def test_earlier_runs_stand_in_the_page_with_their_figures_and_why_they_ended(tmp_path: Path) -> None:
+    log = tmp_path / "runs.jsonl"
+    for run, name in ((1, "first"), (2, "second")):
+        append_entry(log, {"run": run, "tree": name * 4, "event": "started", "cases": 9})
+    figures = {"right name, rich motion, ENR ≥ 0.2": "76.2% (16 of 21; 52.8% to 91.8%)"}
+    append_entry(log, {"run": 1, "tree": "first" * 4, "event": "paused", "cases": 30, "left": 1, "figures": figures})
+    append_entry(log, {"run": 1, "tree": "first" * 4, "event": "closed", "reason": "a better diagnosis"})
+    first, second = format_earlier(read_entries(log), 3).splitlines()[4:6]
+    assert first == "| 1 | `firstfirstfi` | 30 | – | 76.2%, 16 of 21 | – | – | – | a better diagnosis |"
+    assert second == "| 2 | `secondsecond` | 0 | – | – | – | – | – | – |"
+    assert format_earlier(read_entries(log), 1) == ""
+    assert next_run(log) == 3

@@ -1,0 +1,42 @@
+"""The scored runs before this one, from the log, so that none is silently repeated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+__all__ = ["format_earlier"]
+
+_FIGURES = {
+    "named where nothing is missing": "named where nothing is missing",
+    "right name, rich motion, ENR ≥ 0.2": "right name, rich",
+    "right name, 60 s Fourier motion, ENR ≥ 0.5": "right name, Fourier",
+    "two effects, separable, ENR ≥ 0.3, both and nothing else": "two effects",
+    "outside the catalogue called unknown, ENR ≥ 1": "outside called unknown",
+}
+
+
+def format_earlier(entries: Sequence[Mapping[str, Any]], run: int) -> str:
+    """A section of the page: every scored run with a smaller number, with what was measured and why it ended.
+
+    Args:
+        entries: Of the log, oldest first; `reason` of an entry `closed` says why a run ended.
+        run: Number of the run that the page is about.
+    """
+    earlier = sorted({entry["run"] for entry in entries if entry["run"] < run})
+    if not earlier:
+        return ""
+    head = ["run", "diagnosis", "cases", *_FIGURES.values(), "why it ended"]
+    rows = [_row([entry for entry in entries if entry["run"] == number]) for number in earlier]
+    table = [head, ["---"] * len(head), *rows]
+    lines = ["## Earlier scored runs", "", *("| " + " | ".join(row) + " |" for row in table)]
+    return "\n".join([*lines, "", "Their scores and seals stand in `docs/proof/run-N`."])
+
+
+def _row(entries: Sequence[Mapping[str, Any]]) -> list[str]:
+    last = next((entry for entry in reversed(entries) if "figures" in entry), None)
+    figures: Mapping[str, str] = last["figures"] if last else {}
+    reason = next((entry["reason"] for entry in entries if entry["event"] == "closed"), "–")
+    measured = [figures.get(name, "–").split(";")[0].replace(" (", ", ").rstrip(")") for name in _FIGURES]
+    count = str(last["cases"]) if last else "0"
+    return [str(entries[0]["run"]), f"`{entries[0]['tree'][:12]}`", count, *measured, reason]
