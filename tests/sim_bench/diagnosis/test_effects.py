@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fricomp.sim_bench.diagnosis.effects import EFFECTS, Context
+from fricomp.sim_bench.diagnosis.effects import EFFECTS, Context, EffectParameter
 from fricomp.sim_bench.diagnosis.observer import Plant
 from fricomp.sim_bench.diagnosis.structure import Candidate, Structure
 
@@ -75,11 +75,54 @@ def test_linear_effects_vanish_at_zero(name: str, context: Context) -> None:
     assert np.all(np.asarray(contribution.level) == 0.0)
 
 
-@pytest.mark.parametrize("name", ["load_coulomb", "load_stribeck", "quadratic_drag", "spring_torque", "dwell_stiction"])
+@pytest.mark.parametrize(
+    "name",
+    ["load_coulomb", "load_stribeck", "load_quadratic", "quadratic_drag", "spring_torque", "dwell_stiction"],
+)
 def test_values_of_the_wrong_sign_are_refused(name: str, context: Context) -> None:
     effect = EFFECTS[name]
     values = {p.name: -p.scale if p.linear else p.lower for p in effect.parameters([context])}
     assert effect.refuse(values, [context])
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("name", sorted(CATALOGUE))
+def test_whatever_is_not_refused_is_a_term_of_a_friction_law(name: str, sign: float, context: Context) -> None:
+    effect = EFFECTS[name]
+    for start in effect.starts([context]):
+        values = {p.name: sign * p.scale if p.linear else start.get(p.name, 0.0) for p in effect.parameters([context])}
+        if effect.refuse(values, [context]) is None:
+            effect.term(values, context.plant)  # raises where the law does not take these values
+
+
+def test_friction_may_differ_either_way_between_driving_and_braking(context: Context) -> None:
+    values = {"coefficient": -0.01, "split": 1.0, "inertia_share": 0.0}
+    assert EFFECTS["load_quadratic"].refuse(values, [context]) is None
+
+
+@pytest.mark.parametrize(("lag", "named"), [(9e-4, False), (1.1e-3, True)])
+def test_a_lag_below_a_sample_is_what_another_bristle_looks_like(lag: float, named: bool, context: Context) -> None:
+    assert (EFFECTS["frictional_lag"].refuse({"lag": lag}, [context]) is None) == named
+
+
+def test_far_starts_of_a_spring_lie_a_third_of_an_octave_apart(context: Context) -> None:
+    starts = EFFECTS["joint_elasticity"].far_starts([context])
+    own = [np.sqrt(np.exp(s["stiffness"]) / (s["load_share"] * context.plant.inertia)) for s in starts]
+    assert (own[0], own[-1]) == pytest.approx((50.0, 300.0))
+    assert np.all(np.diff(np.log2(own)) < 0.4)
+
+
+@pytest.mark.parametrize(
+    ("parameter", "value", "deviation"),
+    [
+        (EffectParameter("size", "1", 1.0, 0.0, 9.0), -2.0, 0.06),
+        (EffectParameter("order", "1", 1.0, 0.0, 9.0, linear=False), 5.0, 0.0),
+        (EffectParameter("gap", "rad", 1.0, -9.0, 0.0, linear=False, logarithmic=True, form=0.2), -7.0, 0.2),
+        (EffectParameter("time", "s", 1.0, 0.0, 9.0, linear=False, form=0.05), 3.0, 0.15),
+    ],
+)
+def test_intervals_allow_for_the_form_of_the_law(parameter: EffectParameter, value: float, deviation: float) -> None:
+    assert parameter.deviation_of_form(value) == pytest.approx(deviation)
 
 
 def test_warmth_thins_the_oil_and_changes_the_level(context: Context) -> None:

@@ -12,15 +12,16 @@ import pytest
 from scipy.linalg import solve_toeplitz
 from scipy.signal import lfilter
 
+from fricomp.sim_bench.diagnosis.alias import aliases
 from fricomp.sim_bench.diagnosis.confirmation import Confirmation, _folds, _held_out
-from fricomp.sim_bench.diagnosis.observer import Observer, Plant
+from fricomp.sim_bench.diagnosis.observer import Contribution, Observer, Plant
 from fricomp.sim_bench.diagnosis.preparation import Prepared, _colour_filter, _correlation, _stable, _typical
 from fricomp.sim_bench.diagnosis.problem import observer_for
-from fricomp.sim_bench.diagnosis.search import Explanation, _acceptable, _better, _counted
+from fricomp.sim_bench.diagnosis.search import Explanation, Found, _acceptable, _better, _counted, _left
 from fricomp.sim_bench.diagnosis.solver import Box, Fit
-from fricomp.sim_bench.diagnosis.structure import Candidate, Structure
+from fricomp.sim_bench.diagnosis.structure import N_BASE, Candidate, Structure, _contributions
 from fricomp.sim_bench.diagnosis.track import FloatArray, Track
-from fricomp.sim_bench.diagnosis.verdict import _confirmed
+from fricomp.sim_bench.diagnosis.verdict import Answer, _confirmed, _covers
 
 _PLANT = Plant(0.3, (1.0, 6.0), 0.0, (2.0, 2.6, 0.05, 1.0), (2.0, 2.6, 0.05, 1.0), 4e4)
 
@@ -218,3 +219,66 @@ def test_the_residuals_own_colour_never_makes_a_filter_that_grows(shift: tuple[f
     assert np.max(np.abs(np.roots([1.0, *-extra]))) < 1.0
     if shift[0] == 0.3:
         np.testing.assert_array_equal(extra, solve_toeplitz([1.0, *shift[:-1]], shift))
+
+
+def _found(best: Explanation, *rivals: Explanation, null: float = 0.0) -> Found:
+    return Found((best, *rivals), best, 30.0, 0.0, null, cast(Any, None))
+
+
+@pytest.mark.parametrize(("left", "null", "printed"), [(0.0, 0.0, False), (0.0, 25.0, True), (25.0, 0.0, True)])
+def test_a_set_is_as_wide_as_what_the_best_explanation_leaves(left: float, null: float, printed: bool) -> None:
+    best = replace(_explanation(("load_coulomb",), 1000.0, np.zeros(1)), left=left)
+    rival = _explanation(("load_quadratic",), 980.0, np.zeros(1))
+    assert aliases(_found(best, rival, null=null), "load_coulomb") == (("load_quadratic",) if printed else ())
+
+
+def test_a_set_is_never_wider_than_another_form_of_a_law() -> None:
+    best = replace(_explanation(("load_coulomb",), 1000.0, np.zeros(1)), left=500.0)
+    rival = _explanation(("load_quadratic",), 960.0, np.zeros(1))
+    assert aliases(_found(best, rival), "load_coulomb") == ()
+
+
+@pytest.mark.parametrize("seen", ["sliding", "about rest"])
+def test_the_form_of_the_bristle_is_not_held_against_an_explanation(seen: str, prepared: Prepared) -> None:
+    rows = prepared.sliding if seen == "sliding" else np.logical_not(prepared.sliding)
+    generic = rows[:, None] / np.sqrt(np.sum(rows))
+    known = cast(Prepared, SimpleNamespace(generic=generic, sliding=prepared.sliding))
+    energy = 0.2 * float(np.sum(rows))
+    left = _left(known, _fit(np.sqrt(0.2) * rows))
+    assert left == pytest.approx(energy - 1.0 if seen == "sliding" else 0.0)
+    loud = _left(known, _fit(rows.astype(float)))
+    allowed = 0.0 if seen == "sliding" else 0.3 * float(np.sum(rows))
+    assert loud == pytest.approx(np.sum(rows) - 1.0 - allowed)
+
+
+@pytest.mark.parametrize(
+    ("coverage", "left", "certain", "named"),
+    [
+        (0.92, 500.0, 40.0, True),
+        (0.86, 500.0, 40.0, False),
+        (0.55, 10.0, 40.0, True),  # nulls leave as much
+        (0.45, 10.0, 40.0, False),
+        (0.75, 50.0, 60.0, True),  # faint beside a clear gain
+        (0.75, 50.0, 40.0, False),
+        (0.65, 50.0, 60.0, False),
+    ],
+)
+def test_what_is_named_covers_the_mismatch(coverage: float, left: float, certain: float, named: bool) -> None:
+    best = replace(_explanation(("cogging",), 100.0, np.zeros(1), certain=certain), coverage=coverage, left=left)
+    base = SimpleNamespace(fit=_fit(np.zeros(1000)))
+    assert _covers(best, cast(Answer, SimpleNamespace(found=_found(best, null=20.0), prepared=base))) == named
+
+
+def test_points_that_move_the_base_alone_share_their_effects(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[FloatArray] = []
+
+    def contributions(_: Structure, vector: FloatArray) -> list[Contribution]:
+        asked.append(vector)
+        return [Contribution(delay=float(vector[0]))]
+
+    monkeypatch.setattr(Structure, "contributions", contributions)
+    structure, effects = Structure(()), (1.0, 1.0, 2.0, 1.0)
+    points = [np.concatenate([np.full(N_BASE, float(i)), [size]]) for i, size in enumerate(effects)]
+    found = _contributions([(structure, point) for point in points])
+    assert len(asked) == 2
+    assert [one[0].delay for one in found] == list(effects)

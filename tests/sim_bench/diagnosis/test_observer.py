@@ -11,7 +11,7 @@ from fricomp.sim_bench.diagnosis.kernel import _falling
 from fricomp.sim_bench.diagnosis.observer import Contribution, Job, Observer, Plant, shifted
 from fricomp.sim_bench.diagnosis.problem import observer_for
 from fricomp.sim_bench.diagnosis.track import Track
-from fricomp.sim_bench.diagnosis.weak_form import estimate_plants
+from fricomp.sim_bench.diagnosis.weak_form import _curve, estimate_plants
 
 from .toy_joint import ToyJoint, record
 
@@ -59,6 +59,21 @@ def test_weak_form_recovers_the_joint() -> None:
     assert found.reverse[2] == pytest.approx(joint.reverse[2], rel=0.1)
     assert found.forward[3] == pytest.approx(joint.forward[3], rel=0.05)
     assert np.hypot(*found.gravity) == pytest.approx(joint.gravity, rel=0.02)
+
+
+def test_friction_that_falls_over_all_speeds_has_a_second_start_with_a_level() -> None:
+    fall, speed = (0.0, 4.0, 6.0), 0.9
+    usual = _curve(fall, 0.01, speed, np.inf)
+    assert usual == (0.01, 0.02, speed, 6.0)
+    coulomb, static, *_ = _curve(fall, 0.01, speed, 0.09)
+    assert coulomb == pytest.approx(2.0, rel=0.01)
+    assert static == pytest.approx(4.0, rel=0.01)
+
+
+def test_a_fall_that_no_slow_row_holds_is_no_level() -> None:
+    found = (1.0, 30.0, 0.2)
+    assert _curve(found, 0.01, 0.02, 0.2) == pytest.approx((1.0, 2.0, 0.02, 0.2))
+    assert len(estimate_plants([track_of(ToyJoint(), "rich", 40.0)])) == 1
 
 
 def test_encoder_step_and_noise_are_found() -> None:
