@@ -34,10 +34,10 @@ The oracle beside the power is the likelihood-ratio test that knows every effect
 2 % false alarms over all effects together, with every other of the overlapping windows counted as independent.
 
 A run goes in pieces: `--minutes M` starts no case after M minutes, finishes those under way and writes the page,
-`--resume` goes on. Groups, effects and strengths are interleaved, so that any beginning is a fair sample of the whole.
-A scored run refuses to go on with another diagnosis than the one it began with. `--baselines N` compares other methods
-on the first N cases, `--speed-up N` times N cases with one worker and with two, and
-[executors](fleet.md) are those of fleets.
+`--resume` goes on, in another checkout from the data beside this page. Groups, effects and strengths are interleaved,
+so that any beginning is a fair sample of the whole. A scored run refuses to go on with another diagnosis than the one
+it began with. `--baselines N` compares other methods on the first N cases, `--speed-up N` times N cases with one worker
+and with two, and [executors](fleet.md) are those of fleets.
 """
 _INJECTED = """# Effects injected into real recordings
 
