@@ -19,7 +19,7 @@ from .track import FloatArray
 __all__ = ["Comparison", "compare_friction", "compare_rigid"]
 
 # Relative errors that the observer's own approximations may cause, from simulated joints with nothing missing.
-_INERTIA, _GRAVITY = 0.005, 0.002
+_INERTIA, _GRAVITY = 0.0025, 0.001
 _SAME_FACTOR = ("payload_error", "torque_gain_error")
 _USUAL_GAIN = 0.1  # largest gain error of a torque signal that is usual; masses are off by more
 _SIGNIFICANT = 25.0  # fall of chi squared that a change must bring

@@ -14,7 +14,9 @@ from .track import FloatArray
 
 __all__ = ["Confirmation", "confirm"]
 
-_BLOCKS = 6
+_FOLDS, _BLOCKS = 6, 3  # and blocks of each, so that the others hold what is alike: a sweep meets each speed once
+_SHORTEST = 60  # rows of a block
+_FEW = 3  # recordings, below which blocks are left out instead of whole ones
 _GAP_ROWS = 15  # 0.3 s, five correlation times of the rows
 _BOOTSTRAPS = 400
 _PARTS = (1.0, 0.5, 0.25, 0.06)  # of a step that are simulated
@@ -84,18 +86,18 @@ def _typical_noise(prepared: Prepared) -> float:
 
 
 def _folds(sizes: list[int]) -> list[tuple[FloatArray, FloatArray]]:
-    """Masks of training and test rows: whole recordings where there are several, else blocks with gaps."""
-    total, ends = sum(sizes), np.cumsum([0, *sizes])
-    if len(sizes) > 2:
-        cuts = [(int(a), int(b), 0) for a, b in pairwise(ends)]
-    else:
-        edges = np.linspace(0, total, _BLOCKS + 1).astype(int)
+    """Masks of training and test rows: whole recordings where there are three or more, else blocks with gaps."""
+    total, ends, number = sum(sizes), np.cumsum([0, *sizes]), len(sizes)
+    cuts = [(int(a), int(b), 0) for a, b in pairwise(ends)]
+    if number < _FEW:
+        number = _FOLDS
+        blocks = _FOLDS * int(np.clip(total // (_FOLDS * _SHORTEST), 1, _BLOCKS))
+        edges = np.linspace(0, total, blocks + 1).astype(int)
         cuts = [(int(a), int(b), _GAP_ROWS) for a, b in pairwise(edges)]
-    folds = []
-    for a, b, gap in cuts:
-        test, train = np.zeros(total, dtype=bool), np.ones(total, dtype=bool)
+    folds = [(np.ones(total, dtype=bool), np.zeros(total, dtype=bool)) for _ in range(number)]
+    for i, (a, b, gap) in enumerate(cuts):
+        train, test = folds[i % number]
         test[a:b], train[max(a - gap, 0) : b + gap] = True, False
-        folds.append((train, test))
     return folds
 
 

@@ -43,7 +43,7 @@ from .velocity_lag import velocity_lag
 
 __all__ = ["Answer", "conclude"]
 
-_COVERED, _MOSTLY_COVERED = 0.9, 0.7
+_COVERED, _MOSTLY_COVERED = 0.88, 0.7
 _FAINTLY_COVERED = 0.5  # where no more is left than nulls leave
 _CLEAR = 1.5  # thresholds of gain that an explanation must reach which covers less
 # Energy per row, and in that of the loudest nulls, that may be left where most is covered.
@@ -51,7 +51,9 @@ _FAINT, _FAINT_NULLS = 0.03, 3.0
 _UNKNOWN = 0.15  # energy per row, in units of the noise, that something unnamed must reach to be reported
 _LOUD, _LOUDEST = 1.15, 1.35  # residual over noise that it must reach; beyond the second something is missing anyway
 _TONE = 2.5  # times the strongest line that a null shows, from which a line is a vibration
-_RARE, _MUCH = 0.7, 3.0  # explained on held-out data, and thresholds of gain, of what shows in a few blocks only
+_EXPLAINED = 0.7  # on held-out data, of what shows in a few blocks only or leaves more than the next
+_STILL_LOUD = 1.5  # energy over that of the noise
+_MUCH = 3.0  # thresholds of gain of what shows in a few blocks only
 
 
 @dataclass(frozen=True)
@@ -143,8 +145,12 @@ def _covers(best: Explanation, answer: Answer) -> bool:
 
 
 def _confirmed(held: Confirmation, chosen: Explanation, threshold: float) -> bool:
-    """Whether the fall of the held-out error is sure, over blocks or, where few blocks show the effect, by its size."""
-    rare = held.explained > _RARE and chosen.certain > _MUCH * threshold
+    """Whether the fall of the held-out error is sure, over blocks or, where few blocks show it, by its size, and
+    what is left there is not both loud and much of what was to be explained.
+    """
+    if held.rmse_after**2 > _STILL_LOUD * held.noise_floor**2 and held.explained < _EXPLAINED:
+        return False
+    rare = held.explained > _EXPLAINED and chosen.certain > _MUCH * threshold
     return held.ci95_reduction[0] > 0.0 or (rare and held.rmse_after < held.rmse_before)
 
 

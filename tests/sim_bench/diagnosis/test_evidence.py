@@ -10,6 +10,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from scipy.linalg import solve_toeplitz
+from scipy.ndimage import binary_dilation
 from scipy.signal import lfilter
 
 from fricomp.sim_bench.diagnosis.alias import aliases
@@ -144,7 +145,17 @@ def test_a_line_leaves_what_a_fit_to_the_other_blocks_leaves() -> None:
     for train, test in _folds([600]):
         fitted = np.linalg.lstsq(table[train], torque[train], rcond=None)[0]
         np.testing.assert_allclose(found[test], table[test] @ fitted - torque[test], atol=1e-3)
-        assert np.sum(train) == 600 - np.sum(test) - (15 if test[0] or test[-1] else 30)
+
+
+@pytest.mark.parametrize(("rows", "blocks"), [(300, 1), (600, 1), (800, 2), (1209, 3), (4959, 3)])
+def test_folds_hold_several_blocks_and_a_gap_about_each(rows: int, blocks: int) -> None:
+    folds = _folds([rows])
+    assert len(folds) == 6
+    np.testing.assert_array_equal(sum(test.astype(int) for _, test in folds), np.ones(rows))
+    for train, test in folds:
+        assert np.sum(np.diff(np.concatenate([[0], test.astype(int), [0]])) == 1) == blocks
+        near = binary_dilation(test, iterations=15)
+        np.testing.assert_array_equal(train, np.logical_not(near))
 
 
 def test_a_step_by_which_its_own_rows_lose_is_not_taken() -> None:
@@ -164,6 +175,8 @@ def test_three_recordings_are_left_out_whole() -> None:
     ("low", "explained", "certain", "after", "sure"),
     [
         (0.01, 0.1, 40.0, 0.9, True),
+        (0.01, 0.6, 400.0, 0.98, False),  # most is left, and loud
+        (0.01, 0.75, 40.0, 0.98, True),
         (-0.01, 0.8, 200.0, 0.9, True),  # in few blocks, and strong there
         (-0.01, 0.8, 60.0, 0.9, False),
         (-0.01, 0.5, 200.0, 0.9, False),
@@ -173,7 +186,7 @@ def test_three_recordings_are_left_out_whole() -> None:
 def test_a_fall_is_sure_over_blocks_or_by_its_size(
     low: float, explained: float, certain: float, after: float, sure: bool
 ) -> None:
-    held = Confirmation(1.0, after, 0.5, (low, 0.5), explained)
+    held = Confirmation(1.0, after, 0.78, (low, 0.5), explained)
     assert _confirmed(held, _explanation(("backlash",), 500.0, np.zeros(1), certain), 50.0) == sure
 
 
