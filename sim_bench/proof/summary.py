@@ -91,8 +91,8 @@ def compute_figures(scores: Sequence[Score]) -> list[Figure]:
     pairs = _where(scores, lambda s: s.group == "pair" and s.weakest_enr >= 0.3)
     return [
         *_figures_of_nothing(nothing),
-        _at_least("right name, rich motion, ENR ≥ 0.2", 0.95, _share(rich, lambda s: s.top_right)),
-        _at_least("right name, 60 s Fourier motion, ENR ≥ 0.5", 0.90, _share(fourier, lambda s: s.top_right)),
+        _at_least("right name, rich motion, ENR ≥ 0.2", 0.95, _share(rich, _right_first)),
+        _at_least("right name, 60 s Fourier motion, ENR ≥ 0.5", 0.90, _share(fourier, _right_first)),
         *_figures_of_sets(rich + fourier),
         _at_least("two effects, separable, ENR ≥ 0.3, both and nothing else", 0.90, _share(pairs, lambda s: s.exact)),
         *_figures_of_outside(_where(scores, lambda s: s.group == "outside")),
@@ -138,7 +138,7 @@ def _figures_of_sets(scores: Sequence[Score]) -> list[Figure]:
     sizes = [score.set_size for score in scores if score.set_size > 0.0]
     mean = f"mean {np.mean(sizes):.2f} ({len(sizes)} cases)" if sizes else "– (no case)"
     return [
-        _at_least("printed set holds the truth, these cases", 0.97, _share(scores, lambda s: s.in_set)),
+        _at_least("printed set holds the truth, these cases", 0.97, _share(scores, _holds)),
         Figure("names in a printed set", "≤ 1.5", mean, bool(np.mean(sizes) <= 1.5) if sizes else None),
         _at_most("a name that is wrong, these cases", 0.05, _share(scores, lambda s: s.false_names > 0)),
     ]
@@ -188,7 +188,7 @@ def compute_power(scores: Sequence[Score]) -> list[PowerPoint]:
                 strength,
                 float(np.median([s.enr for s in cases])),
                 _share(cases, lambda s: s.verdict not in ("consistent", "parameters", "failed")),
-                _share(cases, lambda s: s.top_right),
+                _share(cases, _right_first),
                 float(np.mean([oracle_power(s.enr, s.rows) for s in cases])),
             )
         )
@@ -222,5 +222,19 @@ def is_wrong(score: Score) -> bool:
         return score.verdict != "bad_data"
     if score.group == "outside":
         return score.enr >= _WEAK and not score.verdict_right
-    unnamed_but_right = score.verdict_right and not score.named  # such as unknown where the channel was hidden
-    return score.weakest_enr >= 0.5 * _WEAK and not score.in_set and not unnamed_but_right
+    return score.weakest_enr >= 0.5 * _WEAK and not _holds(score)
+
+
+def _right_first(score: Score) -> bool:
+    """Whether the right answer came first: the name, or what is accepted for it where it cannot be known."""
+    return score.top_right or _unnamed_but_right(score)
+
+
+def _holds(score: Score) -> bool:
+    """Whether the truth is in the printed set, or what is accepted for it was said."""
+    return score.in_set or _unnamed_but_right(score)
+
+
+def _unnamed_but_right(score: Score) -> bool:
+    """Such as unknown where the motion of the neighbour is not logged."""
+    return score.verdict_right and not score.named

@@ -210,3 +210,14 @@ def test_figures_follow_the_scores() -> None:
     power = compute_power(singles)
     assert [point.strength for point in power] == ["2"]
     assert power[0].named.hits == 3
+
+
+@pytest.mark.parametrize(("verdict", "right"), [("unknown_physics", True), ("consistent", False)])
+def test_what_cannot_be_named_is_right_when_it_is_called_unknown(verdict: str, right: bool) -> None:
+    truth = _truth(_effect("neighbour_coupling", accepted=["unknown_physics"]))
+    score = _score(truth, answer(verdict, []))
+    figures = {figure.name: figure for figure in compute_figures([score])}
+    assert figures["right name, rich motion, ENR ≥ 0.2"].reached is right
+    assert figures["printed set holds the truth, these cases"].reached is right
+    assert compute_power([score])[0].named.share == float(right)
+    assert is_wrong(score) is not right
