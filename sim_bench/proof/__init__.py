@@ -3,7 +3,7 @@
 from .earlier import format_earlier
 from .failures import format_failures
 from .injected import plan_bare, plan_injected
-from .kept import keep_data, restore_data
+from .kept import BASELINES, keep_data, restore_data
 from .page import write_page
 from .plan import GROUPS, PlannedCase, plan_cases, plan_clear_cases
 from .run import count_open, read_refused, read_scores, run_proof
@@ -15,6 +15,7 @@ from .speed_up import SpeedUp, measure_speed_up
 from .summary import Figure, compute_figures, compute_power, is_wrong
 
 __all__ = [
+    "BASELINES",
     "GROUPS",
     "Figure",
     "PlannedCase",

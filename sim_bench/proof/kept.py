@@ -5,13 +5,16 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from .run import REFUSED, write_score
-from .score import Score
+from .run import REFUSED, SEALS
+from .settings import SETTINGS
 
-__all__ = ["keep_data", "restore_data"]
+__all__ = ["BASELINES", "keep_data", "restore_data"]
 
-_SETTINGS, _SCORES = "run.json", "scores.parquet"
-_COPIED = (_SETTINGS, "seals.jsonl", REFUSED, "baselines.md")
+BASELINES = "baselines.md"
+"""File of a run that holds the table of the other methods."""
+
+_SCORES = "scores.parquet"
+_COPIED = (SEALS, REFUSED, BASELINES, SETTINGS)  # settings last: a folder without them is no run yet
 
 
 def keep_data(out: Path, folder: Path) -> None:
@@ -31,11 +34,12 @@ def restore_data(folder: Path, out: Path) -> None:
     """
     from pyarrow import parquet
 
-    if (out / _SETTINGS).exists() or not (folder / _SETTINGS).exists():
+    if (out / SETTINGS).exists() or not (folder / SETTINGS).exists():
         return
     (out / "scores").mkdir(parents=True, exist_ok=True)
-    for row in parquet.read_table(folder / _SCORES).to_pylist():
-        write_score(Score(**row), out / "scores" / f"{row['case']}.parquet")
+    table = parquet.read_table(folder / _SCORES)
+    for index, case in enumerate(table["case"].to_pylist()):
+        parquet.write_table(table.slice(index, 1), out / "scores" / f"{case}.parquet")
     _copy(folder, out)
 
 

@@ -23,11 +23,13 @@ from .plan import PlannedCase
 from .score import Score, read_diagnosis, score_case
 from .seal import SealBook
 
-__all__ = ["REFUSED", "Diagnose", "count_open", "read_refused", "read_scores", "run_proof", "write_score"]
+__all__ = ["REFUSED", "SEALS", "Diagnose", "count_open", "read_refused", "read_scores", "run_proof"]
 
 Diagnose = Callable[[dict[str, bytes]], BlindAnswer]
 
-REFUSED = "refused.jsonl"
+REFUSED, SEALS = "refused.jsonl", "seals.jsonl"
+"""Files of a run: cases that could not be made, and hashes of answers."""
+
 _NO_ANSWER = BlindAnswer(b"", b"", 0.0, "no answer")
 
 
@@ -47,7 +49,7 @@ class _Run:
         self.folder, self.salt = folder, salt
         for name in ("scores", "answers", "diagnoses"):
             (folder / name).mkdir(parents=True, exist_ok=True)
-        self.seals = SealBook(folder / "seals.jsonl")
+        self.seals = SealBook(folder / SEALS)
         self.refused = read_refused(folder)
 
     def finished(self, planned: PlannedCase) -> bool:
@@ -74,7 +76,7 @@ class _Run:
         answer = (self.folder / "answers" / f"{name}.json").read_bytes()
         self.seals.open(name, answer)
         score = score_case(planned, answer, blind, follow_up)
-        write_score(score, self._score_path(planned))
+        _write_score(score, self._score_path(planned))
         return score
 
     def _score_path(self, planned: PlannedCase) -> Path:
@@ -195,7 +197,7 @@ def read_refused(folder: Path) -> dict[str, str]:
     return {entry["case"]: entry["reason"] for entry in map(json.loads, lines)}
 
 
-def write_score(score: Score, path: Path) -> None:
+def _write_score(score: Score, path: Path) -> None:
     import pyarrow
     from pyarrow import parquet
 

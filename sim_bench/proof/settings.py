@@ -16,7 +16,10 @@ from .plan import PlannedCase, plan_cases, plan_clear_cases
 from .run_log import append_entry, next_run
 from .seeds import development_seeds, diagnosis_tree, scored_seeds
 
-__all__ = ["RunSettings", "load_or_start", "log_outcome", "plan_run", "seeds_of", "watch"]
+__all__ = ["SETTINGS", "RunSettings", "load_or_start", "log_outcome", "plan_run", "seeds_of", "watch"]
+
+SETTINGS = "run.json"
+"""File of a run that holds its settings."""
 
 _QUICK = 30.0  # [s] of a recording
 
@@ -62,7 +65,7 @@ def load_or_start(out: Path, wanted: RunSettings, *, resume: bool, log: Path, re
     Raises:
         DiagnosisError: There is a run and it is not to be resumed, or the diagnosis of a scored run is not committed.
     """
-    path = out / "run.json"
+    path = out / SETTINGS
     if path.exists():
         if not resume:
             raise DiagnosisError(f"{out} holds a run: give --resume to go on with it, or another --out")

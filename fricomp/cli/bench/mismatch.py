@@ -139,9 +139,10 @@ def _compare(
     """The table of the other methods; that of an earlier call where none is asked for now."""
     from fricomp.cli.terminal import progress
     from fricomp.sim_bench.fleet import open_executor
+    from fricomp.sim_bench.proof import BASELINES
     from fricomp.sim_bench.proof.baselines import compare_baselines, format_table
 
-    path = out / "baselines.md"
+    path = out / BASELINES
     if planned:
         with progress() as bar, open_executor(*executor) as pool:
             task = bar.add_task("other methods", total=len(planned))
