@@ -10,9 +10,11 @@ import numpy as np
 
 from .alias import alternatives, as_good
 from .effects import EFFECTS, Context
+from .explanation import Explanation
 from .preparation import Prepared
+from .refit import fit_from
 from .rigid import RigidJoint
-from .search import Explanation, Found, fit_from
+from .search import Found
 from .solver import Box
 from .structure import N_BASE, Candidate
 from .track import FloatArray

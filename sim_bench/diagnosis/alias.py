@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from .explanation import Explanation
 from .preparation import Prepared
 from .result import Distinguishability
 from .screening import Screen, orthonormal
-from .search import Explanation, Found
+from .search import Found
 
 __all__ = ["aliases", "alternatives", "as_good", "distinguishability"]
 

@@ -16,18 +16,36 @@ from .result import Change, NamedEffect, Quantity
 from .rigid import RigidJoint
 from .track import FloatArray
 
-__all__ = ["Comparison", "compare_friction", "compare_rigid"]
+__all__ = ["NAMED", "PLAIN", "UNEXPLAINED", "Comparison", "Doubt", "compare_friction", "compare_rigid"]
 
-# Relative errors that the observer's own approximations may cause, from simulated joints with nothing missing.
-_INERTIA, _GRAVITY = 0.0025, 0.001
 _SAME_FACTOR = ("payload_error", "torque_gain_error")
 _USUAL_GAIN = 0.1  # largest gain error of a torque signal that is usual; masses are off by more
+_FOLLOWS = 9.0  # chi squared of the inertia's own shift, from which it is seen to follow gravity
 _SIGNIFICANT = 25.0  # fall of chi squared that a change must bring
 _SIMPLER = 4.0  # chi squared that one more parameter must be worth
 # A joint that slides shows offset plus half the difference of the directions; only its presliding tells one from the
-# other. Both of the Coulomb level, from simulated joints with nothing missing.
-_SLIDING = 0.002  # deviation of the sum of the two, beyond that of the fit
-_SPLIT = 0.22  # deviation of their difference, of which the fit is far too sure
+# other: deviation of that difference over the Coulomb level, of which the fit is far too sure, from simulated joints
+# with nothing missing.
+_SPLIT = 0.22
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """Standard deviations by which refitted parameters stray beyond what the fit knows of its own error.
+
+    Attributes:
+        inertia: Over the inertia.
+        gravity: Over its amplitude.
+        sliding: Over the Coulomb level: of gravity too, and of the offset with half the difference of the directions.
+    """
+
+    inertia: float
+    gravity: float
+    sliding: float
+
+
+# From simulated joints with nothing missing, with one effect that was named, and with something that was not.
+PLAIN, NAMED, UNEXPLAINED = Doubt(0.002, 3e-4, 1e-3), Doubt(0.005, 2e-3, 3e-3), Doubt(0.02, 0.01, 0.02)
 
 
 @dataclass(frozen=True)
@@ -38,7 +56,7 @@ class Comparison:
     changes: tuple[Change, ...] = ()
 
 
-def compare_rigid(plant: Plant, covariance: FloatArray, given: RigidJoint, unit: str) -> Comparison:
+def compare_rigid(plant: Plant, covariance: FloatArray, given: RigidJoint, unit: str, doubt: Doubt) -> Comparison:
     """Compare inertia and gravity with the simulation's.
 
     Args:
@@ -46,12 +64,14 @@ def compare_rigid(plant: Plant, covariance: FloatArray, given: RigidJoint, unit:
         covariance: Of log inertia and the two gravity coefficients. Shape (3, 3).
         given: The simulation.
         unit: Unit of torque.
+        doubt: Of the refitted parameters.
     """
     gravity = float(np.hypot(*given.gravity))
     refit = np.array([log(plant.inertia), *plant.gravity])
     prior = np.array([log(given.inertia), *given.gravity])
-    floor = np.diag([_INERTIA, *([_GRAVITY * max(gravity, 1e-9)] * 2)]) ** 2
     # Gravity far below friction says nothing about a gain: the floor keeps chi squared from tiny biases.
+    least = max(float(np.hypot(doubt.gravity * gravity, doubt.sliding * plant.level)), 1e-12)
+    floor = np.diag([doubt.inertia, least, least]) ** 2
     weight = np.linalg.inv(covariance + floor)
     shift = refit - prior
     hypotheses = {
@@ -63,10 +83,13 @@ def compare_rigid(plant: Plant, covariance: FloatArray, given: RigidJoint, unit:
     best = min(scores, key=lambda name: scores[name])
     if not best or scores[""] - scores[best] < _SIGNIFICANT:
         return Comparison()
-    # Inertia and gravity that are off by the same factor are a gain as well as another mass.
+    # Inertia and gravity that are off by the same factor are a gain as well as another mass; where the inertia is not
+    # seen to follow, nothing speaks for the gain.
     alike = best in _SAME_FACTOR and scores["torque_gain_error"] <= scores["payload_error"] + _SIMPLER
     if alike:
-        best = "torque_gain_error" if abs(float(fitted["torque_gain_error"][0])) <= _USUAL_GAIN else "payload_error"
+        follows = shift[0] ** 2 > _FOLLOWS * (covariance[0, 0] + floor[0, 0])
+        usual = abs(float(fitted["torque_gain_error"][0])) <= _USUAL_GAIN
+        best = "torque_gain_error" if follows and usual else "payload_error"
     deviation = np.sqrt(np.diag(covariance))
     changes = [
         _change("inertia", given.inertia, plant.inertia, plant.inertia * float(deviation[0]), "kg·m²"),
@@ -115,7 +138,7 @@ def _named(
     return _effect(name, "parameter", numbers, "the load is not the simulation's")
 
 
-def compare_friction(plant: Plant, covariance: FloatArray, given: FrictionModel, unit: str) -> Comparison:
+def compare_friction(plant: Plant, covariance: FloatArray, given: FrictionModel, unit: str, doubt: Doubt) -> Comparison:
     """Compare offset and the symmetry of the friction with a given friction model.
 
     Args:
@@ -123,6 +146,7 @@ def compare_friction(plant: Plant, covariance: FloatArray, given: FrictionModel,
         covariance: Of the offset and the Coulomb torques forward and reverse. Shape (3, 3).
         given: The friction model.
         unit: Unit of torque.
+        doubt: Of the refitted parameters.
     """
     try:
         forward, reverse = given.forward, given.reverse
@@ -130,7 +154,7 @@ def compare_friction(plant: Plant, covariance: FloatArray, given: FrictionModel,
         return Comparison()
     level = max(0.5 * (forward.coulomb_torque + reverse.coulomb_torque), 1e-9)
     odd = 0.5 * ((plant.forward[0] - plant.reverse[0]) - (forward.coulomb_torque - reverse.coulomb_torque))
-    effects = _uneven(np.array([plant.offset, odd]), covariance, level, unit)
+    effects = _uneven(np.array([plant.offset, odd]), covariance, (level, unit), doubt)
     deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     changes = (
         _change(
@@ -151,11 +175,14 @@ def compare_friction(plant: Plant, covariance: FloatArray, given: FrictionModel,
     return Comparison(effects, changes if effects else ())
 
 
-def _uneven(shift: FloatArray, covariance: FloatArray, level: float, unit: str) -> tuple[NamedEffect, ...]:
+def _uneven(
+    shift: FloatArray, covariance: FloatArray, context: tuple[float, str], doubt: Doubt
+) -> tuple[NamedEffect, ...]:
     """Names for a shift of offset and odd part of the Coulomb torque: one of the two where that is enough."""
+    level = context[0]
     odd = np.array([[1.0, 0.0, 0.0], [0.0, 0.5, -0.5]])
     sides = np.array([[0.5, 0.5], [0.5, -0.5]])  # offset and odd part, from their sum and their difference
-    floor = sides @ np.diag([_SLIDING * level, _SPLIT * level]) ** 2 @ sides.T
+    floor = sides @ np.diag([doubt.sliding * level, _SPLIT * level]) ** 2 @ sides.T
     weight = np.linalg.inv(odd @ covariance @ odd.T + floor)
     names = ("torque_offset", "direction_asymmetry")
     both = "+".join(names)
@@ -169,7 +196,7 @@ def _uneven(shift: FloatArray, covariance: FloatArray, level: float, unit: str) 
     span = hypotheses[best]
     half = 1.96 * np.sqrt(np.diag(np.linalg.inv(span.T @ weight @ span)))
     effects = [
-        _uneven_effect(name, float(value), float(wide), (level, unit))
+        _uneven_effect(name, float(value), float(wide), context)
         for name, value, wide in zip(best.split("+"), fitted[best], half, strict=True)
     ]
     return tuple(replace(one, indistinguishable_from=names[1:] if alike else ()) for one in effects)

@@ -9,11 +9,11 @@ import numpy as np
 
 from .base import BASE_NAMES
 from .context import build_contexts
+from .explanation import Explanation
 from .observer import Contribution, Job, Observation, Plant
 from .preparation import Prepared
 from .problem import observer_for
 from .screening import orthonormal, project_out
-from .search import Explanation
 from .structure import N_BASE
 from .track import FloatArray, Track, smooth_derivative
 

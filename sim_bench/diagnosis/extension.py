@@ -11,9 +11,9 @@ from fricomp.model import FrictionModel, Provenance, Validity
 from fricomp.recording import Recording
 
 from .effects import Context
+from .explanation import Explanation
 from .observer import Plant
 from .preparation import Prepared
-from .search import Explanation
 from .structure import N_BASE
 from .track import FloatArray
 

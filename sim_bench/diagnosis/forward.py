@@ -16,10 +16,10 @@ from fricomp.errors import MissingExtraError
 from fricomp.recording import Recording
 
 from .controller import Controller
+from .explanation import Explanation
 from .observer import Contribution, Plant
 from .preparation import Prepared
 from .result import Forward
-from .search import Explanation
 from .solver import Box, at_least
 from .structure import N_BASE, Structure
 from .track import FloatArray, Track

@@ -9,7 +9,7 @@ import numpy as np
 from .generic import time_since_reversal
 from .preparation import Prepared
 from .result import Interval, Location, RowSeries
-from .screening import orthonormal, project_out
+from .screening import project_out
 from .structure import Structure
 from .track import FloatArray
 
@@ -155,14 +155,7 @@ def change_points(series: Sequence[RowSeries]) -> tuple[tuple[float, ...], ...]:
 
 def effect_energy(prepared: Prepared, structure: Structure, theta: FloatArray, name: str) -> list[FloatArray]:
     """Energy of one effect's rows after the base is refitted, for each recording."""
-    problem = prepared.problem
-    n = structure.start().size
-    full = structure.contributions(theta[-n:])
-    alone = Structure(structure.contexts, tuple(c for c in structure.candidates if c.name != name))
-    keep = [i for i, (owner, _) in enumerate(structure.parameters()) if owner != name]
-    without = alone.contributions(theta[-n:][keep])
-    runs = problem.runs([structure.plant(theta)] * 2, [full, without])
-    column = problem.vector(runs[0]) - problem.vector(runs[1])
-    left = project_out(column[:, None], orthonormal(prepared.fit.jacobian))[:, 0]
-    ends = np.cumsum([grid.centres.size for grid in problem.grids])[:-1]
+    column = structure.added(prepared.problem, theta, {name})
+    left = project_out(column[:, None], prepared.basis)[:, 0]
+    ends = np.cumsum([grid.centres.size for grid in prepared.problem.grids])[:-1]
     return [part**2 for part in np.split(left, ends)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -102,6 +102,14 @@ class Structure:
     def observe(self, problem: Problem, theta: FloatArray) -> list[Observation]:
         """Observed simulations at `theta`."""
         return problem.runs([self.plant(theta)], [self.contributions(theta[N_BASE:])])[0]
+
+    def added(self, problem: Problem, theta: FloatArray, names: Collection[str]) -> FloatArray:
+        """What the effects `names` add to the weighted rows at `theta`. Shape (m,)."""
+        kept = [c for c in self.candidates if c.name not in names]
+        held = np.array([owner not in names for owner, _ in self.parameters()], dtype=bool)
+        without = Structure(self.contexts, tuple(kept)).contributions(theta[N_BASE:][held])
+        runs = problem.runs([self.plant(theta)] * 2, [self.contributions(theta[N_BASE:]), without])
+        return problem.vector(runs[0]) - problem.vector(runs[1])
 
     def plant(self, theta: FloatArray) -> Plant:
         """The base part of `theta`."""

@@ -13,9 +13,10 @@ from fricomp.recording import Recording
 from .agreement import agreeing
 from .alias import aliases, distinguishability
 from .base import BASE_NAMES
-from .comparison import Comparison, compare_friction, compare_rigid
+from .comparison import NAMED, PLAIN, UNEXPLAINED, Comparison, Doubt, compare_friction, compare_rigid
 from .confirmation import Confirmation, confirm, covariance
 from .experiment import propose
+from .explanation import Explanation
 from .extension import base_model, extended_model
 from .location import change_points, effect_energy, excess_maps, locate, row_series
 from .order import order_spectrum
@@ -34,7 +35,7 @@ from .result import (
     RowSeries,
 )
 from .rigid import RigidJoint
-from .search import Explanation, Found
+from .search import Found
 from .sentence import sentences
 from .structure import N_BASE
 from .tone import Tone, find_tone
@@ -80,11 +81,13 @@ class Answer:
 
 def conclude(answer: Answer) -> Diagnosis:
     """Draw the verdict and collect what supports it."""
-    agreed = agreeing(answer.prepared, answer.found, answer.rigid, lambda one: bool(_compare(answer, one).effects))
+    agreed = agreeing(
+        answer.prepared, answer.found, answer.rigid, lambda one: bool(_compare(answer, one, PLAIN).effects)
+    )
     answer = replace(answer, found=agreed)
     prepared, found = answer.prepared, answer.found
     best = found.best
-    chosen = best if best is not None and _covers(best, answer) else None
+    chosen = best if best is not None and _covers(best, answer) and not best.one_mechanism else None
     held = _confirm(answer, chosen)
     if chosen is not None and not _confirmed(held, chosen, found.threshold):
         chosen = None
@@ -92,7 +95,7 @@ def conclude(answer: Answer) -> Diagnosis:
     unknown = chosen is None and (tone is not None or _stands_out(found, prepared))
     series = _series(answer, chosen)
     effects = _effects(answer, chosen, held, series)
-    compared = _compare(answer, chosen)
+    compared = _compare(answer, chosen, UNEXPLAINED if unknown else PLAIN if chosen is None else NAMED)
     effects = [*effects, *compared.effects, *velocity_lag(answer.recordings)]
     effects.sort(key=lambda effect: -effect.share)
     verdict = _verdict(effects, unknown)
@@ -253,7 +256,7 @@ def _quantities(answer: Answer, chosen: Explanation, name: str, deviations: Floa
     return result
 
 
-def _compare(answer: Answer, chosen: Explanation | None) -> Comparison:
+def _compare(answer: Answer, chosen: Explanation | None, doubt: Doubt) -> Comparison:
     """What the refit moved of the given simulation and friction."""
     fit = answer.prepared.fit if chosen is None else chosen.fit
     structure = answer.prepared.structure if chosen is None else chosen.structure
@@ -262,10 +265,10 @@ def _compare(answer: Answer, chosen: Explanation | None) -> Comparison:
     plant = structure.plant(fit.theta)
     result = Comparison()
     if answer.rigid is not None and answer.rigid.rotary:
-        result = compare_rigid(plant, cov[:3, :3], answer.rigid, answer.unit)
+        result = compare_rigid(plant, cov[:3, :3], answer.rigid, answer.unit, doubt)
     if answer.friction is not None:
         at = [BASE_NAMES.index(name) for name in ("offset", "forward.coulomb_torque", "reverse.coulomb_torque")]
-        more = compare_friction(plant, cov[np.ix_(at, at)], answer.friction, answer.unit)
+        more = compare_friction(plant, cov[np.ix_(at, at)], answer.friction, answer.unit, doubt)
         result = Comparison(result.effects + more.effects, result.changes + more.changes)
     return result
 
@@ -321,6 +324,8 @@ def _rivals(found: Found, chosen: Explanation | None) -> tuple[Rival, ...]:
         why = explanation.refused
         if not why and explanation.certain <= found.threshold:
             why = "does not exceed what a recording with nothing missing gives"
+        elif not why and explanation.one_mechanism:
+            why = "ripple of torque and of friction at one order come from one part, such as a detent"
         elif not why and chosen is not None and explanation is not chosen:
             why = "another explanation is better or simpler"
         elif not why and chosen is None:

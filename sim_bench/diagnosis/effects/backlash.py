@@ -28,7 +28,7 @@ class Backlash(Effect):
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         low, high = float(np.log(2e-5)), float(np.log(3e-2))
         return (
-            EffectParameter("gap", "{position}", 0.4, low, high, linear=False, logarithmic=True, form=0.2),
+            EffectParameter("gap", "{position}", 0.4, low, high, linear=False, logarithmic=True, form=0.3),
             EffectParameter("load_share", "1", 0.1, 0.05, 0.98, linear=False, prior=0.3),
         )
 

@@ -24,7 +24,7 @@ class DwellStiction(Effect):
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (
-            EffectParameter("rise", "{torque}", 0.05 * contexts[0].scale, -1e4, 1e4, form=0.15),
+            EffectParameter("rise", "{torque}", 0.05 * contexts[0].scale, -1e4, 1e4, form=0.4),
             EffectParameter("time_constant", "s", 0.0, 0.0, 1e3, linear=False),
             EffectParameter("travel", "{position}", 0.0, 0.0, 1.0, linear=False),
         )

@@ -28,7 +28,7 @@ class PositionCoulomb(Effect):
         return (
             EffectParameter("sine", "{torque}", 0.05 * scale, -1e4, 1e4),
             EffectParameter("cosine", "{torque}", 0.05 * scale, -1e4, 1e4),
-            EffectParameter("order", "1/{position}", 0.05, 0.0, 1e5, linear=False),
+            EffectParameter("order", "1/{position}", 0.05, 0.0, 1e5, linear=False, form=0.05),
         )
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:

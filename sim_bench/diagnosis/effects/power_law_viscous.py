@@ -27,7 +27,7 @@ class PowerLawViscous(Effect):
         scale, top = contexts[0].scale, max(float(np.max(np.abs(c.velocity))) for c in contexts)
         return (
             EffectParameter("coefficient", "{torque}·(s/{position})^n", 0.1 * scale / top**0.7, -1e6, 1e6, form=0.15),
-            EffectParameter("exponent", "1", 0.1, 0.35, 0.92, linear=False, prior=0.15, form=0.1),
+            EffectParameter("exponent", "1", 0.1, 0.35, 0.92, linear=False, prior=0.15, form=0.2),
         )
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:

@@ -25,7 +25,7 @@ class QuadraticDrag(Effect):
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale, top = contexts[0].scale, max(float(np.max(np.abs(c.velocity))) for c in contexts)
-        return (EffectParameter("coefficient", "{torque}·s²/{position}²", 0.05 * scale / top**2, -1e6, 1e6, form=0.06),)
+        return (EffectParameter("coefficient", "{torque}·s²/{position}²", 0.05 * scale / top**2, -1e6, 1e6, form=0.07),)
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         v = context.velocity

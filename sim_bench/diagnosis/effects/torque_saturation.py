@@ -23,7 +23,7 @@ class TorqueSaturation(Effect):
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         largest = max(float(np.max(np.abs(c.torque))) for c in contexts)
-        return (EffectParameter("coefficient", "1/{torque}²", 0.02 / largest**2, -10.0, 10.0, form=0.1),)
+        return (EffectParameter("coefficient", "1/{torque}²", 0.02 / largest**2, -10.0, 10.0, form=0.15),)
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(additive=values["coefficient"] * context.torque**3)

@@ -44,7 +44,7 @@ class TorqueSensorHysteresis(Effect):
         low, high = float(np.log(0.005 * largest)), float(np.log(largest))
         return (
             EffectParameter("height", "1", 0.01, -0.5, 0.5),
-            EffectParameter("width", "{torque}", 0.2, low, high, linear=False, logarithmic=True, form=0.1),
+            EffectParameter("width", "{torque}", 0.2, low, high, linear=False, logarithmic=True, form=0.3),
             EffectParameter("exponent", "1", 0.4, -1.5, 3.0, linear=False, prior=1.5, logarithmic=True),
             EffectParameter("initial", "1", 0.1, -1.0, 1.0, linear=False, prior=1.0),
         )

@@ -45,7 +45,7 @@ def error_table(record: DiagnosisRecord) -> Table | None:
     if record.effects:
         rows.append((NAMED, f"{found.rmse_after:.4g}", f"{low:.0%} to {high:.0%}"))
     rows.append(("noise floor: nothing missing", f"{found.noise_floor:.4g}", "–"))
-    caption = "On blocks that took no part in the fit."
+    caption = "On blocks that took no part in the fit, each row counted by its own noise."
     columns = ("error on held-out data", f"RMS [{found.unit}]", "falls by (95 % interval)")
     width = 3 if record.effects else 2
     return Table(columns[:width], tuple(row[:width] for row in rows), caption)

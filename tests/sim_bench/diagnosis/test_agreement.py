@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from fricomp.sim_bench.diagnosis.agreement import _hold, agreeing
-from fricomp.sim_bench.diagnosis.preparation import Prepared
+from fricomp.sim_bench.diagnosis.explanation import Explanation
 from fricomp.sim_bench.diagnosis.rigid import RigidJoint
-from fricomp.sim_bench.diagnosis.search import Explanation, Found, _choose
+from fricomp.sim_bench.diagnosis.search import Found
 from fricomp.sim_bench.diagnosis.solver import Box, Fit
 from fricomp.sim_bench.diagnosis.structure import Candidate, Structure
 
@@ -60,31 +58,3 @@ def test_the_simulation_is_held_and_nothing_else() -> None:
     np.testing.assert_allclose(np.sqrt(np.diag(held.precision)[:3]), [500.0, 100.0, 100.0])
     np.testing.assert_array_equal(held.centre[3:], box.centre[3:])
     np.testing.assert_array_equal(held.precision[3:], box.precision[3:])
-
-
-@pytest.mark.parametrize(
-    ("further", "left", "gain", "named"),
-    [
-        ("stribeck_shape", 20.0, 9700.0, True),  # takes away nearly all that is left
-        ("stribeck_shape", 200.0, 9700.0, False),  # some of it, as another form of the first effect would
-        ("stribeck_shape", 20.0, 9080.0, False),  # but little weight speaks for it
-        ("position_coulomb", 20.0, 9700.0, False),  # would fill in for any form
-    ],
-)
-def test_a_faint_effect_beside_a_strong_one_must_complete_it(
-    further: str, left: float, gain: float, named: bool
-) -> None:
-    sliding = cast(Prepared, SimpleNamespace(sliding=np.ones(500, dtype=bool)))
-    loud, quiet = (Fit(np.zeros(0), rows, np.zeros((500, 0)), 0.0) for rows in (np.ones(500), np.zeros(500)))
-    first = replace(_explanation(("end_stop",), 9000.0), left=400.0, coverage=0.96, fit=loud)
-    pair = replace(_explanation(("end_stop", further), gain), left=left, coverage=1.0, fit=quiet)
-    assert (_choose(sliding, [first, pair], 30.0) is pair) == named
-
-
-def test_an_effect_that_is_only_carried_is_not_named() -> None:
-    """What one effect explains all but alone stays unnamed where that effect is refused."""
-    alone = _explanation(("stribeck_shape",), 440.0, "the exponent is two within its tolerance")
-    carried = _explanation(("joint_elasticity", "stribeck_shape"), 450.0)
-    assert _choose(_NONE, [alone, carried], 30.0) is None
-    worth = _explanation(("joint_elasticity", "stribeck_shape"), 900.0)
-    assert _choose(_NONE, [alone, worth], 30.0) is worth

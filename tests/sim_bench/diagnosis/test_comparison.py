@@ -9,7 +9,14 @@ import pytest
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel
 from fricomp.sim_bench.diagnosis import RigidJoint
-from fricomp.sim_bench.diagnosis.comparison import Comparison, compare_friction, compare_rigid
+from fricomp.sim_bench.diagnosis.comparison import (
+    NAMED,
+    PLAIN,
+    UNEXPLAINED,
+    Comparison,
+    compare_friction,
+    compare_rigid,
+)
 from fricomp.sim_bench.diagnosis.observer import Plant
 
 _PLANT = Plant(0.3, (1.0, 6.0), 0.0, (2.0, 2.6, 0.05, 1.0), (2.0, 2.6, 0.05, 1.0), 4e4)
@@ -21,16 +28,37 @@ def _friction(offset: float, odd: float, deviation: float = 1e-3) -> Comparison:
     curve = StribeckCurve(2.0, 2.6, 0.05, 1.0)
     given = FrictionModel(law=FrictionLaw((BidirectionalStribeck(curve, curve),)))
     plant = replace(_PLANT, offset=offset, forward=(2.0 + odd, 2.6, 0.05, 1.0), reverse=(2.0 - odd, 2.6, 0.05, 1.0))
-    return compare_friction(plant, np.eye(3) * deviation**2, given, "N·m")
+    return compare_friction(plant, np.eye(3) * deviation**2, given, "N·m", PLAIN)
 
 
 def test_a_payload_is_named_in_numbers_that_any_writer_of_json_takes() -> None:
     given = RigidJoint(0.27, (0.9, 5.2), 0.0, 0.0, 0.0, True)
-    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m").effects
+    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN).effects
     assert effect.name == "payload_error"
     assert effect.parameters["inertia_change"].value == pytest.approx(0.03, abs=1e-3)
     assert effect.parameters["gravity_sin_change"].value == pytest.approx(0.8, abs=0.02)
     assert msgspec.json.decode(msgspec.json.encode(effect))["name"] == "payload_error"
+
+
+def test_a_common_factor_that_is_not_quite_met_is_a_gain_with_another_mass_as_alias() -> None:
+    given = RigidJoint(0.3 / 0.966, (1.0 / 0.966, 6.0 / 0.966 - 0.02), 0.0, 0.0, 0.0, True)
+    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", NAMED).effects
+    assert effect.name == "torque_gain_error"
+    assert effect.indistinguishable_from == ("payload_error",)
+    assert effect.parameters["gain_error"].value == pytest.approx(-0.034, abs=0.004)
+
+
+def test_a_common_factor_that_the_inertia_is_not_seen_to_follow_is_a_payload() -> None:
+    given = RigidJoint(0.3 / 0.997, (1.0 / 0.997, 6.0 / 0.997), 0.0, 0.0, 0.0, True)
+    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN).effects
+    assert effect.name == "payload_error"
+    assert effect.indistinguishable_from == ("torque_gain_error",)
+
+
+def test_what_is_not_explained_casts_doubt_on_parameters() -> None:
+    given = RigidJoint(0.3, (1.0, 6.08), 0.0, 0.0, 0.0, True)
+    assert compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN).effects
+    assert not compare_rigid(_PLANT, _SURE, given, "N·m", UNEXPLAINED).effects
 
 
 @pytest.mark.parametrize("split", [-0.2, 0.0, 0.2])

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from fricomp.sim_bench.diagnosis.effects import EFFECTS, Context, EffectParameter
+from fricomp.sim_bench.diagnosis.explanation import Explanation
 from fricomp.sim_bench.diagnosis.observer import Plant
-from fricomp.sim_bench.diagnosis.structure import Candidate, Structure
+from fricomp.sim_bench.diagnosis.solver import Fit
+from fricomp.sim_bench.diagnosis.structure import N_BASE, Candidate, Structure
 
 CATALOGUE = {
     "load_coulomb", "load_stribeck", "load_quadratic", "position_coulomb", "cogging", "kinematic_error",
@@ -213,3 +215,14 @@ def test_a_ripple_has_a_phase_of_its_own_in_each_recording(context: Context) -> 
     angle = 20.0 * context.position
     np.testing.assert_allclose(effect.contribution(context, values).additive, np.sin(angle))
     np.testing.assert_allclose(effect.contribution(second, values).additive, 2.0 * np.cos(angle))
+
+
+@pytest.mark.parametrize(("order", "one"), [(18.4, True), (18.0, True), (12.0, False)])
+def test_ripple_of_torque_and_friction_at_one_order_is_one_mechanism(order: float, one: bool, context: Context) -> None:
+    cogging = Candidate("cogging", (("sine", 0.2), ("order", 18.4)))
+    friction = Candidate("position_coulomb", (("cosine", 0.1), ("order", order)))
+    for candidates, expected in (((cogging, friction), one), ((cogging,), False)):
+        structure = Structure((context,), candidates)
+        theta = np.concatenate([np.zeros(N_BASE), structure.start()])
+        fit = Fit(theta, np.zeros(1), np.zeros((1, theta.size)), 0.0)
+        assert Explanation(structure, fit, 1.0, 1.0, 1.0).one_mechanism == expected

@@ -15,10 +15,11 @@ from scipy.signal import lfilter
 
 from fricomp.sim_bench.diagnosis.alias import aliases
 from fricomp.sim_bench.diagnosis.confirmation import Confirmation, _folds, _held_out
+from fricomp.sim_bench.diagnosis.explanation import Explanation, _left, evidence
 from fricomp.sim_bench.diagnosis.observer import Contribution, Observer, Plant
 from fricomp.sim_bench.diagnosis.preparation import Prepared, _colour_filter, _correlation, _stable, _typical
 from fricomp.sim_bench.diagnosis.problem import observer_for
-from fricomp.sim_bench.diagnosis.search import Explanation, Found, _acceptable, _better, _counted, _left
+from fricomp.sim_bench.diagnosis.search import Found
 from fricomp.sim_bench.diagnosis.solver import Box, Fit
 from fricomp.sim_bench.diagnosis.structure import N_BASE, Candidate, Structure, _contributions
 from fricomp.sim_bench.diagnosis.track import FloatArray, Track
@@ -70,51 +71,24 @@ def test_rest_speaks_only_for_effects_that_show_there(prepared: Prepared) -> Non
     before, after = np.full(sliding.size, 0.7), np.full(sliding.size, 0.7)
     after[~sliding] = 0.0
     fall = 0.49 * np.sum(~sliding)
-    assert _counted(prepared, ("frictional_lag",), _fit(before), _fit(after)) == 0.0
-    assert _counted(prepared, ("backlash",), _fit(before), _fit(after)) == pytest.approx(fall)
-    assert _counted(prepared, ("backlash", "frictional_lag"), _fit(before), _fit(after)) == pytest.approx(fall)
+    assert evidence(prepared, ("frictional_lag",), _fit(before), _fit(after)) == 0.0
+    assert evidence(prepared, ("backlash",), _fit(before), _fit(after)) == pytest.approx(fall)
+    assert evidence(prepared, ("backlash", "frictional_lag"), _fit(before), _fit(after)) == pytest.approx(fall)
 
 
 def test_a_fall_about_rest_that_no_bristle_reaches_speaks_for_any_effect(prepared: Prepared) -> None:
     loud = np.where(prepared.sliding, 1.0, 2.0)
-    counted = _counted(prepared, ("load_stribeck",), _fit(loud), _fit(np.ones(loud.size)))
-    assert counted == pytest.approx(3.0 * np.sum(~prepared.sliding))
+    shown = evidence(prepared, ("load_stribeck",), _fit(loud), _fit(np.ones(loud.size)))
+    assert shown == pytest.approx(3.0 * np.sum(~prepared.sliding))
 
 
 def test_no_row_counts_for_more_than_three_deviations(prepared: Prepared) -> None:
     before = np.zeros(prepared.sliding.size)
     first, second = np.flatnonzero(prepared.sliding)[:2]
     before[first] = 100.0
-    assert _counted(prepared, ("cogging",), _fit(before), _fit(0.0 * before)) == pytest.approx(9.0)
+    assert evidence(prepared, ("cogging",), _fit(before), _fit(0.0 * before)) == pytest.approx(9.0)
     before[second] = 2.0
-    assert _counted(prepared, ("cogging",), _fit(before), _fit(0.0 * before)) == pytest.approx(13.0)
-
-
-def test_what_rest_alone_gains_does_not_make_a_pair(prepared: Prepared) -> None:
-    sliding, quiet = prepared.sliding, np.zeros(prepared.sliding.size)
-    only_rest, everywhere = np.where(sliding, 0.0, 0.7), np.full(sliding.size, 2.0)
-    pair = replace(_explanation(("cogging", "frictional_lag"), 5000.0, quiet), coverage=0.99)
-    assert _better(prepared, pair, _explanation(("cogging",), 100.0, everywhere), 50.0)
-    assert not _better(prepared, pair, _explanation(("cogging",), 100.0, only_rest), 50.0)
-    ended = replace(_explanation(("cogging", "end_stop"), 5000.0, quiet), coverage=0.99)
-    assert _better(prepared, ended, _explanation(("cogging",), 100.0, only_rest), 50.0)
-
-
-def test_only_what_is_certain_passes_the_threshold() -> None:
-    row = np.zeros(1)
-    loud = _explanation(("backlash",), 900.0, row, certain=20.0)
-    sure = _explanation(("cogging",), 400.0, row, certain=300.0)
-    refused = replace(_explanation(("end_stop",), 999.0, row), refused="pulls outwards")
-    assert _acceptable([loud, sure, refused], 30.0) == [sure]
-
-
-@pytest.mark.parametrize(("filling", "share"), [("position_coulomb", 0.99), ("external_disturbance", 0.85)])
-def test_what_fills_in_for_others_yields_to_what_fits_about_as_well(filling: str, share: float) -> None:
-    fills = _explanation((filling,), 1000.0, np.zeros(1))
-    plain = _explanation(("load_coulomb",), share * 1000.0, np.zeros(1))
-    assert _acceptable([fills, plain], 30.0) == [plain, fills]
-    clear = _explanation(("load_coulomb",), 0.7 * 1000.0, np.zeros(1))
-    assert _acceptable([fills, clear], 30.0) == [fills, clear]
+    assert evidence(prepared, ("cogging",), _fit(before), _fit(0.0 * before)) == pytest.approx(13.0)
 
 
 @dataclass(frozen=True)
@@ -211,8 +185,8 @@ def test_what_lies_mostly_about_rest_speaks_for_no_effect_of_sliding(prepared: P
     none = _fit(np.zeros(rows.size))
     some = np.where(rows, 20.0 / rows.sum(), 0.0)
     rest = some + np.where(rows, 0.0, 0.58)
-    assert _counted(prepared, {"frictional_lag"}, _fit(np.sqrt(some)), none) == pytest.approx(20.0)
-    assert _counted(prepared, {"frictional_lag"}, _fit(np.sqrt(rest)), none) == 0.0
+    assert evidence(prepared, {"frictional_lag"}, _fit(np.sqrt(some)), none) == pytest.approx(20.0)
+    assert evidence(prepared, {"frictional_lag"}, _fit(np.sqrt(rest)), none) == 0.0
 
 
 @pytest.mark.parametrize("memory", [0.6, -0.4])

@@ -1,0 +1,102 @@
+"""The choice among explanations: the smallest one that no larger one beats where its further effects can be seen."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .explanation import Explanation, evidence
+from .preparation import Prepared
+
+__all__ = ["ENOUGH", "acceptable", "choose", "close_to"]
+
+ENOUGH = 0.98  # coverage at which a generic basis sees nothing more
+_ANOTHER = 0.08  # of the gain, that one more effect must add: less is the form of the first one not quite met
+_MUCH, _REMNANT = 3.0, 0.3  # thresholds of gain, and part of what is left, of effects that complete an explanation
+_WIDER = 0.015  # coverage that it must add while a generic basis sees something
+_UNTOUCHED, _APART = 0.3, 2.0  # noise of a row, and thresholds of evidence in rows that the first effects hardly reach
+_OVERWHELMING = 10.0  # thresholds from which they count wherever they show; a bristle has been seen to bring 7
+# What of its gain an explanation counts for that would fill in for others: pushes in windows of time for anything that
+# comes and goes, a friction wave of any order for friction under a load that follows the position.
+_FILLS_IN = {"external_disturbance": 0.8, "position_coulomb": 0.98}
+_NEAR, _FINALISTS = 0.1, 2  # of its gain that a rival may lack, and how many of them there are
+
+
+def acceptable(tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
+    """Explanations that are physical and stand out, best first."""
+    passing = [e for e in tried if not e.refused and e.certain > threshold]
+    return sorted(passing, key=lambda explanation: -_weighed(explanation))
+
+
+def choose(prepared: Prepared, tried: Sequence[Explanation], threshold: float) -> Explanation | None:
+    """The smallest explanation that no larger one beats by a material gain and coverage."""
+    best: Explanation | None = None
+    for size in (1, 2, 3):
+        options = acceptable([e for e in tried if len(e.names) == size], threshold)
+        if not options:
+            continue
+        top = options[0]
+        if (best is None or _better(prepared, top, best, threshold)) and not _idle(prepared, top, tried, threshold):
+            best = top
+    return best
+
+
+def _idle(prepared: Prepared, larger: Explanation, tried: Sequence[Explanation], threshold: float) -> bool:
+    """Whether some of its effects explain about all alone, be they refused: the others would only carry them."""
+    return any(
+        set(part.names) < set(larger.names)
+        and _weighed(larger) < _weighed(part) + _worth(part, threshold)
+        and not _completes(larger, part, threshold)
+        and not _stands_apart(prepared, larger, part, threshold)
+        for part in tried
+    )
+
+
+def _better(prepared: Prepared, larger: Explanation, best: Explanation, threshold: float) -> bool:
+    """Whether the further effects of a larger explanation add enough, and where they can be seen."""
+    shown = evidence(prepared, set(larger.names) - set(best.names), best.fit, larger.fit)
+    if _completes(larger, best, threshold):
+        return shown > threshold or _weighed(larger) > _weighed(best) + _OVERWHELMING * threshold
+    return _stands_apart(prepared, larger, best, threshold) or (
+        _weighed(larger) > _weighed(best) + _worth(best, threshold)
+        and shown > max(threshold, _ANOTHER * best.certain)
+        and larger.coverage > min(best.coverage + _WIDER, ENOUGH)
+    )
+
+
+def _stands_apart(prepared: Prepared, larger: Explanation, part: Explanation, threshold: float) -> bool:
+    """Whether its further effects show in rows that the first ones do not reach, so that no form of those makes them.
+
+    A stop explains so much about the end of the range that little of all is left for friction elsewhere.
+    """
+    further = set(larger.names) - set(part.names)
+    if _FILLS_IN.keys() & further or _weighed(larger) < _weighed(part) + _APART * threshold:
+        return False
+    untouched = np.abs(part.reach(prepared)) < _UNTOUCHED
+    shown = evidence(prepared, further, part.fit, larger.fit, at=untouched) if np.any(untouched) else 0.0
+    return shown > _APART * threshold
+
+
+def _worth(part: Explanation, threshold: float) -> float:
+    """Gain that further effects must add: less is the form of the first ones not quite met."""
+    return max(threshold, _ANOTHER * part.gain)
+
+
+def _completes(larger: Explanation, part: Explanation, threshold: float) -> bool:
+    """Whether its further effects take away nearly all that is left, as none does of a form that is not quite met."""
+    clear = _weighed(larger) > _weighed(part) + _MUCH * threshold
+    if _FILLS_IN.keys() & set(larger.names) - set(part.names):
+        return False
+    return clear and larger.coverage > ENOUGH and larger.left < _REMNANT * part.left
+
+
+def _weighed(explanation: Explanation) -> float:
+    """Gain, less a share for effects that fill in for others."""
+    return explanation.gain * min(_FILLS_IN.get(name, 1.0) for name in explanation.names)
+
+
+def close_to(best: Explanation, accepted: Sequence[Explanation]) -> list[Explanation]:
+    """The chosen explanation and the rivals that the last steps could still bring before it."""
+    near = [e for e in accepted if e is not best and e.gain > (1.0 - _NEAR) * best.gain]
+    return [best, *sorted(near, key=lambda rival: -rival.gain)[:_FINALISTS]]

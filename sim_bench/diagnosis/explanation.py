@@ -1,0 +1,146 @@
+"""An explanation: a structure fitted jointly, and what speaks for it in rows that can show its effects."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .effects import EFFECTS
+from .preparation import Prepared
+from .screening import orthonormal, project_out
+from .solver import Fit
+from .structure import N_BASE, Candidate, Structure
+from .track import FloatArray
+
+__all__ = ["Explanation", "evidence", "judged", "spread_excess"]
+
+_MOST_OF_A_ROW = 9.0  # gain that one row may add to what counts against the threshold
+_FAIR = 0.5  # of what an effect of sliding would explain in the rows that slide, were it spread evenly, that it must
+_LOUD_ABOUT_REST = 0.6  # gain per row there; the form of the bristle has been seen to leave 0.3 of nothing missing
+_BRISTLE = 0.3  # such energy per row there, that is not held against an explanation
+# Gain per row of all, and coverage, of an explanation that counts wherever it shows: nulls reach 0.04 and 0.7.
+_PLAIN, _PLAINLY_COVERED = 0.08, 0.85
+_DETENT, _SAME_ORDER = ("cogging", "position_coulomb"), 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Explanation:
+    """A structure fitted jointly.
+
+    Attributes:
+        structure: Base and effects.
+        fit: The minimum.
+        gain: Fall of the cost from the base, less the BIC penalty.
+        certain: The same from rows that can show the effects, none counting for more than a few: rows about rest hang
+            on a bristle that no model has quite right, and a handful of rows decides nothing.
+        coverage: Part of the explainable energy that it covers.
+        left: Energy that a generic basis explains of what it leaves, beyond chance.
+        refused: Why it is not physical; empty where it is.
+    """
+
+    structure: Structure
+    fit: Fit
+    gain: float
+    certain: float
+    coverage: float
+    left: float = 0.0
+    refused: str = ""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of its effects, sorted."""
+        return self.structure.names
+
+    def reach(self, prepared: Prepared) -> FloatArray:
+        """What its effects add to each row, in units of the noise. Shape (m,)."""
+        return self.structure.added(prepared.problem, self.fit.theta, self.names)
+
+    @property
+    def one_mechanism(self) -> bool:
+        """Whether a torque and a friction follow the position in the same rhythm: one part makes both, as a detent."""
+        values = self.structure.values(self.fit.theta[N_BASE:])
+        orders = [values[name]["order"] for name in _DETENT if name in values]
+        return len(orders) == len(_DETENT) and abs(orders[0] - orders[1]) < _SAME_ORDER * max(orders)
+
+    @property
+    def settled(self) -> tuple[Candidate, ...]:
+        """Its effects, starting where their fit ended."""
+        values = self.structure.values(self.fit.theta[N_BASE:])
+        return tuple(Candidate(c.name, tuple(values[c.name].items())) for c in self.structure.candidates)
+
+
+def judged(prepared: Prepared, structure: Structure, fit: Fit) -> Explanation:
+    """What speaks for a fitted structure, and against it."""
+    fall = prepared.fit.cost - fit.cost
+    penalty = structure.freedom * float(np.log(fit.residual.size))
+    left = _left(prepared, fit)
+    coverage = fall / (fall + left) if fall > 0.0 else 0.0
+    plain = fall > _PLAIN * fit.residual.size and coverage > _PLAINLY_COVERED
+    certain = evidence(prepared, structure.names, prepared.fit, fit, plain=plain)
+    refused = _refusal(structure, fit)
+    return Explanation(structure, fit, fall - penalty, certain - penalty, float(coverage), left, refused)
+
+
+def evidence(
+    prepared: Prepared,
+    names: Collection[str],
+    before: Fit,
+    after: Fit,
+    *,
+    plain: bool = False,
+    at: NDArray[np.bool_] | None = None,
+) -> float:
+    """Fall of the cost in rows that can show the effects `names`, none counting for more than a few.
+
+    Nothing where too little of it lies where the joint slides: effects of sliding reach rest only by bending the
+    bristle. A fall about rest that no error of the bristle's form reaches counts for any of them.
+
+    Args:
+        prepared: Base model and recordings.
+        names: The effects.
+        before: Fit without them.
+        after: Fit with them.
+        plain: Whether they bring and cover so much that they count wherever they show.
+        at: Rows that are looked at, shape (m,); None for all of them.
+    """
+    fall, rows = _falls(before, after), prepared.sliding
+    if at is not None:
+        fall, rows = fall[at], rows[at]
+    about_rest = float(np.mean(fall[~rows])) if not np.all(rows) else 0.0
+    if plain or about_rest > _LOUD_ABOUT_REST or any(EFFECTS[name].shown_at_rest for name in names):
+        return float(np.sum(fall))
+    sliding, fair = float(np.sum(fall[rows])), float(np.sum(fall)) * float(np.mean(rows))
+    return sliding if sliding > _FAIR * fair else min(sliding, 0.0)
+
+
+def _falls(before: Fit, after: Fit) -> FloatArray:
+    """Fall of the cost in each row, none counting for more than a few. Shape (m,)."""
+    return np.clip(before.residual**2 - after.residual**2, -_MOST_OF_A_ROW, _MOST_OF_A_ROW)
+
+
+def _left(prepared: Prepared, fit: Fit) -> float:
+    """Energy that the generic basis explains of what a fit leaves, beyond chance and the form of the bristle."""
+    span, about_rest = orthonormal(project_out(prepared.generic, orthonormal(fit.jacobian)), 1e-4), ~prepared.sliding
+    bristle = _excess(span * about_rest[:, None], fit.residual)
+    of_its_form = float(np.clip(bristle, 0.0, _BRISTLE * np.sum(about_rest)))
+    return max(_excess(span, fit.residual) - of_its_form, 0.0)
+
+
+def _refusal(structure: Structure, fit: Fit) -> str:
+    values = structure.values(fit.theta[N_BASE:])
+    reasons = [c.effect.refuse(values[c.name], structure.contexts) for c in structure.candidates]
+    return "; ".join(reason for reason in reasons if reason)
+
+
+def _excess(span: FloatArray, residual: FloatArray) -> float:
+    """Energy explained by `span`, orthonormal or some rows of it, beyond what noise gives."""
+    return float(np.sum((span.T @ residual) ** 2) - np.sum(span**2))
+
+
+def spread_excess(span: FloatArray, residual: FloatArray) -> float:
+    """The same where no row counts for more than a few: one bad moment is no physics."""
+    limit = float(np.sqrt(_MOST_OF_A_ROW))
+    return _excess(span, np.clip(residual, -limit, limit))
