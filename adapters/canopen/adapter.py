@@ -14,19 +14,18 @@ from ..can_adapter import CanAdapter
 from ..configuration import convert
 from ..driver import HOW_TO_CLEAR
 from ..link import CanFrame, CanLink
-from . import objects
 from .configuration import CanOpenConfiguration
 from .drive import CONDITION, FAULT_RESTARTED, MODE_NUMBERS, MOTION, OPERATIONAL, CanOpenDrive
 from .process_data import COMMAND_OBJECTS, STATE_OBJECTS, map_process_data
 from .scaling import read_scaling
 from .service import ServiceChannel
+from .set_up import find_modes, set_mode, set_period, set_watchdog
 from .state_machine import CLEAR_FAULT, DISABLE_VOLTAGE, ENABLE_STEPS, DriveState
 
 __all__ = ["CanOpenAdapter"]
 
 SYNC = CanFrame(0x080)
 NMT_START, NMT_PRE_OPERATIONAL = 0x01, 0x80
-CIA_402 = 402
 
 # Frames that a node sends, by their identifier without the node number.
 EMERGENCY, MOTION_PDO, CONDITION_PDO, SDO_ANSWER, HEARTBEAT = 0x080, 0x180, 0x280, 0x580, 0x700
@@ -119,7 +118,7 @@ class CanOpenAdapter(CanAdapter):
         modes = set(MODE_NUMBERS)
         for joint, drive in zip(self._configuration.joints, self._drives, strict=True):
             try:
-                modes &= self._inspect(drive)
+                modes &= find_modes(drive)
                 drive.scaling = read_scaling(drive.service, joint.counts_per_revolution, joint.velocity_count)
             except AdapterError as error:
                 raise type(error)(f"joint {joint.name!r}: {error}") from error
@@ -129,17 +128,6 @@ class CanOpenAdapter(CanAdapter):
         offered = tuple(mode for mode in every if mode in modes)
         rates = {mode: self._rate_in(mode) for mode in offered}
         return Capabilities(self._declare(), offered, max(rates.values()), None, mode_rates=rates)
-
-    def _inspect(self, drive: CanOpenDrive) -> set[CommandMode]:
-        """The cyclic modes of a drive that is one, and is not energised by somebody else."""
-        kind = drive.service.read(objects.DEVICE_TYPE) & 0xFFFF
-        if kind != CIA_402:
-            raise AdapterConfigurationError(f"node {drive.node_id} is no CiA 402 drive: its device type is {kind}")
-        drive.take_statusword(drive.service.read(objects.STATUSWORD))
-        if drive.state is DriveState.OPERATION_ENABLED:
-            raise AdapterConnectionError(f"node {drive.node_id} is energised by somebody else: disable it first")
-        supported = drive.service.read(objects.SUPPORTED_MODES)
-        return {mode for mode, number in MODE_NUMBERS.items() if supported >> (number - 1) & 1}
 
     def _declare(self) -> tuple[JointCapabilities, ...]:
         return tuple(
@@ -173,9 +161,9 @@ class CanOpenAdapter(CanAdapter):
                 self._send([_nmt(NMT_PRE_OPERATIONAL, drive)])
                 drive.restarted = False
                 map_process_data(drive.service, drive.node_id, mode)
-                self._set_mode(drive, mode)
-                self._set_period(drive, period)
-                confirmed = self._set_watchdog(drive) and confirmed
+                set_mode(drive, mode, lambda taken: self._wait(taken, self._configuration.response_timeout, ""))
+                set_period(drive, period)
+                confirmed = set_watchdog(drive, self._configuration) and confirmed
             except AdapterError as error:
                 raise type(error)(f"joint {joint.name!r}: {error}") from error
             drive.use_mode(mode)
@@ -186,45 +174,6 @@ class CanOpenAdapter(CanAdapter):
         self._send([SYNC])
         timeout = self._configuration.response_timeout
         self._wait(self._arrivals.take, timeout, "not all drives answered SYNC with their state")
-
-    def _set_mode(self, drive: CanOpenDrive, mode: CommandMode) -> None:
-        number = MODE_NUMBERS[mode]
-        drive.service.write(objects.MODE, number)
-        found: list[int] = []
-
-        def taken() -> bool:
-            found.append(drive.service.read(objects.MODE_DISPLAY))
-            return found[-1] == number
-
-        try:
-            self._wait(taken, self._configuration.response_timeout, "")
-        except AdapterTimeout as error:
-            raise AdapterConfigurationError(
-                f"node {drive.node_id} does not take mode {number} ({mode}): it shows {found[-1]} in object 6061"
-            ) from error
-
-    def _set_period(self, drive: CanOpenDrive, period: float) -> None:
-        """Tell the drive how often references come, where it wants to know."""
-        for exponent in (-3, -4, -5):
-            count = round(period * 10.0**-exponent)
-            if abs(count * 10.0**exponent - period) < 1e-9 and 1 <= count <= 255:
-                drive.service.try_write(objects.INTERPOLATION_PERIOD, count)
-                drive.service.try_write(objects.INTERPOLATION_EXPONENT, exponent)
-                return
-
-    def _set_watchdog(self, drive: CanOpenDrive) -> bool:
-        """Let the drive watch our heartbeat, and us watch its; whether it kept what was written."""
-        configuration = self._configuration
-        watched = configuration.master_id << 16 | round(configuration.watchdog * 1e3)
-        drive.service.write_confirmed(objects.PRODUCER_HEARTBEAT, round(configuration.heartbeat * 1e3))
-        drive.heard_ns = None
-        service = drive.service
-        return (
-            service.try_write(objects.CONSUMER_HEARTBEAT, watched)
-            and service.try_write(objects.ABORT_CONNECTION_OPTION, configuration.abort_option)
-            and service.read(objects.CONSUMER_HEARTBEAT) == watched
-            and service.read(objects.ABORT_CONNECTION_OPTION) == configuration.abort_option
-        )
 
     def _confirmed_watchdog(self) -> Watchdog | None:
         return self._watchdog
