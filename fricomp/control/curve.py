@@ -53,7 +53,7 @@ class CurveParameters(NamedTuple):
     def steepest_fall(self) -> float:
         """Largest -dF/ds of the curve, 0 where it never falls [N·m·s/rad] or [N·s/m].
 
-        For exponent 2 this is sqrt(2/e) rise/stribeck_velocity minus the viscous coefficient [armstrong1994].
+        For exponent 2 this is sqrt(2/e) rise/stribeck_velocity minus the viscous coefficient [armstrong1994survey].
         """
         delta = self.exponent
         if self.rise <= 0.0:

@@ -1,8 +1,8 @@
 """Where a loop with friction and its compensation starts to oscillate: describing functions, with the delay.
 
 The joint obeys J q'' = u - F(v), the loop u = e^(-sT) (K e - D v + g C(v_r, v)). For v = v_0 + A sin(w t) friction
-and compensation act like damping N_F(A) and N_C(A) [armstrong1994; olsson1998], so that an oscillation of amplitude A
-grows if
+and compensation act like damping N_F(A) and N_C(A) [armstrong1994survey; olsson1998], so that an oscillation of
+amplitude A grows if
 
     J s^2 + K e^(-sT) + s (D H + N_F - g N_C H) = 0,  H = e^(-sT)/(1 + s T_v)
 
