@@ -14,7 +14,7 @@ from .track import FloatArray
 
 __all__ = ["Confirmation", "confirm"]
 
-_FOLDS, _BLOCKS = 6, 3  # and blocks of each, so that the others hold what is alike: a sweep meets each speed once
+_FOLDS, _BLOCKS = 6, 6  # and blocks of each, so that the others hold what is alike: a sweep meets each speed once
 _SHORTEST = 60  # rows of a block
 _FEW = 3  # recordings, below which blocks are left out instead of whole ones
 _GAP_ROWS = 15  # 0.3 s, five correlation times of the rows

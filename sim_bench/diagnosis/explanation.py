@@ -23,7 +23,7 @@ _LOUD_ABOUT_REST = 0.6  # gain per row there; the form of the bristle has been s
 _BRISTLE = 0.3  # such energy per row there, that is not held against an explanation
 # Gain per row of all, and coverage, of an explanation that counts wherever it shows: nulls reach 0.04 and 0.7.
 _PLAIN, _PLAINLY_COVERED = 0.08, 0.85
-_DETENT, _SAME_ORDER = ("cogging", "position_coulomb"), 0.05
+_DETENT, _SAME_ORDER, _LIKE_SIZE = ("cogging", "position_coulomb"), 0.05, 0.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,10 +60,14 @@ class Explanation:
 
     @property
     def one_mechanism(self) -> bool:
-        """Whether a torque and a friction follow the position in the same rhythm: one part makes both, as a detent."""
+        """Whether a torque and a friction of like size follow the position in one rhythm: a detent makes both."""
         values = self.structure.values(self.fit.theta[N_BASE:])
-        orders = [values[name]["order"] for name in _DETENT if name in values]
-        return len(orders) == len(_DETENT) and abs(orders[0] - orders[1]) < _SAME_ORDER * max(orders)
+        waves = [values[name] for name in _DETENT if name in values]
+        if len(waves) < len(_DETENT):
+            return False
+        orders = sorted(wave["order"] for wave in waves)
+        sizes = sorted(float(np.hypot(wave["sine"], wave["cosine"])) for wave in waves)
+        return orders[1] - orders[0] < _SAME_ORDER * orders[1] and sizes[0] > _LIKE_SIZE * sizes[1]
 
     @property
     def settled(self) -> tuple[Candidate, ...]:

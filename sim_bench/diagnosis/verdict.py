@@ -50,11 +50,12 @@ _CLEAR = 1.5  # thresholds of gain that an explanation must reach which covers l
 # Energy per row, and in that of the loudest nulls, that may be left where most is covered.
 _FAINT, _FAINT_NULLS = 0.03, 3.0
 _UNKNOWN = 0.15  # energy per row, in units of the noise, that something unnamed must reach to be reported
-_LOUD, _LOUDEST = 1.15, 1.35  # residual over noise that it must reach; beyond the second something is missing anyway
+_LOUD, _LOUDEST = 1.15, 1.25  # residual over noise that it must reach; beyond the second something is missing anyway
 _TONE = 2.5  # times the strongest line that a null shows, from which a line is a vibration
 _EXPLAINED = 0.7  # on held-out data, of what shows in a few blocks only or leaves more than the next
 _STILL_LOUD = 1.5  # energy over that of the noise
 _MUCH = 3.0  # thresholds of gain of what shows in a few blocks only
+_SURE, _HALF = 10.0, 0.5  # thresholds from which half of what was to be explained there is enough
 
 
 @dataclass(frozen=True)
@@ -153,7 +154,8 @@ def _confirmed(held: Confirmation, chosen: Explanation, threshold: float) -> boo
     """
     if held.rmse_after**2 > _STILL_LOUD * held.noise_floor**2 and held.explained < _EXPLAINED:
         return False
-    rare = held.explained > _EXPLAINED and chosen.certain > _MUCH * threshold
+    least = _HALF if chosen.certain > _SURE * threshold else _EXPLAINED
+    rare = held.explained > least and chosen.certain > _MUCH * threshold
     return held.ci95_reduction[0] > 0.0 or (rare and held.rmse_after < held.rmse_before)
 
 

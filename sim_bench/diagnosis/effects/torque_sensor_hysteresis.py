@@ -37,7 +37,6 @@ class TorqueSensorHysteresis(Effect):
     equation = "r = h z, z' = tau' (1 - [z tau' > 0] |z / w|^n)"
     citation = "wen1976"
     says = "the torque reading lags behind the load in a loop"
-    shown_at_rest = True
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         largest = _largest(contexts)

@@ -217,10 +217,14 @@ def test_a_ripple_has_a_phase_of_its_own_in_each_recording(context: Context) -> 
     np.testing.assert_allclose(effect.contribution(second, values).additive, 2.0 * np.cos(angle))
 
 
-@pytest.mark.parametrize(("order", "one"), [(18.4, True), (18.0, True), (12.0, False)])
-def test_ripple_of_torque_and_friction_at_one_order_is_one_mechanism(order: float, one: bool, context: Context) -> None:
+@pytest.mark.parametrize(
+    ("order", "size", "one"), [(18.4, 0.1, True), (18.0, 0.5, True), (12.0, 0.1, False), (18.4, 0.03, False)]
+)
+def test_ripple_of_torque_and_friction_at_one_order_is_one_mechanism(
+    order: float, size: float, one: bool, context: Context
+) -> None:
     cogging = Candidate("cogging", (("sine", 0.2), ("order", 18.4)))
-    friction = Candidate("position_coulomb", (("cosine", 0.1), ("order", order)))
+    friction = Candidate("position_coulomb", (("cosine", size), ("order", order)))
     for candidates, expected in (((cogging, friction), one), ((cogging,), False)):
         structure = Structure((context,), candidates)
         theta = np.concatenate([np.zeros(N_BASE), structure.start()])

@@ -121,7 +121,7 @@ def test_a_line_leaves_what_a_fit_to_the_other_blocks_leaves() -> None:
         np.testing.assert_allclose(found[test], table[test] @ fitted - torque[test], atol=1e-3)
 
 
-@pytest.mark.parametrize(("rows", "blocks"), [(300, 1), (600, 1), (800, 2), (1209, 3), (4959, 3)])
+@pytest.mark.parametrize(("rows", "blocks"), [(300, 1), (600, 1), (800, 2), (1209, 3), (4959, 6)])
 def test_folds_hold_several_blocks_and_a_gap_about_each(rows: int, blocks: int) -> None:
     folds = _folds([rows])
     assert len(folds) == 6
@@ -153,7 +153,8 @@ def test_three_recordings_are_left_out_whole() -> None:
         (0.01, 0.75, 40.0, 0.98, True),
         (-0.01, 0.8, 200.0, 0.9, True),  # in few blocks, and strong there
         (-0.01, 0.8, 60.0, 0.9, False),
-        (-0.01, 0.5, 200.0, 0.9, False),
+        (-0.01, 0.6, 200.0, 0.9, False),
+        (-0.01, 0.6, 600.0, 0.9, True),  # half of it, and overwhelming where it shows
         (-0.01, 0.8, 200.0, 1.1, False),
     ],
 )
