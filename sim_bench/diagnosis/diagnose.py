@@ -90,7 +90,7 @@ def diagnose(
         say("confirming on held-out data")
         answer = conclude(Answer(tuple(given), prepared, found, rigid, friction, seed))
         # What is one unknown mechanism shows as a ripple in the samples too.
-        detent = found.best is not None and found.best.one_mechanism
+        detent = found.best is not None and found.best.common_order is not None
         looked = answer if detent else second_look(given, answer, seed)
         if looked is answer:
             say("simulating forward in MuJoCo")

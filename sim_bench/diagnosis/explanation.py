@@ -59,15 +59,15 @@ class Explanation:
         return self.structure.added(prepared.problem, self.fit.theta, self.names)
 
     @property
-    def one_mechanism(self) -> bool:
-        """Whether a torque and a friction of like size follow the position in one rhythm: a detent makes both."""
+    def common_order(self) -> float | None:
+        """Order in which a torque and a friction of like size follow the position: one part makes both, as a detent."""
         values = self.structure.values(self.fit.theta[N_BASE:])
         waves = [values[name] for name in _DETENT if name in values]
         if len(waves) < len(_DETENT):
-            return False
-        orders = sorted(wave["order"] for wave in waves)
-        sizes = sorted(float(np.hypot(wave["sine"], wave["cosine"])) for wave in waves)
-        return orders[1] - orders[0] < _SAME_ORDER * orders[1] and sizes[0] > _LIKE_SIZE * sizes[1]
+            return None
+        low, high = sorted(wave["order"] for wave in waves)
+        small, large = sorted(float(np.hypot(wave["sine"], wave["cosine"])) for wave in waves)
+        return 0.5 * (low + high) if high - low < _SAME_ORDER * high and small > _LIKE_SIZE * large else None
 
     @property
     def settled(self) -> tuple[Candidate, ...]:

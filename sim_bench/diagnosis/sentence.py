@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .result import DiagnosisRecord, Forward, NamedEffect
 
-__all__ = ["forward_sentence", "sentences"]
+__all__ = ["detent_sentence", "forward_sentence", "sentences"]
 
 _OPENING = {
     "consistent": "Nothing is missing: the residual is what the sensors' noise leaves.",
@@ -41,6 +41,14 @@ def forward_sentence(forward: Forward) -> str:
     return (
         f"Simulated forward in MuJoCo from {low:.3g} to {high:.3g} s, which took no part, the position error {errors}; "
         f"{forward.controller}."
+    )
+
+
+def detent_sentence(order: float, unit: str) -> str:
+    """What a torque and a friction in one rhythm over the position are."""
+    return (
+        f"Torque and friction follow the position together, by like amounts, at the order {order:.4g} 1/{unit}: "
+        "one part makes both, such as a detent."
     )
 
 

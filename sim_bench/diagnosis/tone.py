@@ -13,40 +13,51 @@ from .track import FloatArray
 __all__ = ["Tone", "find_tone"]
 
 _LIMIT = 3.0  # deviations beyond which a row counts as that many: one bad moment fills the whole spectrum
+_MOTION = 0.95  # of the energy of the velocity lies below the frequencies at which vibrations are looked for
 
 
 class Tone(NamedTuple):
-    """The strongest line.
+    """The strongest line above the frequencies of the motion.
 
     Attributes:
         frequency: Of the line [Hz].
         width: Resolution of the spectrum [Hz].
         energy: In it, in units of the noise variance; noise alone has about 2 in each line.
         energy_null: The most that a null has in any line.
+        share: Of the energy beyond the noise that lies in it: what follows the motion is spread over many lines.
     """
 
     frequency: float
     width: float
     energy: float
     energy_null: float
+    share: float
 
 
 def find_tone(prepared: Prepared) -> Tone:
     """The strongest line in the spectra of what the base leaves of each recording."""
-    ends = np.cumsum([grid.centres.size for grid in prepared.problem.grids])[:-1]
-    lines = [
-        _strongest(part, float(grid.centres[1] - grid.centres[0]) * track.dt)
-        for part, grid, track in zip(
-            np.split(prepared.fit.residual, ends), prepared.problem.grids, prepared.problem.tracks, strict=True
-        )
-    ]
-    energy, frequency, width = max(lines)
-    nulls = [max(_strongest(part, 1.0)[0] for part in np.split(null, ends)) for null in prepared.null_residuals]
-    return Tone(frequency, width, energy, max(nulls))
+    problem = prepared.problem
+    ends = np.cumsum([grid.centres.size for grid in problem.grids])[:-1]
+    lines = []
+    for part, grid, track in zip(np.split(prepared.fit.residual, ends), problem.grids, problem.tracks, strict=True):
+        step = float(grid.centres[1] - grid.centres[0]) * track.dt
+        energy, frequency, share = _strongest(part, _highest_of_motion(track.velocity[grid.centres]))
+        lines.append((energy, frequency / step, 1.0 / (part.size * step), share))
+    energy, frequency, width, share = max(lines)
+    nulls = [max(_strongest(part, 0.0)[0] for part in np.split(null, ends)) for null in prepared.null_residuals]
+    return Tone(frequency, width, energy, max(nulls), share)
 
 
-def _strongest(rows: FloatArray, step: float) -> tuple[float, float, float]:
-    """Energy, frequency [Hz] and resolution [Hz] of the strongest line."""
-    frequency, energy = periodogram(np.clip(rows, -_LIMIT, _LIMIT), 1.0, detrend="constant")
-    best = int(np.argmax(energy))
-    return float(energy[best]), float(frequency[best]) / step, 1.0 / (rows.size * step)
+def _highest_of_motion(velocity: FloatArray) -> float:
+    """Frequency below which the joint moves, in cycles per row."""
+    frequency, energy = periodogram(velocity, 1.0, detrend="constant")
+    return float(frequency[int(np.searchsorted(np.cumsum(energy), _MOTION * energy.sum()))])
+
+
+def _strongest(rows: FloatArray, above: float) -> tuple[float, float, float]:
+    """Energy and frequency (in cycles per row) of the strongest line above a frequency, and its share of the excess."""
+    clipped = np.clip(rows, -_LIMIT, _LIMIT)
+    frequency, energy = periodogram(clipped, 1.0, detrend="constant")
+    best = int(np.argmax(np.where(frequency > above, energy, 0.0)))
+    excess = max(float(clipped @ clipped) - rows.size, float(energy[best]))
+    return float(energy[best]), float(frequency[best]), float(energy[best]) / excess

@@ -36,7 +36,7 @@ from .result import (
 )
 from .rigid import RigidJoint
 from .search import Found
-from .sentence import sentences
+from .sentence import detent_sentence, sentences
 from .structure import N_BASE
 from .tone import Tone, find_tone
 from .track import FloatArray
@@ -51,7 +51,8 @@ _CLEAR = 1.5  # thresholds of gain that an explanation must reach which covers l
 _FAINT, _FAINT_NULLS = 0.03, 3.0
 _UNKNOWN = 0.15  # energy per row, in units of the noise, that something unnamed must reach to be reported
 _LOUD, _LOUDEST = 1.15, 1.25  # residual over noise that it must reach; beyond the second something is missing anyway
-_TONE = 2.5  # times the strongest line that a null shows, from which a line is a vibration
+# Times the strongest line that a null shows, and share of what is beyond the noise, from which a line is a vibration.
+_TONE, _ALONE = 2.5, 0.2
 _EXPLAINED = 0.7  # on held-out data, of what shows in a few blocks only or leaves more than the next
 _STILL_LOUD = 1.5  # energy over that of the noise
 _MUCH = 3.0  # thresholds of gain of what shows in a few blocks only
@@ -88,7 +89,7 @@ def conclude(answer: Answer) -> Diagnosis:
     answer = replace(answer, found=agreed)
     prepared, found = answer.prepared, answer.found
     best = found.best
-    chosen = best if best is not None and _covers(best, answer) and not best.one_mechanism else None
+    chosen = best if best is not None and _covers(best, answer) and best.common_order is None else None
     held = _confirm(answer, chosen)
     if chosen is not None and not _confirmed(held, chosen, found.threshold):
         chosen = None
@@ -129,7 +130,10 @@ def conclude(answer: Answer) -> Diagnosis:
     proposal = _propose(answer, chosen)
     if proposal is not None:
         record = with_fields(record, next_experiment=proposal[0])
-    record = with_fields(record, sentences=sentences(record))
+    said = sentences(record)
+    if unknown and best is not None and best.common_order is not None:
+        said = (*said, detent_sentence(best.common_order, answer.position_unit))
+    record = with_fields(record, sentences=said)
     return Diagnosis(
         record=record,
         evidence=_evidence(answer, series),
@@ -180,7 +184,7 @@ def _propose(answer: Answer, chosen: Explanation | None) -> tuple[NextExperiment
 def _vibration(prepared: Prepared) -> Tone | None:
     """The strongest line in the spectrum of what the base leaves; None where nulls have such lines."""
     tone = find_tone(prepared)
-    return tone if tone.energy > _TONE * tone.energy_null else None
+    return tone if tone.energy > _TONE * tone.energy_null and tone.share > _ALONE else None
 
 
 def _stands_out(found: Found, prepared: Prepared) -> bool:
@@ -326,7 +330,7 @@ def _rivals(found: Found, chosen: Explanation | None) -> tuple[Rival, ...]:
         why = explanation.refused
         if not why and explanation.certain <= found.threshold:
             why = "does not exceed what a recording with nothing missing gives"
-        elif not why and explanation.one_mechanism:
+        elif not why and explanation.common_order is not None:
             why = "ripple of torque and of friction at one order come from one part, such as a detent"
         elif not why and chosen is not None and explanation is not chosen:
             why = "another explanation is better or simpler"

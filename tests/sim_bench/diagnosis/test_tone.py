@@ -12,15 +12,17 @@ from fricomp.sim_bench.diagnosis.preparation import Prepared
 from fricomp.sim_bench.diagnosis.result import DIAGNOSIS_SCHEMA, DiagnosisRecord
 from fricomp.sim_bench.diagnosis.sentence import sentences
 from fricomp.sim_bench.diagnosis.tone import find_tone
+from fricomp.sim_bench.diagnosis.verdict import _vibration
 
 _STEP = 0.02  # [s] between rows
 
 
 def _prepared(residual: np.ndarray, parts: int = 1) -> Prepared:
-    """Two recordings of equal length where `parts` is 2, rows every 20 ms, and twenty nulls."""
+    """Two recordings of equal length where `parts` is 2, rows every 20 ms, to and fro at 0.2 Hz, and twenty nulls."""
     rng = np.random.default_rng(0)
     grid = SimpleNamespace(centres=np.arange(residual.size // parts) * 20)
-    problem = SimpleNamespace(grids=[grid] * parts, tracks=[SimpleNamespace(dt=1e-3)] * parts)
+    velocity = np.cos(2.0 * np.pi * 0.2 * np.arange(residual.size // parts * 20) * 1e-3)
+    problem = SimpleNamespace(grids=[grid] * parts, tracks=[SimpleNamespace(dt=1e-3, velocity=velocity)] * parts)
     nulls = [rng.standard_normal(residual.size) for _ in range(20)]
     fit = SimpleNamespace(residual=residual)
     return cast(Prepared, SimpleNamespace(problem=problem, fit=fit, null_residuals=nulls))
@@ -34,6 +36,17 @@ def test_a_vibration_is_found_at_its_frequency(parts: int) -> None:
     assert tone.frequency == pytest.approx(7.3, abs=tone.width)
     assert tone.width == pytest.approx(parts / 60.0)
     assert tone.energy > 2.5 * tone.energy_null
+    assert tone.share > 0.5
+
+
+def test_what_follows_a_periodic_motion_is_no_vibration() -> None:
+    """A ripple over position on a motion of 0.2 Hz: lines at all of its multiples, none of which holds most."""
+    time = np.arange(3000) * _STEP
+    noise = np.random.default_rng(3).standard_normal(time.size)
+    ripple = np.sin(20.0 * np.sin(2.0 * np.pi * 0.2 * time) + 0.7)
+    assert _vibration(_prepared(noise + ripple)) is None
+    assert _vibration(_prepared(noise + 2.0 * np.cos(2.0 * np.pi * 0.2 * time))) is None
+    assert _vibration(_prepared(noise + 0.5 * np.sin(2.0 * np.pi * 7.3 * time))) is not None
 
 
 def test_noise_and_one_bad_moment_are_no_vibration() -> None:
