@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -58,11 +58,11 @@ def _better(prepared: Prepared, larger: Explanation, best: Explanation, threshol
     shown = evidence(prepared, set(larger.names) - set(best.names), best.fit, larger.fit)
     if _completes(larger, best, threshold):
         return shown > threshold or _weighed(larger) > _weighed(best) + _OVERWHELMING * threshold
-    return _stands_apart(prepared, larger, best, threshold) or (
+    return (
         _weighed(larger) > _weighed(best) + _worth(best, threshold)
         and shown > max(threshold, _ANOTHER * best.certain)
         and larger.coverage > min(best.coverage + _WIDER, ENOUGH)
-    )
+    ) or _stands_apart(prepared, larger, best, threshold)
 
 
 def _stands_apart(prepared: Prepared, larger: Explanation, part: Explanation, threshold: float) -> bool:
@@ -71,7 +71,7 @@ def _stands_apart(prepared: Prepared, larger: Explanation, part: Explanation, th
     A stop explains so much about the end of the range that little of all is left for friction elsewhere.
     """
     further = set(larger.names) - set(part.names)
-    if _FILLS_IN.keys() & further or _weighed(larger) < _weighed(part) + _APART * threshold:
+    if _fill_in(further) or _weighed(larger) < _weighed(part) + _APART * threshold:
         return False
     untouched = np.abs(part.reach(prepared)) < _UNTOUCHED
     shown = evidence(prepared, further, part.fit, larger.fit, at=untouched) if np.any(untouched) else 0.0
@@ -86,9 +86,13 @@ def _worth(part: Explanation, threshold: float) -> float:
 def _completes(larger: Explanation, part: Explanation, threshold: float) -> bool:
     """Whether its further effects take away nearly all that is left, as none does of a form that is not quite met."""
     clear = _weighed(larger) > _weighed(part) + _MUCH * threshold
-    if _FILLS_IN.keys() & set(larger.names) - set(part.names):
-        return False
-    return clear and larger.coverage > ENOUGH and larger.left < _REMNANT * part.left
+    takes_all = larger.coverage > ENOUGH and larger.left < _REMNANT * part.left
+    return clear and takes_all and not _fill_in(set(larger.names) - set(part.names))
+
+
+def _fill_in(names: Collection[str]) -> bool:
+    """Whether any of these effects fills in for others."""
+    return not _FILLS_IN.keys().isdisjoint(names)
 
 
 def _weighed(explanation: Explanation) -> float:

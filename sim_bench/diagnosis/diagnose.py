@@ -78,7 +78,8 @@ def diagnose(
     against = reasons_against(given, joint)
     if against:
         return _bad_data(given, against)
-    tracks = build_tracks(given)
+    loops = [estimate_controller(one) if controller is None else controller for one in given]
+    tracks = build_tracks(given, loops)
     observer = Observer(rest_speed=_RESTING * rest_speed_of(tracks))
     observer = replace(observer, bandwidth=_SLOW_BANDWIDTH) if low_rate(given) else observer
     try:
@@ -89,12 +90,10 @@ def diagnose(
         found = search(prepared)
         say("confirming on held-out data")
         answer = conclude(Answer(tuple(given), prepared, found, rigid, friction, seed))
-        # What is one unknown mechanism shows as a ripple in the samples too.
-        detent = found.best is not None and found.best.common_order is not None
-        looked = answer if detent else second_look(given, answer, seed)
+        looked = second_look(given, answer, seed)
         if looked is answer:
             say("simulating forward in MuJoCo")
-            looked = _with_forward(looked, given[0], prepared, found, controller)
+            looked = _with_forward(looked, given[0], prepared, found, loops[0])
         return _remarked(looked, remarks_on(given))
     except (np.linalg.LinAlgError, FloatingPointError, ParameterError) as error:
         raise DiagnosisError(f"the recording cannot be explained by any joint model: {error}") from error
@@ -121,10 +120,9 @@ def _in_newton_metres(recordings: Sequence[Recording], rigid: RigidJoint | None)
 
 
 def _with_forward(
-    diagnosis: Diagnosis, recording: Recording, prepared: Prepared, found: Found, controller: Controller | None
+    diagnosis: Diagnosis, recording: Recording, prepared: Prepared, found: Found, loop: Controller | None
 ) -> Diagnosis:
     """The diagnosis with a forward simulation of the held-out end of the first recording, where a loop is known."""
-    loop = estimate_controller(recording) if controller is None else controller
     if loop is None:
         return diagnosis
     named = {effect.name for effect in diagnosis.effects}

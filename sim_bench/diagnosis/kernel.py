@@ -28,6 +28,7 @@ except ImportError as error:  # pragma: no cover - depends on the installation
 __all__ = [
     "FRICTION_SLOTS",
     "LANES",
+    "close_loop",
     "compiled",
     "dwell",
     "observe",
@@ -208,6 +209,56 @@ def observe(
             _advance(state, s / taken, (s + 0.5) / taken, h, gains, rest_speed)
         for j in range(LANES):
             out[0, j, k], out[3, j, k] = state[_SUM_U, j] / taken, state[_SUM_BRISTLE, j] / taken
+
+
+@compiled
+def close_loop(
+    position: np.ndarray,
+    velocity: np.ndarray,
+    torque: np.ndarray,
+    level: np.ndarray,
+    plants: np.ndarray,
+    loop: np.ndarray,
+    phases: np.ndarray,
+    substeps: np.ndarray,
+    out: np.ndarray,
+) -> None:
+    """Run `LANES` joints side by side under a loop that sees their positions in steps and answers to each.
+
+    Args:
+        position: Where the joint would be without the steps [rad]. Shape (LANES, n), like the next three.
+        velocity: How fast it would be, of which the first one counts [rad/s].
+        torque: Torque that moves it so, less gravity and offset [N·m].
+        level: Torque added to the dry friction level [N·m].
+        plants: Numbers in the order of `FRICTION_SLOTS`. Shape (16, LANES).
+        loop: dt [s], P [N·m/rad], D [N·m·s/rad], what its velocity filter keeps from sample to sample, step [rad].
+        phases: Origin of each encoder, in steps. Shape (LANES,).
+        substeps: In how many steps each sample is taken. Shape (n,).
+        out: Filled with the loop's answer, held until the next sample [N·m], and the position that the encoder shows
+            [rad]. Shape (2, LANES, n).
+    """
+    dt, stiffness, damping, filtered, step = loop[0], loop[1], loop[2], loop[3], loop[4]
+    n, state, taken, h = position.shape[1], np.zeros((_N_STATE, LANES)), 0, 0.0
+    rate, before = np.zeros(LANES), np.zeros(LANES)
+    general = _start(state, plants, position, velocity)
+    for k in range(n):
+        if substeps[k] != taken:
+            taken, h = substeps[k], dt / substeps[k]
+            for j in range(LANES):
+                state[_KEEP, j] = np.exp(-h / state[_LAG, j]) if state[_LAG, j] > 0.0 else 0.0
+        after = min(k + 1, n - 1)
+        for j in range(LANES):
+            seen = step * (np.round(state[_X, j] / step + phases[j]) - phases[j])
+            error = position[j, k] - seen
+            change = (error - before[j]) / dt if k > 0 else 0.0
+            rate[j], before[j] = change + (rate[j] - change) * filtered, error
+            answer = stiffness * error + damping * rate[j]
+            state[_TAU, j], state[_DTAU, j] = torque[j, k] + answer, torque[j, after] - torque[j, k]
+            state[_LEVEL, j], state[_DLEVEL, j] = level[j, k], level[j, after] - level[j, k]
+            out[0, j, k], out[1, j, k] = answer, seen
+        for s in range(taken):
+            _feel(state, general)
+            _advance(state, s / taken, (s + 0.5) / taken, h, (0.0, 0.0), 0.0)
 
 
 @compiled

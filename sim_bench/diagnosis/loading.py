@@ -11,6 +11,7 @@ from scipy.interpolate import CubicSpline
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
 
+from .controller import Controller
 from .track import FloatArray, Track
 
 __all__ = ["build_tracks", "low_rate"]
@@ -24,8 +25,12 @@ def low_rate(recordings: Sequence[Recording]) -> bool:
     return any(recording.sample_period > 3.5e-3 for recording in recordings)
 
 
-def build_tracks(recordings: Sequence[Recording]) -> list[Track]:
+def build_tracks(recordings: Sequence[Recording], loops: Sequence[Controller | None] = ()) -> list[Track]:
     """One track for each recording, all on the same grid.
+
+    Args:
+        recordings: Of one joint.
+        loops: What moved the joint in each of them; none where that is not known.
 
     Raises:
         DiagnosisError: The recordings mix rotary and linear joints.
@@ -34,10 +39,14 @@ def build_tracks(recordings: Sequence[Recording]) -> list[Track]:
         raise DiagnosisError("the recordings mix rotary and linear joints: diagnose one joint at a time")
     dt = min(recording.sample_period for recording in recordings)
     dt = float(np.clip(dt, 2.5e-4, 2.5e-3)) if dt < 3.5e-3 else dt / np.ceil(dt / 2.5e-3)
-    return [_track(recording, dt, f"recording {i + 1}") for i, recording in enumerate(recordings)]
+    known = loops or [None] * len(recordings)
+    return [
+        _track(recording, loop, dt, f"recording {i + 1}")
+        for i, (recording, loop) in enumerate(zip(recordings, known, strict=True))
+    ]
 
 
-def _track(recording: Recording, dt: float, name: str) -> Track:
+def _track(recording: Recording, loop: Controller | None, dt: float, name: str) -> Track:
     time = np.asarray(recording.time) - recording.time[0]
     grid = np.arange(int(time[-1] / dt + 1e-6) + 1) * dt
     uniform = grid.size == time.size and bool(np.max(np.abs(grid - time)) < 0.02 * dt)
@@ -63,4 +72,5 @@ def _track(recording: Recording, dt: float, name: str) -> Track:
         channels=channels,
         name=name,
     )
-    return replace(track, resolution=recording.metadata.encoder_resolution or track.resolution)
+    resolution = recording.metadata.encoder_resolution or track.resolution
+    return replace(track, resolution=resolution, loop=None if recording.sample_period > 1.5 * dt else loop)

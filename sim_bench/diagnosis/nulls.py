@@ -11,6 +11,7 @@ from scipy.optimize import nnls
 
 from .observer import Contribution, Job, Observation, Plant, shifted
 from .problem import Problem, Weights, improved
+from .step_answer import StepAnswer, step_answers
 from .track import FloatArray, TorqueNoise, Track, smooth_derivative, without_spikes
 
 __all__ = ["Nulls", "make_nulls"]
@@ -62,7 +63,12 @@ def make_nulls(problem: Problem, plant: Plant, effects: Sequence[Contribution], 
         track.torque + shifted(one.missing, -plant.delay / track.dt)
         for track, one in zip(calm.tracks, truth, strict=True)
     )
-    chain = _Chain(problem, plant, tuple(effects), tuple(truth), applied)
+    joints = enumerate(zip(problem.tracks, effects, truth, applied, strict=True))
+    answers = tuple(
+        step_answers(track, plant, effect, one, torque, count=max(count, _FEW), seed=seed + index)
+        for index, (track, effect, one, torque) in joints
+    )
+    chain = _Chain(problem, plant, tuple(effects), tuple(truth), applied, answers)
     noises = [_matched_noise(chain, index, rows, seed) for index, rows in enumerate(data)]
     rows = [chain.rows(index, noise, count, seed + 1) for index, noise in enumerate(noises)]
     return Nulls(tuple(rows), _weights(rows, _presliding(problem, plant, effects)))
@@ -78,6 +84,7 @@ class _Chain:
         effects: What effects add along each recording.
         truth: The model's motion under each recording's torque without noise.
         applied: Torque that moves the joint so, for each recording [N·m]. Shapes (n,).
+        answers: What the loop makes of the encoder's steps, for each recording; empty where it is not heard.
     """
 
     problem: Problem
@@ -85,12 +92,16 @@ class _Chain:
     effects: tuple[Contribution, ...]
     truth: tuple[Observation, ...]
     applied: tuple[FloatArray, ...]
+    answers: tuple[list[StepAnswer], ...]
 
     def rows(self, index: int, noise: TorqueNoise, count: int, seed: int) -> FloatArray:
         """Rows of `count` nulls of one recording, shape (count, n_rows) [N·m]."""
-        track, one, effect = self.problem.tracks[index], self.truth[index], self.effects[index]
+        track, effect = self.problem.tracks[index], self.effects[index]
         rng = np.random.default_rng([seed, index])
-        nulls = [_null(track, one.position, self.applied[index], noise, rng) for _ in range(count)]
+        stepless = replace(track, resolution=0.0)  # what answers show has the encoder's steps already
+        heard = [(stepless, one.position, self.applied[index] + one.torque) for one in self.answers[index][:count]]
+        moved = heard or [(track, self.truth[index].position, self.applied[index])] * count
+        nulls = [_null(*each, noise, rng) for each in moved]
         first = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
         nulls = [improved(null, run) for null, run in zip(nulls, first, strict=True)]
         runs = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
@@ -150,7 +161,7 @@ def _null(
     if track.jitter > 0.0:
         late = track.jitter / track.dt * rng.standard_normal(track.size)
         torque, position = torque + late * np.gradient(torque), position + late * np.gradient(position)
-    torque = without_spikes(torque + noise.draw(track.size, rng), noise.size)
+    torque = without_spikes(torque + noise.draw(track.size, rng), max(noise.size, track.torque_noise.size))
     if track.resolution > 0.0:
         position = np.round(position / track.resolution + rng.uniform()) * track.resolution
     return replace(track, position=position, torque=torque, velocity=smooth_derivative(position, track.dt))

@@ -12,7 +12,7 @@ import numpy as np
 from .kernel import FRICTION_SLOTS, LANES, observe
 from .track import FloatArray, Track
 
-__all__ = ["Contribution", "Observation", "Observer", "Plant", "simulate_all"]
+__all__ = ["THREADS", "Contribution", "Observation", "Observer", "Plant", "lanes_of", "simulate_all"]
 
 THREADS = 2
 
@@ -154,9 +154,23 @@ def simulate_all(jobs: Sequence[Job], observer: Observer, gains: tuple[float, fl
 
 
 def _simulate(jobs: Sequence[Job], settings: tuple[float, ...]) -> list[Observation]:
-    """Run at most `LANES` simulations of tracks of one length; lanes left over repeat the last one."""
-    first, n = jobs[0].track, jobs[0].track.size
-    assert first.substeps.size == n, "the track is none of a problem: observer_for fixes the substeps of its tracks"
+    """Run at most `LANES` simulations of tracks of one length."""
+    first, (signals, plants) = jobs[0].track, lanes_of(jobs)
+    out = np.empty((4, LANES, first.size))
+    observer = np.array([first.dt, *settings])
+    observe(signals[0], signals[1], signals[2], signals[3], plants, observer, first.substeps, out)
+    return [Observation(*out[:, lane]) for lane in range(len(jobs))]
+
+
+def lanes_of(jobs: Sequence[Job]) -> tuple[FloatArray, FloatArray]:
+    """What the kernels take of at most `LANES` simulations; lanes left over repeat the last one.
+
+    Returns:
+        Position, velocity, torque without gravity and what effects add, and level of each lane, shape (4, LANES, n),
+        and the numbers of its plant, shape (16, LANES).
+    """
+    n = jobs[0].track.size
+    assert jobs[0].track.substeps.size == n, "the track is none of a problem: observer_for fixes its substeps"
     signals, plants = np.empty((4, LANES, n)), np.empty((len(FRICTION_SLOTS), LANES))
     for lane in range(LANES):
         track, plant, contribution = jobs[min(lane, len(jobs) - 1)]
@@ -167,10 +181,7 @@ def _simulate(jobs: Sequence[Job], settings: tuple[float, ...]) -> list[Observat
         torque = shifted(track.torque, (plant.delay + contribution.delay) / track.dt)
         signals[2, lane] = torque - held - contribution.additive
         signals[3, lane] = contribution.level
-    out = np.empty((4, LANES, n))
-    observer = np.array([first.dt, *settings])
-    observe(signals[0], signals[1], signals[2], signals[3], plants, observer, first.substeps, out)
-    return [Observation(*out[:, lane]) for lane in range(len(jobs))]
+    return signals, plants
 
 
 def shifted(values: FloatArray, samples: float) -> FloatArray:

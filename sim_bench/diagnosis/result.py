@@ -252,6 +252,8 @@ class Diagnosis:
         base_model: Friction of the refitted base; None where the data were bad.
         extended_model: The same with the named effects, refitted together; None where nothing can be added.
         motion: Columns of the motion that would tell the aliases apart; None where none is needed.
+        detent_order: Order over the position of torque and friction that one unknown part ripples [1/rad] or [1/m];
+            None where none was seen.
     """
 
     record: DiagnosisRecord
@@ -259,6 +261,7 @@ class Diagnosis:
     base_model: FrictionModel | None = None
     extended_model: FrictionModel | None = None
     motion: dict[str, FloatArray] | None = None
+    detent_order: float | None = None
 
     @property
     def verdict(self) -> Verdict:

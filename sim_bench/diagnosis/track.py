@@ -6,13 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 from scipy.optimize import nnls
 from scipy.signal import lfilter, savgol_filter
+
+if TYPE_CHECKING:
+    from .controller import Controller
 
 __all__ = ["FloatArray", "TorqueNoise", "Track", "smooth_derivative"]
 
@@ -78,6 +81,7 @@ class Track:
         resolution: Encoder step found in `position` [rad] or [m]; 0 where none is visible.
         torque_noise: White and coloured part of the torque's noise.
         jitter: Standard deviation of the instants at which the samples were taken [s].
+        loop: What moved the joint; None where that is not known, or was faster than the samples.
         rotary: Whether gravity depends on the sine of the position.
         channels: Further columns by name (load_torque, temperature, ...). Each of shape (n,).
         name: What to call this recording.
@@ -94,6 +98,7 @@ class Track:
     channels: Mapping[str, FloatArray] = field(default_factory=dict)
     name: str = "recording"
     jitter: float = 0.0
+    loop: Controller | None = None
     substeps: NDArray[np.int64] = field(default_factory=lambda: np.ones(0, dtype=np.int64))
 
     @property

@@ -18,6 +18,7 @@ from .confirmation import Confirmation, confirm, covariance
 from .experiment import propose
 from .explanation import Explanation
 from .extension import base_model, extended_model
+from .gates import confirmed, covers, stands_out, vibration
 from .location import change_points, effect_energy, excess_maps, locate, row_series
 from .order import order_spectrum
 from .preparation import Prepared
@@ -38,25 +39,10 @@ from .rigid import RigidJoint
 from .search import Found
 from .sentence import detent_sentence, sentences
 from .structure import N_BASE
-from .tone import Tone, find_tone
 from .track import FloatArray
 from .velocity_lag import velocity_lag
 
 __all__ = ["Answer", "conclude"]
-
-_COVERED, _MOSTLY_COVERED = 0.88, 0.7
-_FAINTLY_COVERED = 0.5  # where no more is left than nulls leave
-_CLEAR = 1.5  # thresholds of gain that an explanation must reach which covers less
-# Energy per row, and in that of the loudest nulls, that may be left where most is covered.
-_FAINT, _FAINT_NULLS = 0.03, 3.0
-_UNKNOWN = 0.15  # energy per row, in units of the noise, that something unnamed must reach to be reported
-_LOUD, _LOUDEST = 1.15, 1.25  # residual over noise that it must reach; beyond the second something is missing anyway
-# Times the strongest line that a null shows, and share of what is beyond the noise, from which a line is a vibration.
-_TONE, _ALONE = 2.5, 0.2
-_EXPLAINED = 0.7  # on held-out data, of what shows in a few blocks only or leaves more than the next
-_STILL_LOUD = 1.5  # energy over that of the noise
-_MUCH = 3.0  # thresholds of gain of what shows in a few blocks only
-_SURE, _HALF = 10.0, 0.5  # thresholds from which half of what was to be explained there is enough
 
 
 @dataclass(frozen=True)
@@ -89,12 +75,12 @@ def conclude(answer: Answer) -> Diagnosis:
     answer = replace(answer, found=agreed)
     prepared, found = answer.prepared, answer.found
     best = found.best
-    chosen = best if best is not None and _covers(best, answer) and best.common_order is None else None
+    chosen = best if best is not None and covers(best, found, prepared) and best.common_order is None else None
     held = _confirm(answer, chosen)
-    if chosen is not None and not _confirmed(held, chosen, found.threshold):
+    if chosen is not None and not confirmed(held, chosen, found.threshold):
         chosen = None
-    tone = _vibration(prepared) if chosen is None else None
-    unknown = chosen is None and (tone is not None or _stands_out(found, prepared))
+    tone = vibration(prepared) if chosen is None else None
+    unknown = chosen is None and (tone is not None or stands_out(found, prepared))
     series = _series(answer, chosen)
     effects = _effects(answer, chosen, held, series)
     compared = _compare(answer, chosen, UNEXPLAINED if unknown else PLAIN if chosen is None else NAMED)
@@ -130,9 +116,10 @@ def conclude(answer: Answer) -> Diagnosis:
     proposal = _propose(answer, chosen)
     if proposal is not None:
         record = with_fields(record, next_experiment=proposal[0])
+    detent = best.common_order if unknown and best is not None else None
     said = sentences(record)
-    if unknown and best is not None and best.common_order is not None:
-        said = (*said, detent_sentence(best.common_order, answer.position_unit))
+    if detent is not None:
+        said = (*said, detent_sentence(detent, answer.position_unit))
     record = with_fields(record, sentences=said)
     return Diagnosis(
         record=record,
@@ -140,27 +127,8 @@ def conclude(answer: Answer) -> Diagnosis:
         base_model=base_model(answer.recordings, prepared),
         extended_model=extended_model(answer.recordings, prepared, chosen),
         motion=proposal[1] if proposal is not None else None,
+        detent_order=detent,
     )
-
-
-def _covers(best: Explanation, answer: Answer) -> bool:
-    """Whether little is left beside `best`: of what it explains, or of what would stand out by itself."""
-    faint = max(_FAINT_NULLS * answer.found.explainable_null, _FAINT * answer.prepared.fit.residual.size)
-    clear = best.certain > _CLEAR * answer.found.threshold
-    if best.left < answer.found.explainable_null:
-        return best.coverage >= _FAINTLY_COVERED
-    return best.coverage >= _COVERED or (clear and best.coverage >= _MOSTLY_COVERED and best.left < faint)
-
-
-def _confirmed(held: Confirmation, chosen: Explanation, threshold: float) -> bool:
-    """Whether the fall of the held-out error is sure, over blocks or, where few blocks show it, by its size, and
-    what is left there is not both loud and much of what was to be explained.
-    """
-    if held.rmse_after**2 > _STILL_LOUD * held.noise_floor**2 and held.explained < _EXPLAINED:
-        return False
-    least = _HALF if chosen.certain > _SURE * threshold else _EXPLAINED
-    rare = held.explained > least and chosen.certain > _MUCH * threshold
-    return held.ci95_reduction[0] > 0.0 or (rare and held.rmse_after < held.rmse_before)
 
 
 def _propose(answer: Answer, chosen: Explanation | None) -> tuple[NextExperiment, dict[str, FloatArray]] | None:
@@ -179,24 +147,6 @@ def _propose(answer: Answer, chosen: Explanation | None) -> tuple[NextExperiment
         names = tuple(sorted(swapped))
         return NextExperiment(motion="motion.csv", separates=names, why=why), proposal.motion
     return None
-
-
-def _vibration(prepared: Prepared) -> Tone | None:
-    """The strongest line in the spectrum of what the base leaves; None where nulls have such lines."""
-    tone = find_tone(prepared)
-    return tone if tone.energy > _TONE * tone.energy_null and tone.share > _ALONE else None
-
-
-def _stands_out(found: Found, prepared: Prepared) -> bool:
-    """Whether something smooth is missing that no accepted effect covers."""
-    rows = prepared.fit.residual.size
-    best = found.best
-    clear = max(3.0 * found.explainable_null, _UNKNOWN * rows)
-    if prepared.noise_ratio < _LOUD:
-        return False
-    if prepared.noise_ratio > _LOUDEST:
-        return True
-    return found.explainable > clear or (best is not None and best.gain > max(4.0 * found.threshold, _UNKNOWN * rows))
 
 
 def _confirm(answer: Answer, chosen: Explanation | None) -> Confirmation:

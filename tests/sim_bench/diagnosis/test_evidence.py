@@ -16,6 +16,7 @@ from scipy.signal import lfilter
 from fricomp.sim_bench.diagnosis.alias import aliases
 from fricomp.sim_bench.diagnosis.confirmation import Confirmation, _folds, _held_out
 from fricomp.sim_bench.diagnosis.explanation import Explanation, _left, evidence
+from fricomp.sim_bench.diagnosis.gates import confirmed, covers
 from fricomp.sim_bench.diagnosis.observer import Contribution, Observer, Plant
 from fricomp.sim_bench.diagnosis.preparation import Prepared, _colour_filter, _correlation, _stable, _typical
 from fricomp.sim_bench.diagnosis.problem import observer_for
@@ -23,7 +24,6 @@ from fricomp.sim_bench.diagnosis.search import Found
 from fricomp.sim_bench.diagnosis.solver import Box, Fit
 from fricomp.sim_bench.diagnosis.structure import N_BASE, Candidate, Structure, _contributions
 from fricomp.sim_bench.diagnosis.track import FloatArray, Track
-from fricomp.sim_bench.diagnosis.verdict import Answer, _confirmed, _covers
 
 _PLANT = Plant(0.3, (1.0, 6.0), 0.0, (2.0, 2.6, 0.05, 1.0), (2.0, 2.6, 0.05, 1.0), 4e4)
 
@@ -162,7 +162,7 @@ def test_a_fall_is_sure_over_blocks_or_by_its_size(
     low: float, explained: float, certain: float, after: float, sure: bool
 ) -> None:
     held = Confirmation(1.0, after, 0.78, (low, 0.5), explained)
-    assert _confirmed(held, _explanation(("backlash",), 500.0, np.zeros(1), certain), 50.0) == sure
+    assert confirmed(held, _explanation(("backlash",), 500.0, np.zeros(1), certain), 50.0) == sure
 
 
 def test_samples_are_cut_finely_where_a_bristle_may_be_stretched() -> None:
@@ -253,8 +253,8 @@ def test_the_form_of_the_bristle_is_not_held_against_an_explanation(seen: str, p
 )
 def test_what_is_named_covers_the_mismatch(coverage: float, left: float, certain: float, named: bool) -> None:
     best = replace(_explanation(("cogging",), 100.0, np.zeros(1), certain=certain), coverage=coverage, left=left)
-    base = SimpleNamespace(fit=_fit(np.zeros(1000)))
-    assert _covers(best, cast(Answer, SimpleNamespace(found=_found(best, null=20.0), prepared=base))) == named
+    base = cast(Prepared, SimpleNamespace(fit=_fit(np.zeros(1000))))
+    assert covers(best, _found(best, null=20.0), base) == named
 
 
 def test_points_that_move_the_base_alone_share_their_effects(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,11 +8,11 @@ from typing import cast
 import numpy as np
 import pytest
 
+from fricomp.sim_bench.diagnosis.gates import vibration
 from fricomp.sim_bench.diagnosis.preparation import Prepared
 from fricomp.sim_bench.diagnosis.result import DIAGNOSIS_SCHEMA, DiagnosisRecord
 from fricomp.sim_bench.diagnosis.sentence import sentences
 from fricomp.sim_bench.diagnosis.tone import find_tone
-from fricomp.sim_bench.diagnosis.verdict import _vibration
 
 _STEP = 0.02  # [s] between rows
 
@@ -39,17 +39,17 @@ def test_a_vibration_is_found_at_its_frequency(parts: int) -> None:
     assert tone.share > 0.5
 
 
-def test_what_follows_a_periodic_motion_is_no_vibration() -> None:
+def test_what_follows_a_periodic_motion_is_novibration() -> None:
     """A ripple over position on a motion of 0.2 Hz: lines at all of its multiples, none of which holds most."""
     time = np.arange(3000) * _STEP
     noise = np.random.default_rng(3).standard_normal(time.size)
     ripple = np.sin(20.0 * np.sin(2.0 * np.pi * 0.2 * time) + 0.7)
-    assert _vibration(_prepared(noise + ripple)) is None
-    assert _vibration(_prepared(noise + 2.0 * np.cos(2.0 * np.pi * 0.2 * time))) is None
-    assert _vibration(_prepared(noise + 0.5 * np.sin(2.0 * np.pi * 7.3 * time))) is not None
+    assert vibration(_prepared(noise + ripple)) is None
+    assert vibration(_prepared(noise + 2.0 * np.cos(2.0 * np.pi * 0.2 * time))) is None
+    assert vibration(_prepared(noise + 0.5 * np.sin(2.0 * np.pi * 7.3 * time))) is not None
 
 
-def test_noise_and_one_bad_moment_are_no_vibration() -> None:
+def test_noise_and_one_bad_moment_are_novibration() -> None:
     noise = np.random.default_rng(2).standard_normal(3000)
     noise[1500] += 300.0
     tone = find_tone(_prepared(noise))

@@ -1,0 +1,63 @@
+"""Gates before a verdict: does an explanation cover the mismatch, do held-out data bear it out, is anything left?"""
+
+from __future__ import annotations
+
+from .confirmation import Confirmation
+from .explanation import Explanation
+from .preparation import Prepared
+from .search import Found
+from .tone import Tone, find_tone
+
+__all__ = ["confirmed", "covers", "stands_out", "vibration"]
+
+_COVERED, _MOSTLY_COVERED = 0.88, 0.7
+_FAINTLY_COVERED = 0.5  # where no more is left than nulls leave
+_CLEAR = 1.5  # thresholds of gain that an explanation must reach which covers less
+# Energy per row, and in that of the loudest nulls, that may be left where most is covered.
+_FAINT, _FAINT_NULLS = 0.03, 3.0
+_UNKNOWN = 0.15  # energy per row, in units of the noise, that something unnamed must reach to be reported
+_LOUD, _LOUDEST = 1.15, 1.25  # residual over noise that it must reach; beyond the second something is missing anyway
+# Times the strongest line that a null shows, and share of what is beyond the noise, from which a line is a vibration.
+_TONE, _ALONE = 2.5, 0.2
+_EXPLAINED = 0.7  # on held-out data, of what shows in a few blocks only or leaves more than the next
+_STILL_LOUD = 1.5  # energy over that of the noise
+_MUCH = 3.0  # thresholds of gain of what shows in a few blocks only
+_SURE, _HALF = 10.0, 0.5  # thresholds from which half of what was to be explained there is enough
+
+
+def covers(best: Explanation, found: Found, prepared: Prepared) -> bool:
+    """Whether little is left beside `best`: of what it explains, or of what would stand out by itself."""
+    faint = max(_FAINT_NULLS * found.explainable_null, _FAINT * prepared.fit.residual.size)
+    clear = best.certain > _CLEAR * found.threshold
+    if best.left < found.explainable_null:
+        return best.coverage >= _FAINTLY_COVERED
+    return best.coverage >= _COVERED or (clear and best.coverage >= _MOSTLY_COVERED and best.left < faint)
+
+
+def confirmed(held: Confirmation, chosen: Explanation, threshold: float) -> bool:
+    """Whether the fall of the held-out error is sure, over blocks or, where few blocks show it, by its size, and
+    what is left there is not both loud and much of what was to be explained.
+    """
+    if held.rmse_after**2 > _STILL_LOUD * held.noise_floor**2 and held.explained < _EXPLAINED:
+        return False
+    least = _HALF if chosen.certain > _SURE * threshold else _EXPLAINED
+    rare = held.explained > least and chosen.certain > _MUCH * threshold
+    return held.ci95_reduction[0] > 0.0 or (rare and held.rmse_after < held.rmse_before)
+
+
+def vibration(prepared: Prepared) -> Tone | None:
+    """The strongest line in the spectrum of what the base leaves; None where nulls have such lines."""
+    tone = find_tone(prepared)
+    return tone if tone.energy > _TONE * tone.energy_null and tone.share > _ALONE else None
+
+
+def stands_out(found: Found, prepared: Prepared) -> bool:
+    """Whether something smooth is missing that no accepted effect covers."""
+    rows = prepared.fit.residual.size
+    best = found.best
+    clear = max(3.0 * found.explainable_null, _UNKNOWN * rows)
+    if prepared.noise_ratio < _LOUD:
+        return False
+    if prepared.noise_ratio > _LOUDEST:
+        return True
+    return found.explainable > clear or (best is not None and best.gain > max(4.0 * found.threshold, _UNKNOWN * rows))

@@ -1,0 +1,86 @@
+"""Nulls of a joint whose loop sees a coarse encoder: its answer to the steps is torque that moved the joint."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fricomp.sim_bench.diagnosis.controller import Controller
+from fricomp.sim_bench.diagnosis.loading import build_tracks
+from fricomp.sim_bench.diagnosis.observer import Contribution, Job, Observation, Observer, shifted
+from fricomp.sim_bench.diagnosis.preparation import prepare
+from fricomp.sim_bench.diagnosis.problem import Problem, observer_for
+from fricomp.sim_bench.diagnosis.step_answer import StepAnswer, step_answers
+from fricomp.sim_bench.diagnosis.track import FloatArray, TorqueNoise, smooth_derivative
+
+from .test_observer import true_plant
+from .toy_joint import ToyJoint, recording
+
+JOINT = ToyJoint(resolution=2.0 * np.pi / 2**16, torque_noise=0.02)
+# The toy's loop: it filters its velocity with 0.3 a sample, which is 57 Hz.
+LOOP = Controller(*JOINT.gains, velocity_filter_frequency=-np.log(0.7) * 1e3 / (2.0 * np.pi))
+
+
+def problem_of(loop: Controller | None = LOOP, noise: float = 0.02, resolution: float = JOINT.resolution) -> Problem:
+    """The problem of a recording of the toy."""
+    track = build_tracks([recording(JOINT, "fourier", 15.0)], [loop])[0]
+    track = replace(track, torque_noise=TorqueNoise(noise, 0.0, 0.0), resolution=resolution)
+    return observer_for([track], true_plant(JOINT), Observer())
+
+
+def answer_in(problem: Problem) -> tuple[Observation, list[StepAnswer]]:
+    """A motion without steps under the torque that it takes, and how the loop answers to steps in it."""
+    plant, track = true_plant(JOINT), problem.tracks[0]
+    calm = replace(track, torque=np.zeros(track.size))
+    truth = problem.observe([Job(calm, plant, Contribution())])[0]
+    torque = shifted(truth.missing, -plant.delay / track.dt)
+    return truth, step_answers(track, plant, Contribution(), truth, torque, count=2, seed=0)
+
+
+def row_size(problem: Problem, position: FloatArray, torque: FloatArray) -> float:
+    """Typical size of the rows where the joint is at `position` under `torque` [N·m]."""
+    track = problem.tracks[0]
+    moved = replace(track, position=position, torque=torque, velocity=smooth_derivative(position, track.dt))
+    run = problem.observe([Job(moved, true_plant(JOINT), Contribution())])[0]
+    return float(np.std(np.diff(problem.grids[0].of(run.missing), 2)))
+
+
+def test_the_torque_of_an_answer_moves_the_joint() -> None:
+    problem = problem_of()
+    truth, (answer, other) = answer_in(problem)
+    steps = answer.position / JOINT.resolution
+    assert np.std(steps - steps[0] - np.round(steps - steps[0])) < 1e-6
+    assert np.any(answer.torque != other.torque)  # another origin of the encoder
+    torque = shifted(truth.missing, 0.5)
+    told = row_size(problem, answer.position, torque + answer.torque)
+    assert told < 0.6 * row_size(problem, answer.position, torque)
+    recorded = problem.tracks[0]
+    assert told == pytest.approx(row_size(problem, recorded.position, recorded.torque), rel=0.15)
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        {"loop": None},
+        {"loop": replace(LOOP, derivative_gain=0.0)},
+        {"loop": replace(LOOP, proportional_gain=-4e4)},  # which moved no joint along this motion
+        {"noise": 5.0},
+        {"resolution": 0.0},
+    ],
+    ids=["no loop", "no damping", "unstable", "lost in noise", "no steps"],
+)
+def test_no_answer_is_heard_without_a_loop_or_steps(how: dict[str, Any]) -> None:
+    assert answer_in(problem_of(**how))[1] == []
+
+
+@pytest.mark.slow
+def test_what_moved_the_joint_is_no_noise_of_its_nulls() -> None:
+    one = recording(JOINT, "fourier", 30.0)
+    with_loop, without = (
+        prepare(build_tracks([one], [loop]), observer=Observer(), nulls=16, seed=0) for loop in (LOOP, None)
+    )
+    assert with_loop.noise_ratio == pytest.approx(1.0, abs=0.1)
+    assert np.median(with_loop.nulls.weights.spread[0]) < 0.85 * np.median(without.nulls.weights.spread[0])
