@@ -218,8 +218,8 @@ def close_loop(
     torque: np.ndarray,
     level: np.ndarray,
     plants: np.ndarray,
-    loop: np.ndarray,
-    phases: np.ndarray,
+    loop: tuple[float, float, float, float],
+    encoders: np.ndarray,
     substeps: np.ndarray,
     out: np.ndarray,
 ) -> None:
@@ -231,13 +231,14 @@ def close_loop(
         torque: Torque that moves it so, less gravity and offset [N·m].
         level: Torque added to the dry friction level [N·m].
         plants: Numbers in the order of `FRICTION_SLOTS`. Shape (16, LANES).
-        loop: dt [s], P [N·m/rad], D [N·m·s/rad], what its velocity filter keeps from sample to sample, step [rad].
-        phases: Origin of each encoder, in steps. Shape (LANES,).
+        loop: dt [s], P [N·m/rad], D [N·m·s/rad], what its velocity filter keeps from sample to sample.
+        encoders: Step [rad], 0 for none, and origin [rad] of each encoder. Shape (2, LANES).
         substeps: In how many steps each sample is taken. Shape (n,).
         out: Filled with the loop's answer, held until the next sample [N·m], and the position that the encoder shows
             [rad]. Shape (2, LANES, n).
     """
-    dt, stiffness, damping, filtered, step = loop[0], loop[1], loop[2], loop[3], loop[4]
+    dt, stiffness, damping, filtered = loop
+    steps, origins = encoders[0], encoders[1]
     n, state, taken, h = position.shape[1], np.zeros((_N_STATE, LANES)), 0, 0.0
     rate, before = np.zeros(LANES), np.zeros(LANES)
     general = _start(state, plants, position, velocity)
@@ -248,7 +249,8 @@ def close_loop(
                 state[_KEEP, j] = np.exp(-h / state[_LAG, j]) if state[_LAG, j] > 0.0 else 0.0
         after = min(k + 1, n - 1)
         for j in range(LANES):
-            seen = step * (np.round(state[_X, j] / step + phases[j]) - phases[j])
+            x, step, origin = state[_X, j], steps[j], origins[j]
+            seen = step * np.round((x - origin) / step) + origin if step > 0.0 else x
             error = position[j, k] - seen
             change = (error - before[j]) / dt if k > 0 else 0.0
             rate[j], before[j] = change + (rate[j] - change) * filtered, error

@@ -13,11 +13,12 @@ from .screening import project_out
 from .structure import Structure
 from .track import FloatArray
 
-__all__ = ["change_points", "excess_maps", "intervals_of", "locate", "row_series"]
+__all__ = ["change_points", "effect_energy", "excess_maps", "locate", "row_doubt", "row_series"]
 
 _BINS = 24
 _SHARE = 0.8
 _BOOTSTRAPS = 200
+_ROUNDING = 12.0**-0.5  # deviation of what is rounded, in steps
 _BLOCK = 25  # rows: half a second, longer than the residual remembers
 
 
@@ -75,12 +76,12 @@ def _map(values: FloatArray, energy: FloatArray, seed: int) -> dict[str, FloatAr
     return {"edges": edges, "excess": sums.sum(axis=0) / np.maximum(count, 1), "lower": lower, "upper": upper}
 
 
-def intervals_of(values: FloatArray, energy: FloatArray, least: int = 1) -> list[Interval]:
+def _intervals(values: FloatArray, energy: FloatArray) -> list[Interval]:
     """Intervals of `values` that hold most of the excess energy, densest first until the share is reached."""
     edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, _BINS + 1)))
     index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
     total = np.maximum(np.bincount(index, energy, edges.size - 1), 0.0)
-    density = total / np.maximum(np.bincount(index, minlength=edges.size - 1), least)
+    density = total / np.maximum(np.bincount(index, minlength=edges.size - 1), 1)
     chosen, held = np.zeros(total.size, dtype=bool), 0.0
     for i in np.argsort(-density):
         if held >= _SHARE * total.sum():
@@ -115,7 +116,7 @@ def locate(series: Sequence[RowSeries], energy: Sequence[FloatArray], *, rows: i
         if any(part is None for part in parts):
             continue
         values = np.concatenate(parts)
-        found = intervals_of(values, pooled) if np.ptp(values) > 0.0 else []
+        found = _intervals(values, pooled) if np.ptp(values) > 0.0 else []
         inside = np.zeros(values.size, dtype=bool)
         for low, high in found:
             inside |= (values >= low) & (values <= high)
@@ -133,6 +134,21 @@ def _times(series: Sequence[RowSeries], energy: Sequence[FloatArray], rows: int)
     chosen = np.sort(order[: int(np.searchsorted(held, _SHARE)) + 1])
     half = 0.5 * float(np.median(np.diff(time)))
     return merged([(float(time[i] - half), float(time[i] + half)) for i in chosen], (rows - 1 + 1e-6) * half)
+
+
+def row_doubt(prepared: Prepared) -> list[FloatArray]:
+    """How far each row may be off [N·m]: by its noise and, while the joint sticks, by an encoder step on its bristle.
+
+    Where a joint sticks its friction is whatever holds it, and only the deflection of the bristle tells how much.
+    """
+    sigma_0 = prepared.structure.plant(prepared.fit.theta).sigma_0
+    result = []
+    parts = zip(prepared.problem.tracks, prepared.problem.grids, prepared.nulls.weights.spread, strict=True)
+    for track, grid, spread in parts:
+        sticks = np.abs(track.velocity) < prepared.problem.observer.rest_speed
+        step = sigma_0 * track.resolution * _ROUNDING
+        result.append(np.hypot(spread, grid.of(sticks.astype(np.float64)) * step))
+    return result
 
 
 def change_points(series: Sequence[RowSeries]) -> tuple[tuple[float, ...], ...]:

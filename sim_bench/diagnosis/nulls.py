@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import repeat
 
 import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
@@ -63,10 +64,9 @@ def make_nulls(problem: Problem, plant: Plant, effects: Sequence[Contribution], 
         track.torque + shifted(one.missing, -plant.delay / track.dt)
         for track, one in zip(calm.tracks, truth, strict=True)
     )
-    joints = enumerate(zip(problem.tracks, effects, truth, applied, strict=True))
     answers = tuple(
-        step_answers(track, plant, effect, one, torque, count=max(count, _FEW), seed=seed + index)
-        for index, (track, effect, one, torque) in joints
+        step_answers(job, one, torque, count=max(count, _FEW), seed=seed)
+        for job, one, torque in zip(map(Job, problem.tracks, repeat(plant), effects), truth, applied, strict=True)
     )
     chain = _Chain(problem, plant, tuple(effects), tuple(truth), applied, answers)
     noises = [_matched_noise(chain, index, rows, seed) for index, rows in enumerate(data)]

@@ -10,7 +10,7 @@ import numpy as np
 
 from .controller import Controller
 from .kernel import LANES, close_loop
-from .observer import THREADS, Contribution, Job, Observation, Plant, lanes_of, shifted
+from .observer import THREADS, Job, Observation, lanes_of, shifted
 from .track import FloatArray, Track
 
 __all__ = ["StepAnswer", "step_answers"]
@@ -31,22 +31,14 @@ class StepAnswer(NamedTuple):
     torque: FloatArray
 
 
-def step_answers(
-    track: Track,
-    plant: Plant,
-    effect: Contribution,
-    truth: Observation,
-    applied: FloatArray,
-    *,
-    count: int,
-    seed: int,
-) -> list[StepAnswer]:
+def step_answers(job: Job, truth: Observation, applied: FloatArray, *, count: int, seed: int) -> list[StepAnswer]:
     """Simulate the loop of a recording `count` times, each time with another origin of the encoder.
 
+    What the steps change is taken from a simulation without them, and added to the motion: a resting joint is held to
+    its recording, which the simulation of a loop is not.
+
     Args:
-        track: The recording.
-        plant: The joint.
-        effect: What effects add to it.
+        job: The recording, the joint, and what effects add to it.
         truth: Its motion without the steps.
         applied: Torque that moves it so, as late as the recorded one [N·m]. Shape (n,).
         count: Number of simulations.
@@ -55,35 +47,43 @@ def step_answers(
     Returns:
         Nothing where no loop is known or its answer is lost in the noise of the torque.
     """
-    loop = track.loop
+    track, loop = job.track, job.track.loop
     if loop is None or loop.derivative_gain <= 0.0 or track.resolution <= 0.0:
         return []
-    phases = np.random.default_rng([seed, count]).uniform(size=count)
-    told = replace(track, position=truth.position, velocity=truth.velocity, torque=applied)
-    batches = [phases[i : i + LANES] for i in range(0, count, LANES)]
+    told = job._replace(track=replace(track, position=truth.position, velocity=truth.velocity, torque=applied))
+    steps = np.array([0.0, *np.full(count, track.resolution)])
+    encoders = np.stack([steps, steps * np.random.default_rng(seed).uniform(size=count + 1)])
+    batches = [encoders[:, i : i + LANES] for i in range(0, count + 1, LANES)]
+    first = _run(told, loop, batches[0])
+    smooth, stepped = first[0], first[1]
+    if not _credible(stepped, smooth, truth, track):
+        return []
     with ThreadPoolExecutor(THREADS) as pool:
-        first = _run(Job(told, plant, effect), loop, batches[0])
-        if not _credible(first[0], truth, track):
-            return []
-        runs = [first, *pool.map(lambda batch: _run(Job(told, plant, effect), loop, batch), batches[1:])]
+        runs = [
+            *first[1:],
+            *(run for batch in pool.map(lambda one: _run(told, loop, one), batches[1:]) for run in batch),
+        ]
     # The answer is held for a sample; the torque of a recording runs straight from sample to sample.
-    late = -0.5 - plant.delay / track.dt
-    return [StepAnswer(seen, shifted(torque, late)) for run in runs for seen, torque in run]
+    late = -0.5 - job.plant.delay / track.dt
+    return [
+        StepAnswer(truth.position + run.position - smooth.position, shifted(run.torque - smooth.torque, late))
+        for run in runs
+    ]
 
 
-def _run(job: Job, loop: Controller, phases: FloatArray) -> list[tuple[FloatArray, FloatArray]]:
-    """Positions that at most `LANES` encoders show, and the torque of their loops."""
+def _run(job: Job, loop: Controller, encoders: FloatArray) -> list[StepAnswer]:
+    """At most `LANES` joints under the loop, each with its encoder."""
     track, (signals, plants) = job.track, lanes_of([job])
     frequency = loop.velocity_filter_frequency
     kept = 0.0 if frequency is None else float(np.exp(-2.0 * np.pi * frequency * track.dt))
-    gains = np.array([track.dt, loop.proportional_gain, loop.derivative_gain, kept, track.resolution])
-    origins, out = np.resize(phases, LANES), np.empty((2, LANES, track.size))
-    close_loop(signals[0], signals[1], signals[2], signals[3], plants, gains, origins, track.substeps, out)
-    return [(out[1, lane], out[0, lane]) for lane in range(phases.size)]
+    settings = (track.dt, loop.proportional_gain, loop.derivative_gain, kept)
+    each, out = np.resize(encoders.T, (LANES, 2)).T.copy(), np.empty((2, LANES, track.size))
+    close_loop(signals[0], signals[1], signals[2], signals[3], plants, settings, each, track.substeps, out)
+    return [StepAnswer(out[1, lane], out[0, lane]) for lane in range(encoders.shape[1])]
 
 
-def _credible(run: tuple[FloatArray, FloatArray], truth: Observation, track: Track) -> bool:
-    """Whether the answer stands out of the torque's noise and leaves the joint where it was."""
-    seen, torque = run
-    near = bool(np.std(seen - truth.position) < _ASTRAY * track.resolution)
-    return near and float(np.std(torque)) > _LOUD * track.torque_noise.size
+def _credible(stepped: StepAnswer, smooth: StepAnswer, truth: Observation, track: Track) -> bool:
+    """Whether the loop leaves the joint where it was, and its answer stands out of the torque's noise."""
+    far = max(float(np.std(one.position - truth.position)) for one in (stepped, smooth))
+    loud = float(np.std(stepped.torque - smooth.torque)) > _LOUD * track.torque_noise.size
+    return far < _ASTRAY * track.resolution and loud
