@@ -21,7 +21,6 @@ _MOST_OF_A_ROW = 9.0  # gain that one row may add to what counts against the thr
 _FAIR = 0.5  # of what an effect of sliding would explain in the rows that slide, were it spread evenly, that it must
 _LOUD_ABOUT_REST = 0.6  # gain per row there; the form of the bristle has been seen to leave 0.3 of nothing missing
 _BRISTLE = 0.3  # such energy per row there, that is not held against an explanation
-_FORM = 0.05  # gain per row there, that speaks for no effect of rest: its own bristle meets that of a null as well
 # Gain per row of all, and coverage, of an explanation that counts wherever it shows: nulls reach 0.04 and 0.7.
 _PLAIN, _PLAINLY_COVERED = 0.08, 0.85
 _DETENT, _SAME_ORDER, _LIKE_SIZE = ("cogging", "position_coulomb"), 0.05, 0.25
@@ -115,10 +114,8 @@ def evidence(
     if at is not None:
         fall, rows = fall[at], rows[at]
     about_rest = float(np.mean(fall[~rows])) if not np.all(rows) else 0.0
-    if plain or about_rest > _LOUD_ABOUT_REST:
+    if plain or about_rest > _LOUD_ABOUT_REST or any(EFFECTS[name].shown_at_rest for name in names):
         return float(np.sum(fall))
-    if any(EFFECTS[name].shown_at_rest for name in names):
-        return float(np.sum(fall)) - min(max(about_rest, 0.0), _FORM) * float(np.sum(~rows))
     sliding, fair = float(np.sum(fall[rows])), float(np.sum(fall)) * float(np.mean(rows))
     return sliding if sliding > _FAIR * fair else min(sliding, 0.0)
 

@@ -13,12 +13,11 @@ from .screening import project_out
 from .structure import Structure
 from .track import FloatArray
 
-__all__ = ["change_points", "effect_energy", "excess_maps", "locate", "row_doubt", "row_series"]
+__all__ = ["change_points", "effect_energy", "excess_maps", "locate", "row_series"]
 
 _BINS = 24
 _SHARE = 0.8
 _BOOTSTRAPS = 200
-_ROUNDING = 12.0**-0.5  # deviation of what is rounded, in steps
 _BLOCK = 25  # rows: half a second, longer than the residual remembers
 
 
@@ -134,21 +133,6 @@ def _times(series: Sequence[RowSeries], energy: Sequence[FloatArray], rows: int)
     chosen = np.sort(order[: int(np.searchsorted(held, _SHARE)) + 1])
     half = 0.5 * float(np.median(np.diff(time)))
     return merged([(float(time[i] - half), float(time[i] + half)) for i in chosen], (rows - 1 + 1e-6) * half)
-
-
-def row_doubt(prepared: Prepared) -> list[FloatArray]:
-    """How far each row may be off [N·m]: by its noise and, while the joint sticks, by an encoder step on its bristle.
-
-    Where a joint sticks its friction is whatever holds it, and only the deflection of the bristle tells how much.
-    """
-    sigma_0 = prepared.structure.plant(prepared.fit.theta).sigma_0
-    result = []
-    parts = zip(prepared.problem.tracks, prepared.problem.grids, prepared.nulls.weights.spread, strict=True)
-    for track, grid, spread in parts:
-        sticks = np.abs(track.velocity) < prepared.problem.observer.rest_speed
-        step = sigma_0 * track.resolution * _ROUNDING
-        result.append(np.hypot(spread, grid.of(sticks.astype(np.float64)) * step))
-    return result
 
 
 def change_points(series: Sequence[RowSeries]) -> tuple[tuple[float, ...], ...]:

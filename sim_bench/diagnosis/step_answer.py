@@ -84,6 +84,7 @@ def _run(job: Job, loop: Controller, encoders: FloatArray) -> list[StepAnswer]:
 
 def _credible(stepped: StepAnswer, smooth: StepAnswer, truth: Observation, track: Track) -> bool:
     """Whether the loop leaves the joint where it was, and its answer stands out of the torque's noise."""
-    far = max(float(np.std(one.position - truth.position)) for one in (stepped, smooth))
-    loud = float(np.std(stepped.torque - smooth.torque)) > _LOUD * track.torque_noise.size
+    with np.errstate(over="ignore", invalid="ignore"):  # a loop that swings up
+        far = max(float(np.std(one.position - truth.position)) for one in (stepped, smooth))
+        loud = float(np.std(stepped.torque - smooth.torque)) > _LOUD * track.torque_noise.size
     return far < _ASTRAY * track.resolution and loud
