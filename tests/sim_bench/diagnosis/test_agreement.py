@@ -11,23 +11,18 @@ from fricomp.sim_bench.diagnosis.agreement import _hold, agreeing
 from fricomp.sim_bench.diagnosis.explanation import Explanation
 from fricomp.sim_bench.diagnosis.rigid import RigidJoint
 from fricomp.sim_bench.diagnosis.search import Found
-from fricomp.sim_bench.diagnosis.solver import Box, Fit
-from fricomp.sim_bench.diagnosis.structure import Candidate, Structure
+from fricomp.sim_bench.diagnosis.solver import Box
+
+from .known import known
 
 _NONE = cast(Any, None)
-
-
-def _explanation(names: tuple[str, ...], gain: float, refused: str = "") -> Explanation:
-    structure = Structure((), tuple(Candidate(name, ()) for name in names))
-    fit = Fit(np.zeros(0), np.zeros(1), np.zeros((1, 0)), 0.0)
-    return Explanation(structure, fit, gain, gain, 0.99, 0.0, refused)
 
 
 def _found(*explanations: Explanation) -> Found:
     return Found(explanations, explanations[0], 30.0, 0.0, 0.0, _NONE)
 
 
-_LOAD, _SPLIT = _explanation(("load_coulomb",), 1000.0), _explanation(("load_quadratic",), 990.0)
+_LOAD, _SPLIT = known(("load_coulomb",), 1000.0), known(("load_quadratic",), 990.0)
 
 
 def test_of_two_that_fit_as_well_the_one_that_agrees_is_taken() -> None:
@@ -41,9 +36,9 @@ def test_of_two_that_fit_as_well_the_one_that_agrees_is_taken() -> None:
     [
         (_SPLIT, {"load_coulomb", "load_quadratic"}),  # both move the simulation
         (_SPLIT, set()),  # neither does
-        (_explanation(("load_quadratic",), 900.0), {"load_coulomb"}),  # fits worse
-        (_explanation(("load_quadratic",), 990.0, "static friction would fall"), {"load_coulomb"}),
-        (_explanation(("load_quadratic", "cogging"), 999.0), {"load_coulomb"}),  # has more effects
+        (known(("load_quadratic",), 900.0), {"load_coulomb"}),  # fits worse
+        (known(("load_quadratic",), 990.0, refused="static friction would fall"), {"load_coulomb"}),
+        (known(("load_quadratic", "cogging"), 999.0), {"load_coulomb"}),  # has more effects
     ],
 )
 def test_else_the_best_one_stays(rival: Explanation, differing: set[str]) -> None:

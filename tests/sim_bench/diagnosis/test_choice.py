@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import cast
 
@@ -11,11 +10,9 @@ import numpy as np
 import pytest
 
 from fricomp.sim_bench.diagnosis.choice import acceptable, choose
-from fricomp.sim_bench.diagnosis.explanation import Explanation
 from fricomp.sim_bench.diagnosis.preparation import Prepared
-from fricomp.sim_bench.diagnosis.solver import Fit
-from fricomp.sim_bench.diagnosis.structure import Candidate, Structure
-from fricomp.sim_bench.diagnosis.track import FloatArray
+
+from .known import known
 
 _ROWS = 400
 _SLIDING = np.arange(_ROWS) % 4 > 0
@@ -23,49 +20,29 @@ _QUIET = np.zeros(_ROWS)
 _PREPARED = cast(Prepared, SimpleNamespace(sliding=_SLIDING))
 
 
-@dataclass(frozen=True, eq=False)
-class _Known(Explanation):
-    """An explanation whose effects are known to act in the rows `reached`."""
-
-    reached: FloatArray | None = None
-
-    def reach(self, prepared: Prepared) -> FloatArray:
-        return np.full(_ROWS, 5.0) if self.reached is None else self.reached
-
-
-def _fit(residual: FloatArray) -> Fit:
-    return Fit(np.zeros(0), residual, np.zeros((residual.size, 0)), float(residual @ residual))
-
-
-def _explanation(names: Sequence[str], gain: float, residual: FloatArray, **more: float) -> _Known:
-    structure = Structure((), tuple(Candidate(name, ()) for name in names))
-    known = _Known(structure, _fit(residual), gain, gain, 0.9)
-    return replace(known, **more)  # type: ignore[arg-type]
-
-
 def test_what_rest_alone_gains_does_not_make_a_pair() -> None:
     only_rest, everywhere = np.where(_SLIDING, 0.0, 0.76), np.full(_ROWS, 2.0)
-    pair = _explanation(("cogging", "frictional_lag"), 5000.0, _QUIET, coverage=0.99)
-    shown, hidden = (_explanation(("cogging",), 100.0, residual) for residual in (everywhere, only_rest))
+    pair = known(("cogging", "frictional_lag"), 5000.0, _QUIET, coverage=0.99)
+    shown, hidden = (known(("cogging",), 100.0, residual) for residual in (everywhere, only_rest))
     assert choose(_PREPARED, [shown, pair], 50.0) is pair
     assert choose(_PREPARED, [hidden, pair], 50.0) is hidden
-    ended = _explanation(("cogging", "end_stop"), 5000.0, _QUIET, coverage=0.99)
+    ended = known(("cogging", "end_stop"), 5000.0, _QUIET, coverage=0.99)
     assert choose(_PREPARED, [hidden, ended], 50.0) is ended
 
 
 def test_only_what_is_certain_passes_the_threshold() -> None:
-    loud = _explanation(("backlash",), 900.0, _QUIET, certain=20.0)
-    sure = _explanation(("cogging",), 400.0, _QUIET, certain=300.0)
-    refused = replace(_explanation(("end_stop",), 999.0, _QUIET), refused="pulls outwards")
+    loud = known(("backlash",), 900.0, _QUIET, certain=20.0)
+    sure = known(("cogging",), 400.0, _QUIET, certain=300.0)
+    refused = known(("end_stop",), 999.0, _QUIET, refused="pulls outwards")
     assert acceptable([loud, sure, refused], 30.0) == [sure]
 
 
 @pytest.mark.parametrize(("filling", "share"), [("position_coulomb", 0.99), ("external_disturbance", 0.85)])
 def test_what_fills_in_for_others_yields_to_what_fits_about_as_well(filling: str, share: float) -> None:
-    fills = _explanation((filling,), 1000.0, _QUIET)
-    plain = _explanation(("load_coulomb",), share * 1000.0, _QUIET)
+    fills = known((filling,), 1000.0, _QUIET)
+    plain = known(("load_coulomb",), share * 1000.0, _QUIET)
     assert acceptable([fills, plain], 30.0) == [plain, fills]
-    clear = _explanation(("load_coulomb",), 0.7 * 1000.0, _QUIET)
+    clear = known(("load_coulomb",), 0.7 * 1000.0, _QUIET)
     assert acceptable([fills, clear], 30.0) == [fills, clear]
 
 
@@ -73,8 +50,8 @@ def test_what_fills_in_for_others_yields_to_what_fits_about_as_well(filling: str
 def test_a_second_effect_counts_where_the_first_one_does_not_reach(second: str, chosen: bool) -> None:
     """A stop explains 90000 at one end of the range; beside it 300 elsewhere are no form of the stop."""
     at_the_end = np.where(np.arange(_ROWS) < 40, 5.0, 0.0)
-    stop = replace(_explanation(("end_stop",), 90_000.0, np.ones(_ROWS), coverage=1.0), reached=at_the_end)
-    pair = _explanation(("end_stop", second), 90_300.0, _QUIET, coverage=1.0)
+    stop = known(("end_stop",), 90_000.0, np.ones(_ROWS), coverage=1.0, reached=at_the_end)
+    pair = known(("end_stop", second), 90_300.0, _QUIET, coverage=1.0)
     assert (choose(_PREPARED, [stop, pair], 50.0) is pair) == chosen
     everywhere = replace(stop, reached=np.full(_ROWS, 5.0))
     assert choose(_PREPARED, [everywhere, pair], 50.0) is everywhere
@@ -82,10 +59,10 @@ def test_a_second_effect_counts_where_the_first_one_does_not_reach(second: str, 
 
 def test_an_effect_that_a_generic_basis_does_not_see_counts_by_its_gain() -> None:
     """Ripple of a high order beside load friction that covers all the basis sees."""
-    load = _explanation(("load_coulomb",), 4000.0, np.full(_ROWS, 1.5), coverage=0.99)
-    pair = _explanation(("kinematic_error", "load_coulomb"), 4900.0, _QUIET, coverage=0.995)
+    load = known(("load_coulomb",), 4000.0, np.full(_ROWS, 1.5), coverage=0.99)
+    pair = known(("kinematic_error", "load_coulomb"), 4900.0, _QUIET, coverage=0.995)
     assert choose(_PREPARED, [load, pair], 50.0) is pair
-    little = _explanation(("kinematic_error", "load_coulomb"), 4200.0, _QUIET, coverage=0.995)
+    little = known(("kinematic_error", "load_coulomb"), 4200.0, _QUIET, coverage=0.995)
     assert choose(_PREPARED, [load, little], 50.0) is load
 
 
@@ -101,16 +78,16 @@ def test_an_effect_that_a_generic_basis_does_not_see_counts_by_its_gain() -> Non
 def test_a_faint_effect_beside_a_strong_one_must_complete_it(
     further: str, left: float, gain: float, named: bool
 ) -> None:
-    first = _explanation(("end_stop",), 9000.0, np.ones(_ROWS), left=400.0, coverage=0.96)
-    pair = _explanation(("end_stop", further), gain, _QUIET, left=left, coverage=1.0)
+    first = known(("end_stop",), 9000.0, np.ones(_ROWS), left=400.0, coverage=0.96)
+    pair = known(("end_stop", further), gain, _QUIET, left=left, coverage=1.0)
     assert (choose(_PREPARED, [first, pair], 30.0) is pair) == named
 
 
 def test_an_effect_that_is_only_carried_is_not_named() -> None:
     """What one effect explains all but alone stays unnamed where that effect is refused."""
     refused = "the exponent is two within its tolerance"
-    alone = replace(_explanation(("stribeck_shape",), 440.0, _QUIET), refused=refused)
-    carried = _explanation(("joint_elasticity", "stribeck_shape"), 450.0, _QUIET, coverage=0.99)
+    alone = known(("stribeck_shape",), 440.0, _QUIET, refused=refused)
+    carried = known(("joint_elasticity", "stribeck_shape"), 450.0, _QUIET, coverage=0.99)
     assert choose(_PREPARED, [alone, carried], 30.0) is None
-    worth = _explanation(("joint_elasticity", "stribeck_shape"), 900.0, _QUIET, coverage=0.99)
+    worth = known(("joint_elasticity", "stribeck_shape"), 900.0, _QUIET, coverage=0.99)
     assert choose(_PREPARED, [alone, worth], 30.0) is worth

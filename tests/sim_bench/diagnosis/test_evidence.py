@@ -21,9 +21,11 @@ from fricomp.sim_bench.diagnosis.observer import Contribution, Observer, Plant
 from fricomp.sim_bench.diagnosis.preparation import Prepared, _colour_filter, _correlation, _stable, _typical
 from fricomp.sim_bench.diagnosis.problem import observer_for
 from fricomp.sim_bench.diagnosis.search import Found
-from fricomp.sim_bench.diagnosis.solver import Box, Fit
+from fricomp.sim_bench.diagnosis.solver import Box
 from fricomp.sim_bench.diagnosis.structure import N_BASE, Candidate, Structure, _contributions
 from fricomp.sim_bench.diagnosis.track import FloatArray, Track
+
+from .known import fit_of, known
 
 _PLANT = Plant(0.3, (1.0, 6.0), 0.0, (2.0, 2.6, 0.05, 1.0), (2.0, 2.6, 0.05, 1.0), 4e4)
 
@@ -40,15 +42,6 @@ def _track() -> Track:
 def prepared() -> Prepared:
     none = cast(Any, None)
     return Prepared(observer_for([_track()], _PLANT, Observer()), none, none, none, none)
-
-
-def _fit(residual: FloatArray) -> Fit:
-    return Fit(np.zeros(0), residual, np.zeros((residual.size, 0)), float(residual @ residual))
-
-
-def _explanation(names: Sequence[str], gain: float, residual: FloatArray, certain: float | None = None) -> Explanation:
-    structure = Structure((), tuple(Candidate(name, ()) for name in names))
-    return Explanation(structure, _fit(residual), gain, gain if certain is None else certain, 0.9)
 
 
 def test_rows_whose_window_touches_rest_do_not_slide(prepared: Prepared) -> None:
@@ -71,14 +64,14 @@ def test_rest_speaks_only_for_effects_that_show_there(prepared: Prepared) -> Non
     before, after = np.full(sliding.size, 0.7), np.full(sliding.size, 0.7)
     after[~sliding] = 0.0
     fall = 0.49 * np.sum(~sliding)
-    assert evidence(prepared, ("frictional_lag",), _fit(before), _fit(after)) == 0.0
-    assert evidence(prepared, ("backlash",), _fit(before), _fit(after)) == pytest.approx(fall)
-    assert evidence(prepared, ("backlash", "frictional_lag"), _fit(before), _fit(after)) == pytest.approx(fall)
+    assert evidence(prepared, ("frictional_lag",), fit_of(before), fit_of(after)) == 0.0
+    assert evidence(prepared, ("backlash",), fit_of(before), fit_of(after)) == pytest.approx(fall)
+    assert evidence(prepared, ("backlash", "frictional_lag"), fit_of(before), fit_of(after)) == pytest.approx(fall)
 
 
 def test_a_fall_about_rest_that_no_bristle_reaches_speaks_for_any_effect(prepared: Prepared) -> None:
     loud = np.where(prepared.sliding, 1.0, 2.0)
-    shown = evidence(prepared, ("load_stribeck",), _fit(loud), _fit(np.ones(loud.size)))
+    shown = evidence(prepared, ("load_stribeck",), fit_of(loud), fit_of(np.ones(loud.size)))
     assert shown == pytest.approx(3.0 * np.sum(~prepared.sliding))
 
 
@@ -86,9 +79,9 @@ def test_no_row_counts_for_more_than_three_deviations(prepared: Prepared) -> Non
     before = np.zeros(prepared.sliding.size)
     first, second = np.flatnonzero(prepared.sliding)[:2]
     before[first] = 100.0
-    assert evidence(prepared, ("cogging",), _fit(before), _fit(0.0 * before)) == pytest.approx(9.0)
+    assert evidence(prepared, ("cogging",), fit_of(before), fit_of(0.0 * before)) == pytest.approx(9.0)
     before[second] = 2.0
-    assert evidence(prepared, ("cogging",), _fit(before), _fit(0.0 * before)) == pytest.approx(13.0)
+    assert evidence(prepared, ("cogging",), fit_of(before), fit_of(0.0 * before)) == pytest.approx(13.0)
 
 
 @dataclass(frozen=True)
@@ -162,7 +155,7 @@ def test_a_fall_is_sure_over_blocks_or_by_its_size(
     low: float, explained: float, certain: float, after: float, sure: bool
 ) -> None:
     held = Confirmation(1.0, after, 0.78, (low, 0.5), explained)
-    assert confirmed(held, _explanation(("backlash",), 500.0, np.zeros(1), certain), 50.0) == sure
+    assert confirmed(held, known(("backlash",), 500.0, certain=certain), 50.0) == sure
 
 
 def test_samples_are_cut_finely_where_a_bristle_may_be_stretched() -> None:
@@ -183,11 +176,11 @@ def test_samples_are_cut_finely_where_a_bristle_may_be_stretched() -> None:
 def test_what_lies_mostly_about_rest_speaks_for_no_effect_of_sliding(prepared: Prepared) -> None:
     """Both bring 20 where the joint slides; the second far more about rest, as a bent bristle would."""
     rows = prepared.sliding
-    none = _fit(np.zeros(rows.size))
+    none = fit_of(np.zeros(rows.size))
     some = np.where(rows, 20.0 / rows.sum(), 0.0)
     rest = some + np.where(rows, 0.0, 0.58)
-    assert evidence(prepared, {"frictional_lag"}, _fit(np.sqrt(some)), none) == pytest.approx(20.0)
-    assert evidence(prepared, {"frictional_lag"}, _fit(np.sqrt(rest)), none) == 0.0
+    assert evidence(prepared, {"frictional_lag"}, fit_of(np.sqrt(some)), none) == pytest.approx(20.0)
+    assert evidence(prepared, {"frictional_lag"}, fit_of(np.sqrt(rest)), none) == 0.0
 
 
 @pytest.mark.parametrize("memory", [0.6, -0.4])
@@ -215,14 +208,14 @@ def _found(best: Explanation, *rivals: Explanation, null: float = 0.0) -> Found:
 
 @pytest.mark.parametrize(("left", "null", "printed"), [(0.0, 0.0, False), (0.0, 25.0, True), (25.0, 0.0, True)])
 def test_a_set_is_as_wide_as_what_the_best_explanation_leaves(left: float, null: float, printed: bool) -> None:
-    best = replace(_explanation(("load_coulomb",), 1000.0, np.zeros(1)), left=left)
-    rival = _explanation(("load_quadratic",), 980.0, np.zeros(1))
+    best = known(("load_coulomb",), 1000.0, left=left)
+    rival = known(("load_quadratic",), 980.0)
     assert aliases(_found(best, rival, null=null), "load_coulomb") == (("load_quadratic",) if printed else ())
 
 
 def test_a_set_is_never_wider_than_another_form_of_a_law() -> None:
-    best = replace(_explanation(("load_coulomb",), 1000.0, np.zeros(1)), left=500.0)
-    rival = _explanation(("load_quadratic",), 960.0, np.zeros(1))
+    best = known(("load_coulomb",), 1000.0, left=500.0)
+    rival = known(("load_quadratic",), 960.0)
     assert aliases(_found(best, rival), "load_coulomb") == ()
 
 
@@ -232,9 +225,9 @@ def test_the_form_of_the_bristle_is_not_held_against_an_explanation(seen: str, p
     generic = rows[:, None] / np.sqrt(np.sum(rows))
     known = cast(Prepared, SimpleNamespace(generic=generic, sliding=prepared.sliding))
     energy = 0.2 * float(np.sum(rows))
-    left = _left(known, _fit(np.sqrt(0.2) * rows))
+    left = _left(known, fit_of(np.sqrt(0.2) * rows))
     assert left == pytest.approx(energy - 1.0 if seen == "sliding" else 0.0)
-    loud = _left(known, _fit(rows.astype(float)))
+    loud = _left(known, fit_of(rows.astype(float)))
     allowed = 0.0 if seen == "sliding" else 0.3 * float(np.sum(rows))
     assert loud == pytest.approx(np.sum(rows) - 1.0 - allowed)
 
@@ -252,8 +245,8 @@ def test_the_form_of_the_bristle_is_not_held_against_an_explanation(seen: str, p
     ],
 )
 def test_what_is_named_covers_the_mismatch(coverage: float, left: float, certain: float, named: bool) -> None:
-    best = replace(_explanation(("cogging",), 100.0, np.zeros(1), certain=certain), coverage=coverage, left=left)
-    base = cast(Prepared, SimpleNamespace(fit=_fit(np.zeros(1000))))
+    best = known(("cogging",), 100.0, certain=certain, coverage=coverage, left=left)
+    base = cast(Prepared, SimpleNamespace(fit=fit_of(np.zeros(1000))))
     assert covers(best, _found(best, null=20.0), base) == named
 
 
