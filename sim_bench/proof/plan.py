@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from itertools import cycle, islice
 from typing import Any
@@ -12,7 +12,7 @@ import numpy as np
 from ..concealed import CATALOGUE, CHOICES, OUTSIDE, CaseSpec
 from ..real.injection import InjectedSpec
 
-__all__ = ["GROUPS", "PlannedCase", "plan_cases", "plan_clear_cases"]
+__all__ = ["GROUPS", "NULLS", "PlannedCase", "plan_cases", "plan_clear_cases"]
 
 # Share of each group. Of 2,000 cases 540 have nothing missing, 220 are pairs and 140 lie outside the catalogue.
 GROUPS = {
@@ -25,6 +25,9 @@ GROUPS = {
     "hidden": 0.02,
     "fault": 0.02,
 }
+NULLS = ("null", "hard_null")
+"""Groups in which nothing is missing."""
+
 _STRENGTHS = ("1", "0.5", "2", "0.2", "5", "0.1", "clear")
 _MOTIONS = ("rich", "fourier", "rich", "sweep", "rich", "fourier", "pick_and_place", "rich", "slow_reversals", "chirp")
 _NOISES = ("white", "coloured", "jittered", "quantised", "heavy_tailed")
@@ -45,17 +48,20 @@ class PlannedCase:
     spec: CaseSpec | InjectedSpec
 
 
-def plan_cases(count: int, seeds: Iterator[int], duration: float | None = None) -> list[PlannedCase]:
+def plan_cases(
+    count: int, seeds: Iterator[int], duration: float | None = None, groups: Collection[str] = tuple(GROUPS)
+) -> list[PlannedCase]:
     """The first `count` cases over these seeds.
 
     Args:
         count: How many.
         seeds: One is taken for each case.
         duration: Of every recording [s]; by default mostly 60, some 30 or 120.
+        groups: Keys of `GROUPS`; cases of others are left out.
     """
     makers = {group: _MAKERS[group](np.random.default_rng([7, index])) for index, group in enumerate(GROUPS)}
     planned = []
-    for group in islice(_interleave(), count):
+    for group in islice((group for group in _interleave() if group in groups), count):
         fields = next(makers[group])
         length = duration or (60.0 if fields["excitation"] == "fourier" else fields.pop("duration", 60.0))
         fields.pop("duration", None)

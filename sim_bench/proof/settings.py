@@ -12,7 +12,7 @@ import msgspec
 
 from fricomp.errors import DiagnosisError
 
-from .plan import PlannedCase, plan_cases, plan_clear_cases
+from .plan import GROUPS, NULLS, PlannedCase, plan_cases, plan_clear_cases
 from .run_log import append_entry, next_run
 from .seeds import development_seeds, diagnosis_tree, scored_seeds
 
@@ -37,6 +37,7 @@ class RunSettings(msgspec.Struct, frozen=True):
         injected: Effects in real recordings instead of simulated ones.
         tree: Hash of the scored diagnosis; empty for development seeds.
         run: Number of the scored run; 0 for development seeds.
+        nulls: Only cases in which nothing is missing.
     """
 
     cases: int
@@ -48,6 +49,7 @@ class RunSettings(msgspec.Struct, frozen=True):
     injected: bool = False
     tree: str = ""
     run: int = 0
+    nulls: bool = False
 
 
 def load_or_start(out: Path, wanted: RunSettings, *, resume: bool, log: Path, repository: Path) -> RunSettings:
@@ -89,7 +91,8 @@ def plan_run(settings: RunSettings) -> Sequence[PlannedCase]:
     """The cases of a run on simulated joints."""
     if settings.clear:
         return plan_clear_cases(seeds_of(settings))[: settings.cases]
-    return plan_cases(settings.cases, seeds_of(settings), _QUICK if settings.quick else None)
+    groups = NULLS if settings.nulls else tuple(GROUPS)
+    return plan_cases(settings.cases, seeds_of(settings), _QUICK if settings.quick else None, groups)
 
 
 def watch(settings: RunSettings, repository: Path, minutes: float | None = None) -> Callable[[], bool]:

@@ -8,12 +8,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .plan import NULLS
 from .score import Score
 from .statistics import ShareEstimate, compute_share, oracle_power
 
 __all__ = ["Figure", "PowerPoint", "compute_confusion", "compute_figures", "compute_power", "is_wrong"]
 
-_NOTHING = ("null", "hard_null")
 _ACCEPTED = ("consistent", "parameters")
 _WEAK = 0.95  # of a wanted strength still counts as that strength
 
@@ -84,7 +84,7 @@ def compute_figures(scores: Sequence[Score]) -> list[Figure]:
     injected = _where(scores, lambda s: s.group == "injected")
     if injected or any(score.group == "injected_null" for score in scores):
         return _figures_of_injected(injected)
-    nothing = _where(scores, lambda s: s.group in _NOTHING)
+    nothing = _where(scores, lambda s: s.group in NULLS)
     single = _where(scores, lambda s: s.group == "single")
     rich = _where(single, lambda s: s.excitation == "rich" and s.enr >= 0.2 * _WEAK)
     fourier = _where(single, lambda s: s.excitation == "fourier" and s.enr >= 0.5 * _WEAK)
@@ -202,7 +202,7 @@ def compute_confusion(scores: Sequence[Score], weakest: float = 0.5) -> dict[str
     """
     table: dict[str, Counter[str]] = {}
     for score in scores:
-        if score.group in ("single", "outside", "injected", *_NOTHING) and (
+        if score.group in ("single", "outside", "injected", *NULLS) and (
             score.enr >= weakest * _WEAK or not score.truth
         ):
             answer = score.named.split("+")[0] or f"({score.verdict})"
@@ -216,7 +216,7 @@ def is_wrong(score: Score) -> bool:
         return score.verdict == "failed"
     if score.verdict == "failed" or score.false_names:
         return True
-    if score.group in _NOTHING:
+    if score.group in NULLS:
         return score.verdict not in ("consistent", "parameters")
     if score.group == "fault":
         return score.verdict != "bad_data"

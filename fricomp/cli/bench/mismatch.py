@@ -20,6 +20,8 @@ fricomp bench mismatch --scored --cases 2000 --minutes 60 --resume --page docs/p
 
 fricomp bench mismatch --cases 200 --executor dask://scheduler:8786 --out runs/mismatch
 
+fricomp bench mismatch --nulls --cases 300 --first-seed 50000 --out runs/nulls
+
 fricomp bench mismatch --injected --page docs/injected.md --out runs/injected
 
 fricomp bench mismatch --quick --speed-up 4 --out runs/speed"""
@@ -32,6 +34,7 @@ def mismatch(
     out: Annotated[Path, typer.Option(help="Folder for seals, answers, diagnoses and scores.")],
     quick: Annotated[bool, typer.Option("--quick", help=f"{_QUICK} cases of 30 s.")] = False,
     clear: Annotated[bool, typer.Option("--clear", help="Every effect once, clear, 30 s, with nulls between.")] = False,
+    nulls: Annotated[bool, typer.Option("--nulls", help="Only cases in which nothing is missing.")] = False,
     injected: Annotated[bool, typer.Option("--injected", help="Effects in real recordings; needs the data.")] = False,
     cases: Annotated[int | None, typer.Option(min=1, help=f"How many; {_FULL} by default.")] = None,
     minutes: Annotated[float | None, typer.Option(min=0.0, help="Start no case after this; --resume goes on.")] = None,
@@ -49,9 +52,13 @@ def mismatch(
 
     Cases are interleaved: any beginning of a run is a fair sample of the whole, and a run that was stopped goes on.
     """
+    from fricomp.errors import DiagnosisError
     from fricomp.sim_bench.proof import RunSettings, load_or_start, plan_run, restore_data
 
-    wanted = RunSettings(cases or (_QUICK if quick else _FULL), quick, clear, scored, first_seed, injected=injected)
+    if nulls and (clear or injected or scored):
+        raise DiagnosisError("nulls alone come from development seeds: leave out --clear, --injected and --scored")
+    number = cases or (_QUICK if quick else _FULL)
+    wanted = RunSettings(number, quick, clear, scored, first_seed, injected=injected, nulls=nulls)
     if speed_up:
         _time_workers(plan_run(wanted)[:speed_up], out)
         return

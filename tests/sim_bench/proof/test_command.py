@@ -67,6 +67,21 @@ def test_a_scored_run_outside_the_repository_is_refused_before_anything_is_writt
     assert not (tmp_path / "docs").exists()
 
 
+def test_nulls_alone_are_no_scored_run(tmp_path: Path) -> None:
+    options = ["--nulls", "--scored", "--out", str(tmp_path / "run")]
+    with pytest.raises(DiagnosisError, match="development seeds"):
+        CliRunner().invoke(mismatch.app, options, catch_exceptions=False)
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.usefixtures("quick_answers")
+def test_nulls_alone_are_made_and_scored(tmp_path: Path) -> None:
+    options = ["--nulls", "--quick", "--cases", "3", "--executor", "serial", "--out", str(tmp_path / "run")]
+    told = CliRunner().invoke(mismatch.app, options, catch_exceptions=False).stdout
+    assert "named where nothing is missing" in told
+    assert "of 3" in told
+
+
 @pytest.mark.usefixtures("quick_answers")
 def test_a_scored_run_goes_in_pieces_and_its_log_tells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     source = tmp_path / "sim_bench" / "diagnosis" / "search.py"

@@ -22,6 +22,7 @@ from fricomp.sim_bench.proof import (
     read_entries,
     scored_seeds,
 )
+from fricomp.sim_bench.proof.plan import NULLS
 from fricomp.sim_bench.proof.seal import SealBook
 
 
@@ -53,6 +54,14 @@ def test_the_clear_plan_holds_every_effect_once_and_nulls() -> None:
     nulls = _specs(each for each in planned if each.group == "null")
     assert len(nulls) == len(CATALOGUE) // 3
     assert {spec.core for spec in nulls} == {"dahl", "lugre", "gms", "set_valued"}
+
+
+def test_a_plan_of_nulls_alone_turns_through_motions_and_cores() -> None:
+    planned = plan_cases(300, development_seeds(), groups=NULLS)
+    assert {each.group for each in planned} == set(NULLS)
+    assert all(not spec.effects for spec in _specs(planned))
+    assert {spec.excitation for spec in _specs(planned)} == set(EXCITATIONS)
+    assert {spec.core for spec in _specs(planned)} == {"dahl", "lugre", "gms", "set_valued"}
 
 
 def test_every_case_of_a_plan_is_another() -> None:
