@@ -44,6 +44,8 @@ def restore_data(folder: Path, out: Path) -> None:
 
 
 def _copy(source: Path, target: Path) -> None:
+    if source.resolve() == target.resolve():  # a page beside its run
+        return
     for name in _COPIED:
         if (source / name).exists():
             shutil.copyfile(source / name, target / name)
