@@ -66,6 +66,7 @@ def test_a_run_goes_on_from_the_data_beside_its_page(tmp_path: Path) -> None:
     assert len(run_proof(_PLANNED, second, pool, salt=again.salt, diagnose=always_cogging)) == 3
     assert (second / "seals.jsonl").read_text().startswith((first / "seals.jsonl").read_text())
     restore_data(kept, second)  # a run that is there stays
+    keep_data(second, second)  # a page of the same name beside its run
     assert count_open(_PLANNED, second) == 0
 
 
