@@ -206,7 +206,7 @@ def _title(settings: RunSettings, count: int, planned: int) -> str:
 
 def _reproduce(settings: RunSettings, out: Path, page: Path) -> str:
     seeds = "--scored" if settings.scored else f"--first-seed {settings.first_seed}"
-    kind = "".join(f"--{name} " for name in ("quick", "clear", "injected") if getattr(settings, name))
+    kind = "".join(f"--{name} " for name in ("quick", "clear", "nulls", "injected") if getattr(settings, name))
     return (
         f"fricomp bench mismatch {kind}--cases {settings.cases} {seeds} --page docs/{page.name} --out runs/{out.name}"
     )

@@ -76,10 +76,13 @@ def test_nulls_alone_are_no_scored_run(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("quick_answers")
 def test_nulls_alone_are_made_and_scored(tmp_path: Path) -> None:
+    page = tmp_path / "false_alarms.md"
     options = ["--nulls", "--quick", "--cases", "3", "--executor", "serial", "--out", str(tmp_path / "run")]
+    options += ["--page", str(page)]
     told = CliRunner().invoke(mismatch.app, options, catch_exceptions=False).stdout
     assert "named where nothing is missing" in told
     assert "of 3" in told
+    assert "fricomp bench mismatch --quick --nulls --cases 3 --first-seed 0" in page.read_text()
 
 
 @pytest.mark.usefixtures("quick_answers")
