@@ -13,7 +13,8 @@ __all__ = ["ENOUGH", "acceptable", "choose", "close_to"]
 
 ENOUGH = 0.98  # coverage at which a generic basis sees nothing more
 _ANOTHER = 0.08  # of the gain, that one more effect must add: less is the form of the first one not quite met
-_MUCH, _REMNANT = 3.0, 0.3  # thresholds of gain, and part of what is left, of effects that complete an explanation
+# Thresholds of gain, part of it, and part of what is left, of effects that complete an explanation.
+_MUCH, _MATERIAL, _REMNANT = 3.0, 0.01, 0.3
 _WIDER = 0.015  # coverage that it must add while a generic basis sees something
 _UNTOUCHED, _APART = 0.3, 2.0  # noise of a row, and thresholds of evidence in rows that the first effects hardly reach
 _OVERWHELMING = 10.0  # thresholds from which they count wherever they show; a bristle has been seen to bring 7
@@ -85,7 +86,7 @@ def _worth(part: Explanation, threshold: float) -> float:
 
 def _completes(larger: Explanation, part: Explanation, threshold: float) -> bool:
     """Whether its further effects take away nearly all that is left, as none does of a form that is not quite met."""
-    clear = _weighed(larger) > _weighed(part) + _MUCH * threshold
+    clear = _weighed(larger) > _weighed(part) + max(_MUCH * threshold, _MATERIAL * part.gain)
     takes_all = larger.coverage > ENOUGH and larger.left < _REMNANT * part.left
     return clear and takes_all and not _fill_in(set(larger.names) - set(part.names))
 

@@ -6,19 +6,21 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .preparation import Prepared
-from .solver import Box, at_least
+from .solver import Box, Fit, at_least
 from .structure import Structure
 from .track import FloatArray
 
-__all__ = ["Confirmation", "confirm"]
+__all__ = ["Confirmation", "confirm", "covariance"]
 
 _FOLDS, _BLOCKS = 6, 6  # and blocks of each, so that the others hold what is alike: a sweep meets each speed once
 _SHORTEST = 60  # rows of a block
 _FEW = 3  # recordings, below which blocks are left out instead of whole ones
 _GAP_ROWS = 15  # 0.3 s, five correlation times of the rows
 _BOOTSTRAPS = 400
+_BLOCK_ROWS = 50  # 1 s, longer than rows remember
 _PARTS = (1.0, 0.5, 0.25, 0.06)  # of a step that are simulated
 
 
@@ -58,7 +60,7 @@ def confirm(
     rows, freedom = before.size, prepared.fit.theta.size
     left = np.mean([np.mean(null**2) for null in prepared.null_residuals])
     floor = unit * float(np.sqrt(left * (rows + freedom) / (rows - freedom)))
-    blocks = np.array_split(np.arange(before.size), max(10, before.size // 50))
+    blocks = _blocks(before.size)
     b = np.array([energy_before[k].sum() for k in blocks])
     a = np.array([energy_after[k].sum() for k in blocks])
     draws = np.random.default_rng(seed).integers(0, len(blocks), (_BOOTSTRAPS, len(blocks)))
@@ -135,9 +137,24 @@ def _move(residual: FloatArray, jacobian: FloatArray, box: Box, train: FloatArra
     return result
 
 
-def covariance(fit_jacobian: FloatArray, box: Box) -> FloatArray:
-    """Covariance of base and effect parameters in the solver's coordinates. Shape (p, p)."""
-    A = fit_jacobian * box.scale
+def covariance(fit: Fit, box: Box) -> FloatArray:
+    """Covariance of base and effect parameters in the solver's coordinates. Shape (p, p).
+
+    What a structure does not quite explain counts as noise; where it leans the same way for a second and more, the
+    sums over blocks of rows show by how much parameters follow it [white1980].
+    """
+    A = fit.jacobian * box.scale
     H = A.T @ A + at_least(box.scaled_precision, 1e-9)
-    result: FloatArray = np.linalg.pinv(H, hermitian=True) * np.outer(box.scale, box.scale)
+    inverse = np.linalg.pinv(H, hermitian=True)
+    loud = max(1.0, float(fit.residual @ fit.residual) / fit.residual.size)
+    leaning = np.array([A[rows].T @ fit.residual[rows] for rows in _blocks(fit.residual.size)])
+    spread = inverse @ (leaning.T @ leaning) @ inverse
+    plain = loud * inverse
+    wider = np.sqrt(np.maximum(np.diag(spread) / np.maximum(np.diag(plain), 1e-300), 1.0))
+    result: FloatArray = plain * np.outer(wider * box.scale, wider * box.scale)
     return result
+
+
+def _blocks(rows: int) -> list[NDArray[np.int64]]:
+    """Rows of blocks of a second, at least ten of them."""
+    return np.array_split(np.arange(rows), max(10, rows // _BLOCK_ROWS))

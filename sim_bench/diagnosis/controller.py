@@ -52,6 +52,10 @@ class Controller:
     source: str = "given"
     explained: float = 1.0
 
+    def filtered(self, step: float) -> float:
+        """What the velocity filter keeps of its state over `step` [s]."""
+        return _kept(self.velocity_filter_frequency, step)
+
     @property
     def kind(self) -> str:
         """P, PD, PI or PID."""
@@ -141,6 +145,10 @@ def _loop(columns: dict[str, FloatArray], torque: FloatArray, cutoff: float | No
     )
 
 
+def _kept(cutoff: float | None, step: float) -> float:
+    return 0.0 if cutoff is None else float(np.exp(-2.0 * np.pi * cutoff * step))
+
+
 def _columns(recording: Recording, cutoff: float | None) -> dict[str, FloatArray]:
     """What the terms of a loop multiply; its velocity is the filtered difference of positions. Shapes (n,)."""
     dt = recording.sample_period
@@ -149,9 +157,8 @@ def _columns(recording: Recording, cutoff: float | None) -> dict[str, FloatArray
     wanted = recording.velocity_reference
     wanted = np.gradient(reference, dt) if wanted is None else np.asarray(wanted)
     seen = np.diff(position, prepend=position[0]) / dt
-    if cutoff is not None:
-        keep = float(np.exp(-2.0 * np.pi * cutoff * dt))
-        seen = lfilter([1.0 - keep], [1.0, -keep], seen)
+    keep = _kept(cutoff, dt)
+    seen = lfilter([1.0 - keep], [1.0, -keep], seen)
     columns = {
         "error": error,
         "velocity": -seen,

@@ -161,8 +161,7 @@ class _Loop:
 
     def __init__(self, run: Run, step: float) -> None:
         self.run, self.step, self.integral = run, step, 0.0
-        cutoff = run.controller.velocity_filter_frequency
-        self.keep = 0.0 if cutoff is None else float(np.exp(-2.0 * np.pi * cutoff * step))
+        self.keep = run.controller.filtered(step)
         self.seen = float(run.track.velocity[run.start])
         self.acceleration = np.gradient(run.reference[1], run.track.dt)
         if run.controller.integral_gain:

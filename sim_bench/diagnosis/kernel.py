@@ -112,6 +112,14 @@ def _start(state: np.ndarray, plants: np.ndarray, position: np.ndarray, velocity
 
 
 @_inlined
+def _shortened(state: np.ndarray, h: float) -> float:
+    """Take substeps of `h` [s] from here on; returns it."""
+    for j in range(LANES):
+        state[_KEEP, j] = np.exp(-h / state[_LAG, j]) if state[_LAG, j] > 0.0 else 0.0
+    return h
+
+
+@_inlined
 def _feel(state: np.ndarray, general: bool) -> None:
     """The speed that the friction level follows, and the exponent of its fall."""
     for j in range(LANES):
@@ -192,9 +200,7 @@ def observe(
     general = _start(state, plants, position, velocity)
     for k in range(n):
         if substeps[k] != taken:
-            taken, h = substeps[k], dt / substeps[k]
-            for j in range(LANES):
-                state[_KEEP, j] = np.exp(-h / state[_LAG, j]) if state[_LAG, j] > 0.0 else 0.0
+            taken, h = substeps[k], _shortened(state, dt / substeps[k])
         after = min(k + 1, n - 1)
         for j in range(LANES):
             q, v, tau, extra = position[j, k], velocity[j, k], torque[j, k], level[j, k]
@@ -244,9 +250,7 @@ def close_loop(
     general = _start(state, plants, position, velocity)
     for k in range(n):
         if substeps[k] != taken:
-            taken, h = substeps[k], dt / substeps[k]
-            for j in range(LANES):
-                state[_KEEP, j] = np.exp(-h / state[_LAG, j]) if state[_LAG, j] > 0.0 else 0.0
+            taken, h = substeps[k], _shortened(state, dt / substeps[k])
         after = min(k + 1, n - 1)
         for j in range(LANES):
             x, step, origin = state[_X, j], steps[j], origins[j]

@@ -9,11 +9,9 @@ import numpy as np
 from .generic import time_since_reversal
 from .preparation import Prepared
 from .result import Interval, Location, RowSeries
-from .screening import project_out
-from .structure import Structure
 from .track import FloatArray
 
-__all__ = ["change_points", "effect_energy", "excess_maps", "locate", "row_series"]
+__all__ = ["change_points", "excess_maps", "locate", "row_series"]
 
 _BINS = 24
 _SHARE = 0.8
@@ -151,11 +149,3 @@ def change_points(series: Sequence[RowSeries]) -> tuple[tuple[float, ...], ...]:
         )
         result.append(tuple(float(one.time[10 * i]) for i in found[:-1]))
     return tuple(result)
-
-
-def effect_energy(prepared: Prepared, structure: Structure, theta: FloatArray, name: str) -> list[FloatArray]:
-    """Energy of one effect's rows after the base is refitted, for each recording."""
-    column = structure.added(prepared.problem, theta, {name})
-    left = project_out(column[:, None], prepared.basis)[:, 0]
-    ends = np.cumsum([grid.centres.size for grid in prepared.problem.grids])[:-1]
-    return [part**2 for part in np.split(left, ends)]

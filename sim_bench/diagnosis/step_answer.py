@@ -74,9 +74,7 @@ def step_answers(job: Job, truth: Observation, applied: FloatArray, *, count: in
 def _run(job: Job, loop: Controller, encoders: FloatArray) -> list[StepAnswer]:
     """At most `LANES` joints under the loop, each with its encoder."""
     track, (signals, plants) = job.track, lanes_of([job])
-    frequency = loop.velocity_filter_frequency
-    kept = 0.0 if frequency is None else float(np.exp(-2.0 * np.pi * frequency * track.dt))
-    settings = (track.dt, loop.proportional_gain, loop.derivative_gain, kept)
+    settings = (track.dt, loop.proportional_gain, loop.derivative_gain, loop.filtered(track.dt))
     each, out = np.resize(encoders.T, (LANES, 2)).T.copy(), np.empty((2, LANES, track.size))
     close_loop(signals[0], signals[1], signals[2], signals[3], plants, settings, each, track.substeps, out)
     return [StepAnswer(out[1, lane], out[0, lane]) for lane in range(encoders.shape[1])]

@@ -103,13 +103,20 @@ class Structure:
         """Observed simulations at `theta`."""
         return problem.runs([self.plant(theta)], [self.contributions(theta[N_BASE:])])[0]
 
-    def added(self, problem: Problem, theta: FloatArray, names: Collection[str]) -> FloatArray:
-        """What the effects `names` add to the weighted rows at `theta`. Shape (m,)."""
+    def with_and_without(
+        self, problem: Problem, theta: FloatArray, names: Collection[str]
+    ) -> tuple[list[Observation], list[Observation]]:
+        """Observed simulations at `theta`, and the same without the effects `names`."""
         kept = [c for c in self.candidates if c.name not in names]
         held = np.array([owner not in names for owner, _ in self.parameters()], dtype=bool)
-        without = Structure(self.contexts, tuple(kept)).contributions(theta[N_BASE:][held])
-        runs = problem.runs([self.plant(theta)] * 2, [self.contributions(theta[N_BASE:]), without])
-        return problem.vector(runs[0]) - problem.vector(runs[1])
+        less = Structure(self.contexts, tuple(kept)).contributions(theta[N_BASE:][held])
+        complete, without = problem.runs([self.plant(theta)] * 2, [self.contributions(theta[N_BASE:]), less])
+        return complete, without
+
+    def added(self, problem: Problem, theta: FloatArray, names: Collection[str]) -> FloatArray:
+        """What the effects `names` add to the weighted rows at `theta`. Shape (m,)."""
+        complete, without = self.with_and_without(problem, theta, names)
+        return problem.vector(complete) - problem.vector(without)
 
     def plant(self, theta: FloatArray) -> Plant:
         """The base part of `theta`."""

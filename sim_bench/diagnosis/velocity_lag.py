@@ -14,7 +14,7 @@ from .track import smooth_derivative
 
 __all__ = ["velocity_lag"]
 
-_LEAST = 3e-3  # [s] shorter lags are those of usual velocity filters
+_LEAST = 5e-3  # [s] shorter lags are those of usual velocity filters, seen through the encoder's steps
 _SCALE = 0.1  # a column that is off by a factor of more than that is another quantity, or in another unit
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,11 +16,12 @@ from .alias import aliases, distinguishability
 from .base import BASE_NAMES
 from .comparison import NAMED, PLAIN, UNEXPLAINED, Comparison, Doubt, compare_friction, compare_rigid
 from .confirmation import Confirmation, confirm, covariance
+from .effect_energy import effect_energy
 from .experiment import propose
 from .explanation import Explanation
 from .extension import base_model, extended_model
 from .gates import confirmed, covers, stands_out, vibration
-from .location import change_points, effect_energy, excess_maps, locate, row_series
+from .location import change_points, excess_maps, locate, row_series
 from .order import order_spectrum
 from .preparation import Prepared
 from .result import (
@@ -87,7 +89,7 @@ def conclude(answer: Answer) -> Diagnosis:
     effects = [*effects, *compared.effects, *velocity_lag(answer.recordings)]
     effects.sort(key=lambda effect: -effect.share)
     verdict = _verdict(effects, unknown)
-    location = _location(series, chosen, unknown)
+    location = _location(answer, series, chosen, unknown)
     if tone is not None:
         location = {**location, "frequency": [(tone.frequency - tone.width, tone.frequency + tone.width)]}
     record = DiagnosisRecord(
@@ -171,10 +173,8 @@ def _effects(
     if chosen is None:
         return []
     box = answer.prepared.box.joined(chosen.structure.box())
-    # What the structure does not quite explain is spread over its parameters as if it were noise.
-    loud = max(1.0, float(chosen.fit.residual @ chosen.fit.residual) / chosen.fit.residual.size)
-    deviations = np.sqrt(loud * np.maximum(np.diag(covariance(chosen.fit.jacobian, box)), 0.0))[N_BASE:]
-    energies = {name: effect_energy(answer.prepared, chosen.structure, chosen.fit.theta, name) for name in chosen.names}
+    deviations = np.sqrt(np.maximum(np.diag(covariance(chosen.fit, box)), 0.0))[N_BASE:]
+    energies = {name: _energy(answer, chosen, {name}) for name in chosen.names}
     total = sum(float(np.sum(np.concatenate(e))) for e in energies.values())
     effects = []
     for candidate in chosen.structure.candidates:
@@ -217,7 +217,7 @@ def _compare(answer: Answer, chosen: Explanation | None, doubt: Doubt) -> Compar
     fit = answer.prepared.fit if chosen is None else chosen.fit
     structure = answer.prepared.structure if chosen is None else chosen.structure
     box = answer.prepared.box.joined(structure.box())
-    cov = covariance(fit.jacobian, box) * max(1.0, float(fit.residual @ fit.residual) / fit.residual.size)
+    cov = covariance(fit, box)
     plant = structure.plant(fit.theta)
     result = Comparison()
     if answer.rigid is not None and answer.rigid.rotary:
@@ -229,10 +229,14 @@ def _compare(answer: Answer, chosen: Explanation | None, doubt: Doubt) -> Compar
     return result
 
 
-def _location(series: tuple[RowSeries, ...], chosen: Explanation | None, unknown: bool) -> Location:
-    """Where the mismatch sits: what was named after the base refit, free of noise; else all that exceeds the noise."""
+def _energy(answer: Answer, chosen: Explanation, names: Collection[str]) -> list[FloatArray]:
+    return effect_energy(answer.prepared, chosen.structure, chosen.fit.theta, names)
+
+
+def _location(answer: Answer, series: tuple[RowSeries, ...], chosen: Explanation | None, unknown: bool) -> Location:
+    """Where the mismatch sits: what the named effects add, free of noise; else all that exceeds the noise."""
     if chosen is not None:
-        return locate(series, [(one.before - one.after) ** 2 for one in series])
+        return locate(series, _energy(answer, chosen, chosen.names))
     if unknown:
         return locate(series, [np.maximum((one.before / one.spread) ** 2 - 1.0, 0.0) for one in series], rows=5)
     return {}
@@ -252,7 +256,7 @@ def _verdict(effects: list[NamedEffect], unknown: bool) -> str:
 def _base(answer: Answer, chosen: Explanation | None) -> dict[str, Quantity]:
     fit = answer.prepared.fit if chosen is None else chosen.fit
     structure = answer.prepared.structure if chosen is None else chosen.structure
-    deviation = np.sqrt(np.maximum(np.diag(covariance(fit.jacobian, answer.prepared.box.joined(structure.box()))), 0.0))
+    deviation = np.sqrt(np.maximum(np.diag(covariance(fit, answer.prepared.box.joined(structure.box()))), 0.0))
     result = {}
     units = {
         "inertia": "kg·m²" if answer.prepared.problem.tracks[0].rotary else "kg",

@@ -14,14 +14,14 @@ from scipy.ndimage import binary_dilation
 from scipy.signal import lfilter
 
 from fricomp.sim_bench.diagnosis.alias import aliases
-from fricomp.sim_bench.diagnosis.confirmation import Confirmation, _folds, _held_out
+from fricomp.sim_bench.diagnosis.confirmation import Confirmation, _folds, _held_out, covariance
 from fricomp.sim_bench.diagnosis.explanation import Explanation, _left, evidence
 from fricomp.sim_bench.diagnosis.gates import confirmed, covers
 from fricomp.sim_bench.diagnosis.observer import Contribution, Observer, Plant
 from fricomp.sim_bench.diagnosis.preparation import Prepared, _colour_filter, _correlation, _stable, _typical
 from fricomp.sim_bench.diagnosis.problem import observer_for
 from fricomp.sim_bench.diagnosis.search import Found
-from fricomp.sim_bench.diagnosis.solver import Box
+from fricomp.sim_bench.diagnosis.solver import Box, Fit
 from fricomp.sim_bench.diagnosis.structure import N_BASE, Candidate, Structure, _contributions
 from fricomp.sim_bench.diagnosis.track import FloatArray, Track
 
@@ -123,6 +123,28 @@ def test_folds_hold_several_blocks_and_a_gap_about_each(rows: int, blocks: int) 
         assert np.sum(np.diff(np.concatenate([[0], test.astype(int), [0]])) == 1) == blocks
         near = binary_dilation(test, iterations=15)
         np.testing.assert_array_equal(train, np.logical_not(near))
+
+
+def _covered(noise: FloatArray) -> float:
+    """Part of the 95 % intervals of a line's parameters, fitted to each row of `noise`, that hold the truth."""
+    time = np.linspace(0.0, 1.0, noise.shape[1])
+    table = np.column_stack([np.ones_like(time), time, np.sin(40.0 * time)])
+    box = Box(-np.full(3, 9.0), np.full(3, 9.0), np.ones(3), np.zeros(3), np.zeros((3, 3)), np.ones(3))
+    held = []
+    for one in noise:
+        theta = np.asarray(np.linalg.lstsq(table, one, rcond=None)[0], dtype=np.float64)
+        residual = table @ theta - one
+        deviation = np.sqrt(np.diag(covariance(Fit(theta, residual, table, float(residual @ residual)), box)))
+        held.append(np.abs(theta) < 1.96 * deviation)
+    return float(np.mean(held))
+
+
+def test_intervals_hold_the_truth_in_white_noise_and_in_what_leans_for_a_while() -> None:
+    white = np.random.default_rng(5).standard_normal((300, 2500))
+    assert 0.93 < _covered(white) < 0.99
+    # Without the sums over blocks two thirds of them would not.
+    leaning = lfilter([np.sqrt(1.0 - 0.9**2)], [1.0, -0.9], white, axis=1)
+    assert 0.85 < _covered(leaning) < 0.99
 
 
 def test_a_step_by_which_its_own_rows_lose_is_not_taken() -> None:

@@ -1,0 +1,74 @@
+"""Where effects show: what a refit of a plain joint takes up is no trace of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
+import pytest
+
+from fricomp.sim_bench.diagnosis.effect_energy import effect_energy
+from fricomp.sim_bench.diagnosis.observer import Observation, Observer, Plant
+from fricomp.sim_bench.diagnosis.preparation import Prepared
+from fricomp.sim_bench.diagnosis.problem import observer_for
+from fricomp.sim_bench.diagnosis.structure import Structure
+from fricomp.sim_bench.diagnosis.track import FloatArray, Track
+
+_DT, _INERTIA = 1e-3, 0.3
+_PLANT = Plant(_INERTIA, (1.0, 6.0), 0.0, (2.0, 2.6, 0.05, 1.0), (2.2, 2.8, 0.06, 1.1), 4e4)
+_TIME = np.arange(12_000) * _DT
+_POSITION = 0.7 * np.sin(1.3 * _TIME) + 0.3 * np.sin(3.1 * _TIME)
+_VELOCITY = np.gradient(_POSITION, _DT)
+
+
+def _energy(torque: FloatArray, *, resolution: float = 0.0, velocity: FloatArray = _VELOCITY) -> FloatArray:
+    """Energy of effects that add `torque` to a joint with this motion."""
+    track = replace(Track.build(_DT, _POSITION, np.zeros_like(_TIME)), resolution=resolution)
+    problem = observer_for([track], _PLANT, Observer())
+    complete = Observation(np.zeros_like(torque), _POSITION, velocity, np.zeros_like(torque))
+    runs = [complete], [complete._replace(missing=torque)]
+    structure = SimpleNamespace(plant=lambda theta: _PLANT, with_and_without=lambda *_: runs)
+    spread = [np.full(problem.grids[0].centres.size, 0.1)]
+    weights = SimpleNamespace(weights=SimpleNamespace(spread=spread))
+    prepared = cast(Prepared, SimpleNamespace(problem=problem, nulls=weights))
+    (energy,) = effect_energy(prepared, cast(Structure, structure), np.zeros(0), {"end_stop"})
+    return energy
+
+
+def _rows() -> np.ndarray:
+    return observer_for([Track.build(_DT, _POSITION, np.zeros_like(_TIME))], _PLANT, Observer()).grids[0].centres
+
+
+@pytest.mark.parametrize(
+    "torque",
+    [
+        0.4 * np.gradient(_VELOCITY, _DT),
+        0.3 * np.cos(_POSITION) - 0.8 * np.sin(_POSITION) + 0.2,
+        0.2 * np.sign(_VELOCITY) + 0.5 * _VELOCITY,
+        np.where(_VELOCITY > 0.0, 0.4 * np.exp(-((_VELOCITY / 0.05) ** 2)), 0.0),
+    ],
+    ids=["inertia", "gravity and offset", "coulomb and viscous", "static in one direction"],
+)
+def test_what_parameters_of_a_plain_joint_take_up_leaves_no_energy(torque: FloatArray) -> None:
+    assert np.sum(_energy(torque)) < 1e-12 * np.sum((torque / 0.1) ** 2)
+
+
+def test_a_stop_shows_where_it_is_touched_and_not_where_its_refit_bends_the_rest() -> None:
+    torque = 40.0 * np.maximum(_POSITION - 0.9, 0.0)
+    energy, touched = _energy(torque), torque[_rows()] > 0.0
+    assert 0.01 < np.mean(touched) < 0.1
+    assert np.sum(energy[touched]) > 0.7 * np.sum(energy)
+    assert np.mean(energy[touched]) > 50.0 * np.mean(energy[~touched])
+
+
+def test_where_the_bristle_holds_a_torque_below_one_step_of_the_encoder_is_no_trace() -> None:
+    """A step of 1e-4 rad on 4e4 N·m/rad is 1.15 N·m; a row at rest half as loud says less than a quiet one sliding."""
+    resting = (_TIME > 6.0) & (_TIME < 7.0)
+    torque = np.where(resting, 0.6, 0.2) * np.sin(40.0 * _TIME)
+    velocity = np.where(resting, 0.0, _VELOCITY)
+    at_rest = resting[_rows()]
+    loud, fair = _energy(torque, velocity=velocity), _energy(torque, velocity=velocity, resolution=1e-4)
+    assert np.mean(loud[at_rest]) > 5.0 * np.mean(loud[~at_rest])
+    assert np.mean(fair[at_rest]) < 0.2 * np.mean(fair[~at_rest])
