@@ -58,7 +58,8 @@ def _better(prepared: Prepared, larger: Explanation, best: Explanation, threshol
     """Whether the further effects of a larger explanation add enough, and where they can be seen."""
     shown = evidence(prepared, set(larger.names) - set(best.names), best.fit, larger.fit)
     if _completes(larger, best, threshold):
-        return shown > threshold or _weighed(larger) > _weighed(best) + _OVERWHELMING * threshold
+        overwhelming = max(_OVERWHELMING * threshold, _ANOTHER * best.gain)
+        return shown > threshold or _weighed(larger) > _weighed(best) + overwhelming
     return (
         _weighed(larger) > _weighed(best) + _worth(best, threshold)
         and shown > max(threshold, _ANOTHER * best.certain)

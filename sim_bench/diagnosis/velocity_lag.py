@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter
 
 from fricomp.recording import Recording
@@ -14,7 +15,9 @@ from .track import smooth_derivative
 
 __all__ = ["velocity_lag"]
 
-_LEAST = 5e-3  # [s] shorter lags are those of usual velocity filters, seen through the encoder's steps
+_LEAST = 3e-3  # [s] shorter lags are those of usual velocity filters
+_LEFT = 0.5  # of the difference to the derivative, that a lag may leave: noise of a slow motion leaves nearly all
+_SMOOTH = 0.015  # [s] of both, else a lag would do for the encoder's steps what smoothing does
 _SCALE = 0.1  # a column that is off by a factor of more than that is another quantity, or in another unit
 
 
@@ -39,19 +42,21 @@ def velocity_lag(recordings: Sequence[Recording]) -> list[NamedEffect]:
 def _lag(recording: Recording) -> float | None:
     """Time constant of the first-order lag that makes the position's derivative most like the velocity [s].
 
-    None where the column is no velocity of this position at all, whatever its lag.
+    None where the column is no velocity of this position at all, whatever its lag, and 0 where none explains it.
     """
     if recording.velocity is None or recording.sample_period > 5e-3:
         return None
     dt = recording.sample_period
-    truth = smooth_derivative(np.asarray(recording.position), dt)
-    seen = np.asarray(recording.velocity)
+    truth = gaussian_filter1d(smooth_derivative(np.asarray(recording.position), dt), _SMOOTH / dt)
+    seen = gaussian_filter1d(np.asarray(recording.velocity), _SMOOTH / dt)
     grid = np.arange(0.0, 0.041, 5e-4)
     errors, scales = [], []
     for lag in grid:
-        keep = float(np.exp(-dt / lag)) if lag > 0.0 else 0.0
-        model = lfilter([1.0 - keep], [1.0, -keep], truth)
+        keep = lag / (lag + dt)  # so that the filter is late by `lag` at any sample time
+        model = lfilter([1.0 - keep], [1.0, -keep], truth, zi=[keep * truth[0]])[0]
         scales.append(float(seen @ model) / max(float(model @ model), 1e-30))
         errors.append(float(np.mean((seen - scales[-1] * model) ** 2)))
     best = int(np.argmin(errors))
-    return float(grid[best]) if abs(scales[best] - 1.0) < _SCALE else None
+    if abs(scales[best] - 1.0) > _SCALE:
+        return None
+    return float(grid[best]) if errors[best] < _LEFT * errors[0] else 0.0

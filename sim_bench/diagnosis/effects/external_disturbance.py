@@ -10,6 +10,8 @@ from ..observer import Contribution
 from ..time_window import push
 from .effect import Context, Effect, EffectParameter, Values, register
 
+_SHORTEST = 0.2  # [s] of the longest window: ten rows; shorter ones have been seen of drives that could not follow
+
 
 @register
 class ExternalDisturbance(Effect):
@@ -47,6 +49,11 @@ class ExternalDisturbance(Effect):
                 shape = push(context.time, values[f"start_{k}"], values[f"end_{k}"], roundness)
                 torque += values[f"torque_{k}"] * shape
         return Contribution(additive=torque)
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        count = len(_windows(contexts))
+        longest = max(values[f"end_{k}"] - values[f"start_{k}"] for k in range(1, count + 1))
+        return "so short a push shows no more than that something was amiss" if longest < _SHORTEST else None
 
 
 def _windows(contexts: Sequence[Context]) -> list[tuple[float, float, float]]:

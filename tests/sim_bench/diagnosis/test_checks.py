@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter1d
+from scipy.signal import lfilter
 
 from fricomp.errors import DiagnosisError, RecordingError
 from fricomp.recording import Recording, RecordingMetadata
@@ -89,8 +91,27 @@ def test_a_long_gap_is_not_bridged(good: Recording) -> None:
     assert not any("bridged" in remark for remark in remarks_on([long]))
 
 
+@pytest.mark.parametrize("lag", [4e-3, 12e-3])
+def test_the_lag_of_a_velocity_filter_is_found(lag: float, good: Recording) -> None:
+    fine = np.arange(0.0, 20.0, 1e-5)
+    velocity = 1.5 * np.cos(3.0 * fine) + 2.0 * np.cos(11.0 * fine)
+    position = 0.5 * np.sin(3.0 * good.time) + 2.0 / 11.0 * np.sin(11.0 * good.time)
+    keep = float(np.exp(-1e-5 / lag))
+    late = np.interp(good.time, fine, lfilter([1.0 - keep], [1.0, -keep], velocity))
+    (effect,) = velocity_lag([replace(good, position=position, velocity=late)])
+    low, high = effect.parameters["time_constant"].ci95
+    assert low < lag < high
+
+
+def test_steps_of_a_coarse_encoder_on_a_slow_motion_are_no_lag(good: Recording) -> None:
+    smooth = 0.01 * np.sin(2.0 * good.time)
+    noise = 2e-3 * np.random.default_rng(2).standard_normal(len(good))
+    slow = replace(good, position=np.round(smooth / 2e-4) * 2e-4, velocity=np.gradient(smooth, good.time) + noise)
+    assert velocity_lag([slow]) == []
+
+
 def test_a_scaled_velocity_is_told_and_is_no_lag(good: Recording) -> None:
-    velocity = np.gradient(good.position, good.time)
+    velocity = gaussian_filter1d(np.gradient(good.position, good.time), 5.0)
     late = np.concatenate([np.full(8, velocity[0]), velocity[:-8]])
     assert [effect.name for effect in velocity_lag([replace(good, velocity=late)])] == ["velocity_filter_lag"]
     doubled = replace(good, velocity=2.0 * late)

@@ -30,6 +30,14 @@ def test_what_rest_alone_gains_does_not_make_a_pair() -> None:
     assert choose(_PREPARED, [hidden, ended], 50.0) is ended
 
 
+@pytest.mark.parametrize(("gain", "named"), [(20_600.0, False), (22_000.0, True)])
+def test_what_completes_a_strong_effect_at_rest_alone_is_no_small_part_of_it(gain: float, named: bool) -> None:
+    only_rest = np.where(_SLIDING, 0.0, 0.76)
+    lag = known(("drive_lag",), 20_000.0, only_rest, left=600.0, coverage=0.96)
+    pair = known(("drive_lag", "frictional_lag"), gain, _QUIET, left=10.0, coverage=1.0)
+    assert (choose(_PREPARED, [lag, pair], 50.0) is pair) == named
+
+
 def test_only_what_is_certain_passes_the_threshold() -> None:
     loud = known(("backlash",), 900.0, _QUIET, certain=20.0)
     sure = known(("cogging",), 400.0, _QUIET, certain=300.0)

@@ -230,3 +230,9 @@ def test_ripple_of_torque_and_friction_at_one_order_is_one_mechanism(
         theta = np.concatenate([np.zeros(N_BASE), structure.start()])
         fit = Fit(theta, np.zeros(1), np.zeros((1, theta.size)), 0.0)
         assert (Explanation(structure, fit, 1.0, 1.0, 1.0).common_order is not None) == expected
+
+
+@pytest.mark.parametrize(("end", "refused"), [(1.05, True), (1.5, False)])
+def test_a_push_is_named_only_if_it_lasts_for_some_rows(end: float, refused: bool, context: Context) -> None:
+    values = {"torque_1": 3.0, "start_1": 1.0, "end_1": end, "roundness_1": 0.0}
+    assert (EFFECTS["external_disturbance"].refuse(values, [context]) is not None) is refused
