@@ -23,6 +23,8 @@ __all__ = [
     "words",
 ]
 
+_UNDETERMINED = 10.0  # times a positive value, that the end of its interval may be
+
 VERDICT_TITLES = {
     "consistent": "nothing is missing",
     "parameters": "parameters are off, no physics is missing",
@@ -111,11 +113,13 @@ def format_interval(quantity: Quantity) -> str:
 
 
 def format_quantity(quantity: Quantity) -> str:
-    """Value, half of its 95 % interval, and its unit."""
+    """Value, half of its 95 % interval, and its unit; less where the interval spans orders of magnitude."""
     half = 0.5 * (quantity.ci95[1] - quantity.ci95[0])
     unit = "" if quantity.unit == "1" else f" {quantity.unit}"
     if not isfinite(half) or half <= 0.0:
         return f"{format_number(quantity.value)}{unit}"
+    if quantity.ci95[0] >= 0.0 and quantity.ci95[1] > _UNDETERMINED * quantity.value:
+        return f"not determined (about {format_number(quantity.value)}{unit})"
     return f"{format_number(quantity.value, half)} ± {format_number(half, half)}{unit}"
 
 

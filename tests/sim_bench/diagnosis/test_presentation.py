@@ -161,6 +161,8 @@ def test_errors_stand_beside_the_noise_floor(diagnosis: Diagnosis) -> None:
         (5071.7, (5064.5, 5078.9), "5071.7 ± 7.2 N·m"),
         (0.5, (0.5, 0.5), "0.5 N·m"),
         (2e-5, (1e-5, 3e-5), "2e-05 ± 1e-05 N·m"),
+        (2.0, (0.0, 5e303), "not determined (about 2 N·m)"),
+        (0.0, (-1.0, 1.0), "0.0 ± 1.0 N·m"),
     ],
 )
 def test_numbers_have_the_digits_that_their_interval_leaves(
