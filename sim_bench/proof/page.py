@@ -15,7 +15,7 @@ from .summary import Figure, PowerPoint, compute_confusion, compute_figures, com
 
 __all__ = ["write_page"]
 
-_MARK = {True: "yes", False: "**no**", None: "–"}
+_MARK = {True: "yes", False: "**no**"}
 _INTRODUCTION = """# Proof on concealed cases
 
 `fricomp bench mismatch` makes joints with physics that their simulation leaves out, has `fricomp diagnose` look at
@@ -36,8 +36,9 @@ The oracle beside the power is the likelihood-ratio test that knows every effect
 A run goes in pieces: `--minutes M` starts no case after M minutes, finishes those under way and writes the page,
 `--resume` goes on, in another checkout from the data beside this page. Groups, effects and strengths are interleaved,
 so that any beginning is a fair sample of the whole. A scored run refuses to go on with another diagnosis than the one
-it began with. `--baselines N` compares other methods on the first N cases, `--speed-up N` times N cases with one worker
-and with two, and [executors](fleet.md) are those of fleets.
+it began with. `--nulls` runs joints with nothing missing alone ([300 of them](nulls.md)), `--baselines N` compares
+other methods on the first N cases, `--speed-up N` times N cases with one worker and with two, and
+[executors](fleet.md) are those of fleets.
 """
 _INJECTED = """# Effects injected into real recordings
 
@@ -100,7 +101,7 @@ def write_page(
 
 
 def _figure_table(figures: Sequence[Figure]) -> str:
-    rows = [f"| {f.name} | {f.target} | {f.value} | {_MARK[f.reached]} |" for f in figures]
+    rows = [f"| {f.name} | {f.target} | {f.value} | {_MARK[f.reached]} |" for f in figures if f.reached is not None]
     return "\n".join(["| figure | target | measured (95 % interval) | reached |", "|---|---|---|---|", *rows])
 
 

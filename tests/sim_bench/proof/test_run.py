@@ -189,6 +189,7 @@ def test_page_and_list_of_failures_are_written(tmp_path: Path) -> None:
     text = page.read_text()
     assert "named where nothing is missing" in text
     assert "100.0% (1 of 1" in text
+    assert "outside the catalogue called unknown" not in text  # there is no such case
     assert (page.parent / "proof" / "power.png").stat().st_size > 5000
     assert (page.parent / "proof" / "confusion.png").stat().st_size > 5000
     failures = format_failures(scores)
