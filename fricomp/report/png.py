@@ -151,9 +151,8 @@ def _draw_heat_map(figure: Any, ax: Any, mark: HeatMap) -> None:
     limits = {"vmin": -limit, "vmax": limit} if mark.diverging else {}
     if mark.limits is not None:
         limits = {"vmin": mark.limits[0], "vmax": mark.limits[1]}
-    mesh = ax.pcolormesh(
-        mark.x, mark.y, mark.values, shading="nearest", cmap="RdBu_r" if mark.diverging else "viridis", **limits
-    )
+    colours = "RdBu_r" if mark.diverging else "viridis"
+    mesh = ax.pcolormesh(_edges(mark.x), _edges(mark.y), mark.values, cmap=colours, **limits)
     if mark.color_label:
         figure.colorbar(mesh, ax=ax, label=mark.color_label)
     if mark.x_names:
@@ -162,6 +161,14 @@ def _draw_heat_map(figure: Any, ax: Any, mark: HeatMap) -> None:
     if mark.y_names:
         ax.set_yticks(mark.y, mark.y_names)
     ax.grid(visible=False)
+
+
+def _edges(centres: np.ndarray) -> np.ndarray:
+    """Edges of cells about `centres`; a lone cell is one wide."""
+    if centres.size < 2:
+        return np.concatenate([centres - 0.5, centres + 0.5])
+    between = 0.5 * (centres[1:] + centres[:-1])
+    return np.concatenate([[2.0 * centres[0] - between[0]], between, [2.0 * centres[-1] - between[-1]]])
 
 
 def _slant(names: tuple[str, ...]) -> dict[str, Any]:

@@ -6,10 +6,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from matplotlib.image import imread
 
 from fricomp.errors import ParameterError
-from fricomp.report import Chart, Check, ReportPage, Section, Table, draw_png, write_report
+from fricomp.report import Chart, Check, HeatMap, Panel, ReportPage, Section, Table, draw_png, write_report
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +52,15 @@ def test_a_page_without_charts_carries_no_script(tmp_path: Path) -> None:
 def test_a_table_refuses_rows_of_another_length() -> None:
     with pytest.raises(ParameterError, match="2 columns has a row of 1"):
         Table(("a", "b"), (("1",),))
+
+
+@pytest.mark.parametrize(("rows", "columns"), [(1, 3), (3, 1), (1, 1), (2, 3)])
+def test_a_heat_map_of_any_size_is_filled(rows: int, columns: int, tmp_path: Path) -> None:
+    heat = HeatMap(np.arange(float(columns)), np.arange(float(rows)), np.ones((rows, columns)), limits=(0.0, 1.0))
+    file = draw_png(Chart("heat", "Heat", (Panel((heat,), "x", "y"),)), tmp_path / "heat.png")
+    pixels = imread(file)[:, :, :3]
+    yellow = np.all(np.abs(pixels - np.array([0.993, 0.906, 0.144])) < 0.02, axis=2)
+    assert np.mean(yellow) > 0.5
 
 
 def test_a_png_has_the_size_the_chart_asks_for(every_mark: Chart, tmp_path: Path) -> None:
