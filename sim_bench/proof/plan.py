@@ -33,6 +33,7 @@ _MOTIONS = ("rich", "fourier", "rich", "sweep", "rich", "fourier", "pick_and_pla
 _NOISES = ("white", "coloured", "jittered", "quantised", "heavy_tailed")
 _HIDDEN = ("load_coulomb", "thermal_friction", "load_stribeck", "load_quadratic")
 _PARAMETERS = ("inertia_error", "payload_error", "torque_offset", "direction_asymmetry")
+_LONGEST_SKIP = 1000  # designs of a group that an order may leave out at its beginning: several rounds of effects
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,11 @@ class PlannedCase:
 
 
 def plan_cases(
-    count: int, seeds: Iterator[int], duration: float | None = None, groups: Collection[str] = tuple(GROUPS)
+    count: int,
+    seeds: Iterator[int],
+    duration: float | None = None,
+    groups: Collection[str] = tuple(GROUPS),
+    order: int = 0,
 ) -> list[PlannedCase]:
     """The first `count` cases over these seeds.
 
@@ -58,8 +63,9 @@ def plan_cases(
         seeds: One is taken for each case.
         duration: Of every recording [s]; by default mostly 60, some 30 or 120.
         groups: Keys of `GROUPS`; cases of others are left out.
+        order: In which designs (effects, motions, cores, noises) follow each other; every number has its own.
     """
-    makers = {group: _MAKERS[group](np.random.default_rng([7, index])) for index, group in enumerate(GROUPS)}
+    makers = {group: _maker(group, order) for group in GROUPS}
     planned = []
     for group in islice((group for group in _interleave() if group in groups), count):
         fields = next(makers[group])
@@ -88,6 +94,14 @@ def plan_clear_cases(seeds: Iterator[int], duration: float = 30.0) -> list[Plann
             nothing = CaseSpec(next(seeds), (), "clear", next(motions), duration, next(noises), next(null_cores))
             planned.append(PlannedCase("null", nothing))
     return planned
+
+
+def _maker(group: str, order: int) -> Iterator[dict[str, Any]]:
+    """Designs of a group without end; order 0 is that of the first twelve scored runs."""
+    place = list(GROUPS).index(group)
+    rng = np.random.default_rng([7, place, order] if order else [7, place])
+    skip = int(rng.integers(_LONGEST_SKIP)) if order else 0
+    return islice(_MAKERS[group](rng), skip, None)
 
 
 def _interleave() -> Iterator[str]:

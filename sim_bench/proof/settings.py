@@ -38,6 +38,8 @@ class RunSettings(msgspec.Struct, frozen=True):
         tree: Hash of the scored diagnosis; empty for development seeds.
         run: Number of the scored run; 0 for development seeds.
         nulls: Only cases in which nothing is missing.
+        order: Of the designs; the number of the run for scored ones from the 13th on, so that what one run missed
+            is not what the next one begins with.
     """
 
     cases: int
@@ -50,6 +52,7 @@ class RunSettings(msgspec.Struct, frozen=True):
     tree: str = ""
     run: int = 0
     nulls: bool = False
+    order: int = 0
 
 
 def load_or_start(out: Path, wanted: RunSettings, *, resume: bool, log: Path, repository: Path) -> RunSettings:
@@ -75,7 +78,8 @@ def load_or_start(out: Path, wanted: RunSettings, *, resume: bool, log: Path, re
         return msgspec.structs.replace(found, cases=wanted.cases)
     settings = msgspec.structs.replace(wanted, salt=secrets.token_hex(16))
     if wanted.scored:
-        settings = msgspec.structs.replace(settings, tree=diagnosis_tree(repository), run=next_run(log))
+        run = next_run(log)
+        settings = msgspec.structs.replace(settings, tree=diagnosis_tree(repository), run=run, order=run)
         append_entry(log, {"run": settings.run, "tree": settings.tree, "event": "started", "cases": wanted.cases})
     out.mkdir(parents=True, exist_ok=True)
     path.write_bytes(msgspec.json.format(msgspec.json.encode(settings), indent=1) + b"\n")
@@ -92,7 +96,8 @@ def plan_run(settings: RunSettings) -> Sequence[PlannedCase]:
     if settings.clear:
         return plan_clear_cases(seeds_of(settings))[: settings.cases]
     groups = NULLS if settings.nulls else tuple(GROUPS)
-    return plan_cases(settings.cases, seeds_of(settings), _QUICK if settings.quick else None, groups)
+    duration = _QUICK if settings.quick else None
+    return plan_cases(settings.cases, seeds_of(settings), duration, groups, settings.order)
 
 
 def watch(settings: RunSettings, repository: Path, minutes: float | None = None) -> Callable[[], bool]:

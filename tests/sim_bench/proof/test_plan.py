@@ -4,6 +4,7 @@ import itertools
 import subprocess
 from collections import Counter
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -81,6 +82,18 @@ def test_a_run_that_is_cut_short_has_weak_and_strong_effects_alike() -> None:
     strengths = Counter(each.spec.strength for each in planned if each.group == "single")
     assert len(strengths) == 7
     assert max(strengths.values()) - min(strengths.values()) <= 3
+
+
+@pytest.mark.parametrize("number", [1, 13, 14])
+def test_an_order_has_designs_of_its_own_in_the_same_shares(number: int) -> None:
+    first, other = plan_cases(400, development_seeds()), plan_cases(400, development_seeds(), order=number)
+    assert [each.group for each in other] == [each.group for each in first]
+    assert plan_cases(400, development_seeds(), order=number)[:50] == other[:50]
+    same = sum(replace(a, seed=0) == replace(b, seed=0) for a, b in zip(_specs(first), _specs(other), strict=True))
+    assert same <= 12  # nulls have few enough settings that some meet
+    assert set(_names(other, "single")) == set(CATALOGUE)
+    strengths = Counter(each.spec.strength for each in other if each.group == "single")
+    assert len(strengths) == 7
 
 
 def test_scored_seeds_are_no_development_seeds_and_follow_the_diagnosis() -> None:

@@ -1,18 +1,25 @@
 """Starting, resuming and logging a run; a scored one follows the committed diagnosis and nothing else."""
 
+import json
 import subprocess
+from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from fricomp.errors import DiagnosisError
+from fricomp.sim_bench.concealed import CaseSpec
 from fricomp.sim_bench.proof import (
+    PlannedCase,
     RunSettings,
     append_entry,
+    development_seeds,
     format_earlier,
     load_or_start,
     log_outcome,
     next_run,
+    plan_cases,
     plan_run,
     read_entries,
     watch,
@@ -41,6 +48,10 @@ def _start(tmp_path: Path, repository: Path, name: str = "run", *, resume: bool 
     return load_or_start(tmp_path / name, wanted, resume=resume, log=log, repository=repository)
 
 
+def _designs(planned: Iterable[PlannedCase]) -> list[CaseSpec]:
+    return [replace(each.spec, seed=0) for each in planned if isinstance(each.spec, CaseSpec)]
+
+
 def test_a_scored_run_is_logged_before_it_starts_and_once_more_for_each_end(tmp_path: Path, repository: Path) -> None:
     settings, log = _start(tmp_path, repository), tmp_path / "runs.jsonl"
     assert [entry["event"] for entry in read_entries(log)] == ["started"]
@@ -57,6 +68,21 @@ def test_a_resumed_run_keeps_its_seeds_and_may_grow(tmp_path: Path, repository: 
     assert list(plan_run(longer))[:8] == list(plan_run(first))
     with pytest.raises(DiagnosisError, match="give --resume"):
         _start(tmp_path, repository)
+
+
+def test_two_scored_runs_do_not_begin_with_the_same_designs(tmp_path: Path, repository: Path) -> None:
+    one, other = (plan_run(_start(tmp_path, repository, name, cases=60)) for name in ("run", "another"))
+    assert sum(a == b for a, b in zip(_designs(one), _designs(other), strict=True)) <= 5
+
+
+def test_a_run_from_before_orders_keeps_its_plan(tmp_path: Path, repository: Path) -> None:
+    settings = _start(tmp_path, repository)
+    path = tmp_path / "run" / "run.json"
+    fields = json.loads(path.read_text())
+    assert fields.pop("order") == settings.run
+    path.write_text(json.dumps(fields))
+    again = _start(tmp_path, repository, resume=True)
+    assert _designs(plan_run(again)) == _designs(plan_cases(8, development_seeds()))
 
 
 def test_a_scored_run_stops_when_the_diagnosis_is_another(tmp_path: Path, repository: Path) -> None:
