@@ -20,6 +20,8 @@ from .transmission import Transmission
 
 __all__ = ["JointAdapter"]
 
+POLL_INTERVAL_NS, POSITION_PATIENCE_NS = 500_000, 200_000_000
+
 
 class JointAdapter(StoppableDriver):
     """N joints on a bus. The order is open, configure, enable, then write and read every cycle, and close.
@@ -37,6 +39,7 @@ class JointAdapter(StoppableDriver):
 
     def __init__(self, options: AdapterOptions, clock: Clock | None = None) -> None:
         super().__init__(options, clock)
+        self._asked_ns = 0  # when the drives were last asked for their state: every write asks
         self._capabilities: Capabilities | None = None
         self._mode: CommandMode = "torque"
 
@@ -129,22 +132,23 @@ class JointAdapter(StoppableDriver):
         with self._lock:
             if self._enabled:
                 raise AdapterError("the joints are enabled already")
-            gate.raise_if_tripped()
             try:
-                self._lock_owner = threading.get_ident()
+                self._lock_owner, self._enabling = threading.get_ident(), True  # from here on a stop latches the gate
+                gate.raise_if_tripped()
                 self._start_references()
                 self._drive.zero_command()
                 self._enabled = True
                 self._enable()
                 # Armed last: the ramp begins when the drives are ready, and a stop in the meantime raises here.
-                gate.arm(self.clock.now_ns())
+                self._asked_ns = self.clock.now_ns()
+                gate.arm(self._asked_ns)
                 gate.raise_if_tripped()
             except BaseException as error:
                 gate.disarm()
                 self._stop_drives()
                 raise_own(error)
             finally:
-                self._lock_owner = 0
+                self._lock_owner, self._enabling = 0, False
 
     @final
     def write(self, command: JointCommand) -> bool:
@@ -159,12 +163,14 @@ class JointAdapter(StoppableDriver):
         gate = self._configured_gate()
         with self._lock:
             if not self._enabled:
+                self._halt()
                 if gate.tripped:
                     return False
                 raise AdapterError("the joints are not enabled: call enable() first")
             try:
                 self._lock_owner = threading.get_ident()
                 if self._admit(command, gate):
+                    self._asked_ns = self.clock.now_ns()
                     self._write(self._drive.command_from_joint(), self._mode)
             except BaseException as error:
                 gate.trip(reason_of(error), str(error) or repr(error), self.clock.now_ns())
@@ -208,6 +214,7 @@ class JointAdapter(StoppableDriver):
         """Clear drive faults and unlatch the gate. Does not enable.
 
         Raises:
+            AdapterError: A stop was owed and did not get through now either.
             DriveFault: The fault stays.
         """
         with self._lock:
@@ -216,6 +223,8 @@ class JointAdapter(StoppableDriver):
                 self._clear_faults()
             except BaseException as error:
                 raise_own(error)
+            if self._stop_owed:
+                raise AdapterError(self._stop_failure)
             if self._gate is not None:
                 self._gate.reset()
             self._stop_failure = ""
@@ -260,13 +269,18 @@ class JointAdapter(StoppableDriver):
         return complaint is None
 
     def _start_references(self) -> None:
-        """A position reference begins where the joints are."""
-        if self._mode == "position":
-            feedback = JointFeedback(len(self.capabilities.joints))
-            self._read_into(self._drive.feedback)
-            self._drive.feedback_to_joint(feedback)
-            if not self._references.start_at(feedback.position):
-                raise AdapterError(f"positions {feedback.position} are not known yet: read_into() once before enable()")
+        """A position reference begins where the joints are now, not where they were when last read."""
+        if self._mode != "position":
+            return
+        began, seen = self.clock.now_ns(), self._drive.feedback
+        while not (self._read_into(seen) and seen.time_ns >= began):
+            if self.clock.now_ns() - began > POSITION_PATIENCE_NS:
+                raise AdapterError("the joints do not report where they are: a position reference cannot begin there")
+            self.clock.sleep_until(self.clock.now_ns() + POLL_INTERVAL_NS)
+        feedback = JointFeedback(len(self.capabilities.joints))
+        self._drive.feedback_to_joint(feedback)
+        if not self._references.start_at(feedback.position):
+            raise AdapterError(f"positions {feedback.position} are not known: a position reference cannot begin there")
 
     def _let_go(self) -> None:
         try:

@@ -1,4 +1,4 @@
-"""The half that all adapters over a link share: holding the link, pumping it, waiting for an answer."""
+"""The half that all adapters over a link share: holding the link, pumping it, asking for states and waiting."""
 
 from __future__ import annotations
 
@@ -17,6 +17,8 @@ __all__ = ["POLL_INTERVAL", "LinkAdapter"]
 
 POLL_INTERVAL = 0.0005
 """How often the link is looked at while waiting for an answer [s]."""
+REST_PERIOD_NS = 5_000_000
+"""How often drives at rest, to which nothing is written, are asked for their state [ns]."""
 
 
 class AnyLink(Protocol):
@@ -56,6 +58,27 @@ class LinkAdapter(JointAdapter, Generic[Link]):
     def _pump(self) -> None:
         """Take in everything that has come: mark `_arrivals`, fill `_reported`; ignore what is foreign or damaged."""
 
+    @abstractmethod
+    def _ask_state(self) -> None:
+        """Ask all drives for their state, as every write does."""
+
+    def _check_link(self, now_ns: int) -> None:
+        """Look at what the link itself tells after it was pumped, such as heartbeats that stay away.
+
+        Raises:
+            AdapterError: The link or a drive behind it is lost.
+        """
+
+    @final
+    def _read_into(self, feedback: JointFeedback) -> bool:
+        now = self.clock.now_ns()
+        if not self.enabled and now - self._asked_ns > REST_PERIOD_NS:
+            self._asked_ns = now
+            self._ask_state()
+        self._pump()
+        self._check_link(now)
+        return self._take_reported(feedback)
+
     @final
     def _connect(self) -> None:
         self._link = self._open_link()
@@ -92,11 +115,14 @@ class LinkAdapter(JointAdapter, Generic[Link]):
 
     @final
     def _take_reported(self, feedback: JointFeedback) -> bool:
-        """Hand over the drives' state if all have reported anew; the lists themselves, which nobody else changes."""
+        """Hand over the drives' state if all have reported anew; the lists themselves, which nobody else changes.
+
+        It is as old as the request it answers: a frame does not say how long it has waited here to be read.
+        """
         if not self._arrivals.take():
             return False
         source = self._reported
-        feedback.time_ns = self.clock.now_ns()
+        feedback.time_ns = self._asked_ns
         feedback.position, feedback.velocity = source.position, source.velocity
         feedback.torque, feedback.current = source.torque, source.current
         feedback.temperature, feedback.fault = source.temperature, source.fault

@@ -33,6 +33,8 @@ class StoppableDriver(Driver):
         self._lock_owner = 0
         self._gate: SafetyGate | None = None
         self._enabled = False
+        self._enabling = False
+        self._stop_owed = False  # a stop has been tried and has not got through
         self._stop_failure = ""
 
     @property
@@ -70,8 +72,8 @@ class StoppableDriver(Driver):
         return self._gate
 
     def _trip(self, reason: TripReason, detail: str) -> None:
-        """Latch the gate, if the joints are energised."""
-        if self._gate is not None and self._enabled:
+        """Latch the gate, if the joints are energised or about to be."""
+        if self._gate is not None and (self._enabled or self._enabling):
             self._gate.trip(reason, detail, self.clock.now_ns())
 
     def _raise_if_stopped(self) -> None:
@@ -79,20 +81,22 @@ class StoppableDriver(Driver):
         self._configured_gate().raise_if_tripped()
 
     def _halt(self) -> None:
-        if self._enabled:
+        if self._enabled or self._stop_owed:
             self._stop_drives()
 
     def _stop_drives(self) -> None:
-        """Stop the drives; a stop that fails is tried once more, and recorded."""
-        self._enabled = False
+        """Stop the drives; a stop that fails is tried once more, recorded, and owed until one gets through."""
+        self._enabled, self._stop_owed = False, True
         for _ in range(2):
             try:
                 self._stop()
+                self._stop_owed = False
                 return
             except Exception as error:
                 self._stop_failure = f"the stop did not reach the drive: {error}"
             except BaseException:  # interrupted in the middle of a stop: finish it first
                 self._stop()
+                self._stop_owed = False
                 raise
         if self._gate is not None:
             self._gate.trip("link", self._stop_failure, self.clock.now_ns())

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any, Self
 
 from fricomp.errors import AdapterConfigurationError, AdapterConnectionError, AdapterError, AdapterTimeout, DriveFault
-from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, JointFeedback, Watchdog
+from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, Watchdog
 
 from ..bus_budget import BusBudget, can_frame_bits
 from ..can_adapter import CanAdapter
@@ -57,7 +57,7 @@ class CanOpenAdapter(CanAdapter):
         self._mode_in_use: CommandMode = "torque"
         self._period = STEP
         self._running = False
-        self._beat_ns = self._synced_ns = 0
+        self._beat_ns = 0
 
     @classmethod
     def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
@@ -234,28 +234,22 @@ class CanOpenAdapter(CanAdapter):
             self._beat_ns = now
             frames.append(CanFrame(HEARTBEAT + self._configuration.master_id, bytes((OPERATIONAL,))))
         self._send(frames)
-        self._synced_ns = now
 
     @property
     def _beat_period(self) -> float:
         return self._configuration.watchdog / 4.0
 
-    def _read_into(self, feedback: JointFeedback) -> bool:
-        now = self.clock.now_ns()
-        if not self.enabled and now - self._synced_ns > STEP * 1e9:
-            self._synced_ns = now
-            self._send([SYNC])
-        self._pump()
-        if self._running:
-            self._check_heartbeats(now)
-        return self._take_reported(feedback)
+    def _ask_state(self) -> None:
+        self._send([SYNC])
 
-    def _check_heartbeats(self, now: int) -> None:
+    def _check_link(self, now_ns: int) -> None:
+        if not self._running:
+            return
         longest = HEARTBEATS_MISSED * self._configuration.heartbeat * 1e9
         for drive in self._drives:
-            if drive.heard_ns is not None and now - drive.heard_ns > longest:
+            if drive.heard_ns is not None and now_ns - drive.heard_ns > longest:
                 raise AdapterConnectionError(
-                    f"node {drive.node_id} has not been heard for {(now - drive.heard_ns) * 1e-9:.2f} s"
+                    f"node {drive.node_id} has not been heard for {(now_ns - drive.heard_ns) * 1e-9:.2f} s"
                 )
             if drive.restarted:
                 raise DriveFault(f"node {drive.node_id} has restarted, error {FAULT_RESTARTED:#x}")

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Self
 
 from fricomp.errors import AdapterConfigurationError, AdapterError, AdapterTimeout, AdapterValueError, DriveFault
-from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, JointFeedback, Watchdog
+from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, Watchdog
 
 from ..bus_budget import BusBudget, serial_time
 from ..configuration import convert
@@ -53,7 +53,6 @@ __all__ = ["DynamixelAdapter"]
 ALERT, ERROR_MASK = 0x80, 0x7F
 FAULT_NOT_ENABLED = 0x100
 
-REST_PERIOD_NS = 5_000_000
 CONDITION_PERIOD_NS = 50_000_000
 REBOOT_TIME = 0.5  # until a servo answers again [s]
 STATE_LAYOUT = struct.Struct("<hii")
@@ -98,7 +97,7 @@ class DynamixelAdapter(SerialAdapter):
         self._watchdog: Watchdog | None = None
         self._mode_in_use: CommandMode = "torque"
         self._running = False
-        self._rested_ns = self._condition_ns = 0
+        self._condition_ns = 0
 
     @classmethod
     def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
@@ -277,14 +276,9 @@ class DynamixelAdapter(SerialAdapter):
             self._condition_ns = now
             self._send(self._condition_request)
 
-    def _read_into(self, feedback: JointFeedback) -> bool:
-        now = self.clock.now_ns()
-        if not self.enabled and now - self._rested_ns > REST_PERIOD_NS:
-            self._rested_ns = now
-            self._send(self._state_request)
-            self._ask_condition()
-        self._pump()
-        return self._take_reported(feedback)
+    def _ask_state(self) -> None:
+        self._send(self._state_request)
+        self._ask_condition()
 
     # -- stopping -----------------------------------------------------------------------------------------------
 

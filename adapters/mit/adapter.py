@@ -8,7 +8,7 @@ from math import isclose
 from typing import Any, Self
 
 from fricomp.errors import AdapterConfigurationError, DriveFault
-from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, JointFeedback, Watchdog
+from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, Watchdog
 
 from ..bus_budget import BusBudget, can_frame_bits
 from ..can_adapter import CanAdapter
@@ -30,7 +30,6 @@ FAULT_NOT_ENABLED = 0x1001  # it has stopped by itself: its watchdog, or a power
 FAULT_POSITION_EDGE = 0x1002  # its position code is at the edge, so that it may be anywhere beyond
 
 # A motor rests while it is asked for its state; more often than this would only load the bus [ns].
-POLL_PERIOD_NS = 2_000_000
 
 
 class MitAdapter(CanAdapter):
@@ -67,7 +66,6 @@ class MitAdapter(CanAdapter):
         self._seen = [False] * len(self._motors)
         self._running = False
         self._watchdog: Watchdog | None = None
-        self._polled_ns = 0
 
     @classmethod
     def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
@@ -211,12 +209,8 @@ class MitAdapter(CanAdapter):
         rows = zip(self._loops, command.velocity, torque, reported.position, reported.velocity, strict=True)
         self._send([loop.frame(velocity, ff, at, moving) for loop, velocity, ff, at, moving in rows])
 
-    def _read_into(self, feedback: JointFeedback) -> bool:
-        if not self.enabled and self.clock.now_ns() - self._polled_ns > POLL_PERIOD_NS:
-            self._polled_ns = self.clock.now_ns()
-            self._send([motor.poll_frame for motor in self._motors])
-        self._pump()
-        return self._take_reported(feedback)
+    def _ask_state(self) -> None:
+        self._send([motor.poll_frame for motor in self._motors])
 
     def _on_frame(self, frame: CanFrame) -> None:
         for joint in self._joints_of.get(frame.identifier & 0xFFFF, ()):
@@ -267,7 +261,7 @@ class MitAdapter(CanAdapter):
         """Ask all motors for their state and wait for the answers."""
         self._pump()
         self._forget()
-        self._send([motor.poll_frame for motor in self._motors])
+        self._ask_state()
         self._wait(
             lambda: all(self._seen), self._configuration.response_timeout, f"not all of {self._names()} answered"
         )

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Self
 
 from fricomp.errors import AdapterConfigurationError, AdapterTimeout, DriveFault
-from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, JointFeedback, Watchdog
+from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, Watchdog
 
 from ..bus_budget import BusBudget, can_fd_frame_time, serial_time
 from ..configuration import JointConfiguration, SerialAdapterConfiguration, convert
@@ -32,7 +32,6 @@ __all__ = ["MoteusAdapter", "MoteusConfiguration"]
 
 # Beyond the controllers' own codes: a mode that ends a command, such as 11, its timeout.
 FAULT_MODE = 0x1000
-REST_PERIOD_NS = 5_000_000
 SETTLING_NS = 20_000_000
 TIMEOUT_STOPS = 0  # servo.timeout_mode: the delivered 12 would brake actively
 USB_BAUDRATE = 12_000_000
@@ -90,7 +89,6 @@ class MoteusAdapter(SerialAdapter):
         self._watchdog: Watchdog | None = None
         self._mode_in_use: CommandMode = "torque"
         self._running = False
-        self._rested_ns = 0
 
     @classmethod
     def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
@@ -219,13 +217,8 @@ class MoteusAdapter(SerialAdapter):
         lines = [line.encode(torque[joint], references[joint]) for joint, line in enumerate(self._commands)]
         self._send(b"".join(lines))
 
-    def _read_into(self, feedback: JointFeedback) -> bool:
-        now = self.clock.now_ns()
-        if not self.enabled and now - self._rested_ns > REST_PERIOD_NS:
-            self._rested_ns = now
-            self._send(self._query)
-        self._pump()
-        return self._take_reported(feedback)
+    def _ask_state(self) -> None:
+        self._send(self._query)
 
     # -- stopping -----------------------------------------------------------------------------------------------
 

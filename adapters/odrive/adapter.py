@@ -8,7 +8,7 @@ from math import isclose, tau
 from typing import Any, Self, TypeVar
 
 from fricomp.errors import AdapterConfigurationError, DriveFault
-from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, JointFeedback, Watchdog
+from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, Watchdog
 
 from ..bus_budget import BusBudget, can_frame_bits
 from ..can_adapter import CanAdapter
@@ -39,7 +39,7 @@ FAULT_OF_PART = 0x1_0000_0002  # firmware 0.5: motor, encoder or controller repo
 
 Answer = TypeVar("Answer")
 
-REST_PERIOD_NS = 5_000_000
+FEEDING_PERIOD_NS = 5_000_000
 SLOW_PERIOD_NS = 100_000_000  # temperatures
 SLOWEST_HEARTBEAT = 0.5
 
@@ -76,7 +76,7 @@ class OdriveAdapter(CanAdapter):
         self._watchdog: Watchdog | None = None
         self._mode_in_use: CommandMode = "torque"
         self._running = False
-        self._rested_ns = self._slow_ns = self._fed_ns = 0
+        self._slow_ns = self._fed_ns = 0
         self._routes = self._make_routes()
 
     @classmethod
@@ -264,7 +264,7 @@ class OdriveAdapter(CanAdapter):
     def _all_in_closed_loop(self) -> bool:
         self._raise_if_stopped()
         self._raise_on_fault()
-        if self.clock.now_ns() - self._fed_ns > REST_PERIOD_NS:  # heartbeats are slower than a watchdog may be
+        if self.clock.now_ns() - self._fed_ns > FEEDING_PERIOD_NS:  # heartbeats are slower than a watchdog may be
             self._fed_ns = self.clock.now_ns()
             self._send([self._rest_frame(joint) for joint in range(len(self._nodes))])
         states = [heartbeat.state if heartbeat else None for heartbeat in self._heartbeats]
@@ -293,13 +293,8 @@ class OdriveAdapter(CanAdapter):
             frames += [request_frame(node, Command.TEMPERATURE) for node in self._nodes]
         self._send(frames)
 
-    def _read_into(self, feedback: JointFeedback) -> bool:
-        now = self.clock.now_ns()
-        if not self.enabled and now - self._rested_ns > REST_PERIOD_NS:
-            self._rested_ns = now
-            self._send(self._requests)
-        self._pump()
-        return self._take_reported(feedback)
+    def _ask_state(self) -> None:
+        self._send(self._requests)
 
     # -- stopping -----------------------------------------------------------------------------------------------
 
