@@ -269,6 +269,9 @@ class JointAdapter(StoppableDriver):
             gate.trip("not_finite", complaint, self.clock.now_ns())
         return complaint is None
 
+    def _forget_states(self) -> None:
+        """Drop what has come without having been taken; drivers over a link do."""
+
     def _start_references(self) -> None:
         """A position reference begins where the joints are now, not where they were when last read."""
         if self._mode != "position":

@@ -62,9 +62,6 @@ class Driver(ABC):
     def _close(self) -> None:
         """Let go of the bus."""
 
-    def _forget_states(self) -> None:
-        """Drop what has come without having been taken."""
-
     def _confirmed_watchdog(self) -> Watchdog | None:
         """The watchdog as read back after `_configure`; None if it is what `_open` declared."""
         return None

@@ -242,8 +242,8 @@ def test_the_log_holds_what_the_gate_let_through() -> None:
 def test_drives_without_feed_forward_are_not_compensated_in_their_own_loop() -> None:
     joints = IdealJoints()
     joints.capabilities = replace(joints.capabilities, feed_forward=False)
+    reference = SineReference([0.1] * 2, 1.0, [0.0] * 2)
     with pytest.raises(ParameterError, match="take no torque in position mode"):
-        reference = SineReference([0.1] * 2, 1.0, [0.0] * 2)
         ControlLoop(joints, reference, None, compensators=[Compensator(MODEL)] * 2, mode="position")
 
 
