@@ -47,6 +47,9 @@ def export(
     joint: Annotated[str | None, typer.Option(help="Joint's name there; the model's own if left out.")] = None,
     period: Annotated[float, typer.Option(help="C: control period \\[s].")] = 1e-3,
     prefix: Annotated[str | None, typer.Option(help="C: prefix of every name.")] = None,
+    any_status: Annotated[
+        bool, typer.Option("--any-status", help="Export a model too that its identification calls unusable.")
+    ] = False,
 ) -> None:
     """Write a model in another format, and say what that format cannot hold."""
     from rich.console import Console
@@ -56,11 +59,11 @@ def export(
     if to is Target.onnx:
         if out is None:
             raise ExportError("ONNX is binary: say where with --out")
-        note = _export_onnx(models, out)
+        note = _export_onnx(models, out, any_status)
     else:
         if len(models) != 1:
             raise ExportError(f"{len(models)} models given; --to {to.value} takes one, only --to onnx joins several")
-        text, note = _render(models[0], to, way, (into, joint), (period, prefix))
+        text, note = _render(models[0], (to, way, any_status), (into, joint), (period, prefix))
         if out is None:
             print(text, end="")
         else:
@@ -68,14 +71,14 @@ def export(
     Console(stderr=True, highlight=False).print(note if out is None else f"{out}: {note}")
 
 
-def _export_onnx(paths: list[Path], out: Path) -> str:
+def _export_onnx(paths: list[Path], out: Path, any_status: bool) -> str:
     from fricomp.errors import ExportError
     from fricomp.export import closed_form_graph, save_graph, stack_networks, state_columns
     from fricomp.model import load_model
 
     kinds = {path.suffix for path in paths}
     if kinds == {".onnx"}:
-        save_graph(stack_networks(paths), out)
+        save_graph(stack_networks(paths, any_status=any_status), out)
         return f"the networks of {len(paths)} joints in one graph; nothing is lost"
     if ".onnx" in kinds:
         raise ExportError("networks (.onnx) and closed forms (.json) cannot be mixed in one graph")
@@ -86,33 +89,36 @@ def _export_onnx(paths: list[Path], out: Path) -> str:
     metadata["input"] = ", ".join(columns)
     if ranges:
         metadata["velocity_range"] = f"{max(r[0] for r in ranges):.9g} {min(r[1] for r in ranges):.9g}"
-    save_graph(closed_form_graph(models), out, metadata)
+    save_graph(closed_form_graph(models, any_status=any_status), out, metadata)
     joints = f"{len(models)} joint{'s' if len(models) > 1 else ''}"
     return f"the closed form of {joints} over {', '.join(columns)}; only rounding to float32 is lost"
 
 
 def _render(
-    path: Path, to: Target, way: Way, target: tuple[Path | None, str | None], c_options: tuple[float, str | None]
+    path: Path,
+    kind: tuple[Target, Way, bool],
+    target: tuple[Path | None, str | None],
+    c_options: tuple[float, str | None],
 ) -> tuple[str, str]:
     from fricomp import __version__
     from fricomp.export import apply_to_mjcf, apply_to_urdf, export_mjcf, export_urdf, render_c_header
     from fricomp.model import encode_model, load_model
 
-    model, (into, joint) = load_model(path), target
+    model, (to, way, any_status), (into, joint) = load_model(path), kind, target
     text = into.read_text() if into is not None else None
     if to is Target.json:
         return encode_model(model).decode(), "nothing is lost"
     if to is Target.c:
         period, prefix = c_options
-        header = render_c_header(model, period=period, prefix=prefix, version=__version__)
+        header = render_c_header(model, period=period, prefix=prefix, version=__version__, any_status=any_status)
         return (
             header,
             "the same curve, smoothing and limits; double within 1e-12, float within 1e-6 of the largest torque",
         )
     if to is Target.mjcf:
-        export = export_mjcf(model, way.value)
+        export = export_mjcf(model, way.value, any_status=any_status)
         return apply_to_mjcf(export, text, joint or model.joint), str(export.fidelity)
-    export = export_urdf(model)
+    export = export_urdf(model, any_status=any_status)
     return apply_to_urdf(export, text, joint or model.joint), str(export.fidelity)
 
 

@@ -20,10 +20,12 @@ from fricomp.control.network import NetworkCompensator
 from fricomp.control.position_loop import Controller, PositionController, Reference, ReferenceState, SineReference
 from fricomp.control.real_time import RealTimeOptions, RealTimeReport, real_time
 from fricomp.control.settings import CompensationSettings, DriveLimits, LoopDynamics, Source
+from fricomp.control.trust import LARGEST_EXTRAPOLATION, bound_friction, compute_torque_cap, find_doubt, require_usable
 
 __all__ = [
     "ABSURD_TORQUE_RATIO",
     "FALLING_SHARE_WITHOUT_VELOCITY",
+    "LARGEST_EXTRAPOLATION",
     "LIMIT_CYCLE_MARGIN",
     "AdaptationSettings",
     "ArmCompensator",
@@ -59,13 +61,17 @@ __all__ = [
     "TorqueFunction",
     "TripReason",
     "TripRecord",
+    "bound_friction",
     "check_loop",
     "choose_settings",
     "compute_compensation",
     "compute_confident_gain",
     "compute_friction",
     "compute_friction_deviation",
+    "compute_torque_cap",
+    "find_doubt",
     "real_time",
+    "require_usable",
     "simulate_loop",
     "split_law",
 ]

@@ -7,6 +7,7 @@ from itertools import product
 
 from fricomp.control.curve import FrictionCurves
 from fricomp.control.extra_terms import LOAD_TERMS
+from fricomp.control.trust import compute_torque_cap
 from fricomp.laws import Cogging, FrictionLaw, PositionCoulomb, Term
 from fricomp.model import FrictionModel, Validity
 
@@ -21,11 +22,14 @@ def compute_authority(
 ) -> tuple[float, list[str]]:
     """Largest friction of `model` over its validity, in its torque unit, and what is unknown about it.
 
+    That of the curves counts up to `compute_torque_cap`.
+
     Returns:
         The torque, and notes in sentences.
     """
     factors = [float(curves.load.factor(edge)) for edge in model.validity.normal_load or ()]
-    largest = curves.largest(velocity_range, max([*factors, 1.0]))
+    cap = compute_torque_cap(model)
+    largest = min(curves.largest(velocity_range, max([*factors, 1.0])), math.inf if cap is None else cap)
     over_load = [term for term in curves.extra if isinstance(term, LOAD_TERMS)]
     rest = [term for term in curves.extra if not isinstance(term, LOAD_TERMS)]
     largest += sum(_largest(term, velocity_range, model.validity) for term in rest)

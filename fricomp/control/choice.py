@@ -11,6 +11,7 @@ from fricomp.control.confidence import compute_confident_gain
 from fricomp.control.curve import FrictionCurves, split_law
 from fricomp.control.limit_cycle import HIGHEST_GAIN, LIMIT_CYCLE_MARGIN, find_gain_limit
 from fricomp.control.settings import CompensationSettings, LoopDynamics, Source
+from fricomp.control.trust import LARGEST_EXTRAPOLATION, bound_friction, find_doubt
 from fricomp.errors import ParameterError
 from fricomp.model import FrictionModel
 
@@ -22,6 +23,7 @@ _SHARES = (1.0, 0.75, 0.5, 0.25)
 _DEFAULT_SHARE = 0.5
 # The describing function was up to a quarter above the simulated limit cycle, so the choice asks for more than 15 %.
 _PREDICTED_MARGIN = 1.25 * LIMIT_CYCLE_MARGIN
+_LOWEST_GAIN = 0.5
 _DEFAULT_GAIN = 0.95
 _HIGHEST_GAIN = 0.98
 
@@ -40,6 +42,7 @@ def choose_settings(
     Raises:
         ParameterError: A value is outside its domain, or an unknown field is given.
     """
+    given_model, model = model, bound_friction(model)
     curves = split_law(model.law)
     velocity_range, range_notes = _velocity_range(model, curves)
     gain, gain_notes = _gain(model, velocity_range)
@@ -67,7 +70,11 @@ def choose_settings(
         known = [name for name in CompensationSettings.__dataclass_fields__ if name != "notes"]
         raise ParameterError(f"unknown setting in {sorted(given)}; known: {', '.join(known)}") from None
     found = {"source": source_notes, "gain": gain_notes, "authority": authority_notes}
-    notes = [*range_notes, *(note for name, said in found.items() if name not in given for note in said)]
+    notes = [
+        *_doubts(given_model, model),
+        *range_notes,
+        *(note for name, said in found.items() if name not in given for note in said),
+    ]
     if loop is not None:
         chosen, margin_notes = _with_margin(curves, loop, chosen, given)
         notes += margin_notes
@@ -113,6 +120,18 @@ def _keep_margin(
     return lowered, [f"gain lowered to {lowered.gain:.2f}, 15 % below where a limit cycle starts"]
 
 
+def _doubts(given: FrictionModel, bounded: FrictionModel) -> list[str]:
+    doubt, notes = find_doubt(given), []
+    if doubt is not None:
+        notes.append(f"the model is not usable: {doubt}")
+    if bounded is not given:
+        notes.append(
+            f"below the slowest speed measured its friction is held to {LARGEST_EXTRAPOLATION:g} times the largest "
+            "that was measured"
+        )
+    return notes
+
+
 def _velocity_range(model: FrictionModel, curves: FrictionCurves) -> tuple[tuple[float, float], list[str]]:
     if model.validity.velocity is not None:
         low, high = model.validity.velocity
@@ -143,7 +162,9 @@ def _source(curves: FrictionCurves, loop: LoopDynamics | None) -> tuple[Source, 
 
 def _gain(model: FrictionModel, velocity_range: tuple[float, float]) -> tuple[float, list[str]]:
     gain = compute_confident_gain(model, velocity_range)
+    if find_doubt(model) is not None:
+        return _LOWEST_GAIN, [f"the model is not trusted; gain {_LOWEST_GAIN:g}"]
     if gain is None:
         return _DEFAULT_GAIN, [f"the model has no covariance; gain {_DEFAULT_GAIN:g}"]
-    bounded = min(max(gain, 0.5), _HIGHEST_GAIN)
+    bounded = min(max(gain, _LOWEST_GAIN), _HIGHEST_GAIN)
     return bounded, [f"gain {bounded:.3f} from the lower 95 % bound of the friction"]

@@ -12,6 +12,7 @@ from fricomp.control.curve import split_law
 from fricomp.control.extra_terms import LOAD_TERMS, POSITION_TERMS, TEMPERATURE_TERMS
 from fricomp.control.hot_path import HotPath, TorqueFunction, build_hot_path
 from fricomp.control.settings import CompensationSettings, LoopDynamics
+from fricomp.control.trust import bound_friction, require_usable
 from fricomp.errors import ParameterError
 from fricomp.model import FrictionModel, load_model
 
@@ -40,11 +41,12 @@ class Compensator:
         loop: The position loop around the joint, where known; decides whether its damping holds a falling branch.
         velocity_quantum: Step of the measured velocity [rad/s] or [m/s].
         settings: All settings at once, instead of choosing them.
+        any_status: Take a model too that its identification calls unusable, such as `not_identifiable`.
         given: Single fields of `CompensationSettings` that are not to be chosen.
 
     Raises:
         ModelFileError: The file cannot be read.
-        ParameterError: A setting or the period is outside its domain.
+        ParameterError: A setting or the period is outside its domain, or the model is not usable.
     """
 
     torque: TorqueFunction
@@ -57,6 +59,7 @@ class Compensator:
         loop: LoopDynamics | None = None,
         velocity_quantum: float = 0.0,
         settings: CompensationSettings | None = None,
+        any_status: bool = False,
         **given: Any,
     ) -> None:
         if not 0.0 < period < 10.0:
@@ -64,10 +67,13 @@ class Compensator:
         if settings is not None and given:
             raise ParameterError(f"give either settings or single fields, not both: {sorted(given)}")
         self.model = _read(model)
+        if not any_status:
+            require_usable(self.model)
         self.period = period
         self.settings = settings or choose_settings(self.model, loop=loop, velocity_quantum=velocity_quantum, **given)
         self.inputs = _inputs(self.model)
-        self._hot: HotPath = build_hot_path(split_law(self.model.law), self.settings, period)
+        curves = split_law(bound_friction(self.model).law)
+        self._hot: HotPath = build_hot_path(curves, self.settings, period)
         self.torque = self._hot.torque
 
     @property

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from fricomp.control.trust import LARGEST_EXTRAPOLATION
 from fricomp.errors import MissingExtraError, ModelFileError, ParameterError
 from fricomp.laws import FloatArray
 
@@ -38,11 +39,12 @@ class NetworkCompensator:
         smoothing: Velocity over which the direction changes [rad/s] or [m/s].
         velocity_range: Range of validity, the same for all joints; None to take it from the file.
         largest_share: Share of the period that the slowest call may take [1].
+        any_status: Take a network too whose model its identification calls unusable.
 
     Raises:
         MissingExtraError: onnxruntime is not installed.
         ModelFileError: The file is no friction network.
-        ParameterError: Its calls are too slow for the period.
+        ParameterError: Its calls are too slow for the period, or its model is not usable.
     """
 
     def __init__(
@@ -54,10 +56,17 @@ class NetworkCompensator:
         smoothing: float = 0.005,
         velocity_range: tuple[float, float] | None = None,
         largest_share: float = 0.5,
+        any_status: bool = False,
     ) -> None:
         if not 0.0 <= gain <= 2.0 or not smoothing > 0.0:
             raise ParameterError(f"gain must lie from 0 to 2 and smoothing be positive, got {gain!r} and {smoothing!r}")
         self._session = _open(Path(path))
+        about = self._session.get_modelmeta().custom_metadata_map
+        if about.get("status", "converged") != "converged" and not any_status:
+            raise ParameterError(
+                f"the network {path} is of a model that is {about['status']} ({about.get('message', '')}); identify it "
+                "from better data, or pass any_status=True to use it all the same"
+            )
         rows = self._session.get_inputs()[0].shape[0]
         self.n_joints = rows if isinstance(rows, int) else 1
         self._state = np.zeros((self.n_joints, 2), dtype=np.float32)
@@ -69,7 +78,8 @@ class NetworkCompensator:
         self._run = _bind(self._session, self._state, self._torque)
         self._gain, self._smoothing, self.rejected = gain, smoothing, 0
         self._range = velocity_range or self._range_of_file()
-        self.authority: list[float] = self._largest().tolist()
+        cap = LARGEST_EXTRAPOLATION * float(about.get("largest_torque", "inf"))
+        self.authority: list[float] = np.minimum(self._largest(), cap).tolist()
         self.tail = self._measure_tail()
         if self.tail > largest_share * period:
             raise ParameterError(

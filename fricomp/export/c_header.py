@@ -13,7 +13,9 @@ from fricomp.control import (
     FALLING_SHARE_WITHOUT_VELOCITY,
     CompensationSettings,
     FrictionCurves,
+    bound_friction,
     choose_settings,
+    require_usable,
     split_law,
 )
 from fricomp.errors import ExportError
@@ -32,6 +34,7 @@ def render_c_header(
     period: float = 1e-3,
     prefix: str | None = None,
     version: str = "",
+    any_status: bool = False,
 ) -> str:
     """The header for `model`, in double and in single precision.
 
@@ -41,11 +44,15 @@ def render_c_header(
         period: Control period, which limits of rate and the bristle need [s].
         prefix: Of every name in the header; made from the joint's name if None.
         version: Of fricomp, for the comment on top.
+        any_status: Take a model too that its identification calls unusable.
 
     Raises:
         ExportError: The prefix is no C name, or the law has a term without a closed form in C.
+        ParameterError: The model is not usable.
     """
-    curves = split_law(model.law)
+    if not any_status:
+        require_usable(model)
+    curves = split_law(bound_friction(model).law)
     chosen = settings or choose_settings(model)
     name = prefix if prefix is not None else "friction_" + re.sub(r"\W+", "_", model.joint.lower()).strip("_")
     if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):

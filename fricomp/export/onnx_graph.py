@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fricomp.control import split_law
+from fricomp.control import bound_friction, compute_torque_cap, require_usable, split_law
 from fricomp.control.extra_terms import LOAD_TERMS, POSITION_TERMS, TEMPERATURE_TERMS
 from fricomp.errors import ExportError, MissingExtraError
 from fricomp.export.onnx_terms import extra_constants, extra_nodes
@@ -24,21 +24,29 @@ STATE_COLUMNS = ("velocity", "normal_load", "position", "load_torque", "temperat
 _IR_VERSION = 8
 
 
-def closed_form_graph(models: Sequence[FrictionModel]) -> Any:
+def closed_form_graph(models: Sequence[FrictionModel], *, any_status: bool = False) -> Any:
     """The closed forms of `models`: input `state`, output `torque`.
 
     The columns of the state are velocity and normal load; where a model has terms over them also position, load
     torque and temperature, all three. One model takes any number of rows, shape (n, 2) or (n, 5) to (n, 1); several
-    take one row each, in their order.
+    take one row each, in their order. Where a model knows the friction of its data, the curve is held to
+    `compute_torque_cap` at every speed.
+
+    Args:
+        models: What is exported.
+        any_status: Take models too that their identification calls unusable.
 
     Raises:
         ExportError: No model, or a law has a term that the graph cannot express.
+        ParameterError: A model is not usable.
         MissingExtraError: onnx is not installed.
     """
     onnx = _onnx()
     if not models:
         raise ExportError("an ONNX graph needs at least one model")
-    curves = [split_law(model.law) for model in models]
+    for model in models if not any_status else ():
+        require_usable(model)
+    curves = [split_law(bound_friction(model).law) for model in models]
     extras = [curve.extra for curve in curves]
     constants: dict[str, FloatArray] = {"zero": np.zeros((1, 1)), "one": np.ones((1, 1))} | extra_constants(extras)
     for side in ("forward", "reverse"):
@@ -49,7 +57,16 @@ def closed_form_graph(models: Sequence[FrictionModel]) -> Any:
     constants["reference_load"] = np.array([[curve.load.reference_load] for curve in curves])
     rows: int | str = "n" if len(models) == 1 else len(models)
     node, columns = onnx.helper.make_node, state_columns(models)
-    nodes = _closed_form_nodes(node, columns, "plain_torque" if any(extras) else "torque")
+    output = "plain_torque" if any(extras) else "torque"
+    caps = [compute_torque_cap(model) for model in models]
+    nodes = _closed_form_nodes(node, columns, "unheld_torque" if any(caps) else output)
+    if any(caps):
+        constants["cap"] = np.array([[np.inf if cap is None else cap] for cap in caps])
+        constants["minus_cap"] = -constants["cap"]
+        nodes += [
+            node("Min", ["unheld_torque", "cap"], ["below_cap"]),
+            node("Max", ["below_cap", "minus_cap"], [output]),
+        ]
     return _model(onnx, nodes + extra_nodes(node, extras), constants, (rows, len(columns)))
 
 
@@ -92,18 +109,22 @@ def _closed_form_nodes(node: Any, columns: Sequence[str], output: str) -> list[A
     ]
 
 
-def stack_networks(paths: Sequence[str | os.PathLike[str]]) -> Any:
+def stack_networks(paths: Sequence[str | os.PathLike[str]], *, any_status: bool = False) -> Any:
     """The networks of several joints in one graph: input `state`, shape (n_joints, 2), output (n_joints, 1).
 
     Their layers are joined into block-diagonal ones and the normalisation is folded into the first and the last:
     few operators, each for all joints, which is what a call costs.
+
+    Args:
+        paths: Networks that an identification wrote.
+        any_status: Take networks too whose models their identification calls unusable.
 
     Raises:
         ExportError: No file, a file is no network of this library, or their layers differ in number.
         MissingExtraError: onnx is not installed.
     """
     onnx = _onnx()
-    tables = [_weights(onnx, Path(path)) for path in paths]
+    tables = [_weights(onnx, Path(path), any_status) for path in paths]
     depths = {sum(name.startswith("weight_") for name in table) for table in tables}
     if len(depths) != 1:
         raise ExportError(
@@ -174,12 +195,18 @@ def _onnx() -> Any:
     return onnx
 
 
-def _weights(onnx: Any, path: Path) -> dict[str, FloatArray]:
+def _weights(onnx: Any, path: Path, any_status: bool) -> dict[str, FloatArray]:
     try:
-        graph = onnx.load(str(path)).graph
+        model = onnx.load(str(path))
     except Exception as error:  # protobuf raises its own kinds
         raise ExportError(f"cannot read the network {path}: {error}") from error
-    table = {item.name: onnx.numpy_helper.to_array(item) for item in graph.initializer}
+    about = {item.key: item.value for item in model.metadata_props}
+    if about.get("status", "converged") != "converged" and not any_status:
+        raise ExportError(
+            f"the network {path} is of a model that is {about['status']} ({about.get('message', '')}); identify it "
+            "from better data, or pass any_status=True (--any-status) to use it all the same"
+        )
+    table = {item.name: onnx.numpy_helper.to_array(item) for item in model.graph.initializer}
     if not {"input_offset", "input_scale", "torque_scale", "weight_0", "bias_0"} <= set(table):
         raise ExportError(f"{path} is not a friction network of this library: export it with fricomp")
     return table

@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from fricomp.control import FrictionCurves, split_law
+from fricomp.control import FrictionCurves, bound_friction, require_usable, split_law
 from fricomp.errors import ExportError
 from fricomp.export.fidelity import Fidelity, compute_fidelity, fit_levels, sample_friction
 from fricomp.laws import Cogging, FloatArray, FrictionLaw, SpringTorque, Term
@@ -42,19 +42,24 @@ class SimulatorExport:
     actuator: Mapping[str, str] = field(default_factory=dict)
 
 
-def export_mjcf(model: FrictionModel, way: MjcfWay = "dcmotor") -> SimulatorExport:
+def export_mjcf(model: FrictionModel, way: MjcfWay = "dcmotor", *, any_status: bool = False) -> SimulatorExport:
     """Friction for MuJoCo 4.
 
     Args:
         model: What is exported.
         way: `dcmotor`: a passive motor with LuGre friction, and joint damping. `damping`: the joint's damping
             polynomial alone. `frictionloss`: a level that truly sticks, and damping.
+        any_status: Take a model too that its identification calls unusable.
 
     Raises:
         ExportError: The way is unknown.
+        ParameterError: The model is not usable.
     """
     if way not in MJCF_WAYS:
         raise ExportError(f"MJCF way {way!r} is unknown; there are {', '.join(MJCF_WAYS)}")
+    if not any_status:
+        require_usable(model)
+    model = bound_friction(model)
     springs = [term for term in model.law.terms if isinstance(term, SpringTorque)]
     ripples = [term for term in model.law.terms if isinstance(term, Cogging)]
     said = (*springs, *(ripples if way == "dcmotor" else ()))
@@ -149,8 +154,19 @@ def _frictionloss(model: FrictionModel, lost: list[str]) -> SimulatorExport:
     )
 
 
-def export_urdf(model: FrictionModel) -> SimulatorExport:
-    """The `dynamics` of a URDF joint: a Coulomb level and viscous damping."""
+def export_urdf(model: FrictionModel, *, any_status: bool = False) -> SimulatorExport:
+    """The `dynamics` of a URDF joint: a Coulomb level and viscous damping.
+
+    Args:
+        model: What is exported.
+        any_status: Take a model too that its identification calls unusable.
+
+    Raises:
+        ParameterError: The model is not usable.
+    """
+    if not any_status:
+        require_usable(model)
+    model = bound_friction(model)
     over_position = [term for term in model.law.terms if isinstance(term, SpringTorque | Cogging)]
     model = _without(model, over_position)
     velocity, friction = sample_friction(model)

@@ -82,6 +82,13 @@ class Provenance:
         fricomp_version: Version that identified it.
         seed: Seed of the identification.
         notes: Further facts, such as `noise` or `torque_source`.
+        status: How the identification ended, such as `converged`; empty where nobody said so.
+        message: The same in a sentence.
+        largest_torque: Largest friction of the data, in the model's torque unit; None without data.
+        slowest_speeds: Slowest speed of the data in reverse and forward [rad/s] or [m/s]; nothing is known below.
+
+    Raises:
+        ParameterError: A torque or a speed is not finite or negative.
     """
 
     method: str = "given"
@@ -90,6 +97,18 @@ class Provenance:
     fricomp_version: str = ""
     seed: int | None = None
     notes: dict[str, str] = field(default_factory=dict)
+    status: str = ""
+    message: str = ""
+    largest_torque: float | None = None
+    slowest_speeds: Range | None = None
+
+    def __post_init__(self) -> None:
+        found = [self.largest_torque or 0.0, *(self.slowest_speeds or ())]
+        if not (np.all(np.isfinite(found)) and min(found) >= 0.0):
+            raise ParameterError(
+                f"largest_torque and slowest_speeds must be finite and not negative, got {self.largest_torque} and "
+                f"{self.slowest_speeds}"
+            )
 
 
 @dataclass(frozen=True)

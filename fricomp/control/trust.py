@@ -1,0 +1,114 @@
+"""How far a model is trusted: whether it may be used, and how much friction it may claim where none was measured.
+
+A law extends to speeds at which nothing was measured, above all to those between the slowest one and rest. Data that
+do not show the bend there fit a static torque of any size.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from fricomp.errors import ParameterError
+from fricomp.laws import (
+    BidirectionalStribeck,
+    Coulomb,
+    Dahl,
+    FrictionLaw,
+    LuGre,
+    SmoothedCoulomb,
+    Stribeck,
+    StribeckCurve,
+    Term,
+)
+from fricomp.model import FrictionModel
+
+__all__ = ["LARGEST_EXTRAPOLATION", "bound_friction", "compute_torque_cap", "find_doubt", "require_usable"]
+
+LARGEST_EXTRAPOLATION = 2.0
+"""Friction at speeds that were not measured is at most this multiple of the largest that was [1]. With table I of
+[luo2024pinn], a sweep that starts at the Stribeck velocity itself has to extrapolate by 1.9."""
+_USABLE = ("", "converged")
+
+
+def find_doubt(model: FrictionModel) -> str | None:
+    """Why `model` should not be used, or None.
+
+    A model without a status was written by hand or by a version that kept none; then its covariance decides.
+    """
+    provenance = model.provenance
+    if provenance.status not in _USABLE:
+        return f"{provenance.status}: {provenance.message}" if provenance.message else provenance.status
+    if provenance.status or model.covariance is None:
+        return None
+    values = model.law.parameters()
+    vague = [name for name, sd in model.covariance.standard_deviations().items() if sd > abs(values[name])]
+    return f"its data do not determine {', '.join(vague)}: the standard deviation exceeds the value" if vague else None
+
+
+def require_usable(model: FrictionModel) -> None:
+    """Refuse a model that its own identification calls unusable.
+
+    Raises:
+        ParameterError: The model's status, or without one its covariance, says so.
+    """
+    doubt = find_doubt(model)
+    if doubt is not None:
+        raise ParameterError(
+            f"the model of joint {model.joint!r} is not usable ({doubt}); identify it from better data, or pass "
+            "any_status=True (--any-status) to use it all the same"
+        )
+
+
+def compute_torque_cap(model: FrictionModel) -> float | None:
+    """Most friction that the curves of `model` may claim, in its torque unit; None where no data are known."""
+    largest = model.provenance.largest_torque
+    return None if largest is None else LARGEST_EXTRAPOLATION * largest
+
+
+def bound_friction(model: FrictionModel) -> FrictionModel:
+    """`model` with dry friction no larger than `compute_torque_cap`, at rest as well.
+
+    A static torque above it is lowered to it, and the Stribeck velocity changed so that the curve keeps its value at
+    the slowest speed measured. A model within the bound, or without data, comes back as it is.
+    """
+    cap = compute_torque_cap(model)
+    if cap is None:
+        return model
+    terms = tuple(_bounded_term(term, cap, model) for term in model.law.terms)
+    return model if terms == model.law.terms else replace(model, law=FrictionLaw(terms))
+
+
+def _bounded_term(term: Term, cap: float, model: FrictionModel) -> Term:
+    if not isinstance(term, BidirectionalStribeck | Stribeck | LuGre | Coulomb | SmoothedCoulomb | Dahl):
+        return term
+    # The parameters hold at the reference load, the data at their own.
+    factors = [float(term.load.factor(load)) for load in model.validity.normal_load or (None,)]
+    level = cap / max(*factors, 1e-3)
+    reverse, forward = model.provenance.slowest_speeds or (0.0, 0.0)
+    if isinstance(term, BidirectionalStribeck | LuGre):
+        ahead, back = _bounded(term.forward, level, forward), _bounded(term.reverse, level, reverse)
+        return replace(term, forward=ahead, reverse=back)
+    if isinstance(term, Stribeck):
+        return replace(term, curve=_bounded(term.curve, level, min(reverse, forward)))
+    if term.coulomb_torque <= level:
+        return term
+    lowered = replace(term, coulomb_torque=level)
+    if isinstance(lowered, SmoothedCoulomb):  # keeps its slope at rest, where such a curve was measured
+        return replace(lowered, smoothing_velocity=lowered.smoothing_velocity * level / term.coulomb_torque)
+    return lowered
+
+
+def _bounded(curve: StribeckCurve, level: float, slowest: float) -> StribeckCurve:
+    """`curve` with a static torque of at most `level`; above `slowest` it changes little."""
+    if curve.static_torque <= level:
+        return curve
+    coulomb = min(curve.coulomb_torque, level)
+    rise = level - coulomb
+    bend = curve.stribeck_velocity
+    if slowest > 0.0 and rise > 0.0:
+        # rise exp(-(slowest/bend)^delta) stays; in logarithms, because the old rise may be of any size.
+        delta = curve.stribeck_exponent
+        fallen = (slowest / bend) ** delta - math.log((curve.static_torque - coulomb) / rise)
+        bend = slowest / fallen ** (1.0 / delta) if fallen > 0.0 else bend
+    return replace(curve, coulomb_torque=coulomb, static_torque=level, stribeck_velocity=bend)
