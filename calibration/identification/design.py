@@ -16,6 +16,7 @@ from fricomp.laws import BidirectionalStribeck, FloatArray
 from fricomp.model import FrictionModel
 
 from .form import SeparableLaw, separable_law
+from .information import compute_log_deviations, invert_information
 from .observation import Observations
 
 __all__ = ["SpeedPlan", "expected_deviation", "plan_informative_speeds"]
@@ -122,14 +123,15 @@ def _regressors(form: SeparableLaw, logs: FloatArray, velocity: FloatArray, nois
 
 
 def _covariance(regressors: FloatArray, effort: FloatArray) -> FloatArray:
-    information = (regressors * effort[:, None]).T @ regressors
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(information), 1e-300))
-    inverse = np.linalg.pinv(information * np.outer(scale, scale), rcond=1e-13, hermitian=True)
-    return np.asarray(inverse * np.outer(scale, scale))
+    return invert_information(_information(regressors, effort))
+
+
+def _information(regressors: FloatArray, effort: FloatArray) -> FloatArray:
+    return np.asarray((regressors * effort[:, None]).T @ regressors)
 
 
 def _mean_deviation(regressors: FloatArray, effort: FloatArray) -> float:
-    return float(np.mean(np.sqrt(np.diag(_covariance(regressors, effort)))))
+    return float(np.mean(compute_log_deviations(_information(regressors, effort))))
 
 
 def _optimise(regressors: FloatArray) -> FloatArray:

@@ -14,6 +14,7 @@ from fricomp.laws import Dahl, FloatArray, FrictionLaw, LuGre, StribeckCurve
 from fricomp.model import Covariance, FrictionModel, Provenance, Validity
 
 from .form import separable_law
+from .information import invert_information
 from .likelihood import Noise
 from .observation import observe
 from .optimum import fit_likelihood
@@ -86,7 +87,7 @@ def identify_dynamic(
         return np.asarray(-(torques[:, 1:] - torques[:, :1]) / _STEP)
 
     fit = least_squares(residual, start, derivative, method="lm", x_scale="jac", xtol=1e-10, ftol=1e-12, max_nfev=200)
-    return _result(np.asarray(fit.x), np.asarray(fit.fun), np.asarray(fit.jac), names, v, fit.status > 0)
+    return _result(np.asarray(fit.x), np.asarray(fit.fun), np.asarray(fit.jac), names, (v, tau), fit.status > 0)
 
 
 def simulate_bristle(values: FloatArray, velocity: FloatArray, dt: float) -> FloatArray:
@@ -157,14 +158,16 @@ def _stiffness_scan(build: Callable[[float], FloatArray], v: FloatArray, tau: Fl
 
 
 def _result(
-    logs: FloatArray, residual: FloatArray, jacobian: FloatArray, names: tuple[str, ...], v: FloatArray, done: bool
+    logs: FloatArray,
+    residual: FloatArray,
+    jacobian: FloatArray,
+    names: tuple[str, ...],
+    samples: tuple[FloatArray, FloatArray],
+    done: bool,
 ) -> DynamicIdentification:
-    values = np.exp(logs)
-    by_value = jacobian / values
-    scale = np.maximum(np.linalg.norm(by_value, axis=0), 1e-300)
-    normal = (by_value / scale).T @ (by_value / scale)
+    values, (v, tau) = np.exp(logs), samples
     variance = float(residual @ residual) / max(len(residual) - len(logs), 1)
-    covariance = variance * np.linalg.pinv(normal, rcond=1e-13, hermitian=True) / np.outer(scale, scale)
+    covariance = invert_information(jacobian.T @ jacobian / max(variance, 1e-300)) * np.outer(values, values)
     vague = [n for n, c, x in zip(names, np.diag(covariance), values, strict=True) if c > x**2]
     status, message = Status.CONVERGED, "converged to a least-squares optimum of the simulated torque"
     if not done:
@@ -175,7 +178,12 @@ def _result(
         law=_law(values),
         validity=Validity(velocity=(float(v.min()), float(v.max()))),
         covariance=Covariance(names, 0.5 * (covariance + covariance.T)),
-        provenance=Provenance(method="output_error"),
+        provenance=Provenance(
+            method="output_error",
+            status=str(status),
+            message=message,
+            largest_torque=float(np.max(np.abs(tau))),
+        ),
     )
     n = len(residual)
     nll = 0.5 * n * (np.log(2.0 * np.pi * max(float(residual @ residual) / n, 1e-300)) + 1.0)

@@ -82,4 +82,7 @@ def _metadata(result: IdentificationResult, network: TanhNetwork, digest: str) -
         "velocity_range": " ".join(f"{v:.9g}" for v in validity.velocity or ()),
         "normal_load_range": " ".join(f"{v:.9g}" for v in validity.normal_load or ()),
         "model_json_sha256": digest,
+        "status": str(result.status),
+        "message": result.message,
+        "largest_torque": f"{model.provenance.largest_torque:.9g}",
     }

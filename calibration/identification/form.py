@@ -172,11 +172,25 @@ class SeparableLaw:
         scale = 1.0 + sensitivity * (observations.normal_load / self.reference_load - 1.0)
         return np.where(np.asarray(self.basis.dry), scale[:, None], 1.0)
 
+    def upper_logs(self, observations: Observations) -> FloatArray:
+        """Largest logarithms that a fit may reach. Shape (n_parameters,).
+
+        Below the slowest speed and beyond the fastest one dry friction of any size fits the data; none of a real
+        joint is many times what was measured.
+        """
+        load = observations.normal_load
+        unloaded = 1.0 if load is None else max(1.0, self.reference_load / float(load.min()))
+        most = np.log(_LARGEST_DRY * unloaded * max(observations.torque_scale, 1e-300))
+        return np.array([most if name.endswith(_DRY) else np.inf for name in self.names])
+
     def law(self, values: Mapping[str, float]) -> FrictionLaw:
         """The friction law with these parameters."""
         return self.template.replace(dict(values))
 
 
+_LARGEST_DRY = 10.0
+"""Coulomb and static torque are at most this multiple of the largest torque measured [1]."""
+_DRY = ("coulomb_torque", "static_torque")
 _CURVE = ("coulomb_torque", "static_torque", "stribeck_velocity", "viscous_coefficient")
 _ONE = StribeckCurve(1.0, 1.0, 1.0, 1.0)
 _Template = tuple[Basis, tuple[str, ...], bool]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from typing import Literal, overload
 
@@ -24,7 +24,7 @@ from .optimum import Optimum, fit_likelihood, optimum_at
 from .pinn import TrainedPinn, train_pinn
 from .result import IdentificationResult, NoiseEstimate
 from .robust import fit_robust
-from .verdict import BASIN_GAP, covariance_of, judge
+from .verdict import BASIN_GAP, Verdict, covariance_of, judge
 
 __all__ = ["IdentificationOptions", "Loss", "Method", "identify", "require_choice"]
 
@@ -125,12 +125,13 @@ def identify(
     trained = _train(form, points, reference, options, seed) if method == "pinn" else None
     found = trained.optimum if trained else reference
     covariance = covariance_of(found)
-    verdict = judge(found, reference, covariance, form.names, converged=trained is None or trained.converged)
+    verdict = judge(found, reference, covariance, form.names, points)
     estimate = NoiseEstimate(
         kind, _noise_level(kind, found, points), {k: fit.negative_log_likelihood for k, fit in fits.items()}
     )
+    provenance = _with_outcome(_provenance(points, method, estimate, seed), verdict, points, found)
     return IdentificationResult(
-        model=_model(form, found, covariance, points, options, _provenance(points, method, estimate, seed)),
+        model=_model(form, found, covariance, points, options, provenance),
         status=verdict.status,
         message=verdict.message,
         method=method,
@@ -239,4 +240,19 @@ def _provenance(points: Observations, method: str, noise: NoiseEstimate, seed: i
         fricomp_version=fricomp.__version__,
         seed=seed,
         notes={"noise": noise.kind, "noise_level": f"{noise.level:.6g}", "points": str(points.size)},
+    )
+
+
+def _with_outcome(provenance: Provenance, verdict: Verdict, points: Observations, found: Optimum) -> Provenance:
+    """With the status, and with what whoever uses the model has to know of the data."""
+    slowest = float(points.speed.min())
+    reverse, forward = (float(np.min(points.speed[side], initial=np.inf)) for side in (~points.forward, points.forward))
+    return replace(
+        provenance,
+        status=str(verdict.status),
+        message=verdict.message,
+        # The lower of both, so that neither an outlier nor a curve that misses its points counts.
+        largest_torque=min(points.torque_scale, float(np.max(found.magnitude))),
+        # A direction without points has those of the other, whose curve it shares.
+        slowest_speeds=tuple(speed if np.isfinite(speed) else slowest for speed in (reverse, forward)),
     )

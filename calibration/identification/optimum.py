@@ -96,7 +96,7 @@ def refine(
         gtol=1e-14,
         max_nfev=evaluations,
     )
-    return optimum_at(bounded(fit.x), law, observations, noise)
+    return optimum_at(bounded(fit.x, evaluate.upper), law, observations, noise)
 
 
 class _Memo:
@@ -104,14 +104,16 @@ class _Memo:
 
     def __init__(self, law: SeparableLaw, observations: Observations, noise: Noise) -> None:
         self._problem, self._at = (law, observations, noise), np.empty(0)
+        self.upper = law.upper_logs(observations)
         self._whitened: Whitened | None = None
 
     def _evaluate(self, logs: FloatArray) -> Whitened:
         if self._whitened is None or not np.array_equal(logs, self._at):
             law, observations, noise = self._problem
-            magnitude, jacobian = law.evaluate(bounded(logs), observations)
+            magnitude, jacobian = law.evaluate(bounded(logs, self.upper), observations)
             self._at = np.array(logs)
-            self._whitened = noise.whiten(observations.magnitude, magnitude, jacobian)
+            # Beyond its bound a parameter changes nothing.
+            self._whitened = noise.whiten(observations.magnitude, magnitude, jacobian * (logs <= self.upper))
         return self._whitened
 
     def residual(self, logs: FloatArray) -> FloatArray:
@@ -121,6 +123,7 @@ class _Memo:
         return self._evaluate(logs).jacobian
 
 
-def bounded(logs: FloatArray) -> FloatArray:
-    """Keep the exponential finite; no friction parameter lies beyond e^60."""
-    return np.clip(logs, -_LARGEST_LOG, _LARGEST_LOG)
+def bounded(logs: FloatArray, upper: FloatArray | None = None) -> FloatArray:
+    """Keep the exponential finite, and below `upper` where given; no friction parameter lies beyond e^60."""
+    clipped = np.clip(logs, -_LARGEST_LOG, _LARGEST_LOG)
+    return clipped if upper is None else np.minimum(clipped, upper)

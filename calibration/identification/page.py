@@ -62,7 +62,7 @@ def parameter_rows(result: IdentificationResult) -> tuple[tuple[str, ...], ...]:
 
 
 def _between(lower: float, upper: float) -> str:
-    return f"{lower:.5g} to {upper:.5g}"
+    return f"{lower:.5g} to {upper:.5g}" if np.isfinite(upper - lower) else "cannot be determined"
 
 
 def identification_charts(result: IdentificationResult) -> list[Chart]:

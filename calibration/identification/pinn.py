@@ -97,6 +97,7 @@ class _Problem:
 
     def __init__(self, law: SeparableLaw, observations: Observations, noise: Noise, network: TanhNetwork) -> None:
         self.law, self.observations, self.noise, self.network = law, observations, noise, network
+        self.upper = law.upper_logs(observations)
         order = np.argsort(observations.velocity, kind="stable")
         self.stride = max(1, -(-observations.size // _MOST_ROWS))
         self.rows = np.sort(order[:: self.stride])
@@ -105,7 +106,7 @@ class _Problem:
         self.sign, self.target = seen.sign, seen.magnitude
 
     def optimum(self, logs: FloatArray) -> Optimum:
-        return optimum_at(logs, self.law, self.observations, self.noise)
+        return optimum_at(np.minimum(logs, self.upper), self.law, self.observations, self.noise)
 
     def network_error(self, weights: FloatArray, at: Optimum, weight: FloatArray) -> FloatArray:
         """a alone. The weights of the points are held: they say what a residual is worth, they are no target."""

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from scipy.stats import t as student
 
+from fricomp.control.trust import bound_friction
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
@@ -16,6 +17,7 @@ from fricomp.model import FrictionModel
 from ..network import TanhNetwork
 from ..network.distillation import Distillation, distil
 from .form import SeparableLaw
+from .information import compute_log_deviations
 from .observation import Observations
 from .optimum import Optimum
 from .pinn import Traces
@@ -113,8 +115,11 @@ class IdentificationResult:
 
     @property
     def standard_deviations(self) -> dict[str, float]:
-        """Standard deviation of each estimated parameter, in its own unit."""
-        return dict(zip(self.parameter_names, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
+        """Standard deviation of each estimated parameter, in its own unit; infinite where the data say nothing."""
+        at = self.optimum
+        unknown = np.isinf(compute_log_deviations(at.noise.information(at.whitened, at.magnitude, at.jacobian)))
+        deviations = np.where(unknown, np.inf, np.sqrt(np.diag(self.covariance)))
+        return dict(zip(self.parameter_names, deviations.tolist(), strict=True))
 
     def interval(self, name: str, level: float = 0.95) -> Interval:
         """Confidence interval of a parameter from the covariance; see `profile_interval` where that is too rough.
@@ -138,7 +143,8 @@ class IdentificationResult:
         _, jacobian = self.form.evaluate(self.optimum.logs, points)
         by_value = jacobian / np.exp(self.optimum.logs)
         deviation = np.zeros(len(velocity))
-        deviation[moving] = np.sqrt(np.einsum("ij,jk,ik->i", by_value, self.covariance, by_value))
+        variance = np.einsum("ij,jk,ik->i", by_value, self.covariance, by_value)
+        deviation[moving] = np.sqrt(np.maximum(variance, 0.0))
         return deviation
 
     @cached_property
@@ -154,8 +160,10 @@ class IdentificationResult:
         constant = float(load[0]) if load is not None and not several else None
         top = _WIDER * float(self.observations.speed.max())
 
+        model = bound_friction(self.model)  # a network is followed without a look at parameters
+
         def torque(velocity: FloatArray, normal_load: FloatArray | None) -> FloatArray:
-            return np.asarray(self.model.torque(velocity, normal_load=constant if loads is None else normal_load))
+            return np.asarray(model.torque(velocity, normal_load=constant if loads is None else normal_load))
 
         return distil(torque, top, loads, bend=self._bend() / top, seed=self.seed)
 

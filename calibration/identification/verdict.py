@@ -8,6 +8,8 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
+from .information import invert_information
+from .observation import Observations
 from .optimum import Optimum
 from .result import Status
 
@@ -21,6 +23,8 @@ _RIVAL = 2.0
 """A basin less likely by no more than this [nats] cannot be told from the best."""
 _UNKNOWN = 1.0
 """Relative standard deviation from which a positive parameter is not identified."""
+_NEGLIGIBLE = 0.05
+"""Share of the largest torque, at the fastest speed, within which a viscous coefficient may be unknown."""
 
 
 class Verdict(NamedTuple):
@@ -38,26 +42,30 @@ class Verdict(NamedTuple):
 
 
 def covariance_of(found: Optimum) -> FloatArray:
-    """Inverse Fisher information of the parameters. Shape (n_parameters, n_parameters)."""
+    """Inverse Fisher information of the parameters. Shape (n_parameters, n_parameters).
+
+    What the data say nothing about has a standard deviation of `information.UNDETERMINED` times its value.
+    """
     information = found.noise.information(found.whitened, found.magnitude, found.jacobian)
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(information), 1e-300))
-    inverse = np.linalg.pinv(information * np.outer(scale, scale), rcond=1e-14, hermitian=True)
     values = np.exp(found.logs)
-    covariance = inverse * np.outer(scale * values, scale * values)
-    return np.asarray(0.5 * (covariance + covariance.T))
+    return np.asarray(invert_information(information) * np.outer(values, values))
 
 
 def judge(
-    found: Optimum, reference: Optimum, covariance: FloatArray, names: tuple[str, ...], *, converged: bool
+    found: Optimum, reference: Optimum, covariance: FloatArray, names: tuple[str, ...], points: Observations
 ) -> Verdict:
-    """Compare what was found with the best basin of variable projection and least squares."""
+    """Compare what was found with the best basin of variable projection and least squares.
+
+    What the data do not determine comes before convergence: along such a direction the likelihood is flat, and where
+    training stopped on it says nothing.
+    """
     deviation = np.sqrt(np.diag(covariance))
     values, best = np.exp(found.logs), np.exp(reference.logs)
     rounding = 1e-9 * best
     distance = float(np.max(np.abs(values - best) / (deviation + rounding)))
     gap = found.negative_log_likelihood - reference.negative_log_likelihood
     exact = found.spread() <= 1e-8 * float(np.max(found.magnitude * found.whitened.weight))
-    vague = [n for n, d, v in zip(names, deviation, values, strict=True) if d > _UNKNOWN * v]
+    vague = _find_vague(dict(zip(names, zip(values, deviation, strict=True), strict=True)), points)
     gaps = [nll - reference.negative_log_likelihood for nll in reference.other_basins]
     rival = min((other for other in gaps if other > BASIN_GAP), default=np.inf)
     if not exact and gap > BASIN_GAP and distance > 1.0:
@@ -66,18 +74,41 @@ def judge(
             f"another basin is more likely by {gap:.3g} nats; do not use these parameters",
             distance,
         )
-    if not exact and (not converged or distance > _CLOSE_ENOUGH):
+    if vague:
+        return Verdict(Status.NOT_IDENTIFIABLE, _vague_message(vague, points), distance)
+    if not exact and distance > _CLOSE_ENOUGH:
         return Verdict(
             Status.NOT_CONVERGED, f"training stopped {distance:.2g} standard deviations from the optimum", distance
-        )
-    if vague:
-        return Verdict(
-            Status.NOT_IDENTIFIABLE,
-            f"the data do not determine {', '.join(vague)}: the standard deviation exceeds the value",
-            distance,
         )
     if not exact and rival < _RIVAL:
         return Verdict(
             Status.WRONG_BASIN_SUSPECTED, f"a second basin is less likely by only {rival:.2g} nats", distance
         )
     return Verdict(Status.CONVERGED, "converged to the likelihood optimum", distance)
+
+
+_BELOW = ("static_torque", "stribeck_velocity", "smoothing_velocity")
+"""Parameters that show at low speeds."""
+
+
+def _find_vague(found: dict[str, tuple[float, float]], points: Observations) -> list[str]:
+    """Names of the parameters, of these values and standard deviations, that the data do not determine.
+
+    A viscous coefficient near zero is known well enough where what it adds at the fastest speed is.
+    """
+    harmless = _NEGLIGIBLE * points.torque_scale / float(points.speed.max())
+    return [
+        name
+        for name, (value, deviation) in found.items()
+        if deviation > _UNKNOWN * value and not (name.endswith("viscous_coefficient") and deviation < harmless)
+    ]
+
+
+def _vague_message(vague: list[str], points: Observations) -> str:
+    """What is not determined, and which speeds would determine it."""
+    low, high = float(points.speed.min()), float(points.speed.max())
+    where = f"below {low:.3g}" if any(name.endswith(_BELOW) for name in vague) else f"outside {low:.3g} to {high:.3g}"
+    return (
+        f"the data do not determine {', '.join(vague)}: the standard deviation exceeds the value; add speeds {where}, "
+        "where none was measured, or take a law without them"
+    )

@@ -8,6 +8,7 @@ import numpy as np
 
 from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, StribeckCurve
 
+from ..identification.information import compute_log_deviations
 from .plan import SweepPlan
 
 __all__ = ["Assumption", "assume_friction", "expected_deviations"]
@@ -45,6 +46,8 @@ def assume_friction(top_speed: float, torque_limit: float, sample_rate: float) -
 def expected_deviations(plan: SweepPlan, assumption: Assumption) -> dict[str, float]:
     """Relative standard deviation of each Stribeck parameter that the plan cannot do better than [1].
 
+    Infinite where no plateau of the plan says anything about a parameter.
+
     Plateau means scatter by the sample noise over the root of the number of samples; the bound is the inverse of
     the Fisher information of them all.
     """
@@ -53,8 +56,7 @@ def expected_deviations(plan: SweepPlan, assumption: Assumption) -> dict[str, fl
     samples = np.array([plateau.dwell for plateau in plan.plateaus]) * assumption.sample_rate
     deviation = assumption.torque_noise / np.sqrt(samples)
     scaled = _relative_jacobian(assumption.law, names, velocity) / deviation[:, None]
-    covariance = np.linalg.pinv(scaled.T @ scaled)
-    return dict(zip(names, np.sqrt(np.diag(covariance)).tolist(), strict=True))
+    return dict(zip(names, compute_log_deviations(scaled.T @ scaled).tolist(), strict=True))
 
 
 _CURVE = ("coulomb_torque", "static_torque", "stribeck_velocity", "viscous_coefficient")
