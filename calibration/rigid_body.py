@@ -2,12 +2,13 @@
 
 Torque and regressors pass through the same low-pass filter and are decimated together [gautier1997filtering], so the
 filter cancels; position is differentiated after a zero-phase low-pass. Friction is then refined on what the rigid
-body leaves of the torque.
+body leaves of the torque. Around a reversal the low-pass mixes the friction of both directions, which a curve over the
+filtered velocity cannot say: what it does to the friction found so far is taken off, a few times over.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
@@ -18,6 +19,7 @@ from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
 from .identification import IdentificationOptions, IdentificationResult, identify
+from .identification.form import separable_law
 
 __all__ = ["JointSamples", "MotionIdentification", "RegressionSettings", "RigidBodyFit", "fit_rigid_body",
            "identify_motion", "prediction_error", "sample_joint"]  # fmt: skip
@@ -45,6 +47,30 @@ class RegressionSettings:
 _DEFAULTS = RegressionSettings()
 
 
+_REFINEMENTS = 3
+"""Times that friction and rigid body are refined; a third one moved parameters by less than a standard deviation."""
+
+
+@dataclass(frozen=True)
+class RecordedVelocity:
+    """The velocity before the low-pass that samples have gone through.
+
+    Attributes:
+        velocity: At the recording's own rate [rad/s] or [m/s]. Shape (n_recorded,).
+        low_pass: Second-order sections of the filter.
+        index: Positions of the samples in it. Shape (n,).
+    """
+
+    velocity: FloatArray
+    low_pass: FloatArray
+    index: np.ndarray[tuple[int], np.dtype[np.intp]]
+
+    def filtered_torque(self, model: FrictionModel) -> FloatArray:
+        """Friction of `model` as the low-pass shows it at the samples [N·m] or [N]. Shape (n,)."""
+        torque = np.asarray(model.torque(self.velocity), dtype=np.float64)
+        return np.asarray(sosfiltfilt(self.low_pass, torque)[self.index])
+
+
 @dataclass(frozen=True)
 class JointSamples:
     """Filtered, decimated samples.
@@ -55,6 +81,7 @@ class JointSamples:
         acceleration: [rad/s²] or [m/s²]. Shape (n,).
         direction: Low-passed sign of the velocity; between -1 and 1 near a reversal. Shape (n,).
         torque: [N·m], [N] or the recording's unit. Shape (n,).
+        recorded: The velocity that they were filtered from.
     """
 
     position: FloatArray
@@ -62,12 +89,14 @@ class JointSamples:
     acceleration: FloatArray
     direction: FloatArray
     torque: FloatArray
+    recorded: RecordedVelocity
 
     def between(self, begin: float, end: float) -> JointSamples:
         """The part from `begin` to `end`, as fractions of the whole."""
         n = len(self.torque)
         part = slice(round(begin * n), round(end * n))
-        return JointSamples(*(getattr(self, name)[part] for name in vars(self)))
+        columns = {name: values[part] for name, values in vars(self).items() if name != "recorded"}
+        return JointSamples(**columns, recorded=replace(self.recorded, index=self.recorded.index[part]))
 
 
 @dataclass(frozen=True)
@@ -104,7 +133,8 @@ class MotionIdentification:
     """A joint identified from a recorded motion.
 
     Attributes:
-        rigid_body: Inertia, gravity and offset, with the symmetric friction fitted beside them.
+        rigid_body: Inertia, gravity and offset, with the symmetric friction fitted beside them. The offset is 0 where
+            the law has friction of its own in each direction: sliding cannot tell one from the other.
         friction: The friction law fitted to what they leave.
         points: Friction points behind it: velocity and torque. Shape (n, 2).
     """
@@ -135,7 +165,8 @@ def sample_joint(recording: Recording, settings: RegressionSettings = _DEFAULTS)
     final = butter(4, min(settings.torque_cutoff, 0.4 * rate), fs=rate, output="sos")
     filtered = sosfiltfilt(final, columns, axis=1)[:, ::factor]
     skip = max(1, int(settings.margin * rate / factor))
-    return JointSamples(*(column[skip:-skip] for column in filtered))
+    index = np.arange(0, len(even), factor)[skip:-skip]
+    return JointSamples(*(column[skip:-skip] for column in filtered), RecordedVelocity(velocity, final, index))
 
 
 def fit_rigid_body(samples: JointSamples, *, gravity: bool = False) -> RigidBodyFit:
@@ -175,18 +206,60 @@ def identify_motion(
 ) -> MotionIdentification:
     """Identify rigid body and friction from filtered samples.
 
-    Samples near a reversal, where filters mix both directions, are left out of the friction curve.
+    Samples near a reversal, where filters mix both directions, are left out of the friction curve. A constant torque
+    and friction that differs between the directions look alike while the joint slides: a law with a curve for each
+    direction takes the whole of it, and says so, unless friction would have to drive the joint in one of them.
 
     Raises:
         IdentificationError: The motion does not tell the parts apart.
     """
-    rigid = fit_rigid_body(samples, gravity=settings.gravity)
+    symmetric = fit_rigid_body(samples, gravity=settings.gravity)
+    shares_offset = separable_law(law).bidirectional and abs(symmetric.offset) < symmetric.coulomb_torque
+    rigid = replace(symmetric, offset=0.0) if shares_offset else symmetric
     top = float(np.max(np.abs(samples.velocity)))
     sliding = (np.abs(samples.direction) > 0.98) & (np.abs(samples.velocity) > settings.slowest * top)
-    velocity = samples.velocity[sliding]
-    friction = (samples.torque - rigid.rigid_torque(samples))[sliding]
-    result = identify(velocity, friction, noise="absolute", law=law, options=options or IdentificationOptions())
+    velocity, mixed = samples.velocity[sliding], np.zeros_like(samples.torque)
+    chosen = options or IdentificationOptions()
+    for _ in range(_REFINEMENTS):
+        friction = (samples.torque - rigid.rigid_torque(samples) - mixed)[sliding]
+        model = identify(velocity, friction, None, "least_squares", "absolute", law=law, options=chosen).model
+        filtered = samples.recorded.filtered_torque(model)
+        mixed = filtered - np.asarray(model.torque(samples.velocity))
+        rigid = _refit_body(rigid, samples, filtered, settings.gravity, has_offset=not shares_offset)
+    friction = (samples.torque - rigid.rigid_torque(samples) - mixed)[sliding]
+    result = identify(velocity, friction, noise="absolute", law=law, options=chosen)
+    if shares_offset:
+        result = _with_offset_note(result, symmetric.offset)
     return MotionIdentification(rigid, result, np.stack([velocity, friction], axis=1))
+
+
+def _refit_body(
+    rigid: RigidBodyFit, samples: JointSamples, friction: FloatArray, gravity: bool, *, has_offset: bool
+) -> RigidBodyFit:
+    """`rigid` with inertia, gravity and offset fitted to what `friction` leaves of the torque."""
+    columns = [samples.acceleration]
+    columns += [np.cos(samples.position), np.sin(samples.position)] if gravity else []
+    columns += [np.ones_like(samples.torque)] if has_offset else []
+    solution = np.linalg.lstsq(np.stack(columns, axis=1), samples.torque - friction, rcond=None)[0].tolist()
+    return replace(
+        rigid,
+        inertia=solution[0],
+        gravity=(solution[1], solution[2]) if gravity else rigid.gravity,
+        offset=solution[-1] if has_offset else rigid.offset,
+    )
+
+
+def _with_offset_note(result: IdentificationResult, offset: float) -> IdentificationResult:
+    """With a sentence on where the torque offset went, for people and in the model file."""
+    unit = result.model.torque_unit
+    said = (
+        "a constant torque offset cannot be told from friction that differs between the directions and counts as such; "
+        f"with the same friction in both it would be {offset:.4g} {unit}"
+    )
+    provenance = result.model.provenance
+    provenance = replace(provenance, notes={**provenance.notes, "torque_offset": f"0 assumed: {said}"})
+    model = replace(result.model, provenance=provenance)
+    return replace(result, model=model, message=f"{result.message}; {said}")
 
 
 def prediction_error(fit: MotionIdentification, samples: JointSamples, model: FrictionModel | None = None) -> float:

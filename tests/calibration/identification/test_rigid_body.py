@@ -9,7 +9,7 @@ from fricomp.calibration.rigid_body import (
     sample_joint,
 )
 from fricomp.errors import IdentificationError
-from fricomp.laws import Coulomb, FrictionLaw, Viscous
+from fricomp.laws import BidirectionalStribeck, Coulomb, FrictionLaw, StribeckCurve, Viscous
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 from fricomp.recording.public import find_public_data, read_public
@@ -75,3 +75,34 @@ def test_stribeck_predicts_the_second_half_of_ur10e_joint_1_better_than_coulomb_
     error = prediction_error(fit, held_out)
     assert error < 0.03
     assert error < 0.85 * prediction_error(fit, held_out, simple)
+
+
+def test_friction_that_differs_between_directions_is_not_taken_for_an_offset() -> None:
+    t = np.arange(0.0, 40.0, 2e-3)
+    q = 0.8 * np.sin(0.4 * np.pi * t) + 0.15 * np.sin(1.8 * np.pi * t + 1.0)
+    v = np.gradient(q, t)
+    law = FrictionLaw(
+        (BidirectionalStribeck(StribeckCurve(0.15, 0.6, 0.05, 0.02), StribeckCurve(0.2, 0.7, 0.05, 0.03)),)
+    )
+    torque = 0.1 * np.gradient(v, t) + np.asarray(law.torque(v))
+    torque = torque + np.random.default_rng(2).normal(0.0, 0.005, t.size)
+    found = identify_motion(sample_joint(Recording(t, q, torque)))
+    assert found.rigid_body.offset == 0.0
+    assert found.rigid_body.inertia == pytest.approx(0.1, rel=1e-3)
+    true = {name: value for name, value in law.parameters().items() if name in found.friction.parameters}
+    for name, value in true.items():
+        # Filtered samples are correlated: the covariance is about a factor of two too narrow.
+        assert abs(found.friction.parameters[name] - value) < 4.0 * found.friction.standard_deviations[name], name
+    assert "cannot be told from friction" in found.friction.message
+    assert found.friction.model.provenance.notes["torque_offset"].startswith("0 assumed")
+
+
+def test_an_offset_larger_than_friction_stays_an_offset() -> None:
+    t = np.arange(0.0, 20.0, 2e-3)
+    q = np.sin(1.3 * t) + 0.4 * np.sin(3.1 * t + 0.5)
+    v = np.gradient(q, t)
+    torque = 0.1 * np.gradient(v, t) + 0.2 * np.sign(v) + 0.1 * v + 1.5
+    torque = torque + np.random.default_rng(0).normal(0.0, 0.005, t.size)
+    found = identify_motion(sample_joint(Recording(t, q, torque)))
+    assert found.rigid_body.offset == pytest.approx(1.5, rel=0.01)
+    assert found.friction.parameters["stribeck.forward.coulomb_torque"] == pytest.approx(0.2, rel=0.1)
