@@ -13,6 +13,7 @@ from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray, FrictionLaw
 
 from ..identification.form import separable_law
+from ..identification.information import invert_information
 from ..identification.observation import Observations
 from ..identification.result import Status
 from .likelihood import BatchNoise, Linearised, compute_curve, compute_information, likelihood_of, linearise
@@ -72,7 +73,7 @@ class BatchIdentification:
         vague = np.any(self.standard_deviations > self.values, axis=1)
         far = self.distance > _CLOSE_ENOUGH
         return [
-            Status.NOT_CONVERGED if f else Status.NOT_IDENTIFIABLE if v else Status.CONVERGED
+            Status.NOT_IDENTIFIABLE if v else Status.NOT_CONVERGED if f else Status.CONVERGED
             for f, v in zip(far, vague, strict=True)
         ]
 
@@ -176,13 +177,16 @@ def _describe(fit: _Fit, points: PointBatch, noise: BatchNoise) -> list[np.ndarr
 
 
 def _invert(information: torch.Tensor) -> torch.Tensor:
-    """Inverse of scaled symmetric matrices; directions without information get none."""
+    """Inverse of scaled symmetric matrices, joints with directions without information one by one."""
     import torch
 
     scale = information.diagonal(dim1=1, dim2=2).clamp(min=1e-300).rsqrt()
     both = scale[:, :, None] * scale[:, None, :]
-    inverse: torch.Tensor = torch.linalg.pinv(information * both, rtol=1e-14, hermitian=True)
-    return inverse * both
+    values = torch.linalg.eigvalsh(information * both)
+    inverse: torch.Tensor = torch.linalg.pinv(information * both, rtol=1e-14, hermitian=True) * both
+    for k in torch.nonzero(values[:, 0] < 1e-14 * values[:, -1]).flatten().tolist():
+        inverse[k] = torch.as_tensor(invert_information(information[k].cpu().numpy()), device=inverse.device)
+    return inverse
 
 
 def _distance(at: Linearised, freedom: torch.Tensor) -> torch.Tensor:
