@@ -34,7 +34,8 @@ _USABLE = ("", "converged")
 def find_doubt(model: FrictionModel) -> str | None:
     """Why `model` should not be used, or None.
 
-    A model without a status was written by hand or by a version that kept none; then its covariance decides.
+    A model without a status was written by hand or by a version that kept none; then its covariance decides. Viscous
+    friction does not count there: near zero it is never known by its own size, and it grows beyond the range only.
     """
     provenance = model.provenance
     if provenance.status not in _USABLE:
@@ -42,7 +43,8 @@ def find_doubt(model: FrictionModel) -> str | None:
     if provenance.status or model.covariance is None:
         return None
     values = model.law.parameters()
-    vague = [name for name, sd in model.covariance.standard_deviations().items() if sd > abs(values[name])]
+    deviations = model.covariance.standard_deviations()
+    vague = [n for n, sd in deviations.items() if sd > abs(values[n]) and not n.endswith("viscous_coefficient")]
     return f"its data do not determine {', '.join(vague)}: the standard deviation exceeds the value" if vague else None
 
 
