@@ -166,7 +166,8 @@ def sample_joint(recording: Recording, settings: RegressionSettings = _DEFAULTS)
     filtered = sosfiltfilt(final, columns, axis=1)[:, ::factor]
     skip = max(1, int(settings.margin * rate / factor))
     index = np.arange(0, len(even), factor)[skip:-skip]
-    return JointSamples(*(column[skip:-skip] for column in filtered), RecordedVelocity(velocity, final, index))
+    recorded = RecordedVelocity(velocity, final, index)
+    return JointSamples(*(column[skip:-skip] for column in filtered), recorded=recorded)
 
 
 def fit_rigid_body(samples: JointSamples, *, gravity: bool = False) -> RigidBodyFit:

@@ -247,12 +247,15 @@ def _with_outcome(provenance: Provenance, verdict: Verdict, points: Observations
     """With the status, and with what whoever uses the model has to know of the data."""
     slowest = float(points.speed.min())
     reverse, forward = (float(np.min(points.speed[side], initial=np.inf)) for side in (~points.forward, points.forward))
+    if not points.forward.any():  # a direction without points has the speeds of the other, whose curve it shares
+        forward = slowest
+    elif points.forward.all():
+        reverse = slowest
     return replace(
         provenance,
         status=str(verdict.status),
         message=verdict.message,
         # The lower of both, so that neither an outlier nor a curve that misses its points counts.
         largest_torque=min(points.torque_scale, float(np.max(found.magnitude))),
-        # A direction without points has those of the other, whose curve it shares.
-        slowest_speeds=tuple(speed if np.isfinite(speed) else slowest for speed in (reverse, forward)),
+        slowest_speeds=(reverse, forward),
     )

@@ -75,7 +75,7 @@ def test_an_unusable_model_is_refused_unless_asked_for(status: str) -> None:
     for use in (Compensator, render_c_header, export_mjcf, export_urdf):
         with pytest.raises(ParameterError, match=rf"{status}: a reason.*any_status"):
             use(model)
-        use(model, any_status=True)  # type: ignore[operator]
+        use(model, any_status=True)
     settings = choose_settings(model)
     assert settings.gain == 0.5
     assert "not usable" in settings.notes[0]
