@@ -115,8 +115,8 @@ _CLOSING = """
 ## Other laws, uncertainty, design
 
 **What the data do not determine** is `not_identifiable`, told before anything on convergence, with the speeds to add. A
-parameter that no point depends on, or that only acts together with another, has an infinite standard deviation; model
-files hold a million times its value instead, because JSON has no infinity, and `compare` and the gain give it no weight.
+parameter that no point depends on, or that only acts together with another, has an infinite standard deviation; in
+model files it is a million times the value, because JSON has no infinity, and `compare` and the gain give it no weight.
 Coulomb and static torque are at most ten times the largest torque measured. The model file keeps the status, its
 sentence, the largest friction of the data and the slowest speeds; `Compensator` and the exports refuse a model that has
 not converged unless `any_status=True`. A viscous coefficient near zero counts as known where it is worth less than 5 %
@@ -126,8 +126,8 @@ of the largest torque at the fastest speed.
 bidirectional law takes the whole of it and the message says how large the offset would be with the same friction in
 both; only where friction would have to drive the joint in one direction does the offset stay. Near a reversal the
 low-pass mixes both directions, which biases the static torque by a tenth; what it does to the friction found so far is
-taken off three times. On 40 s at 500 Hz with the paper's table I, inertia 0.1 and noise of 0.005 N·m the eight parameters
-come out within two of their standard deviations.
+taken off three times. On 40 s at 500 Hz with the paper's table I, inertia 0.1 and noise of 0.005 N·m all eight
+parameters come out within two of their standard deviations.
 
 `identify(..., law=...)` takes `coulomb`, `coulomb_viscous`, `tanh`, `arctan`, `symmetric_stribeck`, `stribeck` from
 points, and `dahl`, `lugre` from a time series with reversals (output error; a network of velocity and load has no

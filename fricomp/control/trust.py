@@ -58,7 +58,7 @@ def require_usable(model: FrictionModel) -> None:
     if doubt is not None:
         raise ParameterError(
             f"the model of joint {model.joint!r} is not usable ({doubt}); identify it from better data, or pass "
-            "any_status=True (--any-status) to use it all the same"
+            "any_status=True (fricomp export: --any-status) to use it all the same"
         )
 
 

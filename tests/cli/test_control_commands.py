@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -32,6 +33,16 @@ def test_export_prints_c_and_says_what_is_kept(model: Path) -> None:
     assert done.returncode == 0
     assert "friction_elbow_torquef" in done.stdout
     assert "1e-12" in done.stderr
+
+
+def test_export_refuses_an_unusable_model_unless_told_otherwise(model: Path) -> None:
+    known = load_model(model)
+    doubtful = replace(known, provenance=replace(known.provenance, status="not_identifiable", message="too fast"))
+    save_model(doubtful, model)
+    refused = fricomp("export", model, "--to", "c")
+    assert refused.returncode == 2
+    assert "not_identifiable: too fast" in refused.stderr
+    assert fricomp("export", model, "--to", "c", "--any-status").returncode == 0
 
 
 def test_export_writes_into_a_robot_and_states_the_loss(model: Path, tmp_path: Path) -> None:
