@@ -166,8 +166,9 @@ def sample_joint(recording: Recording, settings: RegressionSettings = _DEFAULTS)
     filtered = sosfiltfilt(final, columns, axis=1)[:, ::factor]
     skip = max(1, int(settings.margin * rate / factor))
     index = np.arange(0, len(even), factor)[skip:-skip]
+    position, slowed, acceleration, direction, torque = filtered[:, skip:-skip]
     recorded = RecordedVelocity(velocity, final, index)
-    return JointSamples(*(column[skip:-skip] for column in filtered), recorded=recorded)
+    return JointSamples(position, slowed, acceleration, direction, torque, recorded)
 
 
 def fit_rigid_body(samples: JointSamples, *, gravity: bool = False) -> RigidBodyFit:
