@@ -29,8 +29,6 @@ FORMATS: Mapping[RegisterType, str] = {"float32": "<f", "uint32": "<I", "uint8":
 FAULT_NOT_ENABLED = 0x1001  # it has stopped by itself: its watchdog, or a power cycle
 FAULT_POSITION_EDGE = 0x1002  # its position code is at the edge, so that it may be anywhere beyond
 
-# A motor rests while it is asked for its state; more often than this would only load the bus [ns].
-
 
 class MitAdapter(CanAdapter):
     """MIT-mode motors on one CAN bus.
@@ -59,6 +57,7 @@ class MitAdapter(CanAdapter):
         )
         self._loops: list[MotorVelocityLoop] = []
         self._period = 0.0
+        self._enabled_ns = 0
         self._edges = [motor.ranges.position - 0.5 * motor.quanta[0] for motor in self._motors]
         self._enabled_flags: list[bool | None] = [None] * len(self._motors)
         self._answers: list[dict[int, bytes]] = [{} for _ in self._motors]
@@ -181,6 +180,7 @@ class MitAdapter(CanAdapter):
             )
         self._wait(self._all_enabled, self._configuration.response_timeout, "not all motors reported to be enabled")
         self._loops = self._make_loops()
+        self._enabled_ns = self.clock.now_ns()
         self._running = True
 
     def _make_loops(self) -> list[MotorVelocityLoop]:
@@ -206,8 +206,14 @@ class MitAdapter(CanAdapter):
         if mode == "torque":
             self._send([motor.torque_frame(torque[joint]) for joint, motor in enumerate(self._motors)])
             return
+        share = self._ramp_share()
         rows = zip(self._loops, command.velocity, torque, reported.position, reported.velocity, strict=True)
-        self._send([loop.frame(velocity, ff, at, moving) for loop, velocity, ff, at, moving in rows])
+        self._send([loop.frame(velocity, ff, at, moving, share) for loop, velocity, ff, at, moving in rows])
+
+    def _ramp_share(self) -> float:
+        """Share of the torque limit that the velocity loops may use: the gate ramps nothing but the feed-forward."""
+        elapsed, ramp = 1e-9 * (self.clock.now_ns() - self._enabled_ns), self.options.ramp_time
+        return 1.0 if elapsed >= ramp else max(elapsed / ramp, 0.0)
 
     def _ask_state(self) -> None:
         self._send([motor.poll_frame for motor in self._motors])
