@@ -75,11 +75,6 @@ class MoteusAdapter(SerialAdapter):
         self._addresses = [joint.id for joint in configuration.joints]
         self._joint_of = {address: joint for joint, address in enumerate(self._addresses)}
         self._joint_of_head = {head: joint for source, joint in self._joint_of.items() for head in line_heads(source)}
-        transmissions = self.options.transmissions or (Transmission(),) * len(self._addresses)
-        # A second barrier, in the drive: nothing of its own loop goes beyond the limit either.
-        self._highest = [
-            abs(t.torque_to_drive(limit.torque)) for t, limit in zip(transmissions, self.options.limits, strict=True)
-        ]
         self._query = b"".join(encode_line(address, pad(QUERY)) for address in self._addresses)
         self._stop_lines = b"".join(encode_line(address, pad(STOP)) for address in self._addresses)
         self._commands: list[CommandLine] = []
@@ -157,7 +152,7 @@ class MoteusAdapter(SerialAdapter):
         timeout = self._configuration.watchdog
         self._commands = [
             CommandLine(address, mode, highest, timeout)
-            for address, highest in zip(self._addresses, self._highest, strict=True)
+            for address, highest in zip(self._addresses, self._highest_torques(), strict=True)
         ]
         wanted = {"servo.default_timeout_s": self._configuration.watchdog, "servo.timeout_mode": float(TIMEOUT_STOPS)}
         confirmed = True
@@ -169,6 +164,13 @@ class MoteusAdapter(SerialAdapter):
         if not confirmed:
             raise AdapterConfigurationError(f"the controllers do not keep {', '.join(wanted)}: read back {found!r}")
         self._watchdog = Watchdog(self._configuration.watchdog, confirmed)
+
+    def _highest_torques(self) -> list[float]:
+        """The limits at the drives, as they are now: a second barrier, which their own loops do not pass either."""
+        transmissions = self.options.transmissions or (Transmission(),) * len(self._addresses)
+        return [
+            abs(t.torque_to_drive(limit.torque)) for t, limit in zip(transmissions, self.options.limits, strict=True)
+        ]
 
     def _converse(self, joint: int, line: str) -> str:
         """Send a line to the diagnostic channel; the line it answers."""
