@@ -187,7 +187,7 @@ class MitAdapter(CanAdapter):
         """Velocity loops, at rest where the motors are; none where no gains are configured."""
         transmissions = self.options.transmissions or (Transmission(),) * len(self._motors)
         limits = [
-            abs(t.torque_to_drive(limit.torque)) for t, limit in zip(transmissions, self.options.limits, strict=True)
+            abs(t.torque_to_drive(limit.torque)) for t, limit in zip(transmissions, self.gate.limits, strict=True)
         ]
         rows = zip(self._motors, self._gains, limits, self._reported.position, strict=True)
         return [MotorVelocityLoop(m, g, limit, self._period, at) for m, g, limit, at in rows if g is not None]

@@ -105,7 +105,7 @@ def test_no_value_that_is_not_finite_moves_the_reference(value: float) -> None:
 
 
 @pytest.mark.parametrize("gains", [{"stiffness": 10.0}, {"damping": 1.0}, {"stiffness": 10.0, "damping": 5.1}])
-def test_gains_that_the_motor_does_not_take_are_refused_by_name(gains: dict[str, float]) -> None:
+def test_gains_that_the_motor_does_not_take_are_refused_by_name(gains: dict[str, Any]) -> None:
     with pytest.raises(AdapterConfigurationError, match="joint 0"):
         MitAdapter(table(**gains))
 
@@ -119,9 +119,11 @@ def test_a_damping_too_coarse_for_the_torque_range_is_refused() -> None:
 def test_the_joint_never_gets_more_than_the_ramp_allows_however_fast_the_reference() -> None:
     adapter, limit, ramp = TwinMitAdapter.from_configuration({}), 1.0, 0.1
     limits = tuple(replace(each, torque=limit) for each in adapter.options.limits)
-    adapter.options = replace(adapter.options, limits=limits, ramp_time=ramp)
+    whole, cut = adapter.options, replace(adapter.options, limits=limits, ramp_time=ramp)
     with adapter:
+        adapter.options = cut
         adapter.configure("velocity", PERIOD)
+        adapter.options = replace(whole, ramp_time=ramp)  # the gate has taken the others
         adapter.enable()
         command, feedback = JointCommand(1), JointFeedback(1)
         command.velocity[0] = limits[0].velocity
