@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from math import isclose
 from typing import Any, Self
 
-from fricomp.errors import AdapterConfigurationError, DriveFault
+from fricomp.errors import AdapterConfigurationError, AdapterError, DriveFault
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, Watchdog
 
 from ..bus_budget import BusBudget, can_frame_bits
@@ -143,6 +143,11 @@ class MitAdapter(CanAdapter):
         return self._read_register(joint, register)
 
     def _configure(self, mode: CommandMode, period: float) -> None:
+        self._set_modes()
+        self._watchdog = self._set_watchdogs()
+        self._period = period
+
+    def _set_modes(self) -> None:
         for joint, motor in enumerate(self._motors):
             needed = motor.registers.mode
             if needed is not None and needed.required is not None:
@@ -152,10 +157,8 @@ class MitAdapter(CanAdapter):
                     raise AdapterConfigurationError(
                         f"joint {name!r}: the motor stays in mode {found:g}; torque needs {needed.required}"
                     )
-        self._watchdog = self._set_watchdogs(period)
-        self._period = period
 
-    def _set_watchdogs(self, period: float) -> Watchdog | None:
+    def _set_watchdogs(self) -> Watchdog | None:
         wanted, confirmed = self._configuration.watchdog, True
         for joint, motor in enumerate(self._motors):
             register = motor.registers.watchdog
@@ -171,6 +174,8 @@ class MitAdapter(CanAdapter):
     # -- moving -------------------------------------------------------------------------------------------
 
     def _enable(self) -> None:
+        self._prepare_again()
+        self._raise_if_stopped()
         self._pump()
         self._forget()
         # Zero before and after: some firmware goes on with the last command it has ever got.
@@ -182,6 +187,12 @@ class MitAdapter(CanAdapter):
         self._loops = self._make_loops()
         self._enabled_ns = self.clock.now_ns()
         self._running = True
+
+    def _prepare_again(self) -> None:
+        """A motor that was power cycled since it was configured has its stored mode, and as a rule no watchdog."""
+        self._set_modes()
+        if self._watchdog is not None and self._watchdog.confirmed and self._set_watchdogs() != self._watchdog:
+            raise AdapterError("the motors do not keep their watchdog any more: configure() them again")
 
     def _make_loops(self) -> list[MotorVelocityLoop]:
         """Velocity loops, at rest where the motors are; none where no gains are configured."""

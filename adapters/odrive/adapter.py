@@ -68,6 +68,7 @@ class OdriveAdapter(ParameterAdapter):
         self._mode_in_use: CommandMode = "torque"
         self._running = False
         self._slow_ns, self._fed_ns = -SLOW_PERIOD_NS, 0
+        self._rest: list[CanFrame] = []
         self._routes = self._make_routes()
 
     @classmethod
@@ -145,15 +146,21 @@ class OdriveAdapter(ParameterAdapter):
         self._watchdog = None
         self._heartbeats = [None] * len(self._nodes)
         self._connect()
-        self._send(self._requests)
-        timeout = self._configuration.response_timeout
-        self._wait(self._arrivals.take, timeout, f"not all of nodes {self._nodes} answered with their estimates")
+        self._poll_all()
         self._check_version()
         joints = tuple(
             JointCapabilities(made.name, torque_limit=self._own_torque_limit(joint))
             for joint, made in enumerate(self._configuration.joints)
         )
         return Capabilities(joints, self._modes(), self._highest_rate(), self._watchdog)
+
+    def _poll_all(self) -> None:
+        """Ask all nodes for their state and wait for the answers."""
+        self._pump()
+        self._arrivals.clear()
+        self._ask_state()
+        timeout = self._configuration.response_timeout
+        self._wait(self._arrivals.take, timeout, f"not all of nodes {self._nodes} answered with their estimates")
 
     def _modes(self) -> tuple[CommandMode, ...]:
         # Set_Limits of CANSimple is no substitute: it bounds the current, and what it has set cannot be asked for.
@@ -198,9 +205,11 @@ class OdriveAdapter(ParameterAdapter):
             if self._watchdog is not None and not self._set_watchdog(joint):
                 raise AdapterError(f"node {node} does not keep its watchdog any more: configure() it again")
         self._raise_if_stopped()
+        self._poll_all()  # where the joints are now is where they will be held
+        self._rest = [self._rest_frame(joint) for joint in range(len(self._nodes))]
         self._heartbeats = [None] * len(self._nodes)
-        for joint, node in enumerate(self._nodes):
-            rest, state = self._rest_frame(joint), axis_state_frame(node, AxisState.CLOSED_LOOP)
+        for node, rest in zip(self._nodes, self._rest, strict=True):
+            state = axis_state_frame(node, AxisState.CLOSED_LOOP)
             self._send([controller_mode_frame(node, mode), rest, state, rest])
         self._fed_ns = self.clock.now_ns()
         self._wait(self._all_in_closed_loop, SLOWEST_HEARTBEAT, "not all axes reached closed loop control")
@@ -211,7 +220,7 @@ class OdriveAdapter(ParameterAdapter):
         self._raise_on_fault()
         if self.clock.now_ns() - self._fed_ns > FEEDING_PERIOD_NS:  # heartbeats are slower than a watchdog may be
             self._fed_ns = self.clock.now_ns()
-            self._send([self._rest_frame(joint) for joint in range(len(self._nodes))])
+            self._send(self._rest)
         states = [heartbeat.state if heartbeat else None for heartbeat in self._heartbeats]
         return all(state == AxisState.CLOSED_LOOP for state in states)
 

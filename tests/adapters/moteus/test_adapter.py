@@ -144,6 +144,16 @@ def test_the_drive_stops_instead_of_braking_when_commands_cease() -> None:
         assert controller.configuration["servo.default_timeout_s"] == pytest.approx(0.1)
 
 
+def test_a_controller_that_was_power_cycled_is_told_again_to_stop_before_it_is_energised() -> None:
+    rig = MoteusRig()
+    rig.adapter.open()
+    rig.adapter.configure("torque", 0.002)
+    rig.power_cycle(1)
+    assert rig.controllers[1].configuration["servo.timeout_mode"] == 12
+    rig.adapter.enable()
+    assert all(controller.configuration["servo.timeout_mode"] == 0.0 for controller in rig.controllers)
+
+
 @pytest.mark.parametrize("mode", ["velocity", "position"])
 def test_the_drives_own_loop_is_bounded_by_the_limit_too(mode: Any) -> None:
     rig = stiff_rig()
@@ -174,6 +184,22 @@ def test_every_command_carries_the_highest_torque_and_enabling_holds_still(mode:
     commands = sent_commands(rig.link.sent)
     assert len(commands) >= 8
     assert {(address, highest) for address, highest in commands} == {(1, 4.0), (2, 2.0)}
+
+
+def test_a_joint_that_moves_until_it_is_energised_is_held_where_it_is_then(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = stiff_rig()
+    rig.adapter.open()
+    rig.adapter.configure("position", 0.002)
+    assert isinstance(rig.adapter, MoteusAdapter)
+    prepare = rig.adapter._set_timeouts
+
+    def prepare_while_it_falls() -> None:
+        prepare()
+        rig.move(0, -0.3, 0.0)
+
+    monkeypatch.setattr(rig.adapter, "_set_timeouts", prepare_while_it_falls)
+    rig.adapter.enable()
+    assert rig.axes[0].largest_torque == pytest.approx(0.0, abs=1e-3)
 
 
 def test_limits_cut_down_after_opening_count_for_the_drives_own_loop() -> None:

@@ -133,6 +133,22 @@ def test_the_drives_own_loop_is_bounded_by_the_limit_too(endpoints: Path, mode: 
     assert largest == pytest.approx(4.0, rel=1e-6)
 
 
+def test_a_joint_is_held_where_it_is_when_it_is_energised(endpoints: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = OdriveRig("0.6", endpoints)
+    rig.adapter.open()
+    rig.adapter.configure("position", 0.002)
+    assert isinstance(rig.adapter, OdriveAdapter)
+    prepare = rig.adapter._set_watchdog
+
+    def prepare_while_it_falls(joint: int) -> bool:
+        rig.move(0, -0.3, 0.0)
+        return prepare(joint)
+
+    monkeypatch.setattr(rig.adapter, "_set_watchdog", prepare_while_it_falls)
+    rig.adapter.enable()
+    assert rig.applied_torque()[0] == pytest.approx(0.0, abs=1e-4)
+
+
 def test_limits_cut_down_after_opening_count_for_the_drives_own_loop(endpoints: Path) -> None:
     rig = OdriveRig("0.6", endpoints)
     rig.adapter.open()
