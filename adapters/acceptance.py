@@ -1,4 +1,4 @@
-"""What an adapter refuses before anything moves: limits beyond the drive, rates beyond the bus, foreign errors."""
+"""What an adapter refuses before anything moves: limits that drives cannot keep, rates beyond the bus."""
 
 from __future__ import annotations
 
@@ -42,6 +42,11 @@ def check_limits(joints: Sequence[JointCapabilities], limits: Sequence[JointLimi
                 raise AdapterConfigurationError(
                     f"joint {joint.name!r}: {what} limit {wanted:g} is beyond the drive's {most:g}: lower the limit"
                 )
+        if limit.temperature is not None and not joint.reports_temperature:
+            raise AdapterConfigurationError(
+                f"joint {joint.name!r}: the drive does not report its temperature, so that nobody would notice "
+                f"{limit.temperature:g} °C: leave the temperature limit out, and watch the motor by other means"
+            )
         if joint.position_limits is not None and limit.position is not None:
             low, high = joint.position_limits
             if limit.position[0] < low - ROUNDING or limit.position[1] > high + ROUNDING:

@@ -134,11 +134,12 @@ class JointAdapter(StoppableDriver):
                 raise AdapterError("the joints are enabled already")
             try:
                 self._lock_owner, self._enabling = threading.get_ident(), True  # from here on a stop latches the gate
-                gate.raise_if_tripped()
                 self._start_references()
                 self._drive.zero_command()
+                gate.raise_if_tripped()
                 self._enabled = True
                 self._enable()
+                self._forget_states()
                 # Armed last: the ramp begins when the drives are ready, and a stop in the meantime raises here.
                 self._asked_ns = self.clock.now_ns()
                 gate.arm(self._asked_ns)
@@ -267,6 +268,9 @@ class JointAdapter(StoppableDriver):
         if complaint is not None:
             gate.trip("not_finite", complaint, self.clock.now_ns())
         return complaint is None
+
+    def _forget_states(self) -> None:
+        """Drop what has come without having been taken; drivers over a link do."""
 
     def _start_references(self) -> None:
         """A position reference begins where the joints are now, not where they were when last read."""

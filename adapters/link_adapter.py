@@ -52,6 +52,7 @@ class LinkAdapter(JointAdapter, Generic[Link]):
         self._link: Link | None = None
         self._arrivals = Arrivals(parts * len(options.limits))
         self._reported = JointFeedback(len(options.limits))
+        self._taken_ns = -1
         self.n_damaged = 0
 
     @abstractmethod
@@ -92,6 +93,11 @@ class LinkAdapter(JointAdapter, Generic[Link]):
         return self._link
 
     @final
+    def _forget_states(self) -> None:
+        self._pump()
+        self._arrivals.clear()
+
+    @final
     def _discard_output(self) -> None:
         if self._link is not None:
             self._link.discard_output()
@@ -117,10 +123,12 @@ class LinkAdapter(JointAdapter, Generic[Link]):
     def _take_reported(self, feedback: JointFeedback) -> bool:
         """Hand over the drives' state if all have reported anew; the lists themselves, which nobody else changes.
 
-        It is as old as the request it answers: a frame does not say how long it has waited here to be read.
+        It is as old as the request it answers: a frame does not say how long it has waited here to be read. What
+        comes twice for one request is no new state.
         """
-        if not self._arrivals.take():
+        if not self._arrivals.take() or self._taken_ns == self._asked_ns:
             return False
+        self._taken_ns = self._asked_ns
         source = self._reported
         feedback.time_ns = self._asked_ns
         feedback.position, feedback.velocity = source.position, source.velocity

@@ -53,6 +53,12 @@ class StoppableDriver(Driver):
         """Whether the joints are energised, as far as this side knows."""
         return self._enabled
 
+    @property
+    @final
+    def stop_failure(self) -> str:
+        """Why the last stop did not get through; empty when all did."""
+        return self._stop_failure
+
     @final
     def safe_stop(self, reason: str = "") -> None:
         """Zero torque, now. From any thread, any number of times; never raises. Nothing queued follows it."""
@@ -90,7 +96,7 @@ class StoppableDriver(Driver):
         for _ in range(2):
             try:
                 self._stop()
-                self._stop_owed = False
+                self._stop_owed, self._stop_failure = False, ""
                 return
             except Exception as error:
                 self._stop_failure = f"the stop did not reach the drive: {error}"

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import isfinite
 
 from fricomp.adapters import JointAdapter
 from fricomp.errors import AdapterError, SweepAborted
-from fricomp.joint import JointCommand, JointFeedback
+from fricomp.joint import JointCommand, JointFeedback, await_feedback
 
 from .log import CycleLog
 from .profile import move_profile
 from .velocity_loop import VelocityLoop
 
-__all__ = ["FIRST_FEEDBACK", "MotionRunner"]
-
-# Longest wait for the first feedback of a drive [s].
-FIRST_FEEDBACK = 1.0
+__all__ = ["MotionRunner"]
 
 Reference = Callable[[float], float | None]
 """Velocity over the time since the start of the motion [rad/s] or [m/s]; None ends it."""
@@ -79,11 +75,7 @@ class MotionRunner:
         Raises:
             AdapterError: It did not in time.
         """
-        deadline = self._clock.now_ns() + round(FIRST_FEEDBACK * 1e9)
-        while not (self._adapter.read_into(self.feedback) and isfinite(self.position)):
-            if self._clock.now_ns() > deadline:
-                raise AdapterError(f"no feedback within {FIRST_FEEDBACK:g} s: check wiring, power and node ids")
-            self._clock.sleep_until(self._clock.now_ns() + self._period_ns)
+        await_feedback(self._adapter, self.feedback, self.period)
 
     def follow(self, reference: Reference) -> CycleLog:
         """Follow a velocity until it is None.

@@ -36,6 +36,7 @@ def check(
     from fricomp.adapters.configuration import read_configuration
     from fricomp.adapters.trial import TrialSettings, try_drive
     from fricomp.cli.terminal import console
+    from fricomp.control.interruption import interrupt_on_ending_signals
     from fricomp.errors import ParameterError
 
     if not rate > 0.0:
@@ -51,6 +52,7 @@ def check(
         question = f"Energise the joints, at most {share:.0%} of their torque limits? They may move."
         return yes or typer.confirm(question)
 
+    interrupt_on_ending_signals()
     failed = False
     for step in try_drive(tried, settings, may_energise):
         failed = failed or step.passed is False

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from math import floor, log10
 from pathlib import Path
-from types import FrameType
-from typing import NoReturn
 
 from rich.markup import escape
 from rich.progress import Progress as Bar
@@ -40,6 +37,7 @@ from fricomp.calibration.sweep.check import calibration_checks
 from fricomp.calibration.sweep.report import write_calibration_report
 from fricomp.calibration.sweep.sweep import Progress
 from fricomp.cli.terminal import console, progress
+from fricomp.control.interruption import interrupt_on_ending_signals
 from fricomp.errors import ParameterError
 
 __all__ = ["dry_run_plan", "follow", "open_joint", "record_file", "resume_run", "start_run"]
@@ -111,8 +109,7 @@ def dry_run_plan(request: CalibrationRequest) -> None:
 @contextmanager
 def open_joint(request: CalibrationRequest) -> Iterator[SweepContext]:
     """The joint, open; zero torque and closed at the end, whatever happens."""
-    for number in (signal.SIGTERM, signal.SIGINT):  # a shell starts background jobs with SIGINT switched off
-        signal.signal(number, _terminate)
+    interrupt_on_ending_signals()
     adapter: JointAdapter = open_adapter(request.backend, request.configuration)
     with adapter:
         names = [joint.name for joint in adapter.capabilities.joints]
@@ -121,11 +118,6 @@ def open_joint(request: CalibrationRequest) -> Iterator[SweepContext]:
         body = RigidBody(request.model, names) if request.model else None
         joint = names.index(request.joint) if request.joint else 0
         yield SweepContext(adapter, joint, request.settings, body)
-
-
-def _terminate(number: int, frame: FrameType | None) -> NoReturn:
-    """A polite kill leaves by the same way as Ctrl-C."""
-    raise KeyboardInterrupt
 
 
 @contextmanager

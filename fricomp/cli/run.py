@@ -126,13 +126,13 @@ class _Setup:
     ) -> LoopResult:
         """The sine, from where the joints are, towards the middle of their range."""
         from fricomp.control import ControlLoop, RealTimeOptions, SineReference
-        from fricomp.joint import JointFeedback
+        from fricomp.joint import JointFeedback, await_feedback
 
         amplitude, frequency, cycles = motion
         capabilities = self.adapter.capabilities
         feedback = JointFeedback(len(capabilities.joints))
         self.adapter.configure("torque", self.period)
-        self.adapter.read_into(feedback)
+        await_feedback(self.adapter, feedback, self.period)
         amplitudes = [
             -amplitude if joint.position_limits and start > sum(joint.position_limits) / 2.0 else amplitude
             for joint, start in zip(capabilities.joints, feedback.position, strict=True)

@@ -101,12 +101,18 @@ class ArmCompensator:
         joints: One compensator a joint, in the order of the command.
 
     Raises:
-        ParameterError: No joint.
+        ParameterError: No joint, or a model that depends on what `torque_into` is not told.
     """
 
     def __init__(self, joints: Sequence[Compensator]) -> None:
         if not joints:
             raise ParameterError("an arm needs at least one joint")
+        for compensator in joints:
+            if untold := compensator.inputs - {"normal_load"}:
+                raise ParameterError(
+                    f"the model of joint {compensator.model.joint!r} depends on {', '.join(sorted(untold))}: call "
+                    f"`Compensator.torque` of each joint with them, or use a ControlLoop"
+                )
         self.joints = tuple(joints)
         self._torques: list[Callable[..., float]] = [joint.torque for joint in joints]
         self._indices, self._unknown = range(len(joints)), [None] * len(joints)

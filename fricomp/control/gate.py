@@ -21,6 +21,7 @@ ABSURD_TORQUE_RATIO = 100.0
 """A command this many times the limit is a fault (N·mm for N·m, a diverged controller), not a demand to be clamped."""
 
 _NANOSECONDS = 1e9
+_UNKNOWN_TEMPERATURE_NS = 1_000_000_000  # drives tell it some ten times a second
 
 TripReason = Literal[
     "not_finite",
@@ -96,12 +97,12 @@ class SafetyGate:
             [limit.velocity for limit in limits],
             [low for low, _ in ranges],
             [high for _, high in ranges],
-            [math.inf if limit.temperature is None else limit.temperature for limit in limits],
         )
+        self._hottest = [(j, limit.temperature) for j, limit in enumerate(limits) if limit.temperature is not None]
         self._last = [0.0] * len(limits)
         self._indices = range(len(limits))
         self._armed = False
-        self._open_ns = self._due_ns = self._feedback_ns = 0
+        self._open_ns = self._due_ns = self._feedback_ns = self._armed_ns = 0
         self._record: TripRecord | None = None
 
     @property
@@ -119,6 +120,11 @@ class SafetyGate:
         """The first trip since the last reset."""
         return self._record
 
+    @property
+    def admitted(self) -> Sequence[float]:
+        """Torque of each joint that was let through last; zeros where none was."""
+        return self._last
+
     def arm(self, now_ns: int) -> None:
         """Start the enable ramp from zero torque.
 
@@ -127,7 +133,7 @@ class SafetyGate:
         """
         self.raise_if_tripped()
         self._last[:] = [0.0] * len(self._last)
-        self._feedback_ns = now_ns
+        self._feedback_ns = self._armed_ns = now_ns
         self._open_ns, self._due_ns = now_ns + self._ramp_ns, now_ns + self._period_ns
         self._armed = True
         if self._record is not None:  # another thread has tripped it between the check and here
@@ -162,7 +168,8 @@ class SafetyGate:
     def observe(self, feedback: JointFeedback, now_ns: int) -> bool:
         """Look at the joints' state and trip on anything outside the limits.
 
-        A temperature of NaN is one that the drive does not report. Nothing at all (`time_ns` 0) ages from `arm`.
+        A temperature of NaN is not known yet, which a joint with a limit on it may be for a second after `arm`.
+        Nothing at all (`time_ns` 0) ages from `arm`.
 
         Args:
             feedback: State of all joints; the newest there is, even when nothing new has come.
@@ -191,13 +198,14 @@ class SafetyGate:
         position, velocity, temperature = feedback.position, feedback.velocity, feedback.temperature
         if not len(position) == len(velocity) == len(temperature) == len(self._last):
             raise ValueError(f"state of {len(position)} joints, expected {len(self._last)}")
-        fastest, lowest, highest, hottest = self._state_limits
+        fastest, lowest, highest = self._state_limits
         for j in self._indices:  # cheaper than any zip
             limit = fastest[j]
             # No position is as high as infinity, not even on a joint that turns freely.
             if not (-limit <= velocity[j] <= limit and lowest[j] <= position[j] <= highest[j]):
                 return False
-            if temperature[j] > hottest[j]:
+        for j, hottest in self._hottest:
+            if not temperature[j] <= hottest:
                 return False
         return not any(feedback.fault)
 
@@ -205,9 +213,9 @@ class SafetyGate:
         """Find out which limit it was."""
         if any(feedback.fault):
             self.trip("drive_fault", f"the drives report {list(feedback.fault)}", now_ns)
-        state = zip(feedback.position, feedback.velocity, feedback.temperature, strict=True)
+        state = zip(feedback.position, feedback.velocity, strict=True)
         rows = zip(state, *self._state_limits, strict=True)
-        for joint, ((q, v, hot), fastest, lowest, highest, hottest) in enumerate(rows):
+        for joint, ((q, v), fastest, lowest, highest) in enumerate(rows):
             if not (math.isfinite(q) and math.isfinite(v)):
                 self.trip("not_finite", f"joint {joint} reports position {q!r} and velocity {v!r}", now_ns)
             elif abs(v) > fastest:
@@ -215,8 +223,13 @@ class SafetyGate:
             elif not lowest <= q <= highest:
                 detail = f"joint {joint} is at {q:g}, limits {lowest:g} to {highest:g}"
                 self.trip("position_limit", detail, now_ns)
-            elif hot > hottest:
+        for joint, hottest in self._hottest:
+            hot = feedback.temperature[joint]
+            if hot > hottest:
                 self.trip("overtemperature", f"joint {joint} is at {hot:g} °C, limit {hottest:g}", now_ns)
+            elif math.isnan(hot) and self._armed and now_ns - self._armed_ns > _UNKNOWN_TEMPERATURE_NS:
+                detail = f"joint {joint} does not report its temperature, limit {hottest:g} °C"
+                self.trip("overtemperature", detail, now_ns)
 
     def admit(self, torque_in: Sequence[float] | Any, torque_out: MutableSequence[float] | Any, now_ns: int) -> bool:
         """Check, clamp, ramp and rate-limit a command for all joints.

@@ -2,30 +2,26 @@
 
 from __future__ import annotations
 
-import contextlib
-import signal
 import threading
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from operator import add
-from types import FrameType
-from typing import Any, Protocol
+from typing import Protocol
 
 from fricomp.control.adaptation import AdaptationSettings
 from fricomp.control.compensator import Compensator
 from fricomp.control.gate import SafetyGate, TripRecord
+from fricomp.control.interruption import EndingSignals
 from fricomp.control.load import LoadModel
 from fricomp.control.loop_compensation import LoopCompensation
 from fricomp.control.loop_log import LoopLog
 from fricomp.control.position_loop import Controller, Reference, ReferenceState
 from fricomp.control.real_time import RealTimeOptions, RealTimeReport, real_time
-from fricomp.errors import AdapterTimeout, ParameterError, SafetyTrip
-from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, JointFeedback
+from fricomp.errors import AdapterError, ParameterError, SafetyTrip
+from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, JointFeedback, await_feedback
 
 __all__ = ["ControlLoop", "LoopAdapter", "LoopResult"]
-
-_FIRST_DATA_TIMEOUT_NS = 1_000_000_000
 
 
 class LoopAdapter(Protocol):
@@ -37,6 +33,8 @@ class LoopAdapter(Protocol):
     def capabilities(self) -> Capabilities: ...
     @property
     def gate(self) -> SafetyGate: ...
+    @property
+    def stop_failure(self) -> str: ...
     def configure(self, mode: CommandMode, period: float) -> None: ...
     def enable(self) -> None: ...
     def write(self, command: JointCommand) -> bool: ...
@@ -118,6 +116,8 @@ class ControlLoop:
             raise ParameterError(f"{len(compensators)} compensators given for {len(joints)} joints: give one for each")
         if (controller is None) is (mode == "torque"):
             raise ParameterError(f"mode {mode!r} {'needs a' if mode == 'torque' else 'takes no'} controller")
+        if compensators and mode != "torque" and not adapter.capabilities.feed_forward:
+            raise ParameterError(f"these drives take no torque in {mode} mode: compensate in torque mode")
         for compensator, joint in zip(compensators or (), joints, strict=False):
             if compensator.model.torque_unit != joint.torque_unit:
                 raise ParameterError(
@@ -144,16 +144,18 @@ class ControlLoop:
         """Configure, enable, run for `duration` [s], stop.
 
         Raises:
-            AdapterError: The bus or a drive failed; the joints have been stopped.
+            AdapterError: The bus or a drive failed; the joints have been stopped, unless the message says that the
+                stop did not get through.
             KeyboardInterrupt: Ctrl-C; the joints have been stopped.
         """
-        adapter, signals = self.adapter, _Signals(self._stop)
+        adapter, signals, feedback = self.adapter, EndingSignals(self._stop), JointFeedback(self._n)
         adapter.configure(self.mode, self.period)
         self.compensation.reset()
         cycles = 0
+        self._stop.clear()
         with real_time(self.options) as granted, signals:
             try:
-                feedback = self._first_feedback()
+                await_feedback(adapter, feedback, self.period)
                 adapter.enable()
                 cycles = self._cycle(feedback, duration)
             except BaseException as error:
@@ -162,17 +164,10 @@ class ControlLoop:
             finally:
                 trip = adapter.gate.trip_record
                 adapter.safe_stop("end of the loop")
+        if failure := adapter.stop_failure:
+            raise AdapterError(f"the loop has ended, but {failure}: cut the power of the joints")
         signals.raise_interrupt()
         return LoopResult(self.log, cycles, self._skipped, self.compensation.rejected, trip, granted)
-
-    def _first_feedback(self) -> JointFeedback:
-        feedback, clock = JointFeedback(self._n), self.adapter.clock
-        deadline = clock.now_ns() + _FIRST_DATA_TIMEOUT_NS
-        while not self.adapter.read_into(feedback):
-            if clock.now_ns() > deadline:
-                raise AdapterTimeout("no joint has reported within 1 s: is it powered and on the bus?")
-            clock.sleep_until(clock.now_ns() + round(self.period * 1e9))
-        return feedback
 
     def _cycle(self, feedback: JointFeedback, duration: float) -> int:
         """The cycles themselves; returns their number."""
@@ -201,7 +196,7 @@ class ControlLoop:
             cycles += 1
             row = [(now - start) * 1e-9, (now - deadline) * 1e-9, (counter() - began) * 1e-9]
             row += feedback.position + feedback.velocity + feedback.torque
-            append(row + goal.position + goal.velocity + compensation + command.torque)
+            append(row + goal.position + goal.velocity + compensation + list(gate.admitted))
             deadline += period
             behind = (now_ns() - deadline) // period + 1
             if behind > 0:
@@ -210,29 +205,3 @@ class ControlLoop:
                 if behind > self.most_skipped:
                     gate.trip("overrun", f"{behind} cycles of {self.period * 1e3:g} ms missed at once", now)
         return cycles
-
-
-class _Signals(contextlib.AbstractContextManager[None]):
-    """SIGINT and SIGTERM end the loop after its cycle: a handler that stopped the drives could meet a held lock."""
-
-    def __init__(self, stop: threading.Event) -> None:
-        self._stop, self._received = stop, 0
-        self._before: dict[int, Any] = {}
-
-    def __enter__(self) -> None:
-        if threading.current_thread() is threading.main_thread():
-            for number in (signal.SIGINT, signal.SIGTERM):
-                self._before[number] = signal.signal(number, self._handle)
-
-    def __exit__(self, *_: object) -> None:
-        for number, handler in self._before.items():
-            signal.signal(number, handler)
-
-    def _handle(self, number: int, _: FrameType | None) -> None:
-        self._received = number
-        self._stop.set()
-
-    def raise_interrupt(self) -> None:
-        """Hand on what was received, now that the joints are at rest."""
-        if self._received:
-            raise KeyboardInterrupt

@@ -30,6 +30,7 @@ class JointCapabilities:
         torque_limit: Largest torque the drive accepts, in `torque_unit`.
         velocity_limit: Largest velocity [rad/s] or [m/s].
         position_limits: Lowest and highest position [rad] or [m]; None where the joint turns freely.
+        reports_temperature: Whether its drive tells the temperature, so that a limit on it can be watched.
     """
 
     name: str
@@ -43,6 +44,7 @@ class JointCapabilities:
     torque_limit: float = float("inf")
     velocity_limit: float = float("inf")
     position_limits: tuple[float, float] | None = None
+    reports_temperature: bool = True
 
 
 @dataclass(frozen=True)
@@ -68,6 +70,7 @@ class Capabilities:
         joints: In the order of every command and feedback.
         modes: Command modes that the drives support.
         highest_rate: Highest rate that bus and drives carry for these joints, in the mode that needs least [Hz].
+        feed_forward: Whether velocity and position mode take a torque besides the reference.
         mode_rates: Highest rate of each mode where they differ [Hz]; see `rate_in`.
         watchdog: None where the drive has none.
         simulated: Whether no hardware can move.
@@ -78,6 +81,7 @@ class Capabilities:
     highest_rate: float
     watchdog: Watchdog | None
     simulated: bool = False
+    feed_forward: bool = True
     mode_rates: Mapping[CommandMode, float] = field(default_factory=dict)
 
     def rate_in(self, mode: CommandMode) -> float:

@@ -46,6 +46,8 @@ class FakeAdapter(JointAdapter):
         self.velocity = 0.0
         self.fault = 0
         self.fresh = True
+        self.reports_temperature = True
+        self.taken_ns: int | None = None
 
     def step(self, name: str) -> None:
         self.log.append(name)
@@ -61,7 +63,13 @@ class FakeAdapter(JointAdapter):
 
     def _open(self) -> Capabilities:
         self.step("open")
-        joint = JointCapabilities("j", torque_limit=5.0, velocity_limit=50.0, torque_quantum=0.01)
+        joint = JointCapabilities(
+            "j",
+            torque_limit=5.0,
+            velocity_limit=50.0,
+            torque_quantum=0.01,
+            reports_temperature=self.reports_temperature,
+        )
         return Capabilities((joint,), ("torque", "velocity", "position"), 1000.0, self.watchdog)
 
     def _configure(self, mode: CommandMode, period: float) -> None:
@@ -78,7 +86,7 @@ class FakeAdapter(JointAdapter):
     def _read_into(self, feedback: JointFeedback) -> bool:
         self.step("read")
         if self.fresh:
-            feedback.time_ns = self.clock.now_ns()
+            feedback.time_ns = self.clock.now_ns() if self.taken_ns is None else self.taken_ns
             feedback.position[0], feedback.velocity[0], feedback.torque[0] = self.position, self.velocity, 0.0
             feedback.fault[0] = self.fault
         return self.fresh

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 from math import inf, nan
 
 import pytest
@@ -197,6 +198,68 @@ def test_a_stop_that_fails_never_raises_and_is_tried_twice_and_told(error: Excep
     assert "did not reach the drive" in str(adapter.health()["stop_failure"])
 
 
+def test_a_stop_that_failed_is_owed_until_one_gets_through() -> None:
+    adapter = enabled_adapter()
+    adapter.fail["stop"] = AdapterConnectionError("the queue is full")
+    adapter.safe_stop()
+    for again in (adapter.safe_stop, lambda: adapter.write(command(torque=1.0))):
+        before = adapter.log.count("stop")
+        again()
+        assert adapter.log.count("stop") > before
+    assert adapter.sent == []
+    with pytest.raises(AdapterError, match="did not reach the drive"):
+        adapter.clear_faults()
+    with pytest.raises(SafetyTrip):
+        adapter.enable()
+    adapter.fail.clear()
+    adapter.safe_stop()
+    assert adapter.stop_failure == ""
+    count = adapter.log.count("stop")
+    adapter.safe_stop()
+    assert adapter.log.count("stop") == count
+    adapter.clear_faults()
+    adapter.enable()
+
+
+def test_closing_tries_an_owed_stop_again() -> None:
+    adapter = enabled_adapter()
+    adapter.fail["stop"] = AdapterConnectionError("the queue is full")
+    adapter.safe_stop()
+    adapter.fail.clear()
+    adapter.close()
+    assert adapter.log.count("stop") == 3
+    assert adapter.stop_failure == ""
+
+
+@pytest.mark.parametrize("from_this_thread", [True, False])
+def test_a_stop_while_the_position_is_being_read_keeps_the_drives_off(from_this_thread: bool) -> None:
+    adapter = FakeAdapter()
+    adapter.open()
+    adapter.configure("position", PERIOD)
+
+    def stop() -> None:
+        if from_this_thread:  # as a signal handler does
+            adapter.safe_stop("emergency")
+            return
+        thread = threading.Thread(target=adapter.safe_stop)
+        thread.start()
+        thread.join(5.0)
+
+    adapter.fail["read"] = stop
+    with pytest.raises(SafetyTrip):
+        adapter.enable()
+    assert "enable" not in adapter.log
+    assert not adapter.enabled
+
+
+def test_a_temperature_that_the_drive_does_not_report_cannot_be_limited() -> None:
+    limits = replace(LIMITS, temperature=65.0)
+    adapter = FakeAdapter(AdapterOptions(limits=(limits,)))
+    adapter.reports_temperature = False
+    with pytest.raises(AdapterConfigurationError, match="does not report its temperature"):
+        adapter.open()
+
+
 def test_an_interrupt_in_the_middle_of_a_stop_does_not_prevent_it() -> None:
     adapter = enabled_adapter()
     interrupts = iter([KeyboardInterrupt()])
@@ -300,6 +363,24 @@ def test_a_position_reference_starts_where_the_joint_is_and_cannot_jump() -> Non
     assert adapter.references[-1][1] == pytest.approx(0.5 + LIMITS.velocity * PERIOD)
     adapter.write(command(position=-2.9))
     assert adapter.references[-1][1] == pytest.approx(0.5)
+
+
+def test_a_position_reference_does_not_start_at_an_old_position() -> None:
+    adapter = FakeAdapter()
+    adapter.open()
+    adapter.configure("position", PERIOD)
+    adapter.read_into(JointFeedback(1))
+    adapter.manual_clock.advance(1.0)
+    old = adapter.manual_clock.time_ns - 1
+
+    def read() -> None:  # what was asked for before enabling comes first, at the old position
+        reads = adapter.log.count("read")
+        adapter.position, adapter.taken_ns = (0.5, old) if reads < 4 else (1.5, None)
+
+    adapter.fail["read"] = read
+    adapter.enable()
+    adapter.write(command(position=1.5))
+    assert adapter.references[-1][1] == pytest.approx(1.5)
 
 
 def test_a_position_that_is_not_known_cannot_be_held() -> None:

@@ -130,6 +130,21 @@ def test_bus_off_is_one_clear_error_and_zero_torque_by_the_watchdogs(protocol: s
 
 
 @pytest.mark.parametrize("protocol", sorted(PROTOCOLS))
+def test_a_state_that_has_waited_to_be_read_is_old(protocol: str) -> None:
+    bench = started(protocol)
+    command, feedback = JointCommand(N_JOINTS), JointFeedback(N_JOINTS)
+    assert bench.adapter.write(command)
+    asked = bench.clock.now_ns()
+    bench.clock.advance(0.04)  # the loop is held up, and the answer waits in a buffer
+    assert bench.adapter.read_into(feedback)
+    assert feedback.time_ns == asked
+    record = bench.adapter.gate.trip_record
+    assert record is not None
+    assert record.reason == "stale"
+    assert not bench.adapter.write(command)
+
+
+@pytest.mark.parametrize("protocol", sorted(PROTOCOLS))
 def test_one_lost_node_stops_all_joints_and_lets_go_itself(protocol: str) -> None:
     bench = started(protocol)
     twin = twin_of(bench)

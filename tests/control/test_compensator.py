@@ -19,6 +19,7 @@ from fricomp.laws import (
     Coulomb,
     Dahl,
     FrictionLaw,
+    LoadCoulomb,
     LuGre,
     OperatingPoint,
     SmoothedCoulomb,
@@ -167,6 +168,12 @@ def test_arm_is_its_joints() -> None:
         arm.torque_into(out, [0.1, 0.1], [0.1])
     with pytest.raises(ParameterError, match="at least one"):
         ArmCompensator([])
+
+
+def test_an_arm_takes_no_model_whose_inputs_it_is_not_told() -> None:
+    law = FrictionLaw((Coulomb(0.2), LoadCoulomb(0.1)))
+    with pytest.raises(ParameterError, match="depends on load_torque"):
+        ArmCompensator([Compensator(FrictionModel(law, validity=Validity(velocity=(-5.0, 5.0))))])
 
 
 def test_arm_hands_on_every_input() -> None:

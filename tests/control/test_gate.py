@@ -119,6 +119,14 @@ def test_old_data_trips_even_if_nobody_observes() -> None:
     assert gate.trip_record.reason == "stale"
 
 
+def test_a_temperature_that_stays_unknown_trips_where_it_is_limited() -> None:
+    gate = make_gate()
+    assert gate.observe(well(1000 * MS), 1000 * MS)
+    assert not gate.observe(well(1002 * MS), 1002 * MS)
+    assert gate.trip_record is not None
+    assert "does not report its temperature" in gate.trip_record.detail
+
+
 def test_data_from_the_future_trips() -> None:
     gate = make_gate()
     assert not gate.observe(well(100 * MS), 2 * MS)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from fricomp.control import (
     SineReference,
     real_time,
 )
-from fricomp.errors import AdapterTimeout, ParameterError, SafetyTrip
+from fricomp.errors import AdapterError, AdapterTimeout, ParameterError, SafetyTrip
 from fricomp.joint import Capabilities, CommandMode, JointCapabilities, JointCommand, JointFeedback
 from fricomp.laws import Coulomb, FrictionLaw, Viscous
 from fricomp.model import FrictionModel, Validity
@@ -58,7 +59,7 @@ class IdealJoints:
         self.gate = SafetyGate(self.limits, period=1e-3)
         self.written: list[list[float]] = []
         self.events: list[str] = []
-        self.silent = False
+        self.silent, self.stop_failure = False, ""
         self.on_write: Any = None
 
     def configure(self, mode: CommandMode, period: float) -> None:
@@ -152,7 +153,7 @@ def test_silent_joint_trips_as_stale() -> None:
 def test_joint_that_never_reports_is_not_enabled() -> None:
     joints = IdealJoints()
     joints.silent = True
-    with pytest.raises(AdapterTimeout, match="powered"):
+    with pytest.raises(AdapterTimeout, match="power"):
         make_loop(joints).run(0.5)
     assert "enable" not in joints.events
 
@@ -192,6 +193,58 @@ def test_signal_ends_the_loop_at_rest_and_is_handed_on() -> None:
         make_loop(joints).run(5.0)
     assert joints.events[-1] == "stop"
     assert len(joints.written) == 21
+
+
+def test_a_second_signal_does_not_wait_for_a_controller_that_hangs() -> None:
+    joints = IdealJoints()
+
+    class HangingController:
+        def torque_into(self, out: list[float], feedback: JointFeedback, reference: ReferenceState) -> None:
+            for _ in range(1000):
+                signal.raise_signal(signal.SIGINT)
+            pytest.fail("the controller went on")
+
+    with pytest.raises(KeyboardInterrupt):
+        ControlLoop(joints, SineReference([0.1] * 2, 1.0, [0.0] * 2), HangingController()).run(1.0)
+    assert joints.events[-1] == "stop"
+    assert joints.written == []
+
+
+def test_a_terminal_that_goes_away_ends_the_loop_at_rest() -> None:
+    joints = IdealJoints()
+    joints.on_write = lambda: signal.raise_signal(signal.SIGHUP) if len(joints.written) == 5 else None
+    with pytest.raises(KeyboardInterrupt):
+        make_loop(joints).run(5.0)
+    assert joints.events[-1] == "stop"
+
+
+def test_a_stop_that_did_not_get_through_is_no_clean_end() -> None:
+    joints = IdealJoints()
+    joints.stop_failure = "the stop did not reach the drive"
+    with pytest.raises(AdapterError, match="cut the power"):
+        make_loop(joints).run(0.1)
+
+
+def test_a_stopped_loop_runs_again() -> None:
+    joints = IdealJoints()
+    loop = make_loop(joints)
+    loop.stop()
+    assert loop.run(0.1).cycles == 100
+
+
+def test_the_log_holds_what_the_gate_let_through() -> None:
+    joints = IdealJoints(limit=0.05)
+    log = make_loop(joints, compensators=[Compensator(MODEL)] * 2).run(0.3).log
+    assert log.signal("torque_command").tolist() == joints.written
+    assert np.max(np.abs(log.signal("torque_command"))) <= 0.05 < np.max(np.abs(log.signal("compensation")))
+
+
+def test_drives_without_feed_forward_are_not_compensated_in_their_own_loop() -> None:
+    joints = IdealJoints()
+    joints.capabilities = replace(joints.capabilities, feed_forward=False)
+    reference = SineReference([0.1] * 2, 1.0, [0.0] * 2)
+    with pytest.raises(ParameterError, match="take no torque in position mode"):
+        ControlLoop(joints, reference, None, compensators=[Compensator(MODEL)] * 2, mode="position")
 
 
 def test_stop_ends_the_loop() -> None:

@@ -1,0 +1,61 @@
+"""Signals that end a motion: Ctrl-C, a polite kill, a terminal that goes away."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import threading
+from types import FrameType
+from typing import Any, NoReturn
+
+__all__ = ["ENDING_SIGNALS", "EndingSignals", "interrupt_on_ending_signals"]
+
+ENDING_SIGNALS = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
+)
+"""What this system has of them; each would otherwise leave the joints to their watchdogs."""
+
+
+class EndingSignals(contextlib.AbstractContextManager["EndingSignals"]):
+    """The first one ends a loop after its cycle: a handler that stopped the drives could meet a held lock.
+
+    The second does not wait for a cycle that hangs; further ones do not disturb the stop that follows.
+
+    Args:
+        stop: Set by the first.
+    """
+
+    def __init__(self, stop: threading.Event) -> None:
+        self._stop, self._received = stop, 0
+        self._before: dict[int, Any] = {}
+
+    def __enter__(self) -> EndingSignals:
+        if threading.current_thread() is threading.main_thread():
+            for number in ENDING_SIGNALS:
+                self._before[number] = signal.signal(number, self._handle)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._before.items():
+            signal.signal(number, handler)
+
+    def _handle(self, number: int, _: FrameType | None) -> None:
+        self._received += 1
+        self._stop.set()
+        if self._received == 2:
+            raise KeyboardInterrupt
+
+    def raise_interrupt(self) -> None:
+        """Hand on what was received, now that the joints are at rest."""
+        if self._received:
+            raise KeyboardInterrupt
+
+
+def interrupt_on_ending_signals() -> None:
+    """From here on each of them raises `KeyboardInterrupt`, SIGINT too: a shell switches it off for background jobs."""
+    for number in ENDING_SIGNALS:
+        signal.signal(number, _interrupt)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
+    raise KeyboardInterrupt
