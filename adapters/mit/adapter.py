@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Mapping
-from math import isclose
+from math import isclose, isfinite
 from typing import Any, Self
 
 from fricomp.errors import AdapterConfigurationError, AdapterError, DriveFault
@@ -97,6 +97,7 @@ class MitAdapter(CanAdapter):
             torque_limit=limits.torque,
             velocity_limit=limits.velocity - velocity,  # the outermost code also stands for everything faster
             position_limits=(-limits.position, limits.position),
+            reports_temperature=isfinite(self._reported.temperature[joint]),  # AK firmware before 2022 does not
         )
 
     def _highest_rate(self) -> float:

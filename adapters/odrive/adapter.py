@@ -148,11 +148,15 @@ class OdriveAdapter(ParameterAdapter):
         self._connect()
         self._poll_all()
         self._check_version()
-        joints = tuple(
-            JointCapabilities(made.name, torque_limit=self._own_torque_limit(joint))
-            for joint, made in enumerate(self._configuration.joints)
-        )
+        joints = tuple(map(self._declare, range(len(self._nodes))))
         return Capabilities(joints, self._modes(), self._highest_rate(), self._watchdog)
+
+    def _declare(self, joint: int) -> JointCapabilities:
+        return JointCapabilities(
+            self._configuration.joints[joint].name,
+            torque_limit=self._own_torque_limit(joint),
+            reports_temperature=self._configuration.minor == 6,
+        )
 
     def _poll_all(self) -> None:
         """Ask all nodes for their state and wait for the answers."""

@@ -237,7 +237,7 @@ def test_a_motor_without_thermistor_does_not_hide_the_inverters_temperature(
     rig = OdriveRig("0.6", endpoints)
     for axis in rig.axes:
         axis.motor_temperature = motor
-    rig.adapter.open()
+    assert all(joint.reports_temperature for joint in rig.adapter.open().joints)
     feedback = JointFeedback(2)
     for _ in range(5):  # at rest already, before anything is enabled
         rig.clock.advance(0.006)
@@ -247,7 +247,7 @@ def test_a_motor_without_thermistor_does_not_hide_the_inverters_temperature(
 
 def test_firmware_05_tells_no_temperature_and_no_other_report_is_taken_for_one() -> None:
     rig = OdriveRig("0.5", None)
-    rig.adapter.open()
+    assert not any(joint.reports_temperature for joint in rig.adapter.open().joints)
     start(rig)
     rig.axes[0].outbox.append(CanFrame(1 << 5 | 0x15, struct.pack("<ff", 300.0, 300.0)))  # sensorless estimates there
     assert run(rig, 5)
