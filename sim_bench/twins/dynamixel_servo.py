@@ -24,6 +24,8 @@ from .dynamixel_table import (
     GOAL_POSITION,
     GOAL_VELOCITY,
     HARDWARE_ERROR,
+    INDIRECT_ADDRESS,
+    INDIRECT_DATA,
     OPERATING_MODE,
     TABLE,
     TABLE_SIZE,
@@ -143,7 +145,7 @@ class DynamixelServo:
         if length == 0 or address + length > TABLE_SIZE:
             return StatusError.DATA_RANGE, b""
         self._measure()
-        return 0, bytes(self.table[address : address + length])
+        return 0, bytes(self.table[self._shown_at(each)] for each in range(address, address + length))
 
     def write(self, address: int, data: bytes) -> int:
         """Write whole items; returns the error of the status."""
@@ -226,6 +228,11 @@ class DynamixelServo:
             self.axis.limit_torque(abs(current) * constant)
         torque = current * constant if mode == 0 else 0.0
         self.axis.command(torque, self._get(GOAL_VELOCITY) * VELOCITY_UNIT, self._get(GOAL_POSITION) * POSITION_UNIT)
+
+    def _shown_at(self, address: int) -> int:
+        """Where the byte at an address comes from: elsewhere, if it is an indirect datum."""
+        indirect = address - INDIRECT_DATA
+        return self._get(INDIRECT_ADDRESS + 2 * indirect) if indirect >= 0 else address
 
     def _measure(self) -> None:
         axis, most = self.axis, 32767

@@ -112,6 +112,15 @@ def test_enabling_starts_at_zero_current(rig: Rig) -> None:
     assert rig.stand_in.torque == [0.0]
 
 
+def test_indirect_data_show_what_their_addresses_name(rig: Rig) -> None:
+    assert rig.read(224, 1) == 0
+    assert rig.write(168, 2, POSITION) == 0
+    assert rig.write(170, 2, POSITION + 1) == 0
+    assert rig.read(224, 2) == rig.read(POSITION, 4) & 0xFFFF
+    rig.twin.power_cycle()
+    assert rig.read(224, 2) == 0
+
+
 def test_bus_watchdog_zeroes_the_goal_and_refuses_goals_until_cleared(rig: Rig) -> None:
     rig.write(MODE, 1, 0)
     rig.write(WATCHDOG, 1, 5)
