@@ -112,6 +112,7 @@ class JointAdapter(StoppableDriver):
                 period=period,
                 ramp_time=self.options.ramp_time,
                 stale_after=self.options.stale_after,
+                watch_torque=mode != "torque",
             )
 
     @final
