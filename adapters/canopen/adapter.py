@@ -159,6 +159,7 @@ class CanOpenAdapter(CanAdapter):
                 torque_quantum=drive.scaling.torque,
                 torque_limit=most,
                 velocity_limit=drive.scaling.highest_velocity,
+                reports_temperature=False,  # CiA 402 has no object for it
             )
             for joint, drive, most in zip(self._configuration.joints, self._drives, torque, strict=True)
         )

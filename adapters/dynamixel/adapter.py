@@ -133,7 +133,7 @@ class DynamixelAdapter(ServoLine):
         self._running = False
         joints = tuple(self._inspect(joint) for joint in range(len(self._servos)))
         rates = {mode: self._rate_in(mode) for mode in MODES}
-        return Capabilities(joints, tuple(MODES), max(rates.values()), None, mode_rates=rates)
+        return Capabilities(joints, tuple(MODES), max(rates.values()), None, feed_forward=False, mode_rates=rates)
 
     def _inspect(self, joint: int) -> JointCapabilities:
         """What one servo can do.

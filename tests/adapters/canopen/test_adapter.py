@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from dataclasses import replace
 from math import tau
 from typing import Any
 
@@ -14,6 +15,7 @@ from fricomp.adapters.canopen.configuration import CanOpenConfiguration
 from fricomp.adapters.configuration import convert
 from fricomp.errors import AdapterConfigurationError, AdapterConnectionError, AdapterError, AdapterTimeout
 from fricomp.joint import JointCommand, JointFeedback
+from fricomp.sim_bench.adapter_bench.bench import make_bench
 from fricomp.testing import AdapterRig
 from fricomp.testing.conformance import AdapterConformance
 from fricomp.testing.steps import run, start
@@ -158,3 +160,11 @@ def test_a_rate_that_only_torque_mode_can_carry_is_refused_in_velocity_mode() ->
 def test_settings_that_are_unsafe_are_refused(changes: dict[str, Any], complaint: str) -> None:
     with pytest.raises(AdapterConfigurationError, match=complaint):
         open_adapter("canopen", configuration(**changes))
+
+
+def test_a_temperature_limit_is_refused_where_no_drive_would_notice() -> None:
+    bench = make_bench("canopen", 1)
+    limits = replace(bench.adapter.options.limits[0], temperature=65.0)
+    bench.adapter.options = replace(bench.adapter.options, limits=(limits,))
+    with pytest.raises(AdapterConfigurationError, match="does not report its temperature"):
+        bench.adapter.open()
