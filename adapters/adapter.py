@@ -112,6 +112,7 @@ class JointAdapter(StoppableDriver):
                 period=period,
                 ramp_time=self.options.ramp_time,
                 stale_after=self.options.stale_after,
+                watch_torque=mode != "torque",
             )
 
     @final
@@ -277,7 +278,7 @@ class JointAdapter(StoppableDriver):
         if self._mode != "position":
             return
         began, seen = self.clock.now_ns(), self._drive.feedback
-        while not (self._read_into(seen) and seen.time_ns >= began):
+        while not (self._read_into(seen) and seen.time_ns > began):
             if self.clock.now_ns() - began > POSITION_PATIENCE_NS:
                 raise AdapterError("the joints do not report where they are: a position reference cannot begin there")
             self.clock.sleep_until(self.clock.now_ns() + POLL_INTERVAL_NS)

@@ -73,12 +73,13 @@ class LinkAdapter(JointAdapter, Generic[Link]):
     @final
     def _read_into(self, feedback: JointFeedback) -> bool:
         now = self.clock.now_ns()
+        self._pump()
+        self._check_link(now)
+        fresh = self._take_reported(feedback)  # before the next request: it answers the one before
         if not self.enabled and now - self._asked_ns > REST_PERIOD_NS:
             self._asked_ns = now
             self._ask_state()
-        self._pump()
-        self._check_link(now)
-        return self._take_reported(feedback)
+        return fresh
 
     @final
     def _connect(self) -> None:

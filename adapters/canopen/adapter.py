@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import partial
 from typing import Any, Self
 
@@ -14,13 +15,16 @@ from ..can_adapter import CanAdapter
 from ..configuration import convert
 from ..driver import HOW_TO_CLEAR
 from ..link import CanFrame, CanLink
+from ..transmission import Transmission
+from .clearing import clear_by_service
 from .configuration import CanOpenConfiguration
 from .drive import CONDITION, FAULT_RESTARTED, MODE_NUMBERS, MOTION, OPERATIONAL, CanOpenDrive
 from .process_data import COMMAND_OBJECTS, STATE_OBJECTS, map_process_data
 from .scaling import read_scaling
 from .service import ServiceChannel
-from .set_up import find_modes, set_mode, set_period, set_watchdog
+from .set_up import clear_targets, find_modes, restart_watchdog, set_mode, set_period, set_watchdog
 from .state_machine import CLEAR_FAULT, DISABLE_VOLTAGE, ENABLE_STEPS, DriveState
+from .torque_limit import find_most_torque, restore_torque_limits, set_torque_limit
 
 __all__ = ["CanOpenAdapter"]
 
@@ -56,8 +60,10 @@ class CanOpenAdapter(CanAdapter):
         self._watchdog: Watchdog | None = None
         self._mode_in_use: CommandMode = "torque"
         self._period = STEP
+        self._configured = False  # to the end, and nothing has come between since
+        self._known = False  # whether mode and period in use were ever configured to the end
         self._running = False
-        self._beat_ns = 0
+        self._next_beat_ns = 0
 
     @classmethod
     def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
@@ -71,16 +77,20 @@ class CanOpenAdapter(CanAdapter):
         return CanOpenDrive(node_id, ServiceChannel(node_id, send, self._wait, self._configuration.response_timeout))
 
     def _make_routes(self) -> dict[int, Callable[[bytes], None]]:
-        """What to do with the frames of each identifier."""
+        """What to do with the frames of each identifier, states aside."""
         routes: dict[int, Callable[[bytes], None]] = {}
-        for joint, drive in enumerate(self._drives):
+        for drive in self._drives:
             node = drive.node_id
             routes[SDO_ANSWER + node] = drive.service.on_answer
             routes[EMERGENCY + node] = drive.take_emergency
             routes[HEARTBEAT + node] = partial(self._take_heartbeat, drive)
-            routes[MOTION_PDO + node] = partial(self._take_motion, joint)
-            routes[CONDITION_PDO + node] = partial(self._take_condition, joint)
         return routes
+
+    def _route_states(self) -> None:
+        """Take states from now on: before, neither their scaling is known nor what the drives have mapped into them."""
+        for joint, drive in enumerate(self._drives):
+            self._routes[MOTION_PDO + drive.node_id] = partial(self._take_motion, joint)
+            self._routes[CONDITION_PDO + drive.node_id] = partial(self._take_condition, joint)
 
     def _on_frame(self, frame: CanFrame) -> None:
         route = None if frame.extended else self._routes.get(frame.identifier)
@@ -113,13 +123,18 @@ class CanOpenAdapter(CanAdapter):
     # -- opening ------------------------------------------------------------------------------------------
 
     def _open(self) -> Capabilities:
-        self._watchdog = None
+        self._watchdog, self._configured, self._known = None, False, False
+        self._routes = self._make_routes()
+        for drive in self._drives:
+            drive.max_torque_found = None
         self._connect()
         modes = set(MODE_NUMBERS)
-        for joint, drive in zip(self._configuration.joints, self._drives, strict=True):
+        torque: list[float] = []
+        for number, (joint, drive) in enumerate(zip(self._configuration.joints, self._drives, strict=True)):
             try:
                 modes &= find_modes(drive)
                 drive.scaling = read_scaling(drive.service, joint.counts_per_revolution, joint.velocity_count)
+                torque.append(find_most_torque(drive, self._torque_at_motor(number)))
             except AdapterError as error:
                 raise type(error)(f"joint {joint.name!r}: {error}") from error
         if not modes:
@@ -127,9 +142,14 @@ class CanOpenAdapter(CanAdapter):
         every: tuple[CommandMode, ...] = ("torque", "velocity", "position")
         offered = tuple(mode for mode in every if mode in modes)
         rates = {mode: self._rate_in(mode) for mode in offered}
-        return Capabilities(self._declare(), offered, max(rates.values()), None, mode_rates=rates)
+        return Capabilities(self._declare(torque), offered, max(rates.values()), None, mode_rates=rates)
 
-    def _declare(self) -> tuple[JointCapabilities, ...]:
+    def _torque_at_motor(self, joint: int) -> float:
+        """The torque limit of a joint on the drive's side [N·m]."""
+        transmission = self.options.transmissions[joint] if self.options.transmissions else Transmission()
+        return abs(transmission.torque_to_drive(self.options.limits[joint].torque))
+
+    def _declare(self, torque: list[float]) -> tuple[JointCapabilities, ...]:
         return tuple(
             JointCapabilities(
                 joint.name,
@@ -137,10 +157,11 @@ class CanOpenAdapter(CanAdapter):
                 velocity_quantum=drive.scaling.velocity,
                 velocity_command_quantum=drive.scaling.velocity,
                 torque_quantum=drive.scaling.torque,
-                torque_limit=drive.scaling.highest_torque,
+                torque_limit=most,
                 velocity_limit=drive.scaling.highest_velocity,
+                reports_temperature=False,  # CiA 402 has no object for it
             )
-            for joint, drive in zip(self._configuration.joints, self._drives, strict=True)
+            for joint, drive, most in zip(self._configuration.joints, self._drives, torque, strict=True)
         )
 
     def _rate_in(self, mode: CommandMode) -> float:
@@ -154,26 +175,41 @@ class CanOpenAdapter(CanAdapter):
     # -- configuring --------------------------------------------------------------------------------------
 
     def _configure(self, mode: CommandMode, period: float) -> None:
-        self._mode_in_use, self._period, self._running = mode, period, False
+        self._configured = self._running = False
         confirmed = True
-        for joint, drive in zip(self._configuration.joints, self._drives, strict=True):
+        for number, joint in enumerate(self._configuration.joints):
             try:
-                self._send([_nmt(NMT_PRE_OPERATIONAL, drive)])
-                drive.restarted = False
-                map_process_data(drive.service, drive.node_id, mode)
-                set_mode(drive, mode, lambda taken: self._wait(taken, self._configuration.response_timeout, ""))
-                set_period(drive, period)
-                confirmed = set_watchdog(drive, self._configuration) and confirmed
+                confirmed = self._configure_drive(number, mode, period) and confirmed
             except AdapterError as error:
                 raise type(error)(f"joint {joint.name!r}: {error}") from error
-            drive.use_mode(mode)
-            drive.emergency, drive.nmt_state = 0, None
-            self._send([_nmt(NMT_START, drive)])
         self._watchdog = Watchdog(self._configuration.watchdog, confirmed)
+        self._route_states()
+        self._pump()  # a heartbeat from before the start would tell an old state
+        for drive in self._drives:
+            drive.use_mode(mode)
+            drive.emergency, drive.nmt_state, drive.heard_ns = 0, None, None
+            self._send([_nmt(NMT_START, drive)])
         self._arrivals.clear()
         self._send([SYNC])
         timeout = self._configuration.response_timeout
         self._wait(self._arrivals.take, timeout, "not all drives answered SYNC with their state")
+        self._mode_in_use, self._period = mode, period
+        self._configured = self._known = True
+
+    def _configure_drive(self, number: int, mode: CommandMode, period: float) -> bool:
+        """Tell one drive, in pre-operational, all it has to know; whether its watchdog is confirmed."""
+        drive = self._drives[number]
+        self._send([_nmt(NMT_PRE_OPERATIONAL, drive)])
+        drive.restarted = False
+        map_process_data(drive.service, drive.node_id, mode)
+        clear_targets(drive, mode)
+        set_torque_limit(drive, self._torque_at_motor(number), mode)
+        set_mode(drive, mode, self._wait_for_answer)
+        set_period(drive, period)
+        return set_watchdog(drive, self._configuration)
+
+    def _wait_for_answer(self, condition: Callable[[], bool]) -> None:
+        self._wait(condition, self._configuration.response_timeout, "no such answer")
 
     def _confirmed_watchdog(self) -> Watchdog | None:
         return self._watchdog
@@ -181,16 +217,25 @@ class CanOpenAdapter(CanAdapter):
     # -- moving -------------------------------------------------------------------------------------------
 
     def _enable(self) -> None:
+        if not self._configured or self._mode != self._mode_in_use:
+            raise AdapterError("the drives were not configured to the end: configure() them again")
+        self._pump()  # what has come while nobody read
         for drive in self._drives:
             if drive.restarted:
                 raise DriveFault(f"node {drive.node_id} has restarted: clear_faults() configures it again")
+            drive.heard_ns = self.clock.now_ns()  # silence while nobody listened is none of the drive's
+        self._next_beat_ns = 0  # the first step towards torque carries a heartbeat: from there on the drive watches us
         self._lead(self._enabling_word, self._all_enabled, "the drives did not reach operation enabled")
         for drive in self._drives:
             if drive.mode_display != MODE_NUMBERS[self._mode_in_use]:
                 raise AdapterError(f"node {drive.node_id} is in mode {drive.mode_display}, not in {self._mode_in_use}")
+            if fault := drive.find_fault(running=True):
+                raise DriveFault(f"node {drive.node_id} reports {fault:#06x}: {HOW_TO_CLEAR}")
         self._running = True
 
     def _enabling_word(self, drive: CanOpenDrive, step: int) -> int:
+        if drive.emergency:  # would stop the joints in the first cycle: refused while nothing is energised yet
+            raise DriveFault(f"node {drive.node_id} reports emergency {drive.emergency:#06x}: {HOW_TO_CLEAR}")
         if drive.state not in ENABLE_STEPS:
             raise DriveFault(
                 f"node {drive.node_id} is in state {drive.state.value!r}, error {drive.error_code:#06x}: {HOW_TO_CLEAR}"
@@ -202,17 +247,21 @@ class CanOpenAdapter(CanAdapter):
         return all(drive.state is DriveState.OPERATION_ENABLED for drive in self._drives)
 
     def _lead(self, word: Callable[[CanOpenDrive, int], int], arrived: Callable[[], bool], complaint: str) -> None:
-        """Command controlwords at rest, cycle by cycle, until the drives have arrived."""
+        """Command controlwords at rest, cycle by cycle, until the drives say that they have arrived."""
         deadline = self.clock.now_ns() + round(2e9 * self._configuration.response_timeout)
-        step = 0
+        step, answered = 0, False
+        self._arrivals.clear()  # states from before do not count
         while True:
             self._send_cycle([drive.resting_command(word(drive, step)) for drive in self._drives])
             self.clock.sleep_until(self.clock.now_ns() + round(max(self._period, STEP) * 1e9))
             self._pump()
-            if arrived():
+            answered = answered or self._arrivals.take()
+            if answered and arrived():
                 return
             step += 1
             if self.clock.now_ns() >= deadline:
+                if not answered:
+                    raise AdapterConnectionError("not all drives answer SYNC with their state")
                 states = ", ".join(f"node {drive.node_id}: {drive.state.value}" for drive in self._drives)
                 raise AdapterTimeout(f"{complaint} ({states})")
 
@@ -230,8 +279,8 @@ class CanOpenAdapter(CanAdapter):
         """Commands, then the SYNC on which all drives take them at once, and our heartbeat when it is due."""
         frames.append(SYNC)
         now = self.clock.now_ns()
-        if now - self._beat_ns >= self._beat_period * 1e9:
-            self._beat_ns = now
+        if now >= self._next_beat_ns:
+            self._next_beat_ns = now + round(self._beat_period * 1e9)
             frames.append(CanFrame(HEARTBEAT + self._configuration.master_id, bytes((OPERATIONAL,))))
         self._send(frames)
 
@@ -263,8 +312,16 @@ class CanOpenAdapter(CanAdapter):
         self._send([drive.disable_frame() for drive in self._drives])
 
     def _clear_faults(self) -> None:
-        if any(drive.restarted for drive in self._drives):
+        self._pump()
+        if not self._known:
+            for drive in self._drives:  # the nodes take no process data of ours: `fricomp adapter clear`
+                clear_by_service(drive, self._wait_for_answer)
+            return
+        if not self._configured or any(drive.restarted for drive in self._drives):
             self._configure(self._mode_in_use, self._period)
+        for drive in self._drives:
+            drive.nmt_state = None
+            self._send([_nmt(NMT_START, drive)])  # a node that misses our heartbeat leaves operational (1029) [cia301]
         try:
             self._lead(_clearing_word, self._all_cleared, "the fault stays")
         except AdapterTimeout as error:
@@ -273,9 +330,43 @@ class CanOpenAdapter(CanAdapter):
         for drive in self._drives:
             drive.emergency = 0
         self._send([*(drive.resting_command(DISABLE_VOLTAGE) for drive in self._drives), SYNC])
+        self._restart_watchdogs()
+
+    def _restart_watchdogs(self) -> None:
+        """Let no drive miss a heartbeat before enabling sends the next one.
+
+        None goes out at rest, because nobody has to read or write there: a program that asks its user, or computes,
+        between clearing and enabling would be late, and the drives would be right to complain. So they are told to
+        watch anew, which begins with the first heartbeat of enabling. One that complains all the same is not enabled.
+
+        Raises:
+            AdapterError: A drive that kept its watchdog before does not keep it now; enabling is refused.
+        """
+        self._configured = False
+        confirmed = [restart_watchdog(drive, self._configuration) for drive in self._drives]
+        promised = self.capabilities.watchdog  # by which enabling is allowed
+        if promised is not None and promised.confirmed and not all(confirmed):
+            raise AdapterError("the drives no longer keep the watchdog (1016): configure() them again")
+        self._configured = True
 
     def _all_cleared(self) -> bool:
         return all(drive.find_fault(running=False) == 0 for drive in self._drives)
+
+    def _close(self) -> None:
+        try:
+            if not self._stop_owed:  # a drive that may still be energised keeps the lower limit
+                self._restore_torque_limits()
+        finally:
+            super()._close()
+
+    def _restore_torque_limits(self) -> None:
+        """Best effort: what stays behind otherwise is the lower limit, which the next run keeps to or refuses."""
+        if all(drive.max_torque_found is None for drive in self._drives):
+            return
+        with suppress(AdapterError):
+            self.clock.sleep_until(self.clock.now_ns() + round(STEP * 1e9))
+            self._pump()  # the answer to the stop, which nobody has waited for
+            restore_torque_limits(self._drives)
 
     def _health(self) -> dict[str, float | str]:
         health: dict[str, float | str] = {"damaged_frames": float(self.n_damaged)}

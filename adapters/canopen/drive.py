@@ -48,6 +48,7 @@ class CanOpenDrive:
         self.nmt_state: int | None = None
         self.heard_ns: int | None = None
         self.restarted = False
+        self.max_torque_found: int | None = None  # in 6072, before our own limit was written there
         self.use_mode("torque")
 
     def use_mode(self, mode: CommandMode) -> None:

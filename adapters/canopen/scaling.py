@@ -43,7 +43,11 @@ class DriveScaling:
     @cached_property
     def highest_torque_count(self) -> int:
         """Largest torque [counts]."""
-        return int(self.highest_torque / self.torque + 1e-9)
+        return self.count_within(self.highest_torque)
+
+    def count_within(self, torque: float) -> int:
+        """A torque [N·m] in whole counts, rounded toward zero."""
+        return int(torque / self.torque + 1e-9)
 
 
 def read_scaling(

@@ -86,6 +86,32 @@ class ServiceChannel:
                 f"where {value:#x} was written"
             )
 
+    def write_if_present(self, entry: CanOpenObject, value: int) -> bool:
+        """Write an object that a drive may lack, and read it back; whether the drive has it.
+
+        Some drives refuse the write of what only a PDO may change: what counts is what stands there afterwards.
+
+        Raises:
+            AdapterTimeout: The node does not answer.
+            AdapterConfigurationError: The drive has the object and keeps another value in it.
+            AdapterError: It cannot be read back.
+        """
+        refusal = ""
+        try:
+            self.write(entry, value)
+        except _ObjectAbsent:
+            return False
+        except AdapterTimeout:
+            raise
+        except AdapterError as error:
+            refusal = f": {error}"
+        found = self.read(entry)
+        if found != value:
+            raise AdapterConfigurationError(
+                f"node {self._node_id} keeps {found} in object {entry.index:#06x} where it must be {value}{refusal}"
+            )
+        return True
+
     def try_write(self, entry: CanOpenObject, value: int) -> bool:
         """Write an object that a drive may do without; whether it took it."""
         try:

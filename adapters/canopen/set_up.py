@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import tau
 
 from fricomp.errors import AdapterConfigurationError, AdapterConnectionError, AdapterTimeout
 from fricomp.joint import CommandMode
@@ -12,9 +13,20 @@ from .configuration import CanOpenConfiguration
 from .drive import MODE_NUMBERS, CanOpenDrive
 from .state_machine import DriveState
 
-__all__ = ["find_modes", "set_mode", "set_period", "set_watchdog"]
+__all__ = ["clear_targets", "find_modes", "restart_watchdog", "set_mode", "set_period", "set_watchdog"]
 
 _CIA_402 = 402
+
+# What adds to a command without being part of it: a drive keeps it from whoever moved it before, even after a fault.
+TARGETS = (
+    objects.POSITION_OFFSET,
+    objects.VELOCITY_OFFSET,
+    objects.TORQUE_OFFSET,
+    objects.TARGET_TORQUE,
+    objects.TARGET_VELOCITY,
+)
+STANDSTILL = 0.01 * tau
+"""How far a target position may lie from where a limp motor was just now [rad]: drives let it follow the encoder."""
 
 # Waits until a condition holds.
 Wait = Callable[[Callable[[], bool]], None]
@@ -59,6 +71,27 @@ def set_mode(drive: CanOpenDrive, mode: CommandMode, wait: Wait) -> None:
         ) from error
 
 
+def clear_targets(drive: CanOpenDrive, mode: CommandMode) -> None:
+    """Set all targets and offsets to zero, as far as the drive has them; in position mode, the target to where it is.
+
+    Raises:
+        AdapterConfigurationError: The drive keeps something else, which would add to every command.
+    """
+    service = drive.service
+    for entry in TARGETS:
+        service.write_if_present(entry, 0)
+    if mode != "position":
+        return
+    present = service.read(objects.POSITION)
+    service.write(objects.TARGET_POSITION, present)
+    kept = service.read(objects.TARGET_POSITION)
+    if abs(kept - present) * drive.scaling.position > STANDSTILL:
+        raise AdapterConfigurationError(
+            f"node {drive.node_id} is at {present} and keeps {kept} as its target position (607A): "
+            f"it may be outside its own position limits (607D)"
+        )
+
+
 def set_period(drive: CanOpenDrive, period: float) -> None:
     """Tell the drive how often references come [s], where it wants to know."""
     for exponent in (-3, -4, -5):
@@ -71,13 +104,25 @@ def set_period(drive: CanOpenDrive, period: float) -> None:
 
 def set_watchdog(drive: CanOpenDrive, configuration: CanOpenConfiguration) -> bool:
     """Let the drive watch our heartbeat, and us watch its; whether it kept what was written."""
-    watched = configuration.master_id << 16 | round(configuration.watchdog * 1e3)
     service = drive.service
     service.write_confirmed(objects.PRODUCER_HEARTBEAT, round(configuration.heartbeat * 1e3))
-    drive.heard_ns = None
     return (
-        service.try_write(objects.CONSUMER_HEARTBEAT, watched)
+        restart_watchdog(drive, configuration)
         and service.try_write(objects.ABORT_CONNECTION_OPTION, configuration.abort_option)
-        and service.read(objects.CONSUMER_HEARTBEAT) == watched
         and service.read(objects.ABORT_CONNECTION_OPTION) == configuration.abort_option
+    )
+
+
+def restart_watchdog(drive: CanOpenDrive, configuration: CanOpenConfiguration) -> bool:
+    """Let the drive wait for the first heartbeat again before it misses one; whether it kept what was written.
+
+    A consumer begins to watch with the first heartbeat that it hears after 1016 was set [cia301]. Through zero, because
+    writing what stands there already need not restart it.
+    """
+    watched = configuration.master_id << 16 | round(configuration.watchdog * 1e3)
+    service = drive.service
+    return (
+        service.try_write(objects.CONSUMER_HEARTBEAT, 0)
+        and service.try_write(objects.CONSUMER_HEARTBEAT, watched)
+        and service.read(objects.CONSUMER_HEARTBEAT) == watched
     )

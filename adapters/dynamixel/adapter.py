@@ -2,66 +2,62 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Self
 
-from fricomp.errors import AdapterConfigurationError, AdapterError, AdapterTimeout, AdapterValueError, DriveFault
+from fricomp.errors import AdapterConfigurationError, AdapterError, AdapterTimeout, DriveFault
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, Watchdog
 
 from ..bus_budget import BusBudget, serial_time
 from ..configuration import convert
 from ..driver import HOW_TO_CLEAR
 from ..link import SerialLink
-from ..serial_adapter import SerialAdapter
 from .configuration import DynamixelConfiguration
 from .control_table import (
     BUS_WATCHDOG,
     CONDITION,
     CURRENT_LIMIT,
+    GOAL_CURRENT,
+    GOAL_POSITION,
+    GOAL_VELOCITY,
     GOALS,
     HARDWARE_ERROR,
     MODEL_NUMBER,
     MODES,
     OPERATING_MODE,
     POSITION_COUNT,
+    PRESENT_POSITION,
     RETURN_DELAY,
     STATE,
     STATUS_RETURN_LEVEL,
     TORQUE_ENABLE,
+    UNWANTED,
     VELOCITY_COUNT,
-    WARMTH,
     WATCHDOG_COUNT,
-    Item,
     Model,
     models,
 )
-from .packet import (
-    Instruction,
-    StatusPacket,
-    SyncWriter,
-    encode_packet,
-    read_packet,
-    sync_read_packet,
-    sync_write_packet,
-    write_packet,
+from .goals import compute_current_bound, encode_goals, stop_packets
+from .packet import Instruction, StatusPacket, SyncWriter, encode_packet, sync_read_packet
+from .report import (
+    INDIRECT_ADDRESSES,
+    MAPPING,
+    REPORT_SIZE,
+    STATUS_BYTES,
+    UNBOUNDED,
+    compute_fault,
+    read_plain,
+    read_report,
+    report_request,
 )
-from .packet_buffer import PacketBuffer
+from .servo_line import ServoLine
 
 __all__ = ["DynamixelAdapter"]
 
-ALERT, ERROR_MASK = 0x80, 0x7F
-FAULT_NOT_ENABLED = 0x100
-
-CONDITION_PERIOD_NS = 50_000_000
 REBOOT_TIME = 0.5  # until a servo answers again [s]
-STATE_LAYOUT = struct.Struct("<hii")
-LARGEST_GOAL = {2: 0x7FFF, 4: 0x7FFFFFFF}
-# Of a status packet beside its data, and of the one that asks for it.
-STATUS_BYTES = 11
 
 
-class DynamixelAdapter(SerialAdapter):
+class DynamixelAdapter(ServoLine):
     """Dynamixel X servos on one line.
 
     Args:
@@ -76,28 +72,27 @@ class DynamixelAdapter(SerialAdapter):
         open_link: Callable[[], SerialLink] | None = None,
         clock: Clock | None = None,
     ) -> None:
-        super().__init__(configuration, configuration.joints, open_link, clock)
-        self._configuration = configuration
-        self._servos = bytes(joint.id for joint in configuration.joints)
-        self._joint_of = {servo: joint for joint, servo in enumerate(self._servos)}
-        self._torque_counts = [1.0] * len(self._servos)
-        self._current_counts = [1.0] * len(self._servos)
-        self._state_request = sync_read_packet(*STATE, self._servos)
-        self._condition_request = b"".join(sync_read_packet(*item, self._servos) for item in (CONDITION, WARMTH))
+        super().__init__(configuration, open_link, clock)
+        n_joints = len(self._servos)
+        self._torque_counts = [1.0] * n_joints
+        self._current_counts = [1.0] * n_joints
+        self._current_limits = [0] * n_joints
+        self._data_addresses = [0] * n_joints
         self._goal_counts: dict[CommandMode, Sequence[float]] = {
             "torque": self._torque_counts,
-            "velocity": [VELOCITY_COUNT] * len(self._servos),
-            "position": [POSITION_COUNT] * len(self._servos),
+            "velocity": [VELOCITY_COUNT] * n_joints,
+            "position": [POSITION_COUNT] * n_joints,
         }
         self._writers = {mode: SyncWriter(*goal, self._servos) for mode, goal in GOALS.items()}
-        self._buffer = PacketBuffer()
-        self._awaited: tuple[int, int] | None = None
-        self._answer: StatusPacket | None = None
-        self._hardware_errors = [0] * len(self._servos)
+        self._request, self._answer_bytes = sync_read_packet(*STATE, self._servos), STATE.size
+        self._stop_packets = stop_packets(self._servos)
+        self._guard = max(1, round(configuration.watchdog / WATCHDOG_COUNT))
         self._watchdog: Watchdog | None = None
         self._mode_in_use: CommandMode = "torque"
+        self._bounds = [0] * n_joints  # what the drive's own loop may draw, in counts of current
+        self._most = [UNBOUNDED] * n_joints  # reported current beyond which the joints are stopped
         self._running = False
-        self._condition_ns = 0
+        self._n_held_back = 0
 
     @classmethod
     def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
@@ -106,95 +101,45 @@ class DynamixelAdapter(SerialAdapter):
 
     # -- receiving ------------------------------------------------------------------------------------------
 
-    def _on_bytes(self, data: bytes) -> None:
-        joint_of, n_state = self._joint_of, STATE.size
-        for packet in self._buffer.take(data):
-            identifier, error, content = packet
-            joint = joint_of.get(identifier)
-            if joint is None:
-                continue
-            if len(content) == n_state:
-                self._take_state(joint, error, content)
-            elif self._awaited is not None and self._is_awaited(packet, *self._awaited):
-                self._awaited, self._answer = None, packet
-            elif len(content) == CONDITION.size:
-                self._take_condition(joint, packet)
-            elif len(content) == WARMTH.size:
-                self._reported.temperature[joint] = float(content[-1])
-
-    def _is_awaited(self, packet: StatusPacket, servo: int, n_bytes: int) -> bool:
-        """A refusal comes without data; states that were asked for before have another length."""
-        refused = packet.error & ERROR_MASK and not packet.data
-        return packet.identifier == servo and (len(packet.data) == n_bytes or bool(refused))
-
-    def _take_state(self, joint: int, error: int, data: bytes) -> None:
-        current, velocity, position = STATE_LAYOUT.unpack(data)
-        reported = self._reported
-        reported.torque[joint] = current * self._torque_counts[joint]
-        reported.current[joint] = current * self._current_counts[joint]
-        reported.velocity[joint] = velocity * VELOCITY_COUNT
-        reported.position[joint] = position * POSITION_COUNT
-        if error & ALERT:
-            reported.fault[joint] = self._hardware_errors[joint] or ALERT
-        self._arrivals.mark(joint)
-
-    def _take_condition(self, joint: int, packet: StatusPacket) -> None:
-        energised, self._hardware_errors[joint] = bool(packet.data[0]), packet.data[-1]
-        missing = self._running and not energised
-        self._reported.fault[joint] = self._hardware_errors[joint] or (FAULT_NOT_ENABLED if missing else 0)
-
-    # -- single items -----------------------------------------------------------------------------------------
-
-    def _exchange(self, servo: int, packet: bytes, n_bytes: int, what: str) -> bytes:
-        """Send an instruction and wait for the status with so many bytes.
-
-        Raises:
-            AdapterTimeout: None comes.
-            AdapterError: It tells an error.
-        """
-        self._awaited, self._answer = (servo, n_bytes), None
-        try:
-            self._send(packet)
-            timeout = self._configuration.response_timeout
-            self._wait(lambda: self._answer is not None, timeout, f"servo {servo} did not answer to {what}")
-        finally:
-            self._awaited = None
-        answer = self._answer or StatusPacket(servo, 0, b"")
-        if answer.error & ERROR_MASK:
-            raise AdapterError(f"servo {servo} refuses {what}: error {answer.error & ERROR_MASK}")
-        return answer.data
-
-    def _read_item(self, servo: int, item: Item) -> int:
-        what = f"reading address {item.address}"
-        return int.from_bytes(self._exchange(servo, read_packet(servo, *item), item.size, what), "little")
-
-    def _write_item(self, servo: int, item: Item, value: int) -> None:
-        packet = write_packet(servo, item.address, value.to_bytes(item.size, "little"))
-        self._exchange(servo, packet, 0, f"writing {value} to address {item.address}")
-
-    def _ensure_item(self, servo: int, item: Item, value: int) -> None:
-        """Write only what differs: much of the table lies in an EEPROM, which wears."""
-        if self._read_item(servo, item) != value:
-            self._write_item(servo, item, value)
-            found = self._read_item(servo, item)
-            if found != value:
-                raise AdapterConfigurationError(
-                    f"servo {servo} keeps {found} at address {item.address} where {value} was written"
-                )
+    def _take_report(self, joint: int, packet: StatusPacket) -> bool:
+        _, error, data = packet
+        if len(data) == REPORT_SIZE:
+            report = read_report(data)
+        elif len(data) == STATE.size == self._answer_bytes:
+            report = read_plain(data)
+        else:
+            return False
+        current, velocity, position, temperature, energised, hardware_error, watchdog = report
+        reported, fault = self._reported, 0
+        if error or hardware_error or not energised or watchdog != self._guard or abs(current) > self._most[joint]:
+            fault = compute_fault(report, error, self._guard if self._running else None, self._most[joint])
+        reported.fault[joint] = fault
+        if watchdog:
+            reported.torque[joint] = current * self._torque_counts[joint]
+            reported.current[joint] = current * self._current_counts[joint]
+            reported.velocity[joint] = velocity * VELOCITY_COUNT
+            reported.position[joint] = position * POSITION_COUNT
+            reported.temperature[joint] = float(temperature)
+        if watchdog or fault:  # of a servo that has started again only the fault is true, but that must get through
+            self._arrivals.mark(joint)
+        return True
 
     # -- opening and configuring ------------------------------------------------------------------------------
 
     def _open(self) -> Capabilities:
         self._connect()
+        # Until they are configured, the servos are asked for what can be read without writing anything.
+        self._request, self._answer_bytes = sync_read_packet(*STATE, self._servos), STATE.size
+        self._running = False
         joints = tuple(self._inspect(joint) for joint in range(len(self._servos)))
         rates = {mode: self._rate_in(mode) for mode in MODES}
-        return Capabilities(joints, tuple(MODES), max(rates.values()), None, mode_rates=rates)
+        return Capabilities(joints, tuple(MODES), max(rates.values()), None, feed_forward=False, mode_rates=rates)
 
     def _inspect(self, joint: int) -> JointCapabilities:
         """What one servo can do.
 
         Raises:
-            AdapterConfigurationError: It cannot control current.
+            AdapterConfigurationError: It cannot control current, or is set to energise itself.
         """
         servo, named = self._servos[joint], self._configuration.joints[joint]
         number = self._read_item(servo, MODEL_NUMBER)
@@ -204,6 +149,9 @@ class DynamixelAdapter(SerialAdapter):
             raise AdapterConfigurationError(
                 f"joint {named.name!r}: servo {servo} is a {model.name}, which cannot control current; able are {able}"
             )
+        self._refuse_unwanted(servo, named.name)
+        self._data_addresses[joint] = model.indirect_data
+        self._current_limits[joint] = self._read_item(servo, CURRENT_LIMIT)
         self._current_counts[joint] = model.current_count
         self._torque_counts[joint] = count = model.current_count * (named.torque_constant or 1.0)
         return JointCapabilities(
@@ -213,35 +161,79 @@ class DynamixelAdapter(SerialAdapter):
             velocity_quantum=VELOCITY_COUNT,
             velocity_command_quantum=VELOCITY_COUNT,
             torque_quantum=count,
-            torque_limit=self._read_item(servo, CURRENT_LIMIT) * count,
+            torque_limit=self._current_limits[joint] * count,
         )
 
+    def _refuse_unwanted(self, servo: int, name: str) -> None:
+        for item, place, bit, what in UNWANTED:
+            if self._read_bytes(servo, item)[place] & bit:
+                raise AdapterConfigurationError(f"joint {name!r}: servo {servo} {what}, with the vendor's tool")
+
     def _rate_in(self, mode: CommandMode) -> float:
-        """Highest rate in a mode: goals, the request for the states, and all states [Hz]."""
+        """Highest rate in a mode: goals, the request for the reports, and all reports, one after the other [Hz].
+
+        Nothing else is ever sent beside them: a second request would have to wait for the answers to the first. State
+        and condition share one block therefore, for 4 bytes a servo and cycle.
+        """
         baudrate, n_joints = self._configuration.serial.baudrate, len(self._servos)
         goals = self._writers[mode].encode([0] * n_joints)
-        cycle = len(goals) + len(self._state_request) + n_joints * (STATE.size + STATUS_BYTES)
-        slow = len(self._condition_request) + n_joints * (CONDITION.size + WARMTH.size + 2 * STATUS_BYTES)
-        load = serial_time(slow, baudrate) / (CONDITION_PERIOD_NS * 1e-9)
-        return BusBudget([serial_time(cycle, baudrate)], load).highest_rate
+        request = report_request(self._servos, self._data_addresses)
+        cycle = len(goals) + len(request) + n_joints * (REPORT_SIZE + STATUS_BYTES)
+        return BusBudget([serial_time(cycle, baudrate)]).highest_rate
 
     def _configure(self, mode: CommandMode, period: float) -> None:
         self._mode_in_use, self._running = mode, False
-        for servo in self._servos:
+        for joint, servo in enumerate(self._servos):
             self._ensure_item(servo, STATUS_RETURN_LEVEL, 2)
             self._ensure_item(servo, TORQUE_ENABLE, 0)
             self._ensure_item(servo, RETURN_DELAY, 0)
             self._ensure_item(servo, OPERATING_MODE, MODES[mode])
-            self._arm_watchdog(servo)
-        self._watchdog = Watchdog(self._watchdog_counts * WATCHDOG_COUNT, confirmed=True, fed_by_reads=True)
+            self._prepare_reports(servo)
+            self._bound_torque(joint)
+        self._request, self._answer_bytes = report_request(self._servos, self._data_addresses), REPORT_SIZE
+        self._watchdog = Watchdog(self._guard * WATCHDOG_COUNT, confirmed=True, fed_by_reads=True)
 
-    @property
-    def _watchdog_counts(self) -> int:
-        return max(1, round(self._configuration.watchdog / WATCHDOG_COUNT))
+    def _bound_torque(self, joint: int) -> None:
+        """Keep the drive's own loop within the torque limit.
+
+        Torque goals have passed the gate. In position mode goal current bounds the loop. The velocity loop ends in a
+        voltage, and no manual says that goal current bounds it: a current reported beyond the limit is a fault there,
+        which stops the joints. Goal current is set all the same; it does no harm where it is not used.
+
+        Raises:
+            AdapterConfigurationError: The limit is less than a step, beyond the servo's own, or refused.
+        """
+        self._bounds[joint], self._most[joint] = 0, UNBOUNDED
+        if self._mode_in_use == "torque":
+            return
+        servo, most = self._servos[joint], self._current_limits[joint]
+        transmissions = self.options.transmissions
+        gear_ratio = transmissions[joint].gear_ratio if transmissions else 1.0
+        unit = "N·m" if self._configuration.joints[joint].torque_constant else "A"
+        bound = compute_current_bound(self.options.limits[joint].torque, unit, gear_ratio, self._torque_counts[joint])
+        if bound > most:
+            raise AdapterConfigurationError(
+                f"servo {servo}: a torque limit of {bound} counts of current is beyond its current limit, {most}"
+            )
+        self._bounds[joint] = bound
+        if self._mode_in_use == "velocity":
+            self._most[joint] = bound
+        try:
+            self._write_confirmed(servo, GOAL_CURRENT, bound)
+        except AdapterTimeout:
+            raise
+        except AdapterError as error:
+            raise AdapterConfigurationError(f"servo {servo} cannot be bounded to its torque limit: {error}") from error
+
+    def _prepare_reports(self, servo: int) -> None:
+        """Watchdog, and the block that every cycle reads; both are forgotten when a servo starts again."""
+        if self._read_bytes(servo, INDIRECT_ADDRESSES) != MAPPING:
+            self._write_confirmed(servo, INDIRECT_ADDRESSES, int.from_bytes(MAPPING, "little"))
+        self._arm_watchdog(servo)
 
     def _arm_watchdog(self, servo: int) -> None:
         self._write_item(servo, BUS_WATCHDOG, 0)  # also forgets that it has fired
-        self._ensure_item(servo, BUS_WATCHDOG, self._watchdog_counts)
+        self._ensure_item(servo, BUS_WATCHDOG, self._guard)
 
     def _confirmed_watchdog(self) -> Watchdog | None:
         return self._watchdog
@@ -251,55 +243,94 @@ class DynamixelAdapter(SerialAdapter):
     def _enable(self) -> None:
         for servo in self._servos:
             self._raise_if_stopped()
-            error = self._read_item(servo, HARDWARE_ERROR)
-            if error:
-                raise DriveFault(f"servo {servo} reports hardware error {error:#x}: {HOW_TO_CLEAR}")
-            self._ensure_item(servo, OPERATING_MODE, MODES[self._mode_in_use])
-            self._arm_watchdog(servo)
+            self._prepare(servo)
         for servo in self._servos:
             self._raise_if_stopped()
-            self._write_item(servo, TORQUE_ENABLE, 1)  # goals become zero, or the present position, by themselves
+            self._write_item(servo, TORQUE_ENABLE, 1)
         for servo in self._servos:
-            if self._read_item(servo, TORQUE_ENABLE) != 1:
-                raise AdapterError(f"servo {servo} does not switch its torque on")
+            self._confirm(servo)
+        for servo, bound in zip(self._servos, self._bounds, strict=True):
+            self._raise_if_stopped()
+            if bound:  # at zero until here: the drive's own loop begins without torque
+                self._write_confirmed(servo, GOAL_CURRENT, bound)
         self._running = True
+
+    def _prepare(self, servo: int) -> None:
+        """De-energised, in its mode, guarded, and with goals that do nothing.
+
+        The servo keeps its goals when its torque is switched on, and switching its mode makes goal current the whole
+        current limit. The watchdog comes first: once it has fired, goals are refused until it is written 0.
+        """
+        error = self._read_item(servo, HARDWARE_ERROR)
+        if error:
+            raise DriveFault(f"servo {servo} reports hardware error {error:#x}: {HOW_TO_CLEAR}")
+        self._ensure_item(servo, TORQUE_ENABLE, 0)
+        self._ensure_item(servo, OPERATING_MODE, MODES[self._mode_in_use])
+        self._prepare_reports(servo)
+        self._write_confirmed(servo, GOAL_CURRENT, 0)
+        self._write_confirmed(servo, GOAL_VELOCITY, 0)
+        if self._mode_in_use == "position":
+            self._write_confirmed(servo, GOAL_POSITION, self._read_item(servo, PRESENT_POSITION))
+
+    def _confirm(self, servo: int) -> None:
+        """Energised and guarded: the watchdog runs from the moment the torque is on.
+
+        Raises:
+            AdapterError: It is not so.
+        """
+        condition = self._read_bytes(servo, CONDITION)
+        if condition[0] != 1:
+            raise AdapterError(f"servo {servo} does not switch its torque on")
+        if condition[-1] != self._guard:
+            raise AdapterError(
+                f"the bus watchdog of servo {servo} reads {condition[-1]} after enabling, not {self._guard}: "
+                f"if it has fired (255), lengthen it or shorten the latency of the serial port"
+            )
 
     def _write(self, command: JointCommand, mode: CommandMode) -> None:
         counts = encode_goals(getattr(command, mode), self._goal_counts[mode], GOALS[mode].size)
-        self._send(self._writers[mode].encode(counts) + self._state_request)
-        self._ask_condition()
-
-    def _ask_condition(self) -> None:
-        """Ask for the condition of the servos when it is due."""
-        now = self.clock.now_ns()
-        if now - self._condition_ns >= CONDITION_PERIOD_NS:
-            self._condition_ns = now
-            self._send(self._condition_request)
+        if self._is_taken():
+            # A cycle came early, or an answer is missing. Goals would be destroyed by the answers, and destroy them;
+            # those of the next cycle will find the wire silent, because the rate leaves time for a whole exchange.
+            self._n_held_back += 1
+            self._asked_ns = self._requested_ns
+            return
+        goals = self._writers[mode].encode(counts)
+        self._take_turn(len(goals) + self._exchange_bytes)
+        self._send(goals + self._request)
 
     def _ask_state(self) -> None:
-        self._send(self._state_request)
-        self._ask_condition()
+        if self._is_taken():
+            self._asked_ns = self._requested_ns  # the state that comes is the one asked for then
+            return
+        self._take_turn(self._exchange_bytes)
+        self._send(self._request)
+
+    @property
+    def _exchange_bytes(self) -> int:
+        """Of the request and the answers to it [byte]."""
+        return len(self._request) + len(self._servos) * (self._answer_bytes + STATUS_BYTES)
 
     # -- stopping -----------------------------------------------------------------------------------------------
 
     def _stop(self) -> None:
         self._running = False
         self._discard_output()
-        idle = sync_write_packet(GOALS["torque"].address, dict.fromkeys(self._servos, bytes(2)))
-        off = sync_write_packet(TORQUE_ENABLE.address, dict.fromkeys(self._servos, b"\0"))
-        # Several times: the rest of a packet that was cut by discarding it would swallow the first.
-        self._send((idle + off) * 3)
+        self._silent_from_ns = self.clock.now_ns() + self._wire_ns(len(self._stop_packets))
+        self._send(self._stop_packets)
 
     def _clear_faults(self) -> None:
         for servo in self._servos:
             if self._read_item(servo, HARDWARE_ERROR):
                 self._reboot(servo)
         self._reported.fault[:] = [0] * len(self._servos)
-        self._hardware_errors = [self._read_item(servo, HARDWARE_ERROR) for servo in self._servos]
-        if any(self._hardware_errors):
-            raise DriveFault(f"the servos report hardware errors {self._hardware_errors} after a reboot")
+        errors = [self._read_item(servo, HARDWARE_ERROR) for servo in self._servos]
+        if any(errors):
+            raise DriveFault(f"the servos report hardware errors {errors} after a reboot")
         for servo in self._servos:
             self._ensure_item(servo, STATUS_RETURN_LEVEL, 2)
+            if self._answer_bytes == REPORT_SIZE:  # configured: what a restart has made them forget
+                self._prepare_reports(servo)
 
     def _reboot(self, servo: int) -> None:
         """The only way out of a hardware error; the servo stays de-energised."""
@@ -315,20 +346,4 @@ class DynamixelAdapter(SerialAdapter):
                     raise
 
     def _health(self) -> dict[str, float | str]:
-        return {"damaged_packets": float(self._buffer.n_damaged)}
-
-
-def encode_goals(values: Sequence[float], counts: Sequence[float], n_bytes: int) -> list[int]:
-    """Values in the nearest whole numbers of their counts; what is beyond the bytes of a goal gets their edge.
-
-    Raises:
-        AdapterValueError: A value is not finite.
-    """
-    try:
-        goals = [round(value / count) for value, count in zip(values, counts, strict=True)]
-    except (ValueError, OverflowError) as error:
-        raise AdapterValueError(f"{list(values)} cannot be sent to servos: {error}") from error
-    bound = LARGEST_GOAL[n_bytes]
-    if max(goals) > bound or min(goals) < -bound:
-        return [min(max(goal, -bound), bound) for goal in goals]
-    return goals
+        return {"damaged_packets": float(self._buffer.n_damaged), "commands_held_back": float(self._n_held_back)}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.resources import files
 from math import tau
@@ -13,7 +13,7 @@ import msgspec
 
 from fricomp.joint import CommandMode
 
-__all__ = ["GOALS", "MODES", "Item", "Model", "models"]
+__all__ = ["GOALS", "MODES", "UNWANTED", "Item", "Model", "models"]
 
 
 class Item(NamedTuple):
@@ -30,22 +30,34 @@ class Item(NamedTuple):
 
 MODEL_NUMBER = Item(0, 2)
 RETURN_DELAY = Item(9, 1)  # 2 µs a count
+DRIVE_MODE = Item(10, 1)
 OPERATING_MODE = Item(11, 1)
 CURRENT_LIMIT = Item(38, 2)
+# Up to the shutdown mask: a read across the gap before 60, which older firmware has not got, is answered.
+STARTUP = Item(52, 12)
 TORQUE_ENABLE = Item(64, 1)
 STATUS_RETURN_LEVEL = Item(68, 1)
 HARDWARE_ERROR = Item(70, 1)
 BUS_WATCHDOG = Item(98, 1)  # 20 ms a count; 255 once it has fired
 GOAL_CURRENT, GOAL_VELOCITY, GOAL_POSITION = Item(102, 2), Item(104, 4), Item(116, 4)
 
-# Present current, velocity and position in one piece: what every cycle asks for.
+PRESENT_POSITION = Item(132, 4)
+# Present current, velocity and position in one piece.
 STATE = Item(126, 10)
-# Torque enable (64) to hardware error (70), and voltage with temperature: slower, and told apart by their length.
-CONDITION = Item(64, 7)
-WARMTH = Item(144, 3)
+# From torque enable to bus watchdog: first and last byte tell whether a servo is energised and guarded.
+CONDITION = Item(64, 35)
 
-MODES: Mapping[CommandMode, int] = {"torque": 0, "velocity": 1, "position": 4}
+# Position is mode 5, current-based: the loops of velocity (1) and extended position (4) end in a voltage, and neither
+# goal current nor current limit bounds them.
+MODES: Mapping[CommandMode, int] = {"torque": 0, "velocity": 1, "position": 5}
 GOALS: Mapping[CommandMode, Item] = {"torque": GOAL_CURRENT, "velocity": GOAL_VELOCITY, "position": GOAL_POSITION}
+
+# What a servo may not be set to: item, place in it, bit, and what it would do.
+UNWANTED: Sequence[tuple[Item, int, int, str]] = (
+    (DRIVE_MODE, 0, 0x08, "switches its torque on by itself when a goal comes: clear bit 3 of its drive mode (10)"),
+    (DRIVE_MODE, 0, 0x02, "follows another servo and takes no goals: clear bit 1 of its drive mode (10)"),
+    (STARTUP, 8, 0x01, "switches its torque on with its power: clear bit 0 of its startup configuration (60)"),
+)
 
 VELOCITY_COUNT = 0.229 * tau / 60.0  # [rad/s]
 POSITION_COUNT = tau / 4096.0  # [rad]
@@ -58,10 +70,12 @@ class Model(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     Attributes:
         name: As the vendor calls it.
         current_count: Unit of its currents [A]; none where it cannot control current.
+        indirect_data: Address of its first indirect datum; the indirect addresses begin at 168 everywhere.
     """
 
     name: str
     current_count: float | None = None
+    indirect_data: int = 224
 
 
 class _ModelFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

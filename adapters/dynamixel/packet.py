@@ -18,6 +18,7 @@ __all__ = [
     "Instruction",
     "StatusPacket",
     "SyncWriter",
+    "bulk_read_packet",
     "encode_packet",
     "read_packet",
     "sync_read_packet",
@@ -40,6 +41,7 @@ class Instruction(IntEnum):
     REBOOT = 0x08
     SYNC_READ = 0x82
     SYNC_WRITE = 0x83
+    BULK_READ = 0x92
 
 
 class StatusPacket(NamedTuple):
@@ -80,6 +82,12 @@ def write_packet(identifier: int, address: int, data: bytes) -> bytes:
 def sync_read_packet(address: int, n_bytes: int, identifiers: bytes) -> bytes:
     """Ask several servos for the same bytes."""
     return encode_packet(BROADCAST, Instruction.SYNC_READ, _words(address, n_bytes) + identifiers)
+
+
+def bulk_read_packet(n_bytes: int, addresses: Mapping[int, int]) -> bytes:
+    """Ask several servos for as many bytes from an address of each one's own."""
+    asked = (bytes((identifier,)) + _words(address, n_bytes) for identifier, address in addresses.items())
+    return encode_packet(BROADCAST, Instruction.BULK_READ, b"".join(asked))
 
 
 def sync_write_packet(address: int, values: Mapping[int, bytes]) -> bytes:

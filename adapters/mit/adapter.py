@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Mapping
-from math import isclose
+from math import isclose, isfinite
 from typing import Any, Self
 
-from fricomp.errors import AdapterConfigurationError, DriveFault
+from fricomp.errors import AdapterConfigurationError, AdapterError, DriveFault
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, Watchdog
 
 from ..bus_budget import BusBudget, can_frame_bits
@@ -28,8 +28,6 @@ FORMATS: Mapping[RegisterType, str] = {"float32": "<f", "uint32": "<I", "uint8":
 # Beyond every vendor's own codes.
 FAULT_NOT_ENABLED = 0x1001  # it has stopped by itself: its watchdog, or a power cycle
 FAULT_POSITION_EDGE = 0x1002  # its position code is at the edge, so that it may be anywhere beyond
-
-# A motor rests while it is asked for its state; more often than this would only load the bus [ns].
 
 
 class MitAdapter(CanAdapter):
@@ -59,6 +57,7 @@ class MitAdapter(CanAdapter):
         )
         self._loops: list[MotorVelocityLoop] = []
         self._period = 0.0
+        self._enabled_ns = 0
         self._edges = [motor.ranges.position - 0.5 * motor.quanta[0] for motor in self._motors]
         self._enabled_flags: list[bool | None] = [None] * len(self._motors)
         self._answers: list[dict[int, bytes]] = [{} for _ in self._motors]
@@ -98,6 +97,7 @@ class MitAdapter(CanAdapter):
             torque_limit=limits.torque,
             velocity_limit=limits.velocity - velocity,  # the outermost code also stands for everything faster
             position_limits=(-limits.position, limits.position),
+            reports_temperature=isfinite(self._reported.temperature[joint]),  # AK firmware before 2022 does not
         )
 
     def _highest_rate(self) -> float:
@@ -144,6 +144,11 @@ class MitAdapter(CanAdapter):
         return self._read_register(joint, register)
 
     def _configure(self, mode: CommandMode, period: float) -> None:
+        self._set_modes()
+        self._watchdog = self._set_watchdogs()
+        self._period = period
+
+    def _set_modes(self) -> None:
         for joint, motor in enumerate(self._motors):
             needed = motor.registers.mode
             if needed is not None and needed.required is not None:
@@ -153,10 +158,8 @@ class MitAdapter(CanAdapter):
                     raise AdapterConfigurationError(
                         f"joint {name!r}: the motor stays in mode {found:g}; torque needs {needed.required}"
                     )
-        self._watchdog = self._set_watchdogs(period)
-        self._period = period
 
-    def _set_watchdogs(self, period: float) -> Watchdog | None:
+    def _set_watchdogs(self) -> Watchdog | None:
         wanted, confirmed = self._configuration.watchdog, True
         for joint, motor in enumerate(self._motors):
             register = motor.registers.watchdog
@@ -172,6 +175,8 @@ class MitAdapter(CanAdapter):
     # -- moving -------------------------------------------------------------------------------------------
 
     def _enable(self) -> None:
+        self._prepare_again()
+        self._raise_if_stopped()
         self._pump()
         self._forget()
         # Zero before and after: some firmware goes on with the last command it has ever got.
@@ -181,13 +186,20 @@ class MitAdapter(CanAdapter):
             )
         self._wait(self._all_enabled, self._configuration.response_timeout, "not all motors reported to be enabled")
         self._loops = self._make_loops()
+        self._enabled_ns = self.clock.now_ns()
         self._running = True
+
+    def _prepare_again(self) -> None:
+        """A motor that was power cycled since it was configured has its stored mode, and as a rule no watchdog."""
+        self._set_modes()
+        if self._watchdog is not None and self._watchdog.confirmed and self._set_watchdogs() != self._watchdog:
+            raise AdapterError("the motors do not keep their watchdog any more: configure() them again")
 
     def _make_loops(self) -> list[MotorVelocityLoop]:
         """Velocity loops, at rest where the motors are; none where no gains are configured."""
         transmissions = self.options.transmissions or (Transmission(),) * len(self._motors)
         limits = [
-            abs(t.torque_to_drive(limit.torque)) for t, limit in zip(transmissions, self.options.limits, strict=True)
+            abs(t.torque_to_drive(limit.torque)) for t, limit in zip(transmissions, self.gate.limits, strict=True)
         ]
         rows = zip(self._motors, self._gains, limits, self._reported.position, strict=True)
         return [MotorVelocityLoop(m, g, limit, self._period, at) for m, g, limit, at in rows if g is not None]
@@ -206,8 +218,14 @@ class MitAdapter(CanAdapter):
         if mode == "torque":
             self._send([motor.torque_frame(torque[joint]) for joint, motor in enumerate(self._motors)])
             return
+        share = self._ramp_share()
         rows = zip(self._loops, command.velocity, torque, reported.position, reported.velocity, strict=True)
-        self._send([loop.frame(velocity, ff, at, moving) for loop, velocity, ff, at, moving in rows])
+        self._send([loop.frame(velocity, ff, at, moving, share) for loop, velocity, ff, at, moving in rows])
+
+    def _ramp_share(self) -> float:
+        """Share of the torque limit that the velocity loops may use: the gate ramps nothing but the feed-forward."""
+        elapsed, ramp = 1e-9 * (self.clock.now_ns() - self._enabled_ns), self.options.ramp_time
+        return 1.0 if elapsed >= ramp else max(elapsed / ramp, 0.0)
 
     def _ask_state(self) -> None:
         self._send([motor.poll_frame for motor in self._motors])

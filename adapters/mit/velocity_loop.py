@@ -9,6 +9,7 @@ stands while the joint moves on, and the torque is a sawtooth that the reports, 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import ceil, floor
 
 from fricomp.errors import AdapterConfigurationError
 
@@ -47,11 +48,20 @@ def loop_gains(stiffness: float | None, damping: float | None, motor: Motor, joi
             f"at this motor, got {stiffness!r} and {damping!r}"
         )
     step = highest / motor.gain_codes
-    return LoopGains(stiffness, max(1, round(damping / step)) * step)
+    gains = LoopGains(stiffness, max(1, round(damping / step)) * step)
+    if gains.damping * motor.quanta[1] > motor.ranges.torque:  # no code would be near enough to a velocity
+        raise AdapterConfigurationError(
+            f"joint {joint!r}: a damping of {gains.damping:g} times a step of velocity, {motor.quanta[1]:g}, is beyond "
+            f"the motor's torque range of {motor.ranges.torque:g}: lower the damping"
+        )
+    return gains
 
 
 class MotorVelocityLoop:
     """The loop of one motor, cycle by cycle.
+
+    At the velocity last reported, the motor makes of every command at most the torque limit, or the steps of its codes
+    where they are coarser. Until the next command its damping opposes every change of velocity by D times the change.
 
     Args:
         motor: Which.
@@ -64,10 +74,11 @@ class MotorVelocityLoop:
     def __init__(self, motor: Motor, gains: LoopGains, torque_limit: float, period: float, position: float) -> None:
         self._motor, self._gains = motor, gains
         self._limit, self._period = torque_limit, period
-        self._lead = torque_limit / gains.stiffness
+        # What rounding the torque sent and the velocity reported may add to what the motor exerts.
+        self._margin = 0.5 * (motor.quanta[2] + gains.damping * motor.quanta[1])
         self._reference = position
 
-    def frame(self, velocity: float, torque: float, at: float, moving: float) -> CanFrame:
+    def frame(self, velocity: float, torque: float, at: float, moving: float, share: float = 1.0) -> CanFrame:
         """The command for a reference.
 
         Args:
@@ -75,17 +86,26 @@ class MotorVelocityLoop:
             torque: Feed-forward [N·m].
             at: Newest reported position [rad].
             moving: Newest reported velocity [rad/s].
+            share: Of the torque limit that may be used now, from 0 to 1.
 
         Raises:
             AdapterValueError: A value is not finite.
         """
         stiffness, damping = self._gains.stiffness, self._gains.damping
+        limit = self._limit * saturate(share, 1.0)
         # The reference never runs further ahead than full torque.
-        self._reference = at + saturate(self._reference + velocity * self._period - at, self._lead)
-        limit, step = self._motor.ranges.velocity, self._motor.quanta[1]
-        sent = round((saturate(velocity, limit) + limit) / step) * step - limit
-        torque += stiffness * (self._reference - at) + damping * (velocity - sent)
-        # What the motor will make of it, as far as one can tell from here, stays inside the limit.
-        demand = torque + damping * (sent - moving)
-        torque += saturate(demand, self._limit) - demand
-        return self._motor.command_frame(0.0, sent, 0.0, damping, torque)
+        reference = at + saturate(self._reference + velocity * self._period - at, limit / stiffness)
+        most = max(limit - self._margin, 0.0)
+        demand = saturate(torque + stiffness * (reference - at) + damping * (velocity - moving), most)
+        self._reference = reference
+        sent = self._sent_velocity(velocity, moving, demand)
+        return self._motor.command_frame(0.0, sent, 0.0, damping, demand - damping * (sent - moving))
+
+    def _sent_velocity(self, wanted: float, moving: float, demand: float) -> float:
+        """The code nearest to a velocity at which the torque range can still make up for what the damping overdoes."""
+        (_, step, _), ranges, damping = self._motor.quanta, self._motor.ranges, self._gains.damping
+        # What goes out as torque, demand - D (sent - moving), stays inside the range; rounded inwards.
+        lowest = ceil((moving + (demand - ranges.torque) / damping + ranges.velocity) / step)
+        highest = floor((moving + (demand + ranges.torque) / damping + ranges.velocity) / step)
+        code = round((saturate(wanted, ranges.velocity) + ranges.velocity) / step)
+        return saturate(min(max(code, lowest), highest) * step - ranges.velocity, ranges.velocity)

@@ -75,11 +75,6 @@ class MoteusAdapter(SerialAdapter):
         self._addresses = [joint.id for joint in configuration.joints]
         self._joint_of = {address: joint for joint, address in enumerate(self._addresses)}
         self._joint_of_head = {head: joint for source, joint in self._joint_of.items() for head in line_heads(source)}
-        transmissions = self.options.transmissions or (Transmission(),) * len(self._addresses)
-        # A second barrier, in the drive: nothing of its own loop goes beyond the limit either.
-        self._highest = [
-            abs(t.torque_to_drive(limit.torque)) for t, limit in zip(transmissions, self.options.limits, strict=True)
-        ]
         self._query = b"".join(encode_line(address, pad(QUERY)) for address in self._addresses)
         self._stop_lines = b"".join(encode_line(address, pad(STOP)) for address in self._addresses)
         self._commands: list[CommandLine] = []
@@ -157,8 +152,17 @@ class MoteusAdapter(SerialAdapter):
         timeout = self._configuration.watchdog
         self._commands = [
             CommandLine(address, mode, highest, timeout)
-            for address, highest in zip(self._addresses, self._highest, strict=True)
+            for address, highest in zip(self._addresses, self._highest_torques(), strict=True)
         ]
+        self._set_timeouts()
+        self._watchdog = Watchdog(timeout, True)
+
+    def _set_timeouts(self) -> None:
+        """What the controllers do when commands cease, written and read back.
+
+        Raises:
+            AdapterConfigurationError: They do not keep it.
+        """
         wanted = {"servo.default_timeout_s": self._configuration.watchdog, "servo.timeout_mode": float(TIMEOUT_STOPS)}
         confirmed = True
         for joint in range(len(self._addresses)):
@@ -168,7 +172,13 @@ class MoteusAdapter(SerialAdapter):
                 confirmed = confirmed and _is_number(found, value)
         if not confirmed:
             raise AdapterConfigurationError(f"the controllers do not keep {', '.join(wanted)}: read back {found!r}")
-        self._watchdog = Watchdog(self._configuration.watchdog, confirmed)
+
+    def _highest_torques(self) -> list[float]:
+        """The limits at the drives, as they are now: a second barrier, which their own loops do not pass either."""
+        transmissions = self.options.transmissions or (Transmission(),) * len(self._addresses)
+        return [
+            abs(t.torque_to_drive(limit.torque)) for t, limit in zip(transmissions, self.options.limits, strict=True)
+        ]
 
     def _converse(self, joint: int, line: str) -> str:
         """Send a line to the diagnostic channel; the line it answers."""
@@ -192,7 +202,9 @@ class MoteusAdapter(SerialAdapter):
     # -- moving -----------------------------------------------------------------------------------------------
 
     def _enable(self) -> None:
-        self._pump()
+        self._set_timeouts()  # once more: a controller that was power cycled would brake where it has to stop
+        self._raise_if_stopped()
+        self._poll_all()  # where the joints are now is where they will be held
         self._modes = [None] * len(self._addresses)
         deadline = self.clock.now_ns() + round(self._configuration.response_timeout * 1e9)
         hold = JointCommand(len(self._addresses))
@@ -233,12 +245,16 @@ class MoteusAdapter(SerialAdapter):
         self._send(self._stop_lines)
         # The answer to a stop may still tell the old state, and a fault whose cause remains needs a moment to return.
         self.clock.sleep_until(self.clock.now_ns() + SETTLING_NS)
+        self._poll_all()
+        self._raise_on_fault()
+
+    def _poll_all(self) -> None:
+        """Ask all controllers for their state and wait for the answers."""
         self._pump()
         self._modes = [None] * len(self._addresses)
-        self._send(self._query)
+        self._ask_state()
         timeout = self._configuration.response_timeout
         self._wait(self._all_answered, timeout, f"not all of controllers {self._addresses} answered")
-        self._raise_on_fault()
 
     def _all_answered(self) -> bool:
         return all(mode is not None for mode in self._modes)

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from math import isclose, tau
-from typing import Any, Self, TypeVar
+from math import tau
+from typing import Any, Self
 
-from fricomp.errors import AdapterConfigurationError, DriveFault
+from fricomp.errors import AdapterError, DriveFault
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, Watchdog
 
 from ..bus_budget import BusBudget, can_frame_bits
-from ..can_adapter import CanAdapter
 from ..configuration import convert
 from ..driver import HOW_TO_CLEAR
 from ..link import CanFrame, CanLink
 from .codec import (
-    CONTROL_MODES,
-    PASSTHROUGH,
     AxisState,
     Command,
     Heartbeat,
@@ -25,26 +22,26 @@ from .codec import (
     controller_mode_frame,
     decode_heartbeat,
     decode_pair,
+    decode_temperature,
     input_frame,
     plain_frame,
     request_frame,
 )
 from .configuration import OdriveConfiguration
-from .endpoint import CONTROL_MODE, ENABLE_WATCHDOG, INPUT_MODE, WATCHDOG_TIMEOUT, Endpoint, read_endpoints
+from .parameter import HOW_TO_BOUND, ParameterAdapter
 
 __all__ = ["OdriveAdapter"]
 
 FAULT_NOT_ENABLED = 0x1_0000_0001
 FAULT_OF_PART = 0x1_0000_0002  # firmware 0.5: motor, encoder or controller report an error of their own
 
-Answer = TypeVar("Answer")
-
 FEEDING_PERIOD_NS = 5_000_000
 SLOW_PERIOD_NS = 100_000_000  # temperatures
 SLOWEST_HEARTBEAT = 0.5
+ONLY_IN_06 = (Command.TEMPERATURE, Command.ENDPOINT_ANSWER, Command.VERSION)  # 0.5 has other reports at these numbers
 
 
-class OdriveAdapter(CanAdapter):
+class OdriveAdapter(ParameterAdapter):
     """ODrives on one CAN bus.
 
     Args:
@@ -59,24 +56,19 @@ class OdriveAdapter(CanAdapter):
         open_link: Callable[[], CanLink] | None = None,
         clock: Clock | None = None,
     ) -> None:
-        super().__init__(configuration, configuration.joints, open_link, clock, parts=2)
-        self._configuration = configuration
-        self._nodes = [joint.id for joint in configuration.joints]
+        super().__init__(configuration, open_link, clock)
         self._effort = Command.TORQUES if configuration.minor == 6 else Command.CURRENT
         self._requests = [
             request_frame(node, command)
             for node in self._nodes
             for command in (Command.ENCODER_ESTIMATES, self._effort)
         ]
-        self._version, self._endpoints = "", dict[str, Endpoint]()
-        if configuration.endpoints is not None:
-            self._version, self._endpoints = read_endpoints(configuration.endpoints)
         self._heartbeats: list[Heartbeat | None] = [None] * len(self._nodes)
-        self._answers: list[bytes | None] = [None] * len(self._nodes)
         self._watchdog: Watchdog | None = None
         self._mode_in_use: CommandMode = "torque"
         self._running = False
-        self._slow_ns = self._fed_ns = 0
+        self._slow_ns, self._fed_ns = -SLOW_PERIOD_NS, 0
+        self._rest: list[CanFrame] = []
         self._routes = self._make_routes()
 
     @classmethod
@@ -97,7 +89,8 @@ class OdriveAdapter(CanAdapter):
                 (Command.ENDPOINT_ANSWER, self._take_answer),
                 (Command.VERSION, self._take_answer),
             ):
-                routes[node << 5 | command] = partial(route, joint)
+                if self._configuration.minor == 6 or command not in ONLY_IN_06:
+                    routes[node << 5 | command] = partial(route, joint)
         return routes
 
     def _on_frame(self, frame: CanFrame) -> None:
@@ -141,12 +134,11 @@ class OdriveAdapter(CanAdapter):
         self._arrivals.mark(2 * joint + 1)
 
     def _take_temperature(self, joint: int, data: bytes) -> None:
-        pair = decode_pair(data)
-        if pair is not None:
-            self._reported.temperature[joint] = max(pair)
-
-    def _take_answer(self, joint: int, data: bytes) -> None:
-        self._answers[joint] = data
+        hottest = decode_temperature(data)
+        if hottest is None:
+            self.n_damaged += 1
+            return
+        self._reported.temperature[joint] = hottest
 
     # -- opening and configuring ------------------------------------------------------------------------------
 
@@ -154,27 +146,29 @@ class OdriveAdapter(CanAdapter):
         self._watchdog = None
         self._heartbeats = [None] * len(self._nodes)
         self._connect()
-        self._send(self._requests)
+        self._poll_all()
+        self._check_version()
+        joints = tuple(map(self._declare, range(len(self._nodes))))
+        return Capabilities(joints, self._modes(), self._highest_rate(), self._watchdog)
+
+    def _declare(self, joint: int) -> JointCapabilities:
+        return JointCapabilities(
+            self._configuration.joints[joint].name,
+            torque_limit=self._own_torque_limit(joint),
+            reports_temperature=self._configuration.minor == 6,
+        )
+
+    def _poll_all(self) -> None:
+        """Ask all nodes for their state and wait for the answers."""
+        self._pump()
+        self._arrivals.clear()
+        self._ask_state()
         timeout = self._configuration.response_timeout
         self._wait(self._arrivals.take, timeout, f"not all of nodes {self._nodes} answered with their estimates")
-        self._check_version()
-        joints = tuple(JointCapabilities(joint.name) for joint in self._configuration.joints)
-        return Capabilities(joints, ("torque", "velocity", "position"), self._highest_rate(), self._watchdog)
 
-    def _check_version(self) -> None:
-        """The numbers of endpoints hold for one firmware only: another would be written somewhere else."""
-        if not self._endpoints:
-            return
-        for joint, node in enumerate(self._nodes):
-            answer = self._ask(
-                joint, request_frame(node, Command.VERSION), lambda data: data if len(data) == 8 else None
-            )
-            found = ".".join(str(part) for part in answer[4:7])
-            if found != self._version.lstrip("v").partition("-")[0]:
-                raise AdapterConfigurationError(
-                    f"node {node} runs firmware {found}, {self._configuration.endpoints} is of {self._version}: "
-                    f"get the file of the node's own firmware"
-                )
+    def _modes(self) -> tuple[CommandMode, ...]:
+        # Set_Limits of CANSimple is no substitute: it bounds the current, and what it has set cannot be asked for.
+        return ("torque", "velocity", "position") if self._is_bounded else ("torque",)
 
     def _highest_rate(self) -> float:
         bitrate, n_joints = self._configuration.bus.bitrate, len(self._nodes)
@@ -183,60 +177,17 @@ class OdriveAdapter(CanAdapter):
         heartbeats = n_joints * can_frame_bits(8) * 10.0
         return BusBudget([bits / bitrate] * n_joints, (slow + heartbeats) / bitrate).highest_rate
 
-    def _ask(self, joint: int, request: CanFrame, decode: Callable[[bytes], Answer | None]) -> Answer:
-        """Send a request and wait for an answer that `decode` accepts."""
-        found: list[Answer] = []
-
-        def answered() -> bool:
-            data, self._answers[joint] = self._answers[joint], None
-            value = None if data is None else decode(data)
-            if value is not None:
-                found.append(value)
-            return bool(found)
-
-        self._answers[joint] = None
-        self._send([request])
-        complaint = f"node {self._nodes[joint]} did not answer"
-        self._wait(answered, self._configuration.response_timeout, complaint)
-        return found[0]
-
-    def _set_endpoint(self, joint: int, name: str, value: float) -> bool:
-        """Write an endpoint and read it back; whether it kept the value."""
-        endpoint = self._endpoints[name]
-        node = self._nodes[joint]
-        self._send([plain_frame(node, Command.WRITE_ENDPOINT, endpoint.write_request(value))])
-        return isclose(self._read_endpoint(joint, endpoint), value, rel_tol=1e-6)
-
-    def _read_endpoint(self, joint: int, endpoint: Endpoint) -> float:
-        request = plain_frame(self._nodes[joint], Command.WRITE_ENDPOINT, endpoint.read_request())
-        return self._ask(joint, request, endpoint.decode)
-
     def _configure(self, mode: CommandMode, period: float) -> None:
         self._mode_in_use, self._running = mode, False
+        self._take_limits()
         confirmed = bool(self._endpoints)
         for joint, node in enumerate(self._nodes):
+            self._bound_torque(joint, mode)
             self._send([controller_mode_frame(node, mode)])
             self._check_mode(joint, mode)
             confirmed = confirmed and self._set_watchdog(joint)
         self._watchdog = Watchdog(self._configuration.watchdog, confirmed) if confirmed else None
         self._await_heartbeats()
-
-    def _check_mode(self, joint: int, mode: CommandMode) -> None:
-        for name, wanted in ((CONTROL_MODE, CONTROL_MODES[mode]), (INPUT_MODE, PASSTHROUGH)):
-            if name in self._endpoints:
-                found = self._read_endpoint(joint, self._endpoints[name])
-                if found != wanted:
-                    raise AdapterConfigurationError(
-                        f"node {self._nodes[joint]} has {name} = {found:g} where {wanted} was written"
-                    )
-
-    def _set_watchdog(self, joint: int) -> bool:
-        missing = [name for name in (ENABLE_WATCHDOG, WATCHDOG_TIMEOUT) if name not in self._endpoints]
-        if missing:
-            raise AdapterConfigurationError(f"{self._configuration.endpoints} has no endpoint {missing[0]}")
-        return self._set_endpoint(joint, WATCHDOG_TIMEOUT, self._configuration.watchdog) and self._set_endpoint(
-            joint, ENABLE_WATCHDOG, True
-        )
 
     def _confirmed_watchdog(self) -> Watchdog | None:
         return self._watchdog
@@ -253,9 +204,16 @@ class OdriveAdapter(CanAdapter):
     def _enable(self) -> None:
         mode = self._mode_in_use
         self._raise_on_fault()
+        for joint, node in enumerate(self._nodes):  # once more: it may have been power cycled since it was configured
+            self._bound_torque(joint, mode)
+            if self._watchdog is not None and not self._set_watchdog(joint):
+                raise AdapterError(f"node {node} does not keep its watchdog any more: configure() it again")
+        self._raise_if_stopped()
+        self._poll_all()  # where the joints are now is where they will be held
+        self._rest = [self._rest_frame(joint) for joint in range(len(self._nodes))]
         self._heartbeats = [None] * len(self._nodes)
-        for joint, node in enumerate(self._nodes):
-            rest, state = self._rest_frame(joint), axis_state_frame(node, AxisState.CLOSED_LOOP)
+        for node, rest in zip(self._nodes, self._rest, strict=True):
+            state = axis_state_frame(node, AxisState.CLOSED_LOOP)
             self._send([controller_mode_frame(node, mode), rest, state, rest])
         self._fed_ns = self.clock.now_ns()
         self._wait(self._all_in_closed_loop, SLOWEST_HEARTBEAT, "not all axes reached closed loop control")
@@ -266,7 +224,7 @@ class OdriveAdapter(CanAdapter):
         self._raise_on_fault()
         if self.clock.now_ns() - self._fed_ns > FEEDING_PERIOD_NS:  # heartbeats are slower than a watchdog may be
             self._fed_ns = self.clock.now_ns()
-            self._send([self._rest_frame(joint) for joint in range(len(self._nodes))])
+            self._send(self._rest)
         states = [heartbeat.state if heartbeat else None for heartbeat in self._heartbeats]
         return all(state == AxisState.CLOSED_LOOP for state in states)
 
@@ -286,15 +244,18 @@ class OdriveAdapter(CanAdapter):
             input_frame(node, mode, torque[joint], velocity[joint], position[joint])
             for joint, node in enumerate(self._nodes)
         ]
-        frames += self._requests
-        now = self.clock.now_ns()
-        if self._configuration.minor == 6 and now - self._slow_ns > SLOW_PERIOD_NS:  # 0.5 does not tell temperatures
-            self._slow_ns = now
-            frames += [request_frame(node, Command.TEMPERATURE) for node in self._nodes]
-        self._send(frames)
+        self._send(frames + self._state_requests())
 
     def _ask_state(self) -> None:
-        self._send(self._requests)
+        self._send(self._state_requests())
+
+    def _state_requests(self) -> list[CanFrame]:
+        """What asks all axes for their state; for their temperatures only now and then."""
+        now = self.clock.now_ns()
+        if self._configuration.minor == 5 or now - self._slow_ns < SLOW_PERIOD_NS:  # 0.5 does not tell temperatures
+            return self._requests
+        self._slow_ns = now
+        return self._requests + [request_frame(node, Command.TEMPERATURE) for node in self._nodes]
 
     # -- stopping -----------------------------------------------------------------------------------------------
 
@@ -314,6 +275,8 @@ class OdriveAdapter(CanAdapter):
 
     def _health(self) -> dict[str, float | str]:
         health: dict[str, float | str] = {"damaged_frames": float(self.n_damaged)}
+        if not self._is_bounded:
+            health["velocity and position mode"] = HOW_TO_BOUND
         for joint, heartbeat in zip(self._configuration.joints, self._heartbeats, strict=True):
             if heartbeat is not None:
                 health[f"{joint.name}: state"] = float(heartbeat.state)

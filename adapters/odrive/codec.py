@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import struct
 from enum import IntEnum
-from math import isfinite, tau
+from math import isfinite, nan, tau
 from typing import NamedTuple
 
 from fricomp.errors import AdapterValueError
@@ -23,6 +23,7 @@ __all__ = [
     "controller_mode_frame",
     "decode_heartbeat",
     "decode_pair",
+    "decode_temperature",
     "input_frame",
     "plain_frame",
     "request_frame",
@@ -133,3 +134,14 @@ def decode_pair(data: bytes) -> tuple[float, float] | None:
         return None
     first, second = struct.unpack("<ff", data)
     return (first, second) if isfinite(first) and isfinite(second) else None
+
+
+def decode_temperature(data: bytes) -> float | None:
+    """The hotter of inverter and motor [°C], NaN if neither is measured; None if the report is cut short.
+
+    A motor without a thermistor is no reason to lose the inverter's temperature.
+    """
+    if len(data) != 8:
+        return None
+    known = [value for value in struct.unpack("<ff", data) if isfinite(value)]
+    return max(known) if known else nan

@@ -24,8 +24,9 @@ class OdriveConfiguration(CanAdapterConfiguration, frozen=True, forbid_unknown_f
 
     Attributes:
         firmware: Generation of the firmware.
-        endpoints: Path of the `flat_endpoints.json` of exactly this firmware (0.6 only), through which watchdog and
-            control mode are written and read back. Without it neither can be confirmed.
+        endpoints: Path of the `flat_endpoints.json` of exactly this firmware (0.6 only), through which watchdog,
+            control mode and the drive's own torque limit are written and read back. Without it none of them can be
+            confirmed, and there is torque mode only: nothing would bound the torque of the drive's own loop.
     """
 
     joints: tuple[OdriveJointConfiguration, ...]

@@ -9,12 +9,23 @@ from typing import NamedTuple
 
 from fricomp.errors import AdapterConfigurationError
 
-__all__ = ["CONTROL_MODE", "ENABLE_WATCHDOG", "INPUT_MODE", "WATCHDOG_TIMEOUT", "Endpoint", "read_endpoints"]
+__all__ = [
+    "CONTROL_MODE",
+    "ENABLE_WATCHDOG",
+    "HIGHEST_TORQUE",
+    "INPUT_MODE",
+    "LOWEST_TORQUE",
+    "WATCHDOG_TIMEOUT",
+    "Endpoint",
+    "read_endpoints",
+]
 
 ENABLE_WATCHDOG = "axis0.config.enable_watchdog"
 WATCHDOG_TIMEOUT = "axis0.config.watchdog_timeout"
 CONTROL_MODE = "axis0.controller.config.control_mode"
 INPUT_MODE = "axis0.controller.config.input_mode"
+HIGHEST_TORQUE = "axis0.config.torque_soft_max"
+LOWEST_TORQUE = "axis0.config.torque_soft_min"
 
 FORMATS = {"bool": "<?", "float": "<f", "uint8": "<B", "uint16": "<H", "uint32": "<I", "int32": "<i"}
 READ, WRITE = 0, 1

@@ -21,6 +21,8 @@ ABSURD_TORQUE_RATIO = 100.0
 """A command this many times the limit is a fault (N·mm for N·m, a diverged controller), not a demand to be clamped."""
 
 _NANOSECONDS = 1e9
+# Reported torque over its limit, and states in a row, from which a drive's own loop goes too far: noise stays below.
+_TOO_MUCH, _IN_A_ROW = 1.25, 3
 _UNKNOWN_TEMPERATURE_NS = 1_000_000_000  # drives tell it some ten times a second
 
 TripReason = Literal[
@@ -30,6 +32,7 @@ TripReason = Literal[
     "overspeed",
     "position_limit",
     "overtemperature",
+    "overtorque",
     "stale",
     "drive_fault",
     "link",
@@ -70,13 +73,21 @@ class SafetyGate:
             next, however late it comes [s].
         ramp_time: Time from arming until the full command passes [s].
         stale_after: Age of the joint's data at which the gate trips [s].
+        watch_torque: Trip where the joints report more torque than their limits, too: where drives close the loop
+            themselves, the torque that passes here is not all that they make.
 
     Raises:
         ParameterError: No joint, or a time that is not finite and positive (`ramp_time` may be zero).
     """
 
     def __init__(
-        self, limits: Sequence[JointLimits], *, period: float, ramp_time: float = 0.2, stale_after: float = 0.02
+        self,
+        limits: Sequence[JointLimits],
+        *,
+        period: float,
+        ramp_time: float = 0.2,
+        stale_after: float = 0.02,
+        watch_torque: bool = False,
     ) -> None:
         if not limits:
             raise ParameterError("a safety gate needs the limits of at least one joint")
@@ -99,6 +110,8 @@ class SafetyGate:
             [high for _, high in ranges],
         )
         self._hottest = [(j, limit.temperature) for j, limit in enumerate(limits) if limit.temperature is not None]
+        self._too_much = [_TOO_MUCH * limit.torque for limit in limits] if watch_torque else []
+        self._n_too_much = 0
         self._last = [0.0] * len(limits)
         self._indices = range(len(limits))
         self._armed = False
@@ -133,6 +146,7 @@ class SafetyGate:
         """
         self.raise_if_tripped()
         self._last[:] = [0.0] * len(self._last)
+        self._n_too_much = 0
         self._feedback_ns = self._armed_ns = now_ns
         self._open_ns, self._due_ns = now_ns + self._ramp_ns, now_ns + self._period_ns
         self._armed = True
@@ -183,6 +197,8 @@ class SafetyGate:
             try:
                 if not self._is_well(feedback):
                     self._trip_state(feedback, now_ns)
+                if self._too_much:
+                    self._watch_torque(feedback.torque, now_ns)
             except (TypeError, ValueError, OverflowError) as error:
                 self.trip("not_finite", f"the feedback cannot be read: {error}", now_ns)
         if abs(now_ns - self._feedback_ns) > self._stale_ns:
@@ -208,6 +224,14 @@ class SafetyGate:
             if not temperature[j] <= hottest:
                 return False
         return not any(feedback.fault)
+
+    def _watch_torque(self, torque: Sequence[float], now_ns: int) -> None:
+        """Trip where joints keep reporting too much; NaN is a torque that the drive does not tell."""
+        beyond = any(abs(reported) > most for reported, most in zip(torque, self._too_much, strict=True))
+        self._n_too_much = self._n_too_much + 1 if beyond else 0
+        if self._n_too_much >= _IN_A_ROW:
+            detail = f"the joints report torques {list(torque)}, limits {self._torque_limits}"
+            self.trip("overtorque", detail, now_ns)
 
     def _trip_state(self, feedback: JointFeedback, now_ns: int) -> None:
         """Find out which limit it was."""

@@ -161,6 +161,7 @@ class Cia402Drive(CanopenNode):
             self._energise()
         elif state is DriveState.QUICK_STOP_ACTIVE and self.stored(0x605A) != 0:
             self.axis.enable("velocity")
+            self._limit_torque()
         else:
             self.axis.disable()
 
@@ -189,12 +190,16 @@ class Cia402Drive(CanopenNode):
         permille = t[TORQUE_OFFSET] + (t[TARGET_TORQUE] if self.mode == 10 else 0)
         most = t[MAX_TORQUE]
         velocity = t[TARGET_VELOCITY] + t[VELOCITY_OFFSET]
-        self.axis.limit_torque(most * unit)
+        self._limit_torque()
         self.axis.command(
             max(-most, min(most, permille)) * unit,
             velocity / self._increments,
             t[TARGET_POSITION] / self._increments,
         )
+
+    def _limit_torque(self) -> None:
+        """Bound the drive's own loop, in every mode and while it brakes."""
+        self.axis.limit_torque(self._target[MAX_TORQUE] * self.settings.rated_torque / 1000.0)
 
 
 def _clamp(value: int, bits: int) -> int:

@@ -67,22 +67,33 @@ class DynamixelTwin(SerialTwin):
         if instruction == Instruction.PING:
             for servo in sorted(self.servos, key=lambda each: each.identifier):
                 self._single(servo, instruction, parameters)
-        elif instruction == Instruction.SYNC_READ:
-            start, length = _two_words(parameters)
-            for servo in self._named(parameters[4:]):
+        elif instruction in (Instruction.SYNC_READ, Instruction.BULK_READ):
+            for servo, start, length in self._asked(instruction, parameters):
                 servo.feed()
                 error, data = servo.read(start, length)
                 self._send(status_packet(servo.identifier, error | servo.alert, data))
         elif instruction == Instruction.SYNC_WRITE:
-            start, length = _two_words(parameters)
-            step = length + 1
-            for at in range(4, len(parameters) - length, step):
-                for servo in self._named(parameters[at : at + 1]):
-                    servo.feed()
-                    servo.write(start, parameters[at + 1 : at + step])
+            self._sync_write(parameters)
         elif instruction == Instruction.ACTION:
             for servo in self.servos:
                 servo.act()
+
+    def _asked(self, instruction: int, parameters: bytes) -> Iterator[tuple[DynamixelServo, int, int]]:
+        """The servos that a group read names, in its order, each with address and length."""
+        if instruction == Instruction.SYNC_READ:
+            yield from ((servo, *_two_words(parameters)) for servo in self._named(parameters[4:]))
+            return
+        for at in range(0, len(parameters) - 4, 5):
+            place = _two_words(parameters[at + 1 : at + 5])
+            yield from ((servo, *place) for servo in self._named(parameters[at : at + 1]))
+
+    def _sync_write(self, parameters: bytes) -> None:
+        start, length = _two_words(parameters)
+        step = length + 1
+        for at in range(4, len(parameters) - length, step):
+            for servo in self._named(parameters[at : at + 1]):
+                servo.feed()
+                servo.write(start, parameters[at + 1 : at + step])
 
     def _named(self, identifiers: bytes) -> Iterator[DynamixelServo]:
         for identifier in identifiers:

@@ -25,6 +25,7 @@ class Instruction(IntEnum):
     REBOOT = 0x08
     SYNC_READ = 0x82
     SYNC_WRITE = 0x83
+    BULK_READ = 0x92
 
 
 class StatusError(IntEnum):

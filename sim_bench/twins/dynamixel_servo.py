@@ -3,13 +3,17 @@
 Everything is a table of bytes: the EEPROM part can be written only with the torque off. The bus watchdog (98, 20 ms
 a count, off as delivered) is fed by any instruction to the servo; once it has fired, goals are refused until it is
 written 0. Current is 2.69 mA, velocity 0.229 rpm, position 2 pi/4096 a count: amperes, not N·m.
+
+Switching the operating mode sets goal current to the current limit; switching the torque on leaves the goals as they
+are. Goal current bounds current-based position (mode 5) only: the loops of velocity and of the other position modes
+end in a voltage.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import pi
+from math import inf, pi
 from typing import Any
 
 from fricomp.errors import ParameterError
@@ -24,6 +28,8 @@ from .dynamixel_table import (
     GOAL_POSITION,
     GOAL_VELOCITY,
     HARDWARE_ERROR,
+    INDIRECT_ADDRESS,
+    INDIRECT_DATA,
     OPERATING_MODE,
     TABLE,
     TABLE_SIZE,
@@ -111,6 +117,7 @@ class DynamixelServo:
         for address, entry in TABLE.items():
             if address >= EEPROM_END:
                 self._put(address, entry.default)
+        self._put(GOAL_CURRENT, self._get(CURRENT_LIMIT))  # the manual gives no initial value: the worst
         self._silence_ns = self._now_ns = 0
         self._pending: tuple[int, bytes] | None = None
         self.axis.disable()
@@ -143,7 +150,7 @@ class DynamixelServo:
         if length == 0 or address + length > TABLE_SIZE:
             return StatusError.DATA_RANGE, b""
         self._measure()
-        return 0, bytes(self.table[address : address + length])
+        return 0, bytes(self.table[self._shown_at(each)] for each in range(address, address + length))
 
     def write(self, address: int, data: bytes) -> int:
         """Write whole items; returns the error of the status."""
@@ -189,7 +196,9 @@ class DynamixelServo:
             if address == TORQUE_ENABLE and self.table[TORQUE_ENABLE] and value:
                 continue  # already on: the goals stay
             self._put(address, value)
-            if address == TORQUE_ENABLE:
+            if address == OPERATING_MODE:
+                self._put(GOAL_CURRENT, self._get(CURRENT_LIMIT))
+            elif address == TORQUE_ENABLE:
                 self._switch(bool(value))
             elif address in (GOAL_CURRENT, GOAL_VELOCITY, GOAL_POSITION) and self.table[TORQUE_ENABLE]:
                 self._command()
@@ -213,19 +222,21 @@ class DynamixelServo:
         if not on:
             self.axis.disable()
             return
-        self._put(GOAL_CURRENT, self._get(CURRENT_LIMIT) if self.table[OPERATING_MODE] == 5 else 0)
-        self._put(GOAL_VELOCITY, 0)
-        self._put(GOAL_POSITION, round(self.axis.position / POSITION_UNIT))
         self.feed()
         self.axis.enable(MODES[self.table[OPERATING_MODE]])
+        self._command()
 
     def _command(self) -> None:
         mode, constant = self.table[OPERATING_MODE], self.settings.torque_constant
         current = self._get(GOAL_CURRENT) * CURRENT_UNIT
-        if mode == 5:
-            self.axis.limit_torque(abs(current) * constant)
+        self.axis.limit_torque(abs(current) * constant if mode == 5 else inf)
         torque = current * constant if mode == 0 else 0.0
         self.axis.command(torque, self._get(GOAL_VELOCITY) * VELOCITY_UNIT, self._get(GOAL_POSITION) * POSITION_UNIT)
+
+    def _shown_at(self, address: int) -> int:
+        """Where the byte at an address comes from: elsewhere, if it is an indirect datum."""
+        indirect = address - INDIRECT_DATA
+        return self._get(INDIRECT_ADDRESS + 2 * indirect) if indirect >= 0 else address
 
     def _measure(self) -> None:
         axis, most = self.axis, 32767

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-TABLE_SIZE = 147
+TABLE_SIZE = 252
 EEPROM_END = 64
 MODEL_XM430_W350 = 1020
 
 OPERATING_MODE, CURRENT_LIMIT, VELOCITY_LIMIT, TORQUE_ENABLE, HARDWARE_ERROR, WATCHDOG = 11, 38, 44, 64, 70, 98
 GOAL_CURRENT, GOAL_VELOCITY, GOAL_POSITION = 102, 104, 116
 STATUS_RETURN_LEVEL = 68
+# Each indirect datum shows the byte whose number stands in its indirect address: itself, as delivered.
+INDIRECT_ADDRESS, INDIRECT_DATA = 168, 224
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,7 @@ TABLE: dict[int, Entry] = {
     44: Entry(4, 200, 0, 1023),
     48: Entry(4, 4095, 0, 4095),
     52: Entry(4, 0, 0, 4095),
+    60: Entry(1, 0, 0, 3),
     63: Entry(1, 52, 0, 255),
     64: Entry(1, 0, 0, 1),
     65: Entry(1, 0, 0, 1),
@@ -82,4 +85,7 @@ TABLE: dict[int, Entry] = {
     140: Entry(4),
     144: Entry(2, 120),
     146: Entry(1),
+} | {
+    INDIRECT_ADDRESS + 2 * number: Entry(2, INDIRECT_DATA + number, EEPROM_END, TABLE_SIZE - 1)
+    for number in range(TABLE_SIZE - INDIRECT_DATA)
 }

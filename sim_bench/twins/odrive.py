@@ -68,6 +68,7 @@ SETPOINTS = (Command.SET_INPUT_POS, Command.SET_INPUT_VEL, Command.SET_INPUT_TOR
 
 # Endpoints of the twin's firmware: name and type; `flat_endpoints` writes them as the vendor does.
 ENABLE_WATCHDOG, WATCHDOG_TIMEOUT, TORQUE_CONSTANT, VELOCITY_LIMIT, CONTROL_MODE, INPUT_MODE = range(1, 7)
+TORQUE_SOFT_MIN, TORQUE_SOFT_MAX = 7, 8
 ENDPOINTS: dict[int, tuple[str, str]] = {
     ENABLE_WATCHDOG: ("axis0.config.enable_watchdog", "bool"),
     WATCHDOG_TIMEOUT: ("axis0.config.watchdog_timeout", "float"),
@@ -75,6 +76,8 @@ ENDPOINTS: dict[int, tuple[str, str]] = {
     VELOCITY_LIMIT: ("axis0.controller.config.vel_limit", "float"),
     CONTROL_MODE: ("axis0.controller.config.control_mode", "uint8"),
     INPUT_MODE: ("axis0.controller.config.input_mode", "uint8"),
+    TORQUE_SOFT_MIN: ("axis0.config.torque_soft_min", "float"),
+    TORQUE_SOFT_MAX: ("axis0.config.torque_soft_max", "float"),
 }
 FORMATS = {"bool": "<?", "float": "<f", "uint8": "<B"}
 SDO_READ, SDO_WRITE = 0, 1
@@ -88,6 +91,7 @@ class ODriveSettings:
         node: 0 to 62.
         firmware: 6 for 0.6.x, 5 for 0.5.x.
         torque_constant: [N·m/A].
+        torque_soft_limit: Bound of all torque, whatever the mode, both ways [N·m]; none as delivered.
         watchdog: Time without feeding after which the axis disarms [s]; 0 switches it off, as delivered.
         heartbeat_period: [s]; 0 for none.
         encoder_period: Period of the encoder estimates [s]; 0 for none.
@@ -98,6 +102,7 @@ class ODriveSettings:
     node: int = 0
     firmware: int = 6
     torque_constant: float = 0.05
+    torque_soft_limit: float = inf
     watchdog: float = 0.0
     heartbeat_period: float = 0.1
     encoder_period: float = 0.01
@@ -109,6 +114,8 @@ class ODriveSettings:
             raise ParameterError(f"node must be from 0 to 62, got {self.node!r}")
         if self.firmware not in (5, 6):
             raise ParameterError(f"firmware must be 5 (0.5.x) or 6 (0.6.x), got {self.firmware!r}")
+        if not self.torque_soft_limit >= 0.0:
+            raise ParameterError(f"torque_soft_limit must not be negative, got {self.torque_soft_limit!r}")
 
     @property
     def ranges(self) -> tuple[float, float]:
@@ -163,6 +170,8 @@ class ODriveNode(CanDevice):
             VELOCITY_LIMIT: self.axis.velocity_limit / TURN,
             CONTROL_MODE: 3,
             INPUT_MODE: PASSTHROUGH,
+            TORQUE_SOFT_MIN: -s.torque_soft_limit,
+            TORQUE_SOFT_MAX: s.torque_soft_limit,
         }
         self._setpoint = 0.0
         self._silence_ns = self._now_ns = 0
@@ -251,7 +260,7 @@ class ODriveNode(CanDevice):
         elif state == AxisState.CLOSED_LOOP_CONTROL and not self.errors and self.control_mode in CONTROL_MODES:
             self.state = AxisState.CLOSED_LOOP_CONTROL
             self._setpoint, self._silence_ns = 0.0, 0
-            self.axis.enable(CONTROL_MODES[self.control_mode])
+            self._energise()
 
     def _set_mode(self, control: int, inputs: int) -> None:
         if control not in CONTROL_MODES or inputs not in INPUT_MODES:
@@ -259,7 +268,15 @@ class ODriveNode(CanDevice):
         is_new = control != self.control_mode
         self.endpoints |= {CONTROL_MODE: control, INPUT_MODE: inputs}
         if is_new and self.state == AxisState.CLOSED_LOOP_CONTROL:
-            self.axis.enable(CONTROL_MODES[control])
+            self._energise()
+
+    def _energise(self) -> None:
+        self.axis.enable(CONTROL_MODES[self.control_mode])
+        self._limit_torque()
+
+    def _limit_torque(self) -> None:
+        """The twin's axis has one bound for both ways: the nearer of the two that the drive keeps."""
+        self.axis.limit_torque(max(min(self.endpoints[TORQUE_SOFT_MAX], -self.endpoints[TORQUE_SOFT_MIN]), 0.0))
 
     def _set_point(self, command: int, data: bytes) -> None:
         position = velocity = torque = 0.0
@@ -300,6 +317,8 @@ class ODriveNode(CanDevice):
             self._set_mode(self.control_mode, int(value))
         else:
             self.endpoints[endpoint] = value
+        if endpoint in (TORQUE_SOFT_MIN, TORQUE_SOFT_MAX):
+            self._limit_torque()
 
     def _version(self) -> bytes:
         # Protocol 2, hardware 4.4.58, firmware 0.6.9, released.

@@ -44,6 +44,7 @@ class FakeAdapter(JointAdapter):
         self.fail: dict[str, BaseException | Callable[[], None]] = {}
         self.position = 0.5
         self.velocity = 0.0
+        self.torque = 0.0
         self.fault = 0
         self.fresh = True
         self.reports_temperature = True
@@ -87,7 +88,7 @@ class FakeAdapter(JointAdapter):
         self.step("read")
         if self.fresh:
             feedback.time_ns = self.clock.now_ns() if self.taken_ns is None else self.taken_ns
-            feedback.position[0], feedback.velocity[0], feedback.torque[0] = self.position, self.velocity, 0.0
+            feedback.position[0], feedback.velocity[0], feedback.torque[0] = self.position, self.velocity, self.torque
             feedback.fault[0] = self.fault
         return self.fresh
 

@@ -400,6 +400,17 @@ def test_a_reference_that_is_not_finite_stops_the_joints(value: float) -> None:
     assert adapter.log[-1] == "stop"
 
 
+def test_a_drive_whose_own_loop_goes_beyond_the_torque_limit_is_stopped() -> None:
+    adapter = enabled_adapter("velocity")
+    adapter.torque = 2.0 * LIMITS.torque
+    for _ in range(3):
+        assert adapter.write(command(velocity=1.0))
+        adapter.manual_clock.advance(PERIOD)
+        adapter.read_into(JointFeedback(1))
+    assert adapter.log[-1] == "stop"
+    assert not adapter.write(command(velocity=1.0))
+
+
 def test_a_velocity_reference_is_clamped_to_the_limit() -> None:
     adapter = enabled_adapter("velocity")
     assert adapter.write(command(velocity=-99.0))

@@ -10,9 +10,11 @@ import can
 import pytest
 
 from fricomp.adapters.link import PythonCanLink
+from fricomp.control import ControlLoop, PositionController, SineReference
 from fricomp.errors import AdapterConnectionError, FricompError, SafetyTrip
-from fricomp.joint import JointCommand, JointFeedback
+from fricomp.joint import JointCommand, JointFeedback, await_feedback
 from fricomp.sim_bench.adapter_bench.bench import PERIOD, PROTOCOLS, TORQUE_LIMIT, AdapterBench, make_bench
+from tests.adapters.late_link import make_late_bench
 
 CAN_PROTOCOLS = ("canopen", "mit", "odrive")
 N_JOINTS = 2
@@ -142,6 +144,40 @@ def test_a_state_that_has_waited_to_be_read_is_old(protocol: str) -> None:
     assert record is not None
     assert record.reason == "stale"
     assert not bench.adapter.write(command)
+
+
+@pytest.mark.parametrize("protocol", sorted(PROTOCOLS))
+def test_a_loop_waits_for_drives_that_answer_late(protocol: str) -> None:
+    bench = make_late_bench(protocol)
+    bench.adapter.open()
+    bench.adapter.configure("torque", PERIOD)
+    feedback = JointFeedback(1)
+    await_feedback(bench.adapter, feedback, PERIOD)
+    reference = SineReference([0.1], 1.0, feedback.position)
+    loop = ControlLoop(bench.adapter, reference, PositionController.from_bandwidth([0.01], 1.0), period=PERIOD)
+    result = loop.run(0.5)
+    assert (result.cycles, result.trip) == (round(0.5 / PERIOD), None)
+
+
+@pytest.mark.parametrize("protocol", ["canopen", "dynamixel", "moteus", "odrive"])
+def test_a_joint_that_was_moved_by_hand_is_held_where_it_is(protocol: str) -> None:
+    bench = make_late_bench(protocol)
+    adapter, feedback = bench.adapter, JointFeedback(1)
+    adapter.open()
+    adapter.configure("position", PERIOD)
+    for _ in range(5):  # the answer to the last request is left waiting
+        bench.clock.advance(0.006)
+        adapter.read_into(feedback)
+    assert feedback.position[0] == pytest.approx(0.0, abs=0.01)
+    bench.axes[0].position = 1.0
+    bench.clock.advance(5.0)
+    references: list[float] = []
+    bench.axes[0].command = lambda torque, velocity=0.0, position=0.0: references.append(position)  # type: ignore[method-assign]
+    adapter.enable()
+    command = JointCommand(1)
+    command.position[0] = 1.0
+    assert adapter.write(command)
+    assert references == pytest.approx([1.0] * len(references), abs=0.01)
 
 
 @pytest.mark.parametrize("protocol", sorted(PROTOCOLS))

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Mapping
 from importlib.metadata import EntryPoint
 from pathlib import Path
+from typing import Any, cast
 
 import pytest
 from typer.testing import CliRunner
@@ -13,6 +15,10 @@ from typer.testing import CliRunner
 from fricomp.adapters import JointAdapter, adapter_class, adapter_names, open_adapter, registry
 from fricomp.cli.main import app
 from fricomp.errors import AdapterConfigurationError
+from fricomp.sim_bench.twins.backend import TwinCanOpenAdapter
+from fricomp.sim_bench.twins.can_twin import CanTwin
+from fricomp.sim_bench.twins.cia402 import Cia402Drive
+from fricomp.sim_bench.twins.cia402_state import DriveState
 
 BUILT_IN = ["canopen", "dynamixel", "mit", "moteus", "odrive"]
 
@@ -68,9 +74,23 @@ def test_the_command_line_lists_them_all() -> None:
         assert name in result.stdout
 
 
-def test_faults_are_cleared_from_the_command_line_and_nothing_is_energised(tmp_path: Path) -> None:
+def test_faults_are_cleared_from_the_command_line_and_nothing_is_energised(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drives: list[Cia402Drive] = []
+
+    def with_a_latched_fault(configuration: Mapping[str, Any]) -> TwinCanOpenAdapter:
+        adapter = TwinCanOpenAdapter.from_configuration(configuration)
+        drives.extend(cast(CanTwin, adapter.twin).devices)  # type: ignore[arg-type]
+        drives[0].fail(0x7500)
+        return adapter
+
+    monkeypatch.setattr("fricomp.adapters.open_adapter", lambda _, configuration: with_a_latched_fault(configuration))
     path = tmp_path / "drive.toml"
     path.write_text('backend = "twin-canopen"\n')
     result = CliRunner().invoke(app, ["adapter", "clear", str(path)])
     assert result.exit_code == 0, result.output
     assert "No fault is left on joint; nothing is energised." in result.output
+    assert drives[0].state is DriveState.SWITCH_ON_DISABLED
+    assert drives[0].error_code == 0
+    assert not drives[0].axis.energised

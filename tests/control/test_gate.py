@@ -127,6 +127,28 @@ def test_a_temperature_that_stays_unknown_trips_where_it_is_limited() -> None:
     assert "does not report its temperature" in gate.trip_record.detail
 
 
+def test_more_torque_than_the_limit_trips_where_drives_close_the_loop() -> None:
+    gate = SafetyGate(LIMITS, period=1e-3, watch_torque=True)
+    gate.arm(MS)
+    state = well(2 * MS)
+    state.temperature[:] = [20.0, 20.0]
+    reported = [(12.0, 2.4), (1.0, 3.0), (1.0, 3.0), (math.nan, 0.0), (1.0, -3.0), (1.0, 3.0)]
+    for k, state.torque[:] in enumerate(reported, start=2):
+        state.time_ns = k * MS
+        assert gate.observe(state, k * MS)
+    state.time_ns = 8 * MS
+    assert not gate.observe(state, 8 * MS)
+    assert gate.trip_record is not None
+    assert gate.trip_record.reason == "overtorque"
+
+
+def test_torque_of_the_host_is_not_judged_by_what_is_reported() -> None:
+    gate = make_gate()
+    state = well(2 * MS)
+    state.torque[:] = [99.0, 99.0]
+    assert all(gate.observe(state, 2 * MS) for _ in range(5))
+
+
 def test_data_from_the_future_trips() -> None:
     gate = make_gate()
     assert not gate.observe(well(100 * MS), 2 * MS)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Sequence
+from dataclasses import replace
 from math import tau
 from typing import Any
 
@@ -13,36 +13,14 @@ from fricomp.adapters import open_adapter
 from fricomp.adapters.canopen import CanOpenAdapter
 from fricomp.adapters.canopen.configuration import CanOpenConfiguration
 from fricomp.adapters.configuration import convert
-from fricomp.adapters.link import CanFrame
 from fricomp.errors import AdapterConfigurationError, AdapterConnectionError, AdapterError, AdapterTimeout
 from fricomp.joint import JointCommand, JointFeedback
-from fricomp.testing import AdapterRig, GoldenCommand
+from fricomp.sim_bench.adapter_bench.bench import make_bench
+from fricomp.testing import AdapterRig
 from fricomp.testing.conformance import AdapterConformance
 from fricomp.testing.steps import run, start
-from tests.adapters.peers.cia402 import Cia402Peer
-from tests.adapters.peers.rig import PeerRig, joint_tables
-
-
-def configuration(**changes: Any) -> dict[str, Any]:
-    joints = joint_tables(2, torque=4.0, velocity=20.0)
-    joints[1]["transmission"] = {"sign": -1, "gear_ratio": 2.0}
-    base = {"bus": {"interface": "virtual"}, "joints": joints, "ramp_time": 0.0}
-    return base | changes
-
-
-class CanOpenRig(PeerRig):
-    def __init__(self, **changes: Any) -> None:
-        self.drives = [Cia402Peer(1), Cia402Peer(2)]
-        made = convert(configuration(**changes), CanOpenConfiguration)
-        super().__init__(lambda link, clock: CanOpenAdapter(made, link, clock), self.drives, 4.0, gears=(1.0, -2.0))
-
-    def golden(self) -> Sequence[GoldenCommand]:
-        """RPDO by hand: controlword 15, then thousandths of 5 N·m; joint 1 has a gear of -2."""
-        return [
-            GoldenCommand((1.0, 0.0), CanFrame(0x201, bytes.fromhex("0f00c800"))),
-            GoldenCommand((-0.005, 2.0), CanFrame(0x201, bytes.fromhex("0f00ffff"))),
-            GoldenCommand((0.0, 2.0), CanFrame(0x202, bytes.fromhex("0f0038ff"))),
-        ]
+from tests.adapters.canopen.rig import CanOpenRig, configuration
+from tests.adapters.peers.rig import joint_tables
 
 
 class TestCanOpenConforms(AdapterConformance):
@@ -75,7 +53,7 @@ def test_a_device_that_is_no_drive_is_refused() -> None:
 
 def test_a_drive_that_somebody_else_has_energised_is_left_alone() -> None:
     rig = CanOpenRig()
-    rig.drives[0].store(0x6041, 0x27)
+    rig.drives[0].state = "operation enabled"
     with pytest.raises(AdapterConnectionError, match="somebody else"):
         rig.adapter.open()
 
@@ -182,3 +160,11 @@ def test_a_rate_that_only_torque_mode_can_carry_is_refused_in_velocity_mode() ->
 def test_settings_that_are_unsafe_are_refused(changes: dict[str, Any], complaint: str) -> None:
     with pytest.raises(AdapterConfigurationError, match=complaint):
         open_adapter("canopen", configuration(**changes))
+
+
+def test_a_temperature_limit_is_refused_where_no_drive_would_notice() -> None:
+    bench = make_bench("canopen", 1)
+    limits = replace(bench.adapter.options.limits[0], temperature=65.0)
+    bench.adapter.options = replace(bench.adapter.options, limits=(limits,))
+    with pytest.raises(AdapterConfigurationError, match="does not report its temperature"):
+        bench.adapter.open()

@@ -91,6 +91,18 @@ def test_the_watchdog_is_written_in_counts_of_50_microseconds() -> None:
         assert struct.unpack("<I", peer.registers[9])[0] == 800
 
 
+def test_a_motor_that_was_power_cycled_gets_mode_and_watchdog_again_before_it_is_energised() -> None:
+    rig = opened_rig(watchdog=0.04)
+    rig.adapter.configure("torque", 0.002)
+    rig.power_cycle(1)
+    peer = rig.peers[1]
+    assert isinstance(peer, DamiaoPeer)
+    assert struct.unpack("<I", peer.registers[9])[0] == 0
+    rig.adapter.enable()
+    assert (struct.unpack("<I", peer.registers[9])[0], struct.unpack("<I", peer.registers[10])[0]) == (800, 1)
+    assert all(rig.energised())
+
+
 def test_seven_motors_at_one_megabit_fit_529_times_a_second() -> None:
     tables = joint_tables(7, torque=4.0, velocity=20.0, model="damiao/DM4310")
     made = convert({"bus": {"interface": "virtual"}, "joints": tables}, MitConfiguration)
@@ -118,6 +130,6 @@ def test_unknown_keys_and_models_are_refused_by_name() -> None:
 def test_a_motor_without_watchdog_needs_the_users_word() -> None:
     tables = joint_tables(1, torque=4.0, velocity=20.0, model="tmotor/AK80-9")
     made = convert({"bus": {"interface": "virtual"}, "joints": tables}, MitConfiguration)
-    assert MitAdapter(made)._set_watchdogs(0.002) is None
+    assert MitAdapter(made)._set_watchdogs() is None
     with pytest.raises(AdapterError):
         MitAdapter(made).configure("torque", 0.002)

@@ -14,7 +14,7 @@ from fricomp.adapters.mit import MitAdapter, MitCodec, MitRanges
 from fricomp.adapters.mit.configuration import MitConfiguration, make_motor
 from fricomp.adapters.mit.profile import vendor_profiles
 from fricomp.errors import AdapterConfigurationError, AdapterValueError
-from fricomp.testing import AdapterRig, GoldenCommand
+from fricomp.testing import AdapterRig, GoldenCommand, VirtualClock
 from fricomp.testing.conformance import AdapterConformance
 from tests.adapters.peers.cybergear import CyberGearPeer
 from tests.adapters.peers.rig import PeerRig, joint_tables
@@ -59,6 +59,38 @@ def test_an_older_t_motor_sends_six_bytes() -> None:
     state = motor("tmotor/AK80-9").decode(CanFrame(0, bytes.fromhex("017fff7ff800")))
     assert isnan(state.temperature)
     assert state.fault == 0
+
+
+class AkLink:
+    """Motor 1, which answers every frame with a state of so many bytes."""
+
+    def __init__(self, size: int) -> None:
+        self.answer, self.waiting = CanFrame(0, bytes.fromhex("017fff7ff8004b00")[:size]), 0
+
+    def send(self, frames: Sequence[CanFrame]) -> None:
+        self.waiting += len(frames)
+
+    def receive(self) -> list[CanFrame]:
+        n_frames, self.waiting = self.waiting, 0
+        return [self.answer] * n_frames
+
+    def discard_output(self) -> None: ...
+
+    def close(self) -> None: ...
+
+
+@pytest.mark.parametrize(("size", "reports"), [(6, False), (8, True)])
+def test_a_temperature_limit_needs_a_t_motor_that_tells_its_temperature(size: int, reports: bool) -> None:
+    tables = joint_tables(1, 4.0, 7.0, model="tmotor/AK80-9")
+    for limit in (None, 70.0):
+        tables[0]["limits"] = tables[0]["limits"] | {"temperature": limit}
+        made = convert({"bus": {"interface": "virtual"}, "joints": tables}, MitConfiguration)
+        adapter = MitAdapter(made, lambda: AkLink(size), VirtualClock())
+        if limit is None or reports:
+            assert adapter.open().joints[0].reports_temperature is reports
+        else:
+            with pytest.raises(AdapterConfigurationError, match="does not report its temperature"):
+                adapter.open()
 
 
 def test_a_robstride_in_mit_mode_tells_tenths_of_a_degree() -> None:

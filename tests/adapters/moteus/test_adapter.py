@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from math import nan
 from typing import Any, cast
 
@@ -15,9 +16,10 @@ from fricomp.adapters.moteus.adapter import MoteusConfiguration
 from fricomp.adapters.moteus.codec import decode_state, encode_command
 from fricomp.adapters.moteus.fdcanusb import LineBuffer, decode_line
 from fricomp.errors import AdapterConfigurationError, AdapterValueError
-from fricomp.joint import JointCommand
+from fricomp.joint import JointCommand, JointFeedback
 from fricomp.sim_bench.adapter_bench.hand_held import HandHeldAxis, SerialBus
 from fricomp.sim_bench.twins.moteus import MoteusController, MoteusSettings, MoteusTwin
+from fricomp.sim_bench.twins.moteus_frame import Write, parse_frame
 from fricomp.testing import AdapterRig, FaultyLink, GoldenCommand, VirtualClock
 from fricomp.testing.conformance import AdapterConformance
 from fricomp.testing.steps import run, start
@@ -142,15 +144,95 @@ def test_the_drive_stops_instead_of_braking_when_commands_cease() -> None:
         assert controller.configuration["servo.default_timeout_s"] == pytest.approx(0.1)
 
 
-def test_the_drives_own_loop_is_bounded_by_the_limit_too() -> None:
+def test_a_controller_that_was_power_cycled_is_told_again_to_stop_before_it_is_energised() -> None:
     rig = MoteusRig()
     rig.adapter.open()
-    rig.adapter.configure("position", 0.002)
+    rig.adapter.configure("torque", 0.002)
+    rig.power_cycle(1)
+    assert rig.controllers[1].configuration["servo.timeout_mode"] == 12
     rig.adapter.enable()
+    assert all(controller.configuration["servo.timeout_mode"] == 0.0 for controller in rig.controllers)
+
+
+@pytest.mark.parametrize("mode", ["velocity", "position"])
+def test_the_drives_own_loop_is_bounded_by_the_limit_too(mode: Any) -> None:
+    rig = stiff_rig()
+    rig.adapter.open()
+    rig.adapter.configure(mode, 0.002)
+    rig.adapter.enable()
+    command = JointCommand(2)
+    command.velocity[:], command.position[:] = [20.0, -20.0], [3.0, -3.0]
+    for _ in range(100):  # blocked joints
+        rig.clock.advance(0.002)
+        rig.adapter.read_into(JointFeedback(2))
+        assert rig.adapter.write(command)
+    assert [axis.largest_torque for axis in rig.axes] == pytest.approx([4.0, 2.0])
+
+
+@pytest.mark.parametrize("mode", ["torque", "velocity", "position"])
+def test_every_command_carries_the_highest_torque_and_enabling_holds_still(mode: Any) -> None:
+    rig = stiff_rig()
+    rig.adapter.open()
+    rig.adapter.configure(mode, 0.002)
+    for joint, position in enumerate((1.2, -0.7)):  # moved by hand after it was last looked at
+        rig.move(joint, position, 0.0)
+    rig.link.recording = True
+    rig.adapter.enable()
+    assert [axis.largest_torque for axis in rig.axes] == pytest.approx([0.0, 0.0], abs=1e-3)
     rig.clock.advance(0.002)
-    rig.move(0, -2.9, 0.0)
-    run(rig, 1)
-    assert abs(rig.applied_torque()[0]) <= 4.0 + 1e-6
+    run(rig, 3)
+    commands = sent_commands(rig.link.sent)
+    assert len(commands) >= 8
+    assert {(address, highest) for address, highest in commands} == {(1, 4.0), (2, 2.0)}
+
+
+def test_a_joint_that_moves_until_it_is_energised_is_held_where_it_is_then(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = stiff_rig()
+    rig.adapter.open()
+    rig.adapter.configure("position", 0.002)
+    assert isinstance(rig.adapter, MoteusAdapter)
+    prepare = rig.adapter._set_timeouts
+
+    def prepare_while_it_falls() -> None:
+        prepare()
+        rig.move(0, -0.3, 0.0)
+
+    monkeypatch.setattr(rig.adapter, "_set_timeouts", prepare_while_it_falls)
+    rig.adapter.enable()
+    assert rig.axes[0].largest_torque == pytest.approx(0.0, abs=1e-3)
+
+
+def test_limits_cut_down_after_opening_count_for_the_drives_own_loop() -> None:
+    rig = stiff_rig()
+    rig.adapter.open()
+    assert isinstance(rig.adapter, MoteusAdapter)
+    options = rig.adapter.options
+    rig.adapter.options = replace(options, limits=tuple(replace(limit, torque=0.25) for limit in options.limits))
+    rig.adapter.configure("position", 0.002)
+    rig.link.recording = True
+    rig.adapter.enable()
+    assert set(sent_commands(rig.link.sent)) == {(1, 0.25), (2, 0.125)}
+
+
+def stiff_rig() -> MoteusRig:
+    rig = MoteusRig()
+    for controller in rig.controllers:
+        controller.configuration |= {"servo.pid_position.kp": 4000.0, "servo.pid_position.kd": 100.0}
+    return rig
+
+
+def sent_commands(traffic: Sequence[bytes]) -> list[tuple[int, float]]:
+    """Address and highest torque of every command of mode 10 that was sent, taken apart by the twin's own parser."""
+    found = []
+    for line in b"".join(traffic).splitlines():
+        if not line.startswith(b"can send"):
+            continue
+        _, _, address, data = line.split()
+        parts = parse_frame(bytes.fromhex(data.decode()))
+        writes = {part.register: part.value for part in parts if isinstance(part, Write)}
+        if writes.get(0x000) == 10:
+            found.append((int(address, 16) & 0x7F, writes[0x025]))
+    return found
 
 
 def test_a_controller_that_is_not_there_is_named() -> None:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import struct
 from collections.abc import Sequence
+from dataclasses import replace
+from math import inf, isnan, nan
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
@@ -15,10 +18,11 @@ from fricomp.adapters.odrive import OdriveAdapter
 from fricomp.adapters.odrive.codec import input_frame
 from fricomp.adapters.odrive.configuration import OdriveConfiguration
 from fricomp.errors import AdapterConfigurationError, AdapterError
+from fricomp.joint import JointCommand, JointFeedback
 from fricomp.testing import AdapterRig, GoldenCommand
 from fricomp.testing.conformance import AdapterConformance
 from fricomp.testing.steps import run, start
-from tests.adapters.peers.odrive import DBC, TORQUE_CONSTANT, OdrivePeer, endpoint_file
+from tests.adapters.peers.odrive import DBC, ENDPOINTS, TORQUE_CONSTANT, OdrivePeer, endpoint_file
 from tests.adapters.peers.rig import PeerRig, joint_tables
 
 
@@ -110,6 +114,147 @@ def test_torque_goes_as_feed_forward_in_passthrough(endpoints: Path, mode: Any) 
     assert run(rig, 3, torque=1.25)
     assert rig.axes[0].values[401] == 1
     assert rig.axes[0].torque == pytest.approx(1.25)
+
+
+@pytest.mark.parametrize("mode", ["velocity", "position"])
+def test_the_drives_own_loop_is_bounded_by_the_limit_too(endpoints: Path, mode: Any) -> None:
+    rig = OdriveRig("0.6", endpoints)
+    rig.adapter.open()
+    rig.adapter.configure(mode, 0.002)
+    rig.adapter.enable()
+    command = JointCommand(2)
+    command.velocity[:], command.position[:] = [20.0, -20.0], [3.0, -3.0]
+    largest = 0.0
+    for _ in range(100):  # blocked joints
+        rig.clock.advance(0.002)
+        rig.adapter.read_into(JointFeedback(2))
+        assert rig.adapter.write(command)
+        largest = max(largest, *map(abs, rig.applied_torque()))
+    assert largest == pytest.approx(4.0, rel=1e-6)
+
+
+def test_a_joint_is_held_where_it_is_when_it_is_energised(endpoints: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = OdriveRig("0.6", endpoints)
+    rig.adapter.open()
+    rig.adapter.configure("position", 0.002)
+    assert isinstance(rig.adapter, OdriveAdapter)
+    prepare = rig.adapter._set_watchdog
+
+    def prepare_while_it_falls(joint: int) -> bool:
+        rig.move(0, -0.3, 0.0)
+        return prepare(joint)
+
+    monkeypatch.setattr(rig.adapter, "_set_watchdog", prepare_while_it_falls)
+    rig.adapter.enable()
+    assert rig.applied_torque()[0] == pytest.approx(0.0, abs=1e-4)
+
+
+def test_limits_cut_down_after_opening_count_for_the_drives_own_loop(endpoints: Path) -> None:
+    rig = OdriveRig("0.6", endpoints)
+    rig.adapter.open()
+    assert isinstance(rig.adapter, OdriveAdapter)
+    options = rig.adapter.options
+    rig.adapter.options = replace(options, limits=tuple(replace(limit, torque=0.25) for limit in options.limits))
+    rig.adapter.configure("velocity", 0.002)
+    assert [axis.values[252] for axis in rig.axes] == [0.25, 0.125]
+
+
+def test_torque_mode_leaves_the_drives_own_limit_alone(endpoints: Path) -> None:
+    rig = OdriveRig("0.6", endpoints)
+    rig.adapter.open()
+    start(rig)
+    assert all((axis.values[251], axis.values[252]) == (-inf, inf) for axis in rig.axes)
+
+
+@pytest.mark.parametrize(("firmware", "file"), [("0.6", None), ("0.5", None), ("0.6", "lower"), ("0.6", "upper")])
+def test_a_loop_that_nothing_bounds_is_not_offered(firmware: str, file: str | None, tmp_path: Path) -> None:
+    path = None
+    if file is not None:
+        path = tmp_path / "flat_endpoints.json"
+        path.write_text(json.dumps(endpoint_file(251 if file == "lower" else 252)))
+    rig = OdriveRig(firmware, path)
+    assert rig.adapter.open().modes == ("torque",)
+    for mode in ("velocity", "position"):
+        with pytest.raises(AdapterConfigurationError, match="not offered"):
+            rig.adapter.configure(cast(Any, mode), 0.002)
+    assert isinstance(rig.adapter, OdriveAdapter)
+    assert "torque_soft_max" in str(rig.adapter.health()["velocity and position mode"])
+
+
+@pytest.mark.parametrize("number", [251, 252])
+def test_a_drive_that_does_not_keep_the_limit_is_refused(endpoints: Path, number: int) -> None:
+    rig = OdriveRig("0.6", endpoints)
+    rig.axes[1].keeps.remove(number)
+    rig.adapter.open()
+    with pytest.raises(AdapterConfigurationError, match=ENDPOINTS[number][0]):
+        rig.adapter.configure("velocity", 0.002)
+    rig.adapter.configure("torque", 0.002)
+
+
+@pytest.mark.parametrize(("number", "value"), [(251, -1.5), (252, 1.5)])
+def test_a_limit_beyond_the_drives_own_is_refused_and_not_lifted(endpoints: Path, number: int, value: float) -> None:
+    rig = OdriveRig("0.6", endpoints)
+    rig.axes[1].values[number] = value
+    with pytest.raises(AdapterConfigurationError, match=r"joint 1.*beyond the drive's 3"):  # a gear of two
+        rig.adapter.open()
+    assert rig.axes[1].values[number] == value
+
+
+def test_a_limit_of_the_drives_that_is_no_number_is_refused(endpoints: Path) -> None:
+    rig = OdriveRig("0.6", endpoints)
+    rig.axes[0].values[252] = nan
+    with pytest.raises(AdapterConfigurationError, match="torque_soft_max"):
+        rig.adapter.open()
+
+
+def test_a_drive_that_was_power_cycled_is_bounded_and_watched_again_before_it_is_energised(endpoints: Path) -> None:
+    rig = OdriveRig("0.6", endpoints)
+    rig.adapter.open()
+    rig.adapter.configure("velocity", 0.002)
+    rig.power_cycle(0)
+    assert rig.axes[0].values[252] == inf
+    rig.adapter.enable()
+    assert (rig.axes[0].values[251], rig.axes[0].values[252]) == (-4.0, 4.0)
+    assert rig.axes[0].values[183]
+    assert rig.axes[0].values[184] == pytest.approx(0.1)
+
+
+def test_a_drive_that_no_longer_takes_its_watchdog_is_not_energised(endpoints: Path) -> None:
+    rig = OdriveRig("0.6", endpoints)
+    rig.adapter.open()
+    rig.adapter.configure("torque", 0.002)
+    rig.power_cycle(1)
+    rig.axes[1].keeps.remove(183)
+    with pytest.raises(AdapterError, match="watchdog"):
+        rig.adapter.enable()
+    assert not any(rig.energised())
+
+
+@pytest.mark.parametrize(("motor", "expected"), [(40.0, 40.0), (nan, 35.0), (20.0, 35.0)])
+def test_a_motor_without_thermistor_does_not_hide_the_inverters_temperature(
+    endpoints: Path, motor: float, expected: float
+) -> None:
+    rig = OdriveRig("0.6", endpoints)
+    for axis in rig.axes:
+        axis.motor_temperature = motor
+    assert all(joint.reports_temperature for joint in rig.adapter.open().joints)
+    feedback = JointFeedback(2)
+    for _ in range(5):  # at rest already, before anything is enabled
+        rig.clock.advance(0.006)
+        rig.adapter.read_into(feedback)
+    assert feedback.temperature == [expected, expected]
+
+
+def test_firmware_05_tells_no_temperature_and_no_other_report_is_taken_for_one() -> None:
+    rig = OdriveRig("0.5", None)
+    assert not any(joint.reports_temperature for joint in rig.adapter.open().joints)
+    start(rig)
+    rig.axes[0].outbox.append(CanFrame(1 << 5 | 0x15, struct.pack("<ff", 300.0, 300.0)))  # sensorless estimates there
+    assert run(rig, 5)
+    feedback = JointFeedback(2)
+    rig.clock.advance(0.002)
+    rig.adapter.read_into(feedback)
+    assert all(map(isnan, feedback.temperature))
 
 
 @pytest.mark.parametrize(("torque", "expected"), [(0.0126, 13), (-0.0126, -13), (99.0, 32767), (-99.0, -32767)])

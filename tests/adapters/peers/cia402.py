@@ -31,6 +31,8 @@ VARIABLES = {
     0x6077: (I16, 0),
     0x607A: (I32, 0),
     0x6080: (U32, 6000),
+    0x60B0: (I32, 0),
+    0x60B1: (I32, 0),
     0x60B2: (I16, 0),
     0x60FF: (I32, 0),
     0x6502: (U32, 0x380),
@@ -88,7 +90,14 @@ class Wire:
 
 
 class Cia402Peer(Peer):
-    """Torque mode in full; the other cyclic modes take their reference as the new state."""
+    """The cyclic modes; in velocity and position mode a proportional loop of the drive's own adds to the offset.
+
+    Attributes:
+        gain: Of that loop, thousandths of rated torque for a count of error.
+        stubborn: Objects that keep their value although a write was confirmed.
+        leaves_operational: Whether a missed heartbeat of the master ends in pre-operational, as 1029 has it by default.
+        forgives: Whether the consumer of heartbeats waits for the first one again after 1016 was written.
+    """
 
     def __init__(self, node_id: int) -> None:
         super().__init__()
@@ -97,7 +106,10 @@ class Cia402Peer(Peer):
         network: Any = canopen.Network()
         self.network = network
         self.network.bus = Wire(self.outbox)
-        self.node: Any = canopen.LocalNode(node_id, object_dictionary())
+        node: Any = canopen.LocalNode(node_id, object_dictionary())
+        self.node = node
+        self.set_data = node.set_data
+        node.set_data = self.on_write
         self.network.add_node(self.node)
         self.state = "switch on disabled"
         self.controlword = 0
@@ -105,6 +117,9 @@ class Cia402Peer(Peer):
         self.operational = False
         self.heard_ns: int | None = None
         self.beat_ns = 0
+        self.gain = 0.1
+        self.stubborn: set[int] = set()
+        self.leaves_operational, self.forgives = False, True
         self.outbox.append(CanFrame(0x700 + node_id, b"\0"))
 
     def value(self, index: int, subindex: int = 0) -> int:
@@ -114,6 +129,17 @@ class Cia402Peer(Peer):
     def store(self, index: int, value: int) -> None:
         entry = self.node.object_dictionary.get_variable(index, 0)
         self.node.set_data(index, 0, entry.encode_raw(value))
+
+    def on_write(self, index: int, subindex: int, data: bytes, check_writable: bool = False) -> None:
+        if index in self.stubborn:
+            return
+        self.set_data(index, subindex, data, check_writable)
+        if index == 0x1016 and self.forgives:
+            self.heard_ns = None
+
+    def lack(self, *indices: int) -> None:
+        for index in indices:
+            del self.node.object_dictionary[index]
 
     # -- frames -------------------------------------------------------------------------------------------
 
@@ -126,6 +152,7 @@ class Cia402Peer(Peer):
         elif kind == 0x200 and node == self.node_id and self.operational:
             self.pending[0] = frame.data
         elif kind == 0x600 and node == self.node_id:
+            self.refresh()
             before = self.value(0x6040)
             self.network.notify(frame.identifier, bytearray(frame.data), 0.0)
             if self.value(0x6040) != before:
@@ -184,10 +211,20 @@ class Cia402Peer(Peer):
         self.drive()
 
     def drive(self) -> None:
-        """Torque is what target and offset ask for, in thousandths of the rated torque."""
-        mode = self.value(0x6061)
-        demand = self.value(0x6071) if mode == 10 else self.value(0x60B2) if mode in (8, 9) else 0
-        self.torque = max(-2000, min(2000, demand)) * 5.0 / 1000.0 if self.on else 0.0
+        """Torque is what target, offset and loop ask for, in thousandths of the rated torque, within 6072."""
+        self.refresh()
+        mode, most = self.value(0x6061), self.optional(0x6072, 2000)
+        demand = float(self.optional(0x60B2))
+        if mode == 8:
+            demand += self.gain * (self.value(0x607A) + self.optional(0x60B0) - self.value(0x6064))
+        elif mode == 9:
+            demand += self.gain * (self.value(0x60FF) + self.optional(0x60B1) - self.value(0x606C))
+        else:
+            demand += self.value(0x6071)
+        self.torque = max(-most, min(most, demand)) * 5.0 / 1000.0 if self.on and mode in (8, 9, 10) else 0.0
+
+    def optional(self, index: int, default: int = 0) -> int:
+        return self.value(index) if index in self.node.object_dictionary else default
 
     def refresh(self) -> None:
         words = {"switch on disabled": 0x40, "ready to switch on": 0x21, "switched on": 0x23, "fault": 0x08}
@@ -204,6 +241,7 @@ class Cia402Peer(Peer):
         watched = self.value(0x1016, 1) & 0xFFFF
         if self.heard_ns is not None and watched and now_ns - self.heard_ns > watched * 1_000_000:
             self.heard_ns = None
+            self.operational = self.operational and not self.leaves_operational
             if self.value(0x6007) == 1:
                 self.fault(0x8130)
         period = self.value(0x1017) * 1_000_000

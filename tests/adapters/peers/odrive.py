@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 from importlib.resources import files
-from math import tau
+from math import inf, tau
 from typing import Any
 
 import cantools
@@ -15,14 +15,18 @@ from tests.adapters.peers.bus import Peer
 ENDPOINTS = {
     183: ("axis0.config.enable_watchdog", "bool", "<?"),
     184: ("axis0.config.watchdog_timeout", "float", "<f"),
+    251: ("axis0.config.torque_soft_min", "float", "<f"),
+    252: ("axis0.config.torque_soft_max", "float", "<f"),
     400: ("axis0.controller.config.control_mode", "uint8", "<B"),
     401: ("axis0.controller.config.input_mode", "uint8", "<B"),
 }
 TORQUE_CONSTANT = 0.08
+VELOCITY_GAIN, POSITION_GAIN = 3.0, 40.0  # of the axis' own loop, stiff [N·m·s/rad], [N·m/rad]
 
 
-def endpoint_file() -> dict[str, Any]:
-    endpoints = {name: {"id": number, "type": kind} for number, (name, kind, _) in ENDPOINTS.items()}
+def endpoint_file(*without: int) -> dict[str, Any]:
+    known = {number: entry for number, entry in ENDPOINTS.items() if number not in without}
+    endpoints = {name: {"id": number, "type": kind} for number, (name, kind, _) in known.items()}
     return {"fw_version": "0.6.10", "hw_version": "4.4.58", "endpoints": endpoints}
 
 
@@ -41,7 +45,9 @@ class OdrivePeer(Peer):
         super().__init__()
         self.made_of = (node, firmware, watchdog)
         self.node, self.firmware, self.dbc = node, firmware, DBC[firmware]
-        self.values: dict[int, float] = {183: watchdog > 0.0, 184: watchdog, 400: 3, 401: 1}
+        self.values: dict[int, float] = {183: watchdog > 0.0, 184: watchdog, 400: 3, 401: 1, 251: -inf, 252: inf}
+        self.keeps = set(self.values)
+        self.motor_temperature = 40.0
         self.error = 0
         self.fed_ns = self.beat_ns = 0
 
@@ -84,13 +90,15 @@ class OdrivePeer(Peer):
         elif command == 0x14:
             self.report("Get_Iq", Iq_Measured=self.torque / TORQUE_CONSTANT)
         elif command == 0x15:
-            self.report("Get_Temperature", FET_Temperature=35.0, Motor_Temperature=40.0)
+            self.report("Get_Temperature", FET_Temperature=35.0, Motor_Temperature=self.motor_temperature)
         elif command == 0x1C:
             self.report("Get_Torques", Torque_Target=self.torque, Torque_Estimate=self.torque)
 
     def on_endpoint(self, data: bytes) -> None:
         operation, number = struct.unpack_from("<BH", data)
         layout = ENDPOINTS[number][2]
+        if operation == 1 and number not in self.keeps:
+            return
         if operation == 1:
             self.values[number] = struct.unpack_from(layout, data, 4)[0]
         else:
@@ -109,8 +117,11 @@ class OdrivePeer(Peer):
         elif name == "Clear_Errors" and not self.failed:
             self.error = 0
         elif name == "Set_Input_Torque" and self.on and self.values[400] == 1:
-            self.torque = signals["Input_Torque"]
+            self.exert(signals["Input_Torque"])
         elif name == "Set_Input_Vel" and self.on and self.values[400] == 2:
-            self.torque = signals["Input_Torque_FF"]
+            self.exert(signals["Input_Torque_FF"] + VELOCITY_GAIN * (signals["Input_Vel"] * tau - self.velocity))
         elif name == "Set_Input_Pos" and self.on and self.values[400] == 3:
-            self.torque = signals["Torque_FF"]
+            self.exert(signals["Torque_FF"] + POSITION_GAIN * (signals["Input_Pos"] * tau - self.position))
+
+    def exert(self, torque: float) -> None:
+        self.torque = max(self.values[251], min(self.values[252], torque))

@@ -104,12 +104,37 @@ def test_goals_beyond_the_limit_and_locked_memory_are_refused(rig: Rig) -> None:
     assert rig.write(CURRENT, 2, 1) == ACCESS
 
 
-def test_enabling_starts_at_zero_current(rig: Rig) -> None:
-    rig.write(MODE, 1, 0)
+def test_a_new_mode_makes_goal_current_the_limit_and_enabling_keeps_it(rig: Rig) -> None:
     rig.write(GOAL_CURRENT, 2, 500)
+    rig.write(MODE, 1, 0)
+    assert rig.read(GOAL_CURRENT, 2) == 1193
+    rig.write(GOAL_CURRENT, 2, 300)
     rig.write(ENABLE, 1, 1)
     rig.steps(1)
-    assert rig.stand_in.torque == [0.0]
+    assert rig.stand_in.torque == pytest.approx([300 * 2.69e-3 * 1.78])
+
+
+def test_goal_current_bounds_current_based_position_and_no_other_loop(rig: Rig) -> None:
+    for mode, bounded in ((5, True), (4, False)):
+        rig.write(ENABLE, 1, 0)
+        rig.write(MODE, 1, mode)
+        rig.write(GOAL_CURRENT, 2, 100)
+        rig.write(116, 4, 4000)
+        rig.write(ENABLE, 1, 1)
+        largest = 0.0
+        for _ in range(50):
+            rig.steps(1)
+            largest = max(largest, abs(rig.stand_in.torque[0]))
+        assert (largest <= 100 * 2.69e-3 * 1.78 + 1e-9) is bounded
+
+
+def test_indirect_data_show_what_their_addresses_name(rig: Rig) -> None:
+    assert rig.read(224, 1) == 0
+    assert rig.write(168, 2, POSITION) == 0
+    assert rig.write(170, 2, POSITION + 1) == 0
+    assert rig.read(224, 2) == rig.read(POSITION, 4) & 0xFFFF
+    rig.twin.power_cycle()
+    assert rig.read(224, 2) == 0
 
 
 def test_bus_watchdog_zeroes_the_goal_and_refuses_goals_until_cleared(rig: Rig) -> None:

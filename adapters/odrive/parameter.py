@@ -1,0 +1,157 @@
+"""The half of the ODrive adapter that writes parameters and reads them back: watchdog, mode, and torque limit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf, isclose, isnan
+from typing import TypeVar
+
+from fricomp.errors import AdapterConfigurationError
+from fricomp.joint import Clock, CommandMode
+
+from ..can_adapter import CanAdapter
+from ..link import CanFrame, CanLink
+from ..transmission import Transmission
+from .codec import CONTROL_MODES, PASSTHROUGH, Command, plain_frame, request_frame
+from .configuration import OdriveConfiguration
+from .endpoint import (
+    CONTROL_MODE,
+    ENABLE_WATCHDOG,
+    HIGHEST_TORQUE,
+    INPUT_MODE,
+    LOWEST_TORQUE,
+    WATCHDOG_TIMEOUT,
+    Endpoint,
+    read_endpoints,
+)
+
+__all__ = ["HOW_TO_BOUND", "ParameterAdapter"]
+
+Answer = TypeVar("Answer")
+
+HOW_TO_BOUND = (
+    f"not offered: nothing would bound the torque of the drive's own loop; on firmware 0.6 give endpoints "
+    f"with {HIGHEST_TORQUE} and {LOWEST_TORQUE}"
+)
+
+
+class ParameterAdapter(CanAdapter):
+    """Nodes whose parameters can be asked for, where the endpoints of their firmware are known.
+
+    Args:
+        configuration: Bus and axes.
+        open_link: Makes the link; python-can as configured unless given.
+        clock: Real time unless a simulation brings its own.
+    """
+
+    def __init__(
+        self, configuration: OdriveConfiguration, open_link: Callable[[], CanLink] | None, clock: Clock | None
+    ) -> None:
+        super().__init__(configuration, configuration.joints, open_link, clock, parts=2)
+        self._configuration = configuration
+        self._nodes = [joint.id for joint in configuration.joints]
+        self._version, self._endpoints = "", dict[str, Endpoint]()
+        if configuration.endpoints is not None:
+            self._version, self._endpoints = read_endpoints(configuration.endpoints)
+        self._answers: list[bytes | None] = [None] * len(self._nodes)
+        self._highest = [0.0] * len(self._nodes)
+
+    def _take_answer(self, joint: int, data: bytes) -> None:
+        self._answers[joint] = data
+
+    def _ask(self, joint: int, request: CanFrame, decode: Callable[[bytes], Answer | None]) -> Answer:
+        """Send a request and wait for an answer that `decode` accepts."""
+        found: list[Answer] = []
+
+        def answered() -> bool:
+            data, self._answers[joint] = self._answers[joint], None
+            value = None if data is None else decode(data)
+            if value is not None:
+                found.append(value)
+            return bool(found)
+
+        self._answers[joint] = None
+        self._send([request])
+        complaint = f"node {self._nodes[joint]} did not answer"
+        self._wait(answered, self._configuration.response_timeout, complaint)
+        return found[0]
+
+    def _set_endpoint(self, joint: int, name: str, value: float) -> bool:
+        """Write an endpoint and read it back; whether it kept the value."""
+        endpoint = self._endpoints[name]
+        node = self._nodes[joint]
+        self._send([plain_frame(node, Command.WRITE_ENDPOINT, endpoint.write_request(value))])
+        return isclose(self._read_endpoint(joint, endpoint), value, rel_tol=1e-6)
+
+    def _read_endpoint(self, joint: int, endpoint: Endpoint) -> float:
+        request = plain_frame(self._nodes[joint], Command.WRITE_ENDPOINT, endpoint.read_request())
+        return self._ask(joint, request, endpoint.decode)
+
+    def _check_version(self) -> None:
+        """The numbers of endpoints hold for one firmware only: another would be written somewhere else."""
+        if not self._endpoints:
+            return
+        for joint, node in enumerate(self._nodes):
+            answer = self._ask(
+                joint, request_frame(node, Command.VERSION), lambda data: data if len(data) == 8 else None
+            )
+            found = ".".join(str(part) for part in answer[4:7])
+            if found != self._version.lstrip("v").partition("-")[0]:
+                raise AdapterConfigurationError(
+                    f"node {node} runs firmware {found}, {self._configuration.endpoints} is of {self._version}: "
+                    f"get the file of the node's own firmware"
+                )
+
+    @property
+    def _is_bounded(self) -> bool:
+        """Whether the drive can be told the highest torque of its own loop, and asked whether it has understood."""
+        return HIGHEST_TORQUE in self._endpoints and LOWEST_TORQUE in self._endpoints
+
+    def _own_torque_limit(self, joint: int) -> float:
+        """The torque that the axis lets through as it is now, the same both ways [N·m]; infinite where not known."""
+        if not self._is_bounded:
+            return inf
+        found = {name: self._read_endpoint(joint, self._endpoints[name]) for name in (HIGHEST_TORQUE, LOWEST_TORQUE)}
+        if any(map(isnan, found.values())):
+            raise AdapterConfigurationError(f"node {self._nodes[joint]} has {found}: set them to numbers")
+        return max(min(found[HIGHEST_TORQUE], -found[LOWEST_TORQUE]), 0.0)
+
+    def _take_limits(self) -> None:
+        """The torque limits at the drives, as they are now: a trial cuts them down before it configures."""
+        transmissions = self.options.transmissions or (Transmission(),) * len(self._nodes)
+        self._highest = [
+            abs(t.torque_to_drive(limit.torque)) for t, limit in zip(transmissions, self.options.limits, strict=True)
+        ]
+
+    def _bound_torque(self, joint: int, mode: CommandMode) -> None:
+        """Tell the axis the limit for its own loop and read it back; in torque mode the gate is all there is.
+
+        Raises:
+            AdapterConfigurationError: It does not keep it.
+        """
+        if mode == "torque":
+            return
+        highest = self._highest[joint]
+        for name, value in ((HIGHEST_TORQUE, highest), (LOWEST_TORQUE, -highest)):
+            if not self._set_endpoint(joint, name, value):
+                raise AdapterConfigurationError(
+                    f"node {self._nodes[joint]} does not keep {name} = {value:g}, which bounds its own loop: "
+                    f"use torque mode, or the endpoints of its own firmware"
+                )
+
+    def _check_mode(self, joint: int, mode: CommandMode) -> None:
+        for name, wanted in ((CONTROL_MODE, CONTROL_MODES[mode]), (INPUT_MODE, PASSTHROUGH)):
+            if name in self._endpoints:
+                found = self._read_endpoint(joint, self._endpoints[name])
+                if found != wanted:
+                    raise AdapterConfigurationError(
+                        f"node {self._nodes[joint]} has {name} = {found:g} where {wanted} was written"
+                    )
+
+    def _set_watchdog(self, joint: int) -> bool:
+        missing = [name for name in (ENABLE_WATCHDOG, WATCHDOG_TIMEOUT) if name not in self._endpoints]
+        if missing:
+            raise AdapterConfigurationError(f"{self._configuration.endpoints} has no endpoint {missing[0]}")
+        return self._set_endpoint(joint, WATCHDOG_TIMEOUT, self._configuration.watchdog) and self._set_endpoint(
+            joint, ENABLE_WATCHDOG, True
+        )

@@ -1,0 +1,129 @@
+"""Two Dynamixel servos in memory behind their adapter, and the vendor's package as an encoder beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, cast
+
+from dynamixel_sdk import Protocol2PacketHandler
+
+from fricomp.adapters.configuration import convert
+from fricomp.adapters.dynamixel import DynamixelAdapter
+from fricomp.adapters.dynamixel.configuration import DynamixelConfiguration
+from fricomp.sim_bench.adapter_bench.hand_held import HandHeldAxis, SerialBus
+from fricomp.sim_bench.twins.dynamixel import DynamixelServo, DynamixelSettings, DynamixelTwin
+from fricomp.testing import AdapterRig, FaultyLink, GoldenCommand, VirtualClock
+from tests.adapters.peers.rig import joint_tables
+
+# A gear turns positions and velocities; of a torque counted in amperes only the sign.
+GEARS, SIGNS = (1.0, -2.0), (1.0, -1.0)
+GOAL_CURRENT, OPERATING_MODE, INDIRECT_DATA = 102, 11, 224
+
+
+class Servo(DynamixelServo):
+    """The twin's servo, with faults on demand."""
+
+    failing = keeps_mode = False
+
+    def tick(self, now_ns: int) -> None:
+        if self.failing:
+            self.fail()
+        super().tick(now_ns)
+
+    def write(self, address: int, data: bytes) -> int:
+        return 0 if self.keeps_mode and address == OPERATING_MODE else super().write(address, data)
+
+
+def configuration(**changes: Any) -> dict[str, Any]:
+    joints = joint_tables(2, torque=1.0, velocity=20.0)
+    joints[1]["transmission"] = {"sign": -1, "gear_ratio": 2.0}
+    return {"serial": {"port": "loop://"}, "joints": joints, "ramp_time": 0.0} | changes
+
+
+class DynamixelRig(AdapterRig):
+    """Two servos, the second behind a gear that turns the other way.
+
+    Args:
+        line: Puts something between adapter and bus.
+        changes: Of the configuration.
+    """
+
+    def __init__(self, line: Callable[[SerialBus, VirtualClock], Any] | None = None, **changes: Any) -> None:
+        self.torque_limit, self.period = 1.0, 0.004
+        self.clock = VirtualClock()
+        self.axes = [HandHeldAxis(), HandHeldAxis()]
+        settings = [DynamixelSettings(identifier, torque_constant=1.0) for identifier in (1, 2)]
+        self.servos = [Servo(cast(Any, axis), setting) for axis, setting in zip(self.axes, settings, strict=True)]
+        bus = SerialBus()
+        bus.twin = DynamixelTwin(cast(Any, bus), cast(Any, None), self.servos)
+        self.clock.follow(self._tick)
+        self.link = FaultyLink(line(bus, self.clock) if line is not None else bus)
+        made = convert(configuration(**changes), DynamixelConfiguration)
+        self.adapter = DynamixelAdapter(made, lambda: self.link, self.clock)
+
+    def _tick(self, now_ns: int) -> None:
+        for servo in self.servos:
+            servo.tick(now_ns)
+
+    def applied_torque(self) -> list[float]:
+        return [axis.torque * sign for axis, sign in zip(self.axes, SIGNS, strict=True)]
+
+    def energised(self) -> list[bool]:
+        return [axis.energised for axis in self.axes]
+
+    def move(self, joint: int, position: float, velocity: float) -> None:
+        self.axes[joint].position, self.axes[joint].velocity = position * GEARS[joint], velocity * GEARS[joint]
+
+    def fail(self, joint: int) -> None:
+        self.servos[joint].failing = True
+
+    def heal(self, joint: int) -> None:
+        self.servos[joint].failing = False
+
+    def power_cycle(self, joint: int) -> None:
+        self.servos[joint].power_cycle()
+
+    def refuse_mode(self) -> None:
+        for servo in self.servos:
+            servo.keeps_mode = True
+
+    def golden(self) -> Sequence[GoldenCommand]:
+        """The goals of both servos and the request for their states, as the vendor's package makes them."""
+        sdk = SdkPort()
+        golden = []
+        for count in (100, -37):
+            data = [1, *count.to_bytes(2, "little", signed=True), 2, 0, 0]
+            goals = sdk.sync_write(GOAL_CURRENT, 2, data)
+            golden.append(GoldenCommand((count * 2.69e-3, 0.0), goals + sdk.sync_read(INDIRECT_DATA, 14, [1, 2])))
+        return golden
+
+
+class SdkPort:
+    """Catches what the vendor's package sends."""
+
+    is_using = False
+
+    def __init__(self) -> None:
+        self.sent = b""
+
+    def clearPort(self) -> None:  # noqa: N802
+        """Nothing to clear."""
+
+    def writePort(self, packet: Sequence[int]) -> int:  # noqa: N802
+        self.sent += bytes(packet)
+        return len(packet)
+
+    def setPacketTimeout(self, length: int) -> None:  # noqa: N802
+        """Nothing is received."""
+
+    def _catch(self) -> bytes:
+        sent, self.sent, self.is_using = self.sent, b"", False
+        return sent
+
+    def sync_write(self, address: int, n_bytes: int, data: Sequence[int]) -> bytes:
+        Protocol2PacketHandler().syncWriteTxOnly(self, address, n_bytes, list(data), len(data))
+        return self._catch()
+
+    def sync_read(self, address: int, n_bytes: int, servos: Sequence[int]) -> bytes:
+        Protocol2PacketHandler().syncReadTx(self, address, n_bytes, list(servos), len(servos), False)
+        return self._catch()
