@@ -18,9 +18,10 @@ from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
 from .identification import IdentificationOptions, IdentificationResult, identify
+from .motion_parts import MotionParts, split_motion
 
 __all__ = ["JointSamples", "MotionIdentification", "RegressionSettings", "RigidBodyFit", "fit_rigid_body",
-           "identify_motion", "prediction_error", "sample_joint"]  # fmt: skip
+           "identify_motion", "prediction_error", "sample_joint", "split_for"]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ class RegressionSettings:
         torque_cutoff: Low-pass of torque and regressors; samples are decimated to five times it [Hz].
         gravity: Whether gravity acts (a cosine and a sine of the position).
         slowest: Samples below this fraction of the top speed are left out of the friction curve.
-        margin: Time left out at both ends, where filters start [s].
+        margin: Time left out at both ends, where filters start; around gaps too [s].
     """
 
     position_cutoff: float = 60.0
@@ -43,6 +44,7 @@ class RegressionSettings:
 
 
 _DEFAULTS = RegressionSettings()
+_FEWEST_SAMPLES = 200
 
 
 @dataclass(frozen=True)
@@ -115,15 +117,36 @@ class MotionIdentification:
 
 
 def sample_joint(recording: Recording, settings: RegressionSettings = _DEFAULTS) -> JointSamples:
-    """Filter and decimate a recording.
+    """Filter and decimate a recording, each part between gaps on its own: nothing is known of the motion in a gap.
 
     Raises:
         IdentificationError: The recording is too short for the filters.
     """
-    rate = 1.0 / float(np.median(np.diff(recording.time)))
-    even = np.arange(recording.time[0], recording.time[-1], 1.0 / rate)
-    if len(even) < 200:
-        raise IdentificationError(f"a motion needs at least 200 samples, this one has {len(even)}")
+    rate = 1.0 / recording.sample_period
+    times = [np.arange(part.time[0], part.time[-1], 1.0 / rate) for part in split_for(recording, settings).parts]
+    count = sum(map(len, times))
+    if count < _FEWEST_SAMPLES:
+        raise IdentificationError(
+            f"a motion needs at least {_FEWEST_SAMPLES} samples between gaps, this one has {count}"
+        )
+    parts = [_filter(even, recording, rate, settings) for even in times]
+    return JointSamples(*np.concatenate(parts, axis=1))
+
+
+def split_for(recording: Recording, settings: RegressionSettings = _DEFAULTS) -> MotionParts:
+    """The parts of a recording that are filtered; gaps below half a period of the position's cutoff are bridged."""
+    return split_motion(recording, shortest_gap=0.5 / settings.position_cutoff, margin=settings.margin)
+
+
+def _filter(even: FloatArray, recording: Recording, rate: float, settings: RegressionSettings) -> FloatArray:
+    """The columns of `JointSamples` for one part without gaps.
+
+    Args:
+        even: Times at the recording's rate [s]. Shape (n,).
+        recording: What is sampled at them.
+        rate: [Hz].
+        settings: Cutoffs and margin.
+    """
     position = np.interp(even, recording.time, recording.position)
     torque = np.interp(even, recording.time, recording.torque)
     low_pass = butter(4, min(settings.position_cutoff, 0.4 * rate), fs=rate, output="sos")
@@ -135,7 +158,7 @@ def sample_joint(recording: Recording, settings: RegressionSettings = _DEFAULTS)
     final = butter(4, min(settings.torque_cutoff, 0.4 * rate), fs=rate, output="sos")
     filtered = sosfiltfilt(final, columns, axis=1)[:, ::factor]
     skip = max(1, int(settings.margin * rate / factor))
-    return JointSamples(*(column[skip:-skip] for column in filtered))
+    return np.asarray(filtered[:, skip:-skip])
 
 
 def fit_rigid_body(samples: JointSamples, *, gravity: bool = False) -> RigidBodyFit:
