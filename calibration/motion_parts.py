@@ -113,7 +113,7 @@ def _choose_blocks(recording: Recording, path: Path) -> tuple[Recording, tuple[s
         named = f" ({others})" if others else ""
         return recording, (f"Blocks: all {len(blocks)} of the recording were used{named}; none of them is a motion.",)
     rows = np.concatenate([np.arange(block.start, block.stop) for block in motions])
-    left_out = f"; those of its preparation ({others}) were left out" if others else ""
+    left_out = f"; the others ({others}) were left out" if others else ""
     which = f"{len(motions)} of {len(blocks)}, the motion" + ("s" if len(motions) > 1 else "")
     note = f"Blocks: {which}, {len(rows)} of {len(recording)} samples, were used{left_out}."
     return recording.rows(rows), (note,)
