@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy import stats
@@ -10,6 +11,8 @@ from scipy import stats
 from fricomp.errors import ParameterError
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
+
+from .normal_load import at_normal_load, own_load
 
 __all__ = ["ModelComparison", "ParameterChange", "compare_models"]
 
@@ -52,6 +55,9 @@ class ModelComparison:
         removed: Terms only the old law has.
         largest_torque_change: Of the curve over the speeds that both models cover, in the models' torque unit.
         at_velocity: Where that is [rad/s] or [m/s].
+        normal_load: At which parameters and curves of both models hold, in the unit of their loads; None where neither
+            model knows its load.
+        load_known: Whether the old and the new model know their load; one that does not is taken as loaded alike.
     """
 
     changes: tuple[ParameterChange, ...]
@@ -61,6 +67,8 @@ class ModelComparison:
     removed: tuple[str, ...]
     largest_torque_change: float
     at_velocity: float
+    normal_load: float | None = None
+    load_known: tuple[bool, bool] = (False, False)
 
     @property
     def changed(self) -> bool:
@@ -76,13 +84,17 @@ class ModelComparison:
 def compare_models(old: FrictionModel, new: FrictionModel, significance: float = 0.05) -> ModelComparison:
     """Compare two models that were identified from independent data.
 
+    Dry friction grows with the normal load, so models that know theirs are brought to one load first: that of the old
+    model, or the new one's where the old one does not know its own.
+
     Args:
         old: The model from before.
         new: The model from now, in the same units.
         significance: Chance to call an unchanged joint changed.
 
     Raises:
-        ParameterError: The units differ, a model has no covariance, or nothing can be compared.
+        ParameterError: The units differ, a model has no covariance, nothing can be compared, or a law has no dry
+            friction left under the load of the other.
     """
     if (old.torque_unit, old.motion) != (new.torque_unit, new.motion):
         raise ParameterError(
@@ -90,6 +102,7 @@ def compare_models(old: FrictionModel, new: FrictionModel, significance: float =
         )
     if not 0.0 < significance < 1.0:
         raise ParameterError(f"significance must lie between 0 and 1, got {significance}")
+    old, new, load, known = _at_one_load(old, new)
     names, difference, covariance = _difference(old, new)
     deviation = np.sqrt(np.diag(covariance))
     p_values = _holm(2.0 * stats.norm.sf(np.abs(difference) / deviation))
@@ -108,7 +121,28 @@ def compare_models(old: FrictionModel, new: FrictionModel, significance: float =
         removed=tuple(sorted(terms_before - terms_after)),
         largest_torque_change=change,
         at_velocity=velocity,
+        normal_load=load,
+        load_known=known,
     )
+
+
+class _AtOneLoad(NamedTuple):
+    """Two models at one normal load, that load if any is known, and whose own load is known."""
+
+    old: FrictionModel
+    new: FrictionModel
+    load: float | None
+    known: tuple[bool, bool]
+
+
+def _at_one_load(old: FrictionModel, new: FrictionModel) -> _AtOneLoad:
+    before, after = own_load(old), own_load(new)
+    load = after if before is None else before
+    if before is not None:
+        old = at_normal_load(old, before)
+    if load is not None and after is not None:
+        new = at_normal_load(new, load)
+    return _AtOneLoad(old, new, load, (before is not None, after is not None))
 
 
 def _difference(old: FrictionModel, new: FrictionModel) -> tuple[list[str], FloatArray, FloatArray]:

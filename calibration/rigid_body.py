@@ -20,9 +20,10 @@ from fricomp.recording import Recording
 
 from .identification import IdentificationOptions, IdentificationResult, identify
 from .identification.form import separable_law
+from .motion_parts import MotionParts, split_motion
 
 __all__ = ["JointSamples", "MotionIdentification", "RegressionSettings", "RigidBodyFit", "fit_rigid_body",
-           "identify_motion", "prediction_error", "sample_joint"]  # fmt: skip
+           "identify_motion", "prediction_error", "sample_joint", "split_for"]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class RegressionSettings:
         torque_cutoff: Low-pass of torque and regressors; samples are decimated to five times it [Hz].
         gravity: Whether gravity acts (a cosine and a sine of the position).
         slowest: Samples below this fraction of the top speed are left out of the friction curve.
-        margin: Time left out at both ends, where filters start [s].
+        margin: Time left out at both ends, where filters start; around gaps too [s].
     """
 
     position_cutoff: float = 60.0
@@ -45,6 +46,7 @@ class RegressionSettings:
 
 
 _DEFAULTS = RegressionSettings()
+_FEWEST_SAMPLES = 200
 
 
 _REFINEMENTS = 3
@@ -56,19 +58,19 @@ class RecordedVelocity:
     """The velocity before the low-pass that samples have gone through.
 
     Attributes:
-        velocity: At the recording's own rate [rad/s] or [m/s]. Shape (n_recorded,).
-        low_pass: Second-order sections of the filter.
-        index: Positions of the samples in it. Shape (n,).
+        parts: Velocity of each part between gaps, at the recording's own rate [rad/s] or [m/s].
+        low_pass: Second-order sections of the filter, which each part has gone through on its own.
+        index: Positions of the samples in the parts, one after the other. Shape (n,).
     """
 
-    velocity: FloatArray
+    parts: tuple[FloatArray, ...]
     low_pass: FloatArray
     index: np.ndarray[tuple[int], np.dtype[np.intp]]
 
     def filtered_torque(self, model: FrictionModel) -> FloatArray:
         """Friction of `model` as the low-pass shows it at the samples [N·m] or [N]. Shape (n,)."""
-        torque = np.asarray(model.torque(self.velocity), dtype=np.float64)
-        return np.asarray(sosfiltfilt(self.low_pass, torque)[self.index])
+        torques = [np.asarray(model.torque(velocity), dtype=np.float64) for velocity in self.parts]
+        return np.concatenate([sosfiltfilt(self.low_pass, torque) for torque in torques])[self.index]
 
 
 @dataclass(frozen=True)
@@ -145,30 +147,51 @@ class MotionIdentification:
 
 
 def sample_joint(recording: Recording, settings: RegressionSettings = _DEFAULTS) -> JointSamples:
-    """Filter and decimate a recording.
+    """Filter and decimate a recording, each part between gaps on its own: nothing is known of the motion in a gap.
 
     Raises:
         IdentificationError: The recording is too short for the filters.
     """
-    rate = 1.0 / float(np.median(np.diff(recording.time)))
-    even = np.arange(recording.time[0], recording.time[-1], 1.0 / rate)
-    if len(even) < 200:
-        raise IdentificationError(f"a motion needs at least 200 samples, this one has {len(even)}")
+    rate = 1.0 / recording.sample_period
+    times = [np.arange(part.time[0], part.time[-1], 1.0 / rate) for part in split_for(recording, settings).parts]
+    count = sum(map(len, times))
+    if count < _FEWEST_SAMPLES:
+        raise IdentificationError(
+            f"a motion needs at least {_FEWEST_SAMPLES} samples between gaps, this one has {count}"
+        )
+    low_pass = butter(4, min(settings.torque_cutoff, 0.4 * rate), fs=rate, output="sos")
+    filtered, velocities, kept = zip(*(_filter(even, recording, low_pass, settings) for even in times), strict=True)
+    starts = np.concatenate([[0], np.cumsum([len(even) for even in times])[:-1]])
+    index = np.concatenate([start + part for start, part in zip(starts, kept, strict=True)])
+    return JointSamples(*np.concatenate(filtered, axis=1), recorded=RecordedVelocity(velocities, low_pass, index))
+
+
+def split_for(recording: Recording, settings: RegressionSettings = _DEFAULTS) -> MotionParts:
+    """The parts of a recording that are filtered; gaps below half a period of the position's cutoff are bridged."""
+    return split_motion(recording, shortest_gap=0.5 / settings.position_cutoff, margin=settings.margin)
+
+
+def _filter(
+    even: FloatArray, recording: Recording, low_pass: FloatArray, settings: RegressionSettings
+) -> tuple[FloatArray, FloatArray, np.ndarray[tuple[int], np.dtype[np.intp]]]:
+    """One part without gaps: the first columns of `JointSamples`, the velocity before its filter, and which are kept.
+
+    Args:
+        even: Times at the recording's rate [s]. Shape (n,).
+        recording: What is sampled at them.
+        low_pass: Second-order sections of the filter.
+        settings: Cutoffs and margin.
+    """
+    rate = 1.0 / recording.sample_period
     position = np.interp(even, recording.time, recording.position)
     torque = np.interp(even, recording.time, recording.torque)
-    low_pass = butter(4, min(settings.position_cutoff, 0.4 * rate), fs=rate, output="sos")
-    smooth = sosfiltfilt(low_pass, position)
+    smooth = sosfiltfilt(butter(4, min(settings.position_cutoff, 0.4 * rate), fs=rate, output="sos"), position)
     velocity = np.gradient(smooth, 1.0 / rate)
-    acceleration = np.gradient(velocity, 1.0 / rate)
+    columns = np.stack([smooth, velocity, np.gradient(velocity, 1.0 / rate), np.sign(velocity), torque])
     factor = max(1, int(rate / (5.0 * settings.torque_cutoff)))
-    columns = np.stack([smooth, velocity, acceleration, np.sign(velocity), torque])
-    final = butter(4, min(settings.torque_cutoff, 0.4 * rate), fs=rate, output="sos")
-    filtered = sosfiltfilt(final, columns, axis=1)[:, ::factor]
     skip = max(1, int(settings.margin * rate / factor))
-    index = np.arange(0, len(even), factor)[skip:-skip]
-    position, slowed, acceleration, direction, torque = filtered[:, skip:-skip]
-    recorded = RecordedVelocity(velocity, final, index)
-    return JointSamples(position, slowed, acceleration, direction, torque, recorded)
+    kept = np.arange(0, len(even), factor)[skip:-skip]
+    return sosfiltfilt(low_pass, columns, axis=1)[:, kept], velocity, kept
 
 
 def fit_rigid_body(samples: JointSamples, *, gravity: bool = False) -> RigidBodyFit:

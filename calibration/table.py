@@ -35,12 +35,16 @@ def is_friction_table(path: str | os.PathLike[str]) -> bool:
     """Whether the file is a CSV whose header names velocity and torque, and no time.
 
     Raises:
-        RecordingError: The file cannot be read.
+        RecordingError: The file cannot be read, or its header is neither that of a table nor of a recording.
     """
     if Path(path).suffix.lower() not in (".csv", ".txt"):
         return False
     columns = _rows(path)[0]
-    return "time" not in columns and set(_REQUIRED) <= set(columns)
+    if "time" in columns:
+        return False
+    if not set(_REQUIRED) <= set(columns):
+        raise RecordingError(_explain_header(path, columns))
+    return True
 
 
 def read_friction_table(path: str | os.PathLike[str]) -> FrictionTable:
@@ -55,6 +59,19 @@ def read_friction_table(path: str | os.PathLike[str]) -> FrictionTable:
         raise RecordingError(f"{path} needs the columns velocity and torque and at least one row; it has {header}")
     values = {name: _column(path, rows, header, name) for name in (*_REQUIRED, "normal_load") if name in header}
     return FrictionTable(values["velocity"], values["torque"], values.get("normal_load"))
+
+
+def _explain_header(path: str | os.PathLike[str], columns: list[str]) -> str:
+    """What a header lacks that is neither a table's nor a recording's."""
+    advice = "rename or add columns, or bring a recording in with 'fricomp convert SOURCE --mapping FILE'"
+    if len(columns) == 1 and any(sign in columns[0] for sign in ";\t"):
+        advice = "separate the columns by commas"
+    elif {"time", *_REQUIRED} & {name.lower() for name in columns}.difference(columns):
+        advice = "write the names in lower case"
+    return (
+        f"{path} has the header {','.join(columns)[:80]!r}: a table of friction points has velocity,torque, a "
+        f"recording time,position,torque; {advice}"
+    )
 
 
 def _rows(path: str | os.PathLike[str]) -> list[list[str]]:

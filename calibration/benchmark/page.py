@@ -132,7 +132,9 @@ parameters come out within two of their standard deviations.
 `identify(..., law=...)` takes `coulomb`, `coulomb_viscous`, `tanh`, `arctan`, `symmetric_stribeck`, `stribeck` from
 points, and `dahl`, `lugre` from a time series with reversals (output error; a network of velocity and load has no
 state and takes no part). `choose_law` compares by held-out likelihood. `profile_interval` serves where the likelihood
-is not quadratic, `block_bootstrap` where samples are correlated, as those of a recorded motion are.
+is not quadratic, `block_bootstrap` where samples are correlated, as those of a recorded motion are. With
+`normal_load` the parameters hold at the mean load of the points, and this is the load that is assumed wherever none is
+known later; `fricomp compare` brings models that know their loads to one load first.
 """
 
 

@@ -41,8 +41,8 @@ class IdentificationOptions:
 
     Attributes:
         start: Parameters by dotted name from which training starts instead of variable projection.
-        reference_load: Normal load at which the parameters hold. By default 1 where dry friction is proportional
-            to the load (then it does not matter), else the mean load.
+        reference_load: Normal load at which the parameters hold, in the unit of the loads; their mean by default.
+            Where no load is known later on, such as in a compensator, this is the load that is assumed.
         joint: Name of the joint.
         motion: `rotary` or `linear`.
         torque_unit: Unit of the torque.
@@ -95,7 +95,8 @@ def identify(
     Args:
         velocity: [rad/s] or [m/s]. Shape (n,).
         torque: Friction torque, with the sign of the velocity [N·m] or [N]. Shape (n,).
-        normal_load: Normal load of each point or of all, where dry friction depends on it.
+        normal_load: Normal load of each point or of all, where dry friction depends on it, in any unit that later
+            loads share, such as [N]. Shape () or (n,).
         method: `pinn` trains the paper's network and the parameters together; `least_squares` maximises the
             likelihood of the closed form alone, which has the same optimum.
         noise: `relative` to the model's torque, `absolute`, `auto` (decided by likelihood), or one standard
@@ -164,11 +165,12 @@ def _fit_forms(
         solve = fit_robust if loss == "robust" else fit_likelihood
         return {noise.kind: solve(form, points, noise) for noise in candidates}
 
-    form = separable_law(law, LoadScaling(1.0, reference_load or 1.0))
+    known = points.normal_load
+    reference = reference_load or (1.0 if known is None else float(np.mean(known)))
+    form = separable_law(law, LoadScaling(1.0, reference))
     fits = fit(form)
-    if points.normal_load is None or np.ptp(points.normal_load) == 0.0:
+    if known is None or np.ptp(known) == 0.0:
         return form, fits
-    reference = reference_load or float(np.mean(points.normal_load))
     free = separable_law(law, LoadScaling(1.0, reference), free_sensitivity=True)
     free_fits = fit(free)
     gain = _least(fits) - _least(free_fits)

@@ -35,6 +35,10 @@ def compare(
         table.add_row(change.name, *numbers, f"{change.p_value:.2g}", change.unit, style=style)
     out = console()
     out.print(table)
+    if result.normal_load is not None:
+        unknown = [name for name, known in zip(("old", "new"), result.load_known, strict=True) if not known]
+        alike = f"; the {unknown[0]} model does not know its load, taken as the same" if unknown else ""
+        out.print(f"Both at a normal load of {result.normal_load:g}{alike}.")
     for title, terms in (("New terms", result.added), ("Terms gone", result.removed)):
         if terms:
             out.print(f"{title}: {', '.join(terms)}.")

@@ -42,8 +42,11 @@ def convert(
     """Bring recordings of other formats into the native one, and check them."""
     from fricomp.recording import check_recording, raise_errors, write_recording
 
-    found = _select(_read(source, mapping, rate, skip_bad_rows=skip_bad_rows), only or [])
-    findings = {named.name: check_recording(named.recording) for named in found}
+    if rate is not None and not 0.0 < rate < float("inf"):
+        raise RecordingError(f"--rate is {rate:g}: give samples a second above 0 [Hz], or leave it out")
+    read, of_file = _read(source, mapping, rate, skip_bad_rows=skip_bad_rows)
+    found = _select(read, only or [])
+    findings = {named.name: of_file + check_recording(named.recording) for named in found}
     targets = {named.name: _target(out, named.name, alone=len(found) == 1) for named in found}
     if not force:
         for name, noticed in findings.items():
@@ -53,19 +56,23 @@ def convert(
     _show(found, findings, targets)
 
 
-def _read(source: Path, mapping: str, rate: float | None, *, skip_bad_rows: bool) -> list[NamedRecording]:
-    from fricomp.recording import NamedRecording, convert, read_recording, resample
+def _read(
+    source: Path, mapping: str, rate: float | None, *, skip_bad_rows: bool
+) -> tuple[list[NamedRecording], tuple[Finding, ...]]:
+    """The recordings, and what was wrong with a native file itself."""
+    from fricomp.recording import NamedRecording, convert, resample
+    from fricomp.recording.file import read_content
 
     if mapping:
-        return list(convert(source, _adjust(mapping, rate, skip_bad_rows=skip_bad_rows)))
+        return list(convert(source, _adjust(mapping, rate, skip_bad_rows=skip_bad_rows))), ()
     try:
-        recording = read_recording(source)
+        recording, findings = read_content(source, skip_bad_rows=skip_bad_rows)
     except RecordingError as error:
         from fricomp.recording import list_mappings
 
         known = ", ".join(list_mappings())
         raise RecordingError(f"{error}; without --mapping only native recordings are read (known: {known})") from error
-    return [NamedRecording(source.stem, resample(recording, rate) if rate else recording)]
+    return [NamedRecording(source.stem, recording if rate is None else resample(recording, rate))], findings
 
 
 def _adjust(name: str, rate: float | None, *, skip_bad_rows: bool) -> Mapping:
@@ -77,7 +84,7 @@ def _adjust(name: str, rate: float | None, *, skip_bad_rows: bool) -> Mapping:
     mapping = load_mapping(name)
     return msgspec.structs.replace(
         mapping,
-        resample_rate=rate or mapping.resample_rate,
+        resample_rate=mapping.resample_rate if rate is None else rate,
         skip_bad_rows=skip_bad_rows or mapping.skip_bad_rows,
     )
 

@@ -105,7 +105,7 @@ def _render(
     from fricomp.model import encode_model, load_model
 
     model, (to, way, any_status), (into, joint) = load_model(path), kind, target
-    text = into.read_text() if into is not None else None
+    text = _read(into) if into is not None else None
     if to is Target.json:
         return encode_model(model).decode(), "nothing is lost"
     if to is Target.c:
@@ -122,7 +122,19 @@ def _render(
     return apply_to_urdf(export, text, joint or model.joint), str(export.fidelity)
 
 
+def _read(path: Path) -> str:
+    """The MJCF or URDF file to write into; an editor's byte order mark is no part of it."""
+    from fricomp.errors import ExportError
+
+    try:
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise ExportError(f"cannot read {path}: {error.strerror or error}") from error
+    except UnicodeDecodeError as error:
+        raise ExportError(f"{path} is no text in UTF-8: --into takes an MJCF or URDF file") from error
+
+
 def _write(path: Path, text: str) -> None:
     part = path.with_name(path.name + ".part")
-    part.write_text(text)
+    part.write_text(text, encoding="utf-8")
     part.replace(path)

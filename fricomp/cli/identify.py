@@ -48,9 +48,11 @@ def identify(
     method: Annotated[Literal["pinn", "least_squares"], typer.Option(help="Both have the same optimum.")] = "pinn",
     noise: Annotated[str, typer.Option(help="auto, relative or absolute.")] = "auto",
     loss: Annotated[Literal["gaussian", "robust"], typer.Option(help="robust: against outliers.")] = "gaussian",
-    law: Annotated[str, typer.Option(help="stribeck, symmetric_stribeck, coulomb, ... or auto.")] = "stribeck",
+    law: Annotated[
+        str, typer.Option(help="stribeck, symmetric_stribeck, coulomb, ...; for tables also auto.")
+    ] = "stribeck",
     gravity: Annotated[bool, typer.Option(help="For a recording: gravity acts on the joint.")] = False,
-    seed: Annotated[int, typer.Option(help="Of the network's first weights.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Of the network's first weights.")] = 0,
     depart: Annotated[bool, typer.Option(help="Let a network leave the law where held-out points ask for it.")] = False,
     batch: Annotated[bool, typer.Option("--batch", help="Tables of a fleet: all joints in one call.")] = False,
     device: Annotated[str, typer.Option(help="Of torch, for --batch: cpu, cuda.")] = "cpu",
@@ -59,9 +61,10 @@ def identify(
     resume: Annotated[bool, typer.Option("--resume", help="Of a fleet: go on with the one in --out.")] = False,
 ) -> None:
     """Identify friction; with a recording, inertia, gravity and offset first."""
+    _refuse_dynamic_law(law)
     settings = _Settings(method, noise, loss, law, gravity, seed, depart)
     if batch:
-        _identify_batch(files, out, settings, device)
+        _identify_batch(files, out, settings, device, resume=resume)
     elif _is_fleet(files):
         _identify_fleet(files, out, settings, FleetRun(executor, workers, resume))
     else:
@@ -113,7 +116,7 @@ def _identify_file(file: Path, out: Path, settings: _Settings) -> _Identified:
             table.velocity, table.torque, table.normal_load, method, noise, seed, law=law, loss=loss
         )  # fmt: skip
     else:
-        _refuse_point_options(file, method, noise, loss, seed, settings.depart)
+        _refuse_point_options(file, settings)
         motion = _identify_recording(file, settings.gravity, settings.law, notes)
         result = motion.friction
         notes.insert(0, _rigid_sentence(motion))
@@ -159,7 +162,7 @@ def _identify_one(joint: FleetJoint, out: Path, *, settings: _Settings) -> Fleet
     return identification_row(found.result)
 
 
-def _identify_batch(files: Sequence[str], out: Path, settings: _Settings, device: str) -> None:
+def _identify_batch(files: Sequence[str], out: Path, settings: _Settings, device: str, *, resume: bool) -> None:
     """All tables in one call: parameters and models, no reports of their own."""
     from fricomp.errors import IdentificationError
     from fricomp.sim_bench.fleet import FleetJoint, list_joints
@@ -168,7 +171,7 @@ def _identify_batch(files: Sequence[str], out: Path, settings: _Settings, device
     if (settings.law, settings.loss, settings.depart) != ("stribeck", "gaussian", False):
         raise IdentificationError("--batch fits the Stribeck law to Gaussian noise: leave out --law, --loss, --depart")
     joints = list_joints(files, FleetJoint("", ()))
-    _show_fleet(identify_tables(joints, out, settings.noise, device), out)
+    _show_fleet(identify_tables(joints, out, settings.noise, device, resume=resume), out)
 
 
 def _show_fleet(rows: Sequence[FleetRow], out: Path) -> None:
@@ -184,23 +187,39 @@ def _careful(finding: Finding) -> str:
     return f"Careful: {finding.message.rstrip('.')}: {finding.advice}."
 
 
-def _refuse_point_options(file: Path, method: str, noise: str, loss: str, seed: int, depart: bool) -> None:
+def _refuse_dynamic_law(law: str) -> None:
+    """Laws with a state need the friction torque over time, which this command does not take."""
+    from fricomp.errors import IdentificationError
+
+    if law not in ("lugre", "dahl"):
+        return
+    from fricomp.calibration.identification.form import separable_law_names
+
+    raise IdentificationError(
+        f"--law {law} has a bristle state, which this command does not identify; it knows "
+        f"{', '.join(separable_law_names())}. In Python, fricomp.calibration.identify takes time, velocity and "
+        f"friction torque of a motion with reversals for {law}"
+    )
+
+
+def _refuse_point_options(file: Path, settings: _Settings) -> None:
     """A recording is identified by filtered regression, which these options do not reach."""
     from fricomp.errors import IdentificationError
 
-    settings = (
-        ("--method", method, "pinn"),
-        ("--noise", noise, "auto"),
-        ("--loss", loss, "gaussian"),
-        ("--seed", seed, 0),
-        ("--depart", depart, False),
+    options = (
+        ("--method", settings.method != "pinn"),
+        ("--noise", settings.noise != "auto"),
+        ("--loss", settings.loss != "gaussian"),
+        ("--law auto", settings.law == "auto"),
+        ("--seed", settings.seed != 0),
+        ("--depart", settings.depart),
     )
-    changed = [option for option, value, default in settings if value != default]
+    changed = [option for option, used in options if used]
     if changed:
         names = ", ".join(changed)
         raise IdentificationError(
             f"{names} is for tables of velocity and torque; {file.name} is a recording, whose friction is identified "
-            "together with its rigid body by filtered regression"
+            f"together with its rigid body by filtered regression: leave {'them' if len(changed) > 1 else 'it'} out"
         )
 
 
@@ -216,17 +235,17 @@ def _choose_law(law: str, data: tuple[np.ndarray, np.ndarray, np.ndarray | None]
 
 def _identify_recording(file: Path, gravity: bool, law: str, notes: list[str]) -> MotionIdentification:
     from fricomp.calibration.identification import IdentificationOptions
-    from fricomp.calibration.rigid_body import RegressionSettings, identify_motion, sample_joint
-    from fricomp.recording import raise_errors, read_checked
+    from fricomp.calibration.motion_parts import read_motion_recording
+    from fricomp.calibration.rigid_body import RegressionSettings, identify_motion, sample_joint, split_for
 
-    recording, findings = read_checked(file)
-    raise_errors(findings, str(file))
-    notes += map(_careful, findings)
+    recording, findings, about = read_motion_recording(file)
     settings = RegressionSettings(gravity=gravity)
+    of_gaps = split_for(recording, settings).notes
+    notes += (*about, *of_gaps)
+    notes += (_careful(finding) for finding in findings if not (of_gaps and finding.code == "gap"))
     meta = recording.metadata
     options = IdentificationOptions(joint=meta.joint, motion=meta.motion, torque_unit=meta.torque_unit)
-    form = "stribeck" if law == "auto" else law
-    return identify_motion(sample_joint(recording, settings), settings, law=form, options=options)
+    return identify_motion(sample_joint(recording, settings), settings, law=law, options=options)
 
 
 def _rigid_sentence(motion: MotionIdentification) -> str:

@@ -18,13 +18,16 @@ from fricomp.control import (
     require_usable,
     split_law,
 )
-from fricomp.errors import ExportError
+from fricomp.errors import ExportError, ParameterError
 from fricomp.export.c_terms import EXTRA_CHECKS, EXTRA_FIELDS, render_extra
 from fricomp.model import FrictionModel, encode_model
 
 __all__ = ["render_c_header"]
 
 Literal = Callable[[float], str]
+
+_LONGEST_PERIOD = 10.0
+"""Control periods end here [s], as in `Compensator`."""
 
 
 def render_c_header(
@@ -48,10 +51,12 @@ def render_c_header(
 
     Raises:
         ExportError: The prefix is no C name, or the law has a term without a closed form in C.
-        ParameterError: The model is not usable.
+        ParameterError: The model is not usable, or the period is outside the range that `Compensator` takes.
     """
     if not any_status:
         require_usable(model)
+    if not 0.0 < period < _LONGEST_PERIOD:
+        raise ParameterError(f"the period must be positive and below {_LONGEST_PERIOD:g} s, got {period!r}")
     curves = split_law(bound_friction(model).law)
     chosen = settings or choose_settings(model)
     name = prefix if prefix is not None else "friction_" + re.sub(r"\W+", "_", model.joint.lower()).strip("_")

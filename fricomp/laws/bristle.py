@@ -52,7 +52,7 @@ class Dahl(DynamicTerm):
         "coulomb_torque": "{torque}",
         "sigma_0": "{torque}/{position}",
         "load_sensitivity": "1",
-        "reference_load": "{torque}",
+        "reference_load": "as normal_load",
     }
 
     coulomb_torque: float

@@ -13,7 +13,7 @@ from fricomp.laws.term import OperatingPoint, Scalar, Term, require, require_non
 
 __all__ = ["Coulomb", "SmoothedCoulomb", "Viscous"]
 
-_LOAD_UNITS = {"load_sensitivity": "1", "reference_load": "{torque}"}
+_LOAD_UNITS = {"load_sensitivity": "1", "reference_load": "as normal_load"}
 
 
 @dataclass(frozen=True)

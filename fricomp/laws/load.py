@@ -18,7 +18,8 @@ class LoadScaling:
 
     Attributes:
         load_sensitivity: k, between "not at all" and "proportional" [1].
-        reference_load: N_ref, the load at which the law's parameters hold [N·m], [N] or any unit the loads share.
+        reference_load: N_ref, the load at which the law's parameters hold; [N] or any unit that the loads share,
+            which a model file calls "as normal_load".
     """
 
     load_sensitivity: float = 1.0

@@ -27,7 +27,7 @@ STRIBECK_UNITS: Mapping[str, str] = {
     "viscous_coefficient": "{torque}·s/{position}",
     "stribeck_exponent": "1",
     "load_sensitivity": "1",
-    "reference_load": "{torque}",
+    "reference_load": "as normal_load",
 }
 
 

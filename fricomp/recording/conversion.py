@@ -13,6 +13,7 @@ from fricomp.recording.recording import CHANNELS, Recording
 from fricomp.recording.resampling import resample
 from fricomp.recording.sources import Columns, find_column, read_columns
 from fricomp.recording.unit import find_unit
+from fricomp.recording.validity import find_usable_rows
 
 Samples = NDArray[np.float64]
 
@@ -111,7 +112,7 @@ def _build(plan: _Plan, columns: Columns, mapping: Mapping, path: Path) -> Recor
     for name in _in_order(plan.channels):
         channels[name] = _fill(name, plan, columns, rows, channels)
     if mapping.skip_bad_rows:
-        keep = _usable_rows(channels)
+        keep = find_usable_rows(channels)
         channels = {name: values[keep] for name, values in channels.items()}
     for name, rule in plan.channels.items():
         if rule.from_zero:
@@ -120,7 +121,7 @@ def _build(plan: _Plan, columns: Columns, mapping: Mapping, path: Path) -> Recor
         recording = Recording.from_channels(channels, plan.metadata)
     except RecordingError as error:
         raise RecordingError(f"{path}, {plan.name}: {error}") from error
-    return resample(recording, mapping.resample_rate) if mapping.resample_rate else recording
+    return recording if mapping.resample_rate is None else resample(recording, mapping.resample_rate)
 
 
 def _select_rows(plan: _Plan, columns: Columns, path: Path) -> NDArray[np.intp]:
@@ -200,11 +201,3 @@ def _require_unit(channel: str, unit: str, si: str, metadata: RecordingMetadata)
     wanted = metadata.torque_unit if expected is None else expected[metadata.motion == "linear"]
     if si != wanted:
         raise RecordingError(f"mapping: {channel} is in {wanted}, unit {unit!r} is a unit of {si}")
-
-
-def _usable_rows(channels: dict[str, Samples]) -> NDArray[np.bool_]:
-    """Rows whose samples are all finite and whose time is later than every usable one before."""
-    keep = np.all([np.isfinite(values) for values in channels.values()], axis=0)
-    time = np.where(keep, channels["time"], -np.inf)
-    latest = np.maximum.accumulate(np.concatenate([[-np.inf], time[:-1]]))
-    return np.asarray(keep & (channels["time"] > latest))

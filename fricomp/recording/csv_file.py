@@ -26,6 +26,7 @@ from fricomp.errors import RecordingError
 from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import RecordingMetadata, metadata_from_fields, metadata_to_fields
 from fricomp.recording.recording import CHANNELS, REQUIRED_CHANNELS, Recording
+from fricomp.recording.validity import drop_bad_rows
 from fricomp.recording.whole_file import whole_file
 
 SCHEMA = "fricomp.recording/1"
@@ -65,8 +66,12 @@ def write_csv(recording: Recording, path: Path) -> None:
         os.fsync(file.fileno())
 
 
-def read_csv(path: Path) -> FileContent:
+def read_csv(path: Path, *, skip_bad_rows: bool = False) -> FileContent:
     """Read a CSV recording.
+
+    Args:
+        path: File.
+        skip_bad_rows: Leave out rows without a finite number in every column or with a time that does not advance.
 
     Raises:
         RecordingError: The file is no recording, holds something that is no number, or its
@@ -77,8 +82,11 @@ def read_csv(path: Path) -> FileContent:
     names = _parse_header(header, path)
     body, findings = _drop_torn_line(text[start:], len(names), signed=text.startswith(f"# {_FAMILY}"))
     try:
-        table = _parse_table(body, names)
+        table = _parse_table(body, names, skip_bad_rows=skip_bad_rows)
         columns = dict(zip(names, table.T, strict=True))
+        if skip_bad_rows:
+            columns, left_out = drop_bad_rows(columns)
+            findings += left_out
         recording = Recording.from_channels(columns, metadata_from_fields(fields))
     except RecordingError as error:
         raise RecordingError(f"{path}: {error}") from error
@@ -158,13 +166,15 @@ def _drop_torn_line(body: str, width: int, *, signed: bool) -> tuple[str, tuple[
     return body[:end], (Finding("torn_line", "warning", message, advice, row),)
 
 
-def _parse_table(body: str, names: list[str]) -> NDArray[np.float64]:
+def _parse_table(body: str, names: list[str], *, skip_bad_rows: bool) -> NDArray[np.float64]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # numpy says so when there is no row at all
         try:
             table = np.loadtxt(io.StringIO(body), delimiter=",", comments="#", ndmin=2)
         except ValueError:
-            raise _explain_bad_cell(body, names) from None
+            if not skip_bad_rows:
+                raise _explain_bad_cell(body, names) from None
+            table = _parse_leniently(body, names)
     if table.size == 0:
         raise RecordingError("the file has a header and no rows: record again")
     if table.shape[1] != len(names):
@@ -172,9 +182,23 @@ def _parse_table(body: str, names: list[str]) -> NDArray[np.float64]:
     return np.asarray(table, dtype=np.float64)
 
 
+def _parse_leniently(body: str, names: list[str]) -> NDArray[np.float64]:
+    """The rows with NaN for every cell that is no number, and in all of a row that is cut short or too long."""
+    nothing = [float("nan")] * len(names)
+    rows = [line.split(",") for line in _data_lines(body)]
+    return np.array([[_number(cell) for cell in row] if len(row) == len(names) else nothing for row in rows])
+
+
+def _data_lines(body: str) -> Iterator[str]:
+    return (line for line in body.splitlines() if line.strip() and not line.startswith("#"))
+
+
+def _number(cell: str) -> float:
+    return float(cell) if _is_number(cell) else float("nan")
+
+
 def _explain_bad_cell(body: str, names: list[str]) -> RecordingError:
-    rows = (line for line in body.splitlines() if line.strip() and not line.startswith("#"))
-    for row, line in enumerate(rows, start=1):
+    for row, line in enumerate(_data_lines(body), start=1):
         cells = line.split(",")
         if len(cells) != len(names):
             return RecordingError(f"row {row} has {len(cells)} cells where the header has {len(names)}: repair it")

@@ -44,15 +44,25 @@ def read_recording(path: str | Path) -> Recording:
     return content.recording
 
 
-def read_content(path: Path) -> FileContent:
-    """Read a recording with what was wrong with its file; nothing is warned about."""
+def read_content(path: Path, *, skip_bad_rows: bool = False) -> FileContent:
+    """Read a recording with what was wrong with its file; nothing is warned about.
+
+    Args:
+        path: File.
+        skip_bad_rows: Leave out rows without a finite number in every column or with a time that does not advance;
+            a finding says how many.
+
+    Raises:
+        RecordingError: As for `read_recording`.
+        MissingExtraError: The file is Parquet and pyarrow is not installed.
+    """
     if not path.exists():
         raise RecordingError(f"no recording at {path}: check the path")
     if path.is_dir():
         raise RecordingError(f"{path} is a folder: name the recording inside it")
     if _suffix(path) in _PARQUET:
-        return FileContent(read_parquet(path), ())
-    return read_csv(path)
+        return read_parquet(path, skip_bad_rows=skip_bad_rows)
+    return read_csv(path, skip_bad_rows=skip_bad_rows)
 
 
 def _suffix(path: Path) -> str:

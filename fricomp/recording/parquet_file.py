@@ -6,9 +6,11 @@ from typing import Any
 import msgspec
 
 from fricomp.errors import MissingExtraError, RecordingError
-from fricomp.recording.csv_file import SCHEMA
+from fricomp.recording.csv_file import SCHEMA, FileContent
+from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import metadata_from_fields, metadata_to_fields
 from fricomp.recording.recording import Recording
+from fricomp.recording.validity import drop_bad_rows
 from fricomp.recording.whole_file import whole_file
 
 _KEY = b"fricomp.recording"
@@ -28,8 +30,12 @@ def write_parquet(recording: Recording, path: Path) -> None:
         parquet.write_table(table, temporary)
 
 
-def read_parquet(path: Path) -> Recording:
+def read_parquet(path: Path, *, skip_bad_rows: bool = False) -> FileContent:
     """Read a recording; a Parquet file of another program needs the same column names.
+
+    Args:
+        path: File.
+        skip_bad_rows: Leave out rows without a finite number in every column or with a time that does not advance.
 
     Raises:
         MissingExtraError: pyarrow is not installed.
@@ -43,9 +49,12 @@ def read_parquet(path: Path) -> Recording:
     except pyarrow.ArrowException as error:
         raise RecordingError(f"{path} is no Parquet file: {error}") from error
     columns = {name: table.column(name).to_numpy() for name in table.column_names}
+    findings: tuple[Finding, ...] = ()
     try:
         fields = _decode_fields((table.schema.metadata or {}).get(_KEY))
-        return Recording.from_channels(columns, metadata_from_fields(fields))
+        if skip_bad_rows and "time" in columns and all(c.dtype.kind in "fiu" for c in columns.values()):
+            columns, findings = drop_bad_rows(columns)
+        return FileContent(Recording.from_channels(columns, metadata_from_fields(fields)), findings)
     except RecordingError as error:
         raise RecordingError(f"{path}: {error}") from error
 

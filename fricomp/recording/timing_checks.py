@@ -1,6 +1,7 @@
 """Checks of the clock: gaps, jitter, a rate that changes, a rate that is too low, other units of time."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
@@ -32,10 +33,15 @@ def find_low_rate(recording: Recording) -> tuple[Finding, ...]:
     return (Finding("low_rate", "warning", message, "record faster; only slow sliding can be judged", column="time"),)
 
 
+def locate_gaps(recording: Recording, at_least: float = 0.0) -> NDArray[np.intp]:
+    """Rows before each step of time that is longer than five periods, and than `at_least` [s]. Shape (n_gaps,)."""
+    return np.flatnonzero(np.diff(recording.time) > max(_GAP_PERIODS * recording.sample_period, at_least))
+
+
 def find_gaps(recording: Recording) -> tuple[Finding, ...]:
     """Steps of time longer than five periods."""
     step = np.diff(recording.time)
-    gaps = np.flatnonzero(step > _GAP_PERIODS * recording.sample_period)
+    gaps = locate_gaps(recording)
     if not gaps.size:
         return ()
     longest = gaps[np.argmax(step[gaps])]

@@ -25,6 +25,36 @@ def find_invalid(channels: Mapping[str, Samples]) -> tuple[Finding, ...]:
     return not_finite or _find_backward_time(channels["time"])
 
 
+def find_usable_rows(channels: Mapping[str, Samples]) -> NDArray[np.bool_]:
+    """Return the rows whose samples are all finite and whose time is later than every usable one before.
+
+    Args:
+        channels: As for `find_invalid`, of equal lengths.
+
+    Returns:
+        Shape (n_samples,).
+    """
+    keep = np.all([np.isfinite(values) for values in channels.values()], axis=0)
+    time = np.where(keep, channels["time"], -np.inf)
+    latest = np.maximum.accumulate(np.concatenate([[-np.inf], time[:-1]]))
+    return np.asarray(keep & (channels["time"] > latest))
+
+
+def drop_bad_rows(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tuple[Finding, ...]]:
+    """Return the usable rows of all channels, and a note on how many were left out.
+
+    Args:
+        channels: As for `find_invalid`, of equal lengths.
+    """
+    keep = find_usable_rows(channels)
+    bad = np.flatnonzero(~keep)
+    if not bad.size:
+        return dict(channels), ()
+    message = f"{bad.size} of {keep.size} rows were left out: no finite number in every column, or no later time"
+    note = Finding("bad_rows", "note", message, "nothing to do: this was asked for", int(bad[0]) + 1)
+    return {name: values[keep] for name, values in channels.items()}, (note,)
+
+
 def _find_shape_errors(channels: Mapping[str, Samples]) -> tuple[Finding, ...]:
     rows = channels["time"].shape
     if len(rows) != 1 or rows[0] < 2:

@@ -13,18 +13,24 @@ import numpy as np
 import fricomp
 from fricomp.calibration import IdentificationResult
 from fricomp.calibration.batch import BatchIdentification, identify_batch
+from fricomp.calibration.batch.points import observe_all
+from fricomp.calibration.identification.identify import require_choice
+from fricomp.calibration.identification.observation import observe
 from fricomp.calibration.table import FrictionTable, read_friction_table
-from fricomp.errors import IdentificationError
+from fricomp.errors import FricompError, IdentificationError
 from fricomp.model import Covariance, FrictionModel, Provenance, Validity, save_model
 from fricomp.report import Chart, Panel, Points, ReportPage, Section, Table, write_report
 
 from .joint import FleetJoint
-from .run import FleetRow, write_rows
+from .run import FleetRow, Parcel, at_home, begin_fleet, collect_rows, failed_row, pack, write_row
 
 __all__ = ["identification_row", "identification_table", "identify_tables", "write_identification_fleet"]
 
 _DEVIATION = ".standard_deviation"
-_FACTS = ("name", "error", "seconds", "recordings", "status", "message", "noise", "noise_level", "torque_unit")
+_FACTS = (
+    *("name", "error", "seconds", "recordings", "sha256", "written"),
+    *("status", "message", "noise", "noise_level", "torque_unit"),
+)
 
 
 def identification_row(result: IdentificationResult) -> FleetRow:
@@ -41,46 +47,87 @@ def identification_row(result: IdentificationResult) -> FleetRow:
     return row
 
 
-def identify_tables(joints: Sequence[FleetJoint], out: Path, noise: str, device: str = "cpu") -> list[FleetRow]:
-    """Identify the tables of velocity and torque of all joints in one call; write models and `fleet.parquet`.
+def identify_tables(
+    joints: Sequence[FleetJoint], out: Path, noise: str, device: str = "cpu", *, resume: bool = False
+) -> list[FleetRow]:
+    """Identify the tables of velocity and torque of all joints in one call; one that fails stops no other.
+
+    Args:
+        joints: With names that differ and one table each; a normal load must be the same in all rows of a table.
+        out: Folder; each joint gets one in it with its model, and the fleet its rows as from `run_fleet`.
+        noise: `auto`, `relative` or `absolute`.
+        device: Of torch.
+        resume: Keep what is finished, and do what failed, is missing, or was done from other files.
+
+    Returns:
+        The rows of all joints, in their order; `fleet.parquet` holds them too.
 
     Raises:
-        IdentificationError: A joint has no table of its own, a normal load, or cannot be identified.
-        RecordingError: A table cannot be read.
+        IdentificationError: There is no such noise model.
+        RecordingError: The folder holds a run and is not to be resumed, or with other settings.
     """
-    tables = [_read_table(joint) for joint in joints]
-    kind = cast(Literal["auto", "relative", "absolute"], noise)
-    found = identify_batch([t.velocity for t in tables], [t.torque for t in tables], kind, device=device)
-    status, rows = found.status, []
-    for index, (joint, table) in enumerate(zip(joints, tables, strict=True)):
-        folder = out / joint.name
-        folder.mkdir(parents=True, exist_ok=True)
-        save_model(_model(joint, table, found, index), folder / "friction.json")
-        row: FleetRow = {"name": joint.name, "error": "", "seconds": 0.0, "recordings": str(joint.recordings[0])}
-        row |= {"status": str(status[index]), "message": "", "noise": str(found.noise[index])}
-        row |= {"noise_level": float(found.noise_level[index]), "torque_unit": "N·m"}
-        deviations = found.standard_deviations[index]
-        for name, value, deviation in zip(found.parameter_names, found.values[index], deviations, strict=True):
-            row |= {name: float(value), name + _DEVIATION: float(deviation)}
-        rows.append(row)
-    write_rows(rows, out / "fleet.parquet")
-    return rows
+    require_choice("noise", noise, ("auto", "relative", "absolute"))
+    joints = [at_home(joint) for joint in joints]
+    before = begin_fleet(out, {"command": "identify --batch", "noise": noise}, resume)
+    todo = [each for joint in joints if (each := _prepare(joint, before.get(joint.name), out)) is not None]
+    if todo:
+        tables = [table for _, table in todo]
+        kind = cast(Literal["auto", "relative", "absolute"], noise)
+        found = identify_batch([t.velocity for t in tables], [t.torque for t in tables], kind, device=device)
+        for index, (parcel, table) in enumerate(todo):
+            _write_joint(parcel, table, found, index, out)
+    return collect_rows(joints, out)
+
+
+def _prepare(joint: FleetJoint, before: FleetRow | None, out: Path) -> tuple[Parcel, FrictionTable] | None:
+    """A joint's table, or None where it is finished or has failed; its row says so then."""
+    try:
+        parcel = pack(joint)
+        return None if parcel.gave(before) else (parcel, _read_table(joint))
+    except OSError as error:
+        message = f"cannot read {error.filename}: {error.strerror}"
+    except FricompError as error:
+        message = str(error)
+    write_row(failed_row(joint, message), out)
+    return None
 
 
 def _read_table(joint: FleetJoint) -> FrictionTable:
+    """The table of a joint, if a batch can identify it."""
     if len(joint.recordings) != 1:
         raise IdentificationError(f"joint {joint.name} has {len(joint.recordings)} files: a batch takes one table each")
     table = read_friction_table(joint.recordings[0])
     if table.normal_load is not None and np.ptp(table.normal_load) > 0.0:
         raise IdentificationError(f"joint {joint.name} has a normal load that varies: leave out --batch")
+    observe(table.velocity, table.torque, table.normal_load)
+    observe_all([table.velocity], [table.torque])
     return table
 
 
+def _write_joint(parcel: Parcel, table: FrictionTable, found: BatchIdentification, index: int, out: Path) -> None:
+    """The model of one joint of a batch, and its row."""
+    joint = parcel.joint
+    folder = out / joint.name
+    folder.mkdir(parents=True, exist_ok=True)
+    save_model(_model(joint, table, found, index), folder / "friction.json")
+    row: FleetRow = {"name": joint.name, "error": "", "seconds": 0.0, **parcel.origin, "written": "friction.json"}
+    row |= {"status": str(found.status[index]), "message": "", "noise": str(found.noise[index])}
+    row |= {"noise_level": float(found.noise_level[index]), "torque_unit": "N·m"}
+    deviations = found.standard_deviations[index]
+    for name, value, deviation in zip(found.parameter_names, found.values[index], deviations, strict=True):
+        row |= {name: float(value), name + _DEVIATION: float(deviation)}
+    write_row(row, out)
+
+
 def _model(joint: FleetJoint, table: FrictionTable, found: BatchIdentification, index: int) -> FrictionModel:
+    law, loads = found.law(index), None
+    if table.normal_load is not None:  # the same in all rows, so that the parameters hold there
+        loads = (float(table.normal_load[0]), float(table.normal_load[0]))
+        law = law.replace({"stribeck.load.reference_load": loads[0]})
     return FrictionModel(
-        law=found.law(index),
+        law=law,
         joint=joint.joint or joint.name,
-        validity=Validity(velocity=(float(table.velocity.min()), float(table.velocity.max()))),
+        validity=Validity(velocity=(float(table.velocity.min()), float(table.velocity.max())), normal_load=loads),
         covariance=Covariance(found.parameter_names, found.covariance[index]),
         provenance=Provenance(
             method="least_squares",

@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from glob import glob
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -147,17 +148,25 @@ def _joint(row: Mapping[str, Any], number: int, table: Path, defaults: FleetJoin
 
 
 def _with_names(joints: Sequence[FleetJoint]) -> list[FleetJoint]:
-    """A name of its own for each: as given, that of its first recording, with its folder where that repeats."""
-    first = [joint.name or joint.recordings[0].stem for joint in joints]
+    """A name of its own for each: as given, that of its first recording, with its folder where that repeats.
+
+    Names are made fit for a folder first, because two that differ may be the same as a folder.
+    """
+    first = [_folder_name(joint.name or joint.recordings[0].stem) for joint in joints]
     often = Counter(first)
     wide = [
-        name if often[name] == 1 else f"{joint.recordings[0].parent.name}-{name}"
+        name if often[name] == 1 else _folder_name(f"{joint.recordings[0].parent.name}-{name}")
         for name, joint in zip(first, joints, strict=True)
     ]
-    seen: Counter[str] = Counter()
+    taken: set[str] = set()
     named = []
     for name, joint in zip(wide, joints, strict=True):
-        seen[name] += 1
-        unique = name if seen[name] == 1 else f"{name}-{seen[name]}"
-        named.append(replace(joint, name=unique.replace("/", "-").strip(".") or "joint"))
+        numbered = (name if number == 1 else f"{name}-{number}" for number in count(1))
+        unique = next(one for one in numbered if one not in taken)
+        taken.add(unique)
+        named.append(replace(joint, name=unique))
     return named
+
+
+def _folder_name(name: str) -> str:
+    return name.replace("/", "-").strip(".") or "joint"

@@ -7,6 +7,7 @@ file in `rows/`, last of all: where a row is, the joint is finished.
 
 from __future__ import annotations
 
+import hashlib
 import json
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -21,7 +22,20 @@ from fricomp.errors import FricompError, RecordingError
 from .executor import stream
 from .joint import FleetJoint
 
-__all__ = ["FleetRow", "Work", "read_rows", "run_fleet", "write_rows"]
+__all__ = [
+    "FleetRow",
+    "Parcel",
+    "Work",
+    "at_home",
+    "begin_fleet",
+    "collect_rows",
+    "failed_row",
+    "pack",
+    "read_rows",
+    "run_fleet",
+    "write_row",
+    "write_rows",
+]
 
 FleetRow = dict[str, Any]
 Work = Callable[[FleetJoint, Path], FleetRow]
@@ -31,11 +45,23 @@ _SETTINGS = "fleet.json"
 
 
 @dataclass(frozen=True)
-class _Parcel:
+class Parcel:
     """A joint with its files: where they are here, and what is in them."""
 
     joint: FleetJoint
     files: Mapping[Path, bytes]
+
+    @property
+    def origin(self) -> FleetRow:
+        """What a row was made from: the recordings' paths, and a hash over all files, their paths and their content."""
+        digest = hashlib.sha256(f"{self.joint.joint}\n{self.joint.simulation}\n{self.joint.friction}\n".encode())
+        for content in self.files.values():
+            digest.update(hashlib.sha256(content).digest())
+        return {"recordings": _sources(self.joint), "sha256": digest.hexdigest()}
+
+    def gave(self, row: FleetRow | None) -> bool:
+        """Whether a row is the finished one of these very files."""
+        return row is not None and not row["error"] and all(row.get(k) == v for k, v in self.origin.items())
 
 
 class _Answer(NamedTuple):
@@ -63,7 +89,7 @@ def run_fleet(
         out: Folder; each joint gets one in it.
         executor: With the number of its workers, as `open_executor` gives it.
         settings: What the rows depend on beside the joints; a run with others is not gone on with.
-        resume: Keep what is finished, and do what failed or is missing.
+        resume: Keep what is finished, and do what failed, is missing, or was done from other files.
         progress: Called with the row of each joint, and with None for each that was finished before.
 
     Returns:
@@ -72,17 +98,24 @@ def run_fleet(
     Raises:
         RecordingError: The folder holds a run and is not to be resumed, or with other settings.
     """
-    _begin(out, settings, resume)
-    finished = {row["name"] for row in read_rows(out) if not row["error"]}
-    for _ in finished & {joint.name for joint in joints}:
-        progress(None)
-    todo = [joint for joint in joints if joint.name not in finished]
-    for joint, future in stream(_pack_all(todo, work, out, progress), _work_in_folder, executor):
+    joints = [at_home(joint) for joint in joints]
+    before = begin_fleet(out, settings, resume)
+    for joint, future in stream(_pack_all(joints, work, out, before, progress), _work_in_folder, executor):
         row, files = _take(joint, future)
-        _write_files(files, out / joint.name)
-        _write_row(row, out)
+        _replace_files(files, out / joint.name, before.get(joint.name))
+        write_row(row | {"written": ";".join(sorted(files))}, out)
         progress(row)
-    return _collect(joints, out)
+    return collect_rows(joints, out)
+
+
+def at_home(joint: FleetJoint) -> FleetJoint:
+    """The joint with whole paths: they say which file is meant wherever the next call is made."""
+    return replace(
+        joint,
+        recordings=tuple(path.absolute() for path in joint.recordings),
+        simulation=joint.simulation and joint.simulation.absolute(),
+        friction=joint.friction and joint.friction.absolute(),
+    )
 
 
 def read_rows(out: Path) -> list[FleetRow]:
@@ -92,7 +125,12 @@ def read_rows(out: Path) -> list[FleetRow]:
     return [parquet.read_table(path).to_pylist()[0] for path in sorted((out / "rows").glob("*.parquet"))]
 
 
-def _begin(out: Path, settings: Mapping[str, Any], resume: bool) -> None:
+def begin_fleet(out: Path, settings: Mapping[str, Any], resume: bool) -> dict[str, FleetRow]:
+    """Make the folder of a fleet, or find the rows that are in it, by name.
+
+    Raises:
+        RecordingError: The folder holds a run and is not to be resumed, or with other settings.
+    """
     path, wanted = out / _SETTINGS, json.loads(json.dumps(settings))
     if path.exists():
         if not resume:
@@ -102,25 +140,49 @@ def _begin(out: Path, settings: Mapping[str, Any], resume: bool) -> None:
             raise RecordingError(f"{out} holds a fleet with {found}, not with {wanted}: give another --out")
     (out / "rows").mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(wanted, indent=1) + "\n", encoding="utf-8")
+    return {row["name"]: row for row in read_rows(out)}
+
+
+def pack(joint: FleetJoint) -> Parcel:
+    """A joint with the content of its files.
+
+    Raises:
+        OSError: A file cannot be read.
+    """
+    paths = [*joint.recordings, *(path for path in (joint.simulation, joint.friction) if path is not None)]
+    return Parcel(joint, {path.absolute(): path.read_bytes() for path in paths})
 
 
 def _pack_all(
-    joints: Sequence[FleetJoint], work: Work, out: Path, progress: Callable[[FleetRow | None], None]
-) -> Iterator[tuple[FleetJoint, tuple[Work, _Parcel]]]:
-    """Each joint with its files, read when it is its turn; one whose files cannot be read has failed already."""
+    joints: Sequence[FleetJoint],
+    work: Work,
+    out: Path,
+    before: Mapping[str, FleetRow],
+    progress: Callable[[FleetRow | None], None],
+) -> Iterator[tuple[FleetJoint, tuple[Work, Parcel]]]:
+    """Each joint that is still to do with its files, read when it is its turn.
+
+    One whose files cannot be read has failed already, unless they were read and done before.
+    """
     for joint in joints:
-        paths = [*joint.recordings, *(path for path in (joint.simulation, joint.friction) if path is not None)]
+        row = before.get(joint.name)
         try:
-            files = {path.absolute(): path.read_bytes() for path in paths}
+            parcel = pack(joint)
         except OSError as error:
-            row = _failed(joint, f"cannot read {error.filename}: {error.strerror}")
-            _write_row(row, out)
+            if row is not None and not row["error"] and row["recordings"] == _sources(joint):
+                progress(None)
+                continue
+            row = failed_row(joint, f"cannot read {error.filename}: {error.strerror}")
+            write_row(row, out)
             progress(row)
             continue
-        yield joint, (work, _Parcel(joint, files))
+        if parcel.gave(row):
+            progress(None)
+        else:
+            yield joint, (work, parcel)
 
 
-def _work_in_folder(work: Work, parcel: _Parcel) -> _Answer:
+def _work_in_folder(work: Work, parcel: Parcel) -> _Answer:
     """On a worker: unpack, do the joint, and pack up what it wrote."""
     start = time.perf_counter()
     with TemporaryDirectory() as place:
@@ -132,10 +194,10 @@ def _work_in_folder(work: Work, parcel: _Parcel) -> _Answer:
             row = {"error": str(error)}
         files = {str(path.relative_to(out)): path.read_bytes() for path in out.rglob("*") if path.is_file()}
     row |= {"name": parcel.joint.name, "seconds": time.perf_counter() - start}
-    return _Answer(row | {"recordings": _sources(parcel.joint)}, files)
+    return _Answer(row | parcel.origin, files)
 
 
-def _unpack(parcel: _Parcel, place: Path) -> FleetJoint:
+def _unpack(parcel: Parcel, place: Path) -> FleetJoint:
     """The joint with its files here: the original where this machine has it, so that a mesh beside it is found."""
     where: dict[Path, Path] = {}
     for number, (path, content) in enumerate(parcel.files.items()):
@@ -160,11 +222,12 @@ def _take(joint: FleetJoint, future: Future[Any]) -> _Answer:
     except BrokenExecutor:
         raise
     except Exception as error:  # of numerics on a strange recording, or of a cluster that gave up on it
-        return _Answer(_failed(joint, f"{type(error).__name__}: {error}"), {})
+        return _Answer(failed_row(joint, f"{type(error).__name__}: {error}"), {})
     return answer
 
 
-def _failed(joint: FleetJoint, error: str) -> FleetRow:
+def failed_row(joint: FleetJoint, error: str) -> FleetRow:
+    """The row of a joint that gave nothing."""
     return {"error": error, "name": joint.name, "seconds": 0.0, "recordings": _sources(joint)}
 
 
@@ -172,14 +235,19 @@ def _sources(joint: FleetJoint) -> str:
     return ";".join(map(str, joint.recordings))
 
 
-def _write_files(files: Mapping[str, bytes], folder: Path) -> None:
+def _replace_files(files: Mapping[str, bytes], folder: Path, before: FleetRow | None) -> None:
+    """Write what a joint gave; what it had given from other files and does not now is no longer true."""
+    written = (before or {}).get("written") or ""
+    for name in set(filter(None, written.split(";"))).difference(files):
+        (folder / name).unlink(missing_ok=True)
     for name, content in files.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(content)
 
 
-def _write_row(row: FleetRow, out: Path) -> None:
+def write_row(row: FleetRow, out: Path) -> None:
+    """Put a joint's row on disk: where it is, the joint is finished."""
     write_rows([row], out / "rows" / f"{row['name']}.parquet")
 
 
@@ -194,7 +262,7 @@ def write_rows(rows: Sequence[FleetRow], path: Path) -> None:
     temporary.replace(path)
 
 
-def _collect(joints: Sequence[FleetJoint], out: Path) -> list[FleetRow]:
+def collect_rows(joints: Sequence[FleetJoint], out: Path) -> list[FleetRow]:
     """All rows in the order of the joints, and in one file."""
     rows = {row["name"]: row for row in read_rows(out)}
     wanted = [rows[joint.name] for joint in joints]

@@ -10,6 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from fricomp.calibration.comparison import compare_models
+from fricomp.calibration.normal_load import at_normal_load
 from fricomp.cli.main import app
 from fricomp.errors import ParameterError
 from fricomp.laws import BidirectionalStribeck, Coulomb, FrictionLaw, StribeckCurve
@@ -80,3 +81,46 @@ def test_the_command_says_what_changed(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     assert "The joint has changed" in result.output
     assert "stribeck.forward.coulomb_torque" in result.output.split("changed")[-1].replace("\n", "")
+
+
+def test_models_at_two_loads_are_compared_at_one() -> None:
+    one = replace(at_load(model(TRUTH), 2.0, 1.0), validity=Validity(velocity=(-1.0, 1.0), normal_load=(1.0, 3.0)))
+    other = at_normal_load(one, 5.0)
+    other = replace(other, validity=replace(other.validity, normal_load=(4.0, 6.0)))
+    result = compare_models(one, other)
+    assert (result.normal_load, result.load_known) == (2.0, (True, True))
+    assert max(abs(change.difference) for change in result.changes) < 1e-12
+    assert abs(result.largest_torque_change) < 1e-12
+
+
+@pytest.mark.parametrize("sensitivity", [0.4, 1.0, 1.3])
+def test_a_model_brought_to_another_load_is_the_same_model(sensitivity: float) -> None:
+    names = (*NAMES, "stribeck.load.load_sensitivity")
+    before = replace(at_load(model(TRUTH), 2.0, sensitivity), covariance=None)
+    spread = np.diag([*(0.01 * TRUTH), 0.03])
+    before = replace(before, covariance=Covariance(names, spread @ spread))
+    after = at_normal_load(before, 5.0)
+    velocity, load = np.linspace(-1.0, 1.0, 21), np.linspace(1.0, 8.0, 21)
+    np.testing.assert_allclose(
+        np.asarray(after.torque(velocity, normal_load=load)),
+        np.asarray(before.torque(velocity, normal_load=load)),
+        rtol=1e-12,
+    )
+    draws = np.random.default_rng(4).multivariate_normal([*TRUTH, sensitivity], spread @ spread, size=4000)
+    moved = []
+    for values in draws:
+        drawn = replace(before, law=before.law.replace(dict(zip(names, values.tolist(), strict=True))), covariance=None)
+        brought = at_normal_load(drawn, 5.0).law.parameters()
+        moved.append([brought[name] for name in names])
+    assert after.covariance is not None
+    np.testing.assert_allclose(np.sqrt(np.diag(after.covariance.matrix)), np.std(moved, axis=0), rtol=0.06)
+
+
+def test_a_load_without_dry_friction_is_refused() -> None:
+    with pytest.raises(ParameterError, match="no dry friction left"):
+        at_normal_load(at_load(model(TRUTH), 2.0, 3.0), 1.0)
+
+
+def at_load(friction: FrictionModel, reference: float, sensitivity: float) -> FrictionModel:
+    load = {"stribeck.load.reference_load": reference, "stribeck.load.load_sensitivity": sensitivity}
+    return replace(friction, law=friction.law.replace(load))

@@ -67,6 +67,8 @@ def test_export_to_json_is_the_model(model: Path, tmp_path: Path) -> None:
         (("--to", "onnx"), "say where with --out"),
         (("--to", "c", "--prefix", "1a"), "not a C name"),
         (("--to", "mjcf", "--into", "missing.xml"), "missing.xml"),
+        (("--to", "mjcf", "--into", sys.executable), "is no text in UTF-8"),
+        (("--to", "c", "--period", "nan"), "the period must be positive"),
     ],
 )
 def test_export_errors_are_one_sentence(model: Path, arguments: tuple[str, ...], sentence: str) -> None:

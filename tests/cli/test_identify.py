@@ -5,11 +5,12 @@ import pytest
 from typer.testing import CliRunner
 
 from fricomp.calibration.benchmark.problem import PaperProblem
+from fricomp.calibration.comparison import compare_models
 from fricomp.calibration.table import is_friction_table, read_friction_table
 from fricomp.cli.identify import app
-from fricomp.errors import RecordingError
+from fricomp.errors import IdentificationError, RecordingError
 from fricomp.model import load_model
-from fricomp.recording import Recording, RecordingMetadata, write_recording
+from fricomp.recording import Recording, RecordingMetadata, RecordingWriter, write_recording
 
 
 def _table(path: Path) -> Path:
@@ -122,3 +123,155 @@ def test_a_batch_gives_every_joint_the_model_it_would_have_alone(tmp_path: Path)
     together, single = (load_model(path / "friction.json") for path in (out / "left", alone))
     assert together.forward.static_torque == pytest.approx(single.forward.static_torque, rel=1e-6)
     assert (out / "fleet.parquet").exists()
+
+
+def test_a_table_that_cannot_be_read_stops_no_other_of_a_batch(tmp_path: Path) -> None:
+    source, out = _fleet(tmp_path / "fleet"), tmp_path / "out"
+    (source / "bad.csv").write_text("velocity,torque\nnan,0.3\n")
+    (source / "flipped.csv").write_text("velocity,torque\n1,-0.3\n-1,0.3\n")
+    done = CliRunner().invoke(app, [str(source), "--batch", "--out", str(out)], env={"COLUMNS": "400"})
+    assert done.exit_code == 0, done.output
+    assert "column velocity is 'nan'" in done.output
+    assert (out / "right" / "friction.json").exists()
+    assert {path.stem for path in (out / "rows").iterdir()} == {"bad", "flipped", "left", "right"}
+    before = (out / "left" / "friction.json").stat().st_mtime_ns
+    _table(source / "bad.csv")
+    again = CliRunner().invoke(app, [str(source), "--batch", "--out", str(out)])
+    assert "give --resume" in str(again.exception)
+    resumed = CliRunner().invoke(app, [str(source), "--batch", "--resume", "--out", str(out)])
+    assert resumed.exit_code == 0, resumed.output
+    assert (out / "bad" / "friction.json").exists()
+    assert (out / "left" / "friction.json").stat().st_mtime_ns == before
+
+
+def _loaded(path: Path, load: float | None) -> Path:
+    """The paper's joint at one normal load, which leaves the torque as it is."""
+    draw = PaperProblem().draw("absolute", 0)
+    columns = [draw.velocity, draw.torque] + ([] if load is None else [np.full(len(draw.velocity), load)])
+    header = "velocity,torque" + ("" if load is None else ",normal_load")
+    np.savetxt(path, np.column_stack(columns), delimiter=",", header=header, comments="")
+    return path
+
+
+@pytest.mark.parametrize("options", [["--method", "least_squares"], ["--batch"]])
+def test_a_constant_normal_load_leaves_the_model_as_it_is(tmp_path: Path, options: list[str]) -> None:
+    models = []
+    for name, load in (("plain", None), ("loaded", 3.0)):
+        out, place = tmp_path / name, tmp_path / name / ("points" if "--batch" in options else "")
+        out.mkdir()
+        done = CliRunner().invoke(app, [str(_loaded(out / "points.csv", load)), *options, "--out", str(out)])
+        assert done.exit_code == 0, done.output
+        models.append(load_model(place / "friction.json"))
+    plain, loaded = models
+    assert loaded.torque(0.2) == pytest.approx(plain.torque(0.2), rel=1e-6)
+    assert loaded.torque(0.2, normal_load=3.0) == pytest.approx(loaded.torque(0.2), rel=1e-12)
+    assert loaded.law.parameters()["stribeck.load.reference_load"] == pytest.approx(3.0)
+    assert loaded.units()["stribeck.load.reference_load"] == "as normal_load"
+    assert loaded.validity.normal_load == pytest.approx((3.0, 3.0))
+    result = compare_models(plain, loaded)
+    assert not result.changed
+    assert result.normal_load == pytest.approx(3.0)
+    assert result.load_known == (False, True)
+
+
+@pytest.mark.parametrize(
+    ("header", "words"),
+    [
+        ("velocity", "a table of friction points has velocity,torque"),
+        ("Velocity,Torque", "write the names in lower case"),
+        ("velocity;torque", "separate the columns by commas"),
+        ("t,q,tau", "fricomp convert SOURCE --mapping FILE"),
+    ],
+)
+def test_a_file_of_neither_kind_is_not_called_a_recording(tmp_path: Path, header: str, words: str) -> None:
+    path = tmp_path / "points.csv"
+    path.write_text(f"{header}\n0.1,0.2,0.3\n")
+    done = CliRunner().invoke(app, [str(path), "--method", "least_squares", "--out", str(tmp_path / "out")])
+    assert isinstance(done.exception, RecordingError)
+    assert words in str(done.exception)
+    assert "is a recording" not in str(done.exception)
+
+
+def test_a_law_that_the_command_cannot_identify_is_refused_in_its_own_words(tmp_path: Path) -> None:
+    done = CliRunner().invoke(app, [str(_table(tmp_path / "points.csv")), "--law", "lugre"])
+    assert isinstance(done.exception, IdentificationError)
+    assert "--law lugre has a bristle state" in str(done.exception)
+    assert "stribeck, symmetric_stribeck" in str(done.exception)
+
+
+def test_a_negative_seed_is_refused_by_the_option(tmp_path: Path) -> None:
+    done = CliRunner().invoke(app, [str(_table(tmp_path / "points.csv")), "--seed", "-1"])
+    assert done.exit_code == 2
+    assert "--seed" in done.output
+
+
+def _motion(seconds: float = 20.0) -> Recording:
+    """A joint with 0.1 kg·m² and 0.3 N·m of Coulomb friction, noise of 5 mN·m."""
+    t = np.arange(0.0, seconds, 2e-3)
+    q = 0.8 * np.sin(1.3 * t) + 0.15 * np.sin(5.7 * t + 1.0)
+    v = 1.04 * np.cos(1.3 * t) + 0.855 * np.cos(5.7 * t + 1.0)
+    a = -1.352 * np.sin(1.3 * t) - 4.8735 * np.sin(5.7 * t + 1.0)
+    noise = 0.005 * np.random.default_rng(3).normal(size=len(t))
+    return Recording(t, q, 0.1 * a + 0.3 * np.sign(v) + 0.05 * v + noise)
+
+
+def _identify_motion(recording: Path, *options: str) -> tuple[str, dict[str, float]]:
+    out = recording.parent / "out"
+    call = [str(recording), "--law", "coulomb_viscous", *options, "--out", str(out)]
+    done = CliRunner().invoke(app, call, env={"COLUMNS": "300"})
+    assert done.exit_code == 0, (done.output, done.exception)
+    inertia = float(done.output.partition("inertia ")[2].partition(",")[0])
+    return done.output, load_model(out / "friction.json").law.parameters() | {"inertia": inertia}
+
+
+def _expect_motion(found: dict[str, float]) -> None:
+    assert found["inertia"] == pytest.approx(0.1, rel=0.02)
+    assert found["coulomb.coulomb_torque"] == pytest.approx(0.3, rel=0.02)
+
+
+def test_torque_of_the_motor_is_brought_to_the_joint(tmp_path: Path) -> None:
+    motion = _motion()
+    motor = motion.with_channels(torque=motion.torque / 100.0).with_metadata(torque_side="motor", gear_ratio=100.0)
+    write_recording(motor, tmp_path / "motor.csv")
+    said, found = _identify_motion(tmp_path / "motor.csv")
+    _expect_motion(found)
+    assert "brought to the joint by the gear ratio 100" in said
+
+
+def test_a_gap_is_not_bridged(tmp_path: Path) -> None:
+    motion = _motion(30.0)
+    write_recording(motion.rows((motion.time < 8.0) | (motion.time > 15.3)), tmp_path / "gap.csv")
+    said, found = _identify_motion(tmp_path / "gap.csv")
+    _expect_motion(found)
+    assert "2 parts, 22.69 s in all, were filtered each on its own" in said
+    assert "split the recording there" not in said
+
+
+def test_of_a_recording_with_motion_blocks_those_alone_are_used(tmp_path: Path) -> None:
+    motion, path = _motion(), tmp_path / "recording.csv"
+    rest = Recording(np.arange(0.0, 5.0, 2e-3), np.full(2500, 0.3), np.full(2500, 0.8))
+    with RecordingWriter(path) as writer:
+        writer.append(rest, '{"kind":"tare"}')
+        writer.append(motion.with_channels(time=motion.time + 10.0), '{"kind":"motion","number":0}')
+        writer.append(rest.with_channels(time=rest.time + 40.0), '{"kind":"tare"}')
+    said, found = _identify_motion(path)
+    _expect_motion(found)
+    assert "Blocks: 1 of 3, the motion, 10000 of 15000 samples, were used" in said
+    assert "(tare) were left out" in said
+
+
+def test_blocks_of_other_kinds_are_all_used_and_named(tmp_path: Path) -> None:
+    motion, path = _motion(), tmp_path / "recording.csv"
+    with RecordingWriter(path) as writer:
+        writer.append(motion, "first")
+        writer.append(motion.with_channels(time=motion.time + 30.0), "second")
+    said, found = _identify_motion(path)
+    _expect_motion(found)
+    assert "Blocks: all 2 of the recording were used; none of them is a motion" in said
+
+
+def test_a_law_is_not_chosen_for_a_recording_in_silence(tmp_path: Path) -> None:
+    write_recording(_motion(), tmp_path / "motion.csv")
+    done = CliRunner().invoke(app, [str(tmp_path / "motion.csv"), "--law", "auto", "--out", str(tmp_path / "out")])
+    assert isinstance(done.exception, IdentificationError)
+    assert "--law auto is for tables" in str(done.exception)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from fricomp.control import Compensator
-from fricomp.errors import ExportError
+from fricomp.errors import ExportError, ParameterError
 from fricomp.export import render_c_header
 from fricomp.laws import BidirectionalStribeck, Coulomb, FrictionLaw, SmoothedCoulomb, StribeckCurve, Viscous
 from fricomp.model import FrictionModel
@@ -208,3 +208,11 @@ def test_term_that_c_cannot_hold_is_refused() -> None:
     law = BidirectionalStribeck(FORWARD, REVERSE)
     with pytest.raises(ExportError, match=r"smoothed_coulomb has no closed form in C: .*one dry curve"):
         render_c_header(make_model(law, SmoothedCoulomb(0.1, 0.02, "arctan")))
+
+
+@pytest.mark.parametrize("period", [0.0, -1.0, 10.0, math.nan])
+def test_a_period_that_the_compensator_refuses_is_refused(period: float) -> None:
+    with pytest.raises(ParameterError, match="the period must be positive and below 10 s"):
+        Compensator(make_lugre(), period=period)
+    with pytest.raises(ParameterError, match="the period must be positive and below 10 s"):
+        render_c_header(make_lugre(), period=period)

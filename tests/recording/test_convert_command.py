@@ -88,3 +88,24 @@ def test_bad_requests_say_what_is_valid(
     monkeypatch.chdir(source.parent)
     with pytest.raises(RecordingError, match=message):
         convert(Path(name), Path(out), mapping, only)
+
+
+def test_bad_rows_of_a_native_recording_are_left_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    time = np.arange(3000) / 500
+    rows = [
+        f"{t!r},{q!r},{tau!r}" for t, q, tau in np.column_stack([time, np.sin(time), np.sign(np.cos(time))]).tolist()
+    ]
+    rows[100] = rows[100].rpartition(",")[0] + ",nan"
+    rows.insert(200, rows[200])
+    source, out = tmp_path / "log.csv", tmp_path / "out.csv"
+    source.write_text("time,position,torque\n" + "\n".join(rows) + "\n")
+    convert(source, out, skip_bad_rows=True)
+    assert "2 of 3001 rows were left out" in capsys.readouterr().out
+    assert len(read_recording(out)) == 2999
+
+
+@pytest.mark.parametrize("rate", [0.0, -5.0, float("nan"), float("inf")])
+@pytest.mark.parametrize("mapping", ["", "robot.toml"])
+def test_a_rate_that_is_none_is_refused(source: Path, mapping: str, rate: float) -> None:
+    with pytest.raises(RecordingError, match="--rate is"):
+        convert(source, source.with_name("a.csv"), mapping and str(source.with_name(mapping)), ["hip"], rate)

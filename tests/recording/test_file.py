@@ -8,6 +8,7 @@ import pytest
 
 from fricomp.errors import RecordingError
 from fricomp.recording import Recording, RecordingWarning, read_recording, write_recording
+from fricomp.recording.file import read_content
 
 MakeRecording = Callable[..., Recording]
 
@@ -118,3 +119,29 @@ def test_line_torn_by_a_kill_is_dropped_and_said(make_recording: MakeRecording, 
         recording = read_recording(path)
     assert len(recording) == 99
     assert recording.torque.tolist() == make_recording(100).torque[:99].tolist()
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_bad_rows_are_left_out_and_counted_where_that_is_asked_for(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"recording{suffix}"
+    rows = [(0.0, 0.1, 1.0), (0.1, 0.2, float("nan")), (0.1, 0.3, 1.0), (0.1, 0.4, 1.0), (0.2, 0.5, 1.0)]
+    if suffix == ".csv":
+        path.write_text("time,position,torque\n" + "".join(f"{t},{q},{tau}\n" for t, q, tau in rows))
+    else:
+        pyarrow = pytest.importorskip("pyarrow")
+        table = pyarrow.table(dict(zip(("time", "position", "torque"), zip(*rows, strict=True), strict=True)))
+        pytest.importorskip("pyarrow.parquet").write_table(table, path)
+    with pytest.raises(RecordingError, match="--skip-bad-rows"):
+        read_content(path)
+    recording, findings = read_content(path, skip_bad_rows=True)
+    assert recording.position.tolist() == [0.1, 0.3, 0.5]  # of two rows with one time the first stays
+    assert [finding.code for finding in findings] == ["bad_rows"]
+    assert "2 of 5 rows" in findings[0].message
+
+
+def test_rows_that_are_no_numbers_or_cut_short_are_bad_rows_too(tmp_path: Path) -> None:
+    path = tmp_path / "recording.csv"
+    path.write_text("time,position,torque\n0,0.1,1\n0.1,0.2,off\n0.2,0.3\n0.3,,1\n0.4,0.5,1\n")
+    recording, findings = read_content(path, skip_bad_rows=True)
+    assert recording.time.tolist() == [0.0, 0.4]
+    assert "3 of 5 rows" in findings[0].message

@@ -7,6 +7,7 @@ from fricomp.calibration.rigid_body import (
     identify_motion,
     prediction_error,
     sample_joint,
+    split_for,
 )
 from fricomp.errors import IdentificationError
 from fricomp.laws import BidirectionalStribeck, Coulomb, FrictionLaw, StribeckCurve, Viscous
@@ -106,3 +107,23 @@ def test_an_offset_larger_than_friction_stays_an_offset() -> None:
     found = identify_motion(sample_joint(Recording(t, q, torque)))
     assert found.rigid_body.offset == pytest.approx(1.5, rel=0.01)
     assert found.friction.parameters["stribeck.forward.coulomb_torque"] == pytest.approx(0.2, rel=0.1)
+
+
+def test_each_part_between_gaps_is_filtered_on_its_own() -> None:
+    whole = _recording()
+    cut = whole.rows((whole.time < 6.0) | ((whole.time > 13.0) & (whole.time < 13.1)) | (whole.time > 14.0))
+    parts = split_for(cut)
+    assert [len(part) for part in parts.parts] == [6000, 5999]
+    assert parts.short == pytest.approx((0.098,))
+    assert "1 too short for that, 0.098 s in all" in parts.notes[0]
+    fit = fit_rigid_body(sample_joint(cut), gravity=True)
+    found = (fit.inertia, fit.viscous_coefficient, fit.coulomb_torque, *fit.gravity)
+    np.testing.assert_allclose(found, (0.8, 0.5, 0.3, 2.0, -1.0), rtol=0.02)
+
+
+def test_gaps_shorter_than_the_filters_see_are_bridged() -> None:
+    whole = _recording()
+    keep = np.ones(len(whole), dtype=bool)
+    keep[5000:5006] = False
+    assert len(split_for(whole.rows(keep)).parts) == 1
+    assert split_for(whole.rows(keep)).notes == ()

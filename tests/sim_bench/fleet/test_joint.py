@@ -25,6 +25,16 @@ def test_every_recording_is_a_joint_with_a_name_of_its_own(folder: Path) -> None
     assert [joint.name for joint in list_joints([str(folder / "b")], _PLAIN)] == ["elbow", "knee", "knee_2"]
 
 
+def test_names_that_are_one_folder_are_told_apart(folder: Path) -> None:
+    table = folder / "joints.csv"
+    table.write_text(
+        "name,recording\nleft/elbow,a/elbow.csv\nleft-elbow,a/elbow.csv\nb,b/knee.parquet\nb,b/knee.parquet\n"
+        "b-b-2,b/knee.parquet\n"
+    )
+    names = [joint.name for joint in list_joints([str(table)], _PLAIN)]
+    assert names == ["a-left-elbow", "a-left-elbow-2", "b-b", "b-b-2", "b-b-2-2"]
+
+
 def test_a_csv_table_names_joints_with_their_simulation_and_friction(folder: Path) -> None:
     table = folder / "joints.csv"
     table.write_text(

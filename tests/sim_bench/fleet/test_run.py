@@ -112,3 +112,40 @@ def test_a_killed_worker_of_a_dask_cluster_loses_no_joint(
         rows = run_fleet(joints, count_bytes_after_a_death, tmp_path / "out", pool, settings={})
     assert (tmp_path / "dead").exists()
     assert [(row["bytes"], row["error"]) for row in rows] == [(1, ""), (2, ""), (3, "")]
+
+
+def _of_one_name(folder: Path, content: bytes) -> FleetJoint:
+    folder.mkdir()
+    (folder / "elbow.csv").write_bytes(content)
+    return FleetJoint("elbow", (folder / "elbow.csv",))
+
+
+def test_what_was_done_from_other_files_of_the_same_name_is_done_again(tmp_path: Path) -> None:
+    first, second = _of_one_name(tmp_path / "a", b"x"), _of_one_name(tmp_path / "b", b"xx")
+    out, seen = tmp_path / "out", list[FleetRow | None]()
+    run_fleet([first], count_bytes, out, _SERIAL, settings={})
+    (again,) = run_fleet([second], count_bytes, out, _SERIAL, settings={}, resume=True)
+    assert (again["bytes"], again["recordings"]) == (2, str(tmp_path / "b" / "elbow.csv"))
+    assert (out / "elbow" / "report.html").read_text() == "elbow: [2]"
+    second.recordings[0].write_bytes(b"yy")  # as long as before, and other samples
+    run_fleet([second], count_bytes, out, _SERIAL, settings={}, resume=True, progress=seen.append)
+    run_fleet([second], count_bytes, out, _SERIAL, settings={}, resume=True, progress=seen.append)
+    assert [row is None for row in seen] == [False, True]
+
+
+def test_a_result_of_other_files_does_not_outlive_them(tmp_path: Path) -> None:
+    first, second = _of_one_name(tmp_path / "a", b"x"), _of_one_name(tmp_path / "b", b"")
+    out = tmp_path / "out"
+    run_fleet([first], count_bytes, out, _SERIAL, settings={})
+    (out / "elbow" / "mine.txt").write_text("a note of mine")
+    (failed,) = run_fleet([second], count_bytes, out, _SERIAL, settings={}, resume=True)
+    assert failed["error"] == "the recording is empty"
+    assert [path.name for path in (out / "elbow").iterdir()] == ["mine.txt"]
+
+
+def test_a_finished_joint_stays_when_its_files_are_out_of_reach(joints: list[FleetJoint], tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    run_fleet(joints, count_bytes, out, _SERIAL, settings={})
+    joints[1].recordings[0].unlink()
+    rows = run_fleet(joints, count_bytes, out, _SERIAL, settings={}, resume=True)
+    assert [row["bytes"] for row in rows] == [1, 2, 3]

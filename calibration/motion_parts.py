@@ -1,0 +1,140 @@
+"""What of a recorded motion is identified: its motion blocks, on the joint side, part by part between gaps."""
+
+from __future__ import annotations
+
+import os
+from itertools import pairwise
+from pathlib import Path
+from typing import NamedTuple
+
+import msgspec
+import numpy as np
+
+from fricomp.recording import Finding, Recording, check_recording, raise_errors, read_blocks
+from fricomp.recording.file import read_content
+from fricomp.recording.timing_checks import locate_gaps
+
+__all__ = ["MotionParts", "MotionRecording", "read_motion_recording", "split_motion"]
+
+_MOTION = "motion"
+"""Kind of the blocks that `fricomp calibrate --motion` writes beside those of its preparation."""
+_FEWEST = 50
+"""Samples below which a part is not filtered: the zero-phase filters need some before and after what is kept."""
+_MARGINS = 4.0
+"""Margins below which a part is not filtered: two of them are left out at its ends."""
+
+
+class MotionRecording(NamedTuple):
+    """A recording as it is identified.
+
+    Attributes:
+        recording: Torque on the joint side.
+        findings: Of the checks; none is an error.
+        notes: Sentences on what was chosen and converted.
+    """
+
+    recording: Recording
+    findings: tuple[Finding, ...]
+    notes: tuple[str, ...]
+
+
+class MotionParts(NamedTuple):
+    """A recording cut at its gaps.
+
+    Attributes:
+        parts: Those that are long enough to be filtered, in order.
+        short: Durations of the others [s].
+    """
+
+    parts: tuple[Recording, ...]
+    short: tuple[float, ...]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What to say about gaps; nothing where there are none."""
+        if len(self.parts) + len(self.short) < 2:
+            return ()
+        covered = sum(part.duration for part in self.parts)
+        text = f"Gaps in time: {len(self.parts)} parts, {covered:.4g} s in all, were filtered each on its own"
+        if self.short:
+            text += f"; {len(self.short)} too short for that, {sum(self.short):.3g} s in all, were left out"
+        return (f"{text}.",)
+
+
+class _Label(msgspec.Struct):
+    kind: str = ""
+
+
+def read_motion_recording(path: str | os.PathLike[str]) -> MotionRecording:
+    """Read a recording for identification: its motion blocks where it has such, its torque brought to the joint.
+
+    Raises:
+        RecordingError: The file cannot be read, or a check finds an error in what is used of it.
+        MissingExtraError: The file is Parquet and pyarrow is not installed.
+    """
+    file = Path(path)
+    content = read_content(file)
+    chosen, notes = _choose_blocks(content.recording, file)
+    findings = content.findings + check_recording(chosen)
+    raise_errors(findings, str(file))
+    on_joint = chosen.on_joint_side()
+    return MotionRecording(on_joint, findings, (*notes, *_side_notes(chosen, on_joint)))
+
+
+def split_motion(recording: Recording, *, shortest_gap: float, margin: float) -> MotionParts:
+    """Cut a recording at its gaps.
+
+    Args:
+        recording: Samples at any times.
+        shortest_gap: Gaps up to this one are bridged: a straight line over them loses nothing that is kept [s].
+        margin: Time that is left out at both ends of each part [s].
+    """
+    gaps = locate_gaps(recording, shortest_gap) + 1
+    edges = [0, *gaps.tolist(), len(recording)]
+    parts, short = [], []
+    for start, stop in pairwise(edges):
+        duration = float(recording.time[stop - 1] - recording.time[start])
+        if len(edges) == 2 or (stop - start >= _FEWEST and duration >= _MARGINS * margin):
+            parts.append(recording.rows(slice(start, stop)))
+        else:
+            short.append(duration)
+    return MotionParts(tuple(parts), tuple(short))
+
+
+def _choose_blocks(recording: Recording, path: Path) -> tuple[Recording, tuple[str, ...]]:
+    """The rows of the motion blocks, and a sentence on it; all rows where there is no such block."""
+    blocks = () if path.suffix.lower() in (".parquet", ".pq") else read_blocks(path)
+    if not blocks:
+        return recording, ()
+    kinds = [_kind_of(block.label) for block in blocks]
+    motions = [block for block, kind in zip(blocks, kinds, strict=True) if kind == _MOTION]
+    others = ", ".join(dict.fromkeys(kind for kind in kinds if kind and kind != _MOTION))
+    if not motions:
+        named = f" ({others})" if others else ""
+        return recording, (f"Blocks: all {len(blocks)} of the recording were used{named}; none of them is a motion.",)
+    rows = np.concatenate([np.arange(block.start, block.stop) for block in motions])
+    left_out = f"; the others ({others}) were left out" if others else ""
+    which = f"{len(motions)} of {len(blocks)}, the motion" + ("s" if len(motions) > 1 else "")
+    note = f"Blocks: {which}, {len(rows)} of {len(recording)} samples, were used{left_out}."
+    return recording.rows(rows), (note,)
+
+
+def _kind_of(label: str) -> str:
+    """What a block is, from the label that a sweep gives it; empty for labels of others."""
+    try:
+        return msgspec.json.decode(label, type=_Label).kind
+    except msgspec.MsgspecError:
+        return ""
+
+
+def _side_notes(read: Recording, on_joint: Recording) -> tuple[str, ...]:
+    """A sentence where the torque was recorded on the motor side."""
+    meta = read.metadata
+    if meta.torque_side == "joint":
+        return ()
+    if np.array_equal(read.torque, on_joint.torque) and meta.gear_ratio != 1.0:
+        return (f"Torque side: the torque is in {meta.torque_unit}, which no gear changes; it was taken as it is.",)
+    return (
+        f"Torque side: recorded at the motor, brought to the joint by the gear ratio {meta.gear_ratio:g}; inertia and "
+        "friction are those at the joint, losses of the gear among them.",
+    )
