@@ -17,7 +17,7 @@ from .point import FrictionPoint, half_differences, match_windows, measure_point
 from .rigid_body_fit import RigidBodyFit, fit_rigid_body
 from .steadiness import Mean, mean_of
 
-__all__ = ["HALF_DIFFERENCE", "Drift", "SweepAnalysis", "TorqueSource", "analyse_sweep", "measure_offset"]
+__all__ = ["HALF_DIFFERENCE", "Drift", "SweepAnalysis", "TorqueSource", "analyse_sweep", "measure_offset", "parse_load"]
 
 HALF_DIFFERENCE: Final = "half difference of both directions"
 TorqueSource = Literal[
@@ -202,11 +202,23 @@ def _with_normal_load(points: Sequence[FrictionPoint], choice: str) -> tuple[tup
         if any(p.normal_load is None for p in points):
             raise ParameterError("the recording has no normal_load column: use transmitted, none or a number")
         return tuple(points), "a sensor column"
+    value = parse_load(choice)
+    return tuple(replace(p, normal_load=value) for p in points), f"given as {value:g}"
+
+
+def parse_load(choice: str) -> float:
+    """A normal load given as a number.
+
+    Raises:
+        ParameterError: It is no positive number.
+    """
     try:
         value = float(choice)
     except ValueError:
-        raise ParameterError(f"normal load {choice!r} is none of none, transmitted, column or a number") from None
-    return tuple(replace(p, normal_load=value) for p in points), f"given as {value:g}"
+        raise ParameterError(f"normal load {choice!r} is none of none, transmitted or a number") from None
+    if not (value > 0.0 and np.isfinite(value)):
+        raise ParameterError(f"a normal load must be positive and finite, got {choice!r}")
+    return value
 
 
 def _drift(points: Sequence[FrictionPoint]) -> tuple[Drift, ...]:

@@ -12,6 +12,7 @@ from ..identification import Status
 from .analysis import SweepAnalysis
 from .calibrate import Calibration
 from .sign_check import SignCheck
+from .steadiness import REASONS
 
 __all__ = ["calibration_checks", "compensation_check"]
 
@@ -28,13 +29,6 @@ BREAKAWAY_AGREES = 0.05
 MODEL_AGREES = 0.03
 # Half width of a 95 % interval in standard deviations.
 REACH = 1.96
-# Why a plateau was rejected, in words.
-_REASONS = {
-    "stick_slip": "sticking and slipping",
-    "unsettled": "not settled",
-    "saturated": "torque at its limit",
-    "short": "too short",
-}
 
 
 def calibration_checks(calibration: Calibration) -> tuple[Check, ...]:
@@ -83,7 +77,7 @@ def _plateaus(analysis: SweepAnalysis) -> Check:
     rejected, total = analysis.rejected, len(analysis.points)
     if not rejected:
         return Check("Plateaus", "passed", f"all {total} settled and slid steadily")
-    why = Counter(_REASONS[p.verdict] for p in rejected)
+    why = Counter(REASONS[p.verdict] for p in rejected)
     reasons = ", ".join(f"{count} {reason}" for reason, count in why.most_common())
     speeds = ", ".join(f"{v:.3g}" for v in sorted({round(p.velocity, 6) for p in rejected}))
     outcome: Outcome = "warning" if len(rejected) > MANY_REJECTED * total else "note"

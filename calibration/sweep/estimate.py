@@ -9,13 +9,15 @@ ripple of the speed that the encoder hides: over the bends of the curve it shift
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fricomp.errors import IdentificationError
+from fricomp.errors import IdentificationError, ParameterError
 from fricomp.laws import FloatArray
 from fricomp.model import Covariance
 
@@ -23,9 +25,10 @@ from ..identification import IdentificationOptions, IdentificationResult, identi
 from ..identification.identify import Method
 from .analysis import HALF_DIFFERENCE, SweepAnalysis
 from .point import FrictionPoint
+from .steadiness import CURES, REASONS
 from .sweep import CREEP_RATIO
 
-__all__ = ["Estimate", "IdentificationSettings", "estimate_friction"]
+__all__ = ["FEWEST_POINTS", "Estimate", "IdentificationSettings", "estimate_friction"]
 
 # A breakaway torque is known to this fraction at best: see `measure_breakaway` for what the encoder hides, and it
 # depends on how long the joint rested and how fast the torque rose [1].
@@ -34,6 +37,8 @@ BREAKAWAY_ACCURACY = 0.01
 REACHES_STATIC = 0.5
 # Two more than the parameters of the bidirectional law leave something to tell the noise from.
 FEWEST_POINTS = 10
+# Noise models that a sweep can be identified with.
+NOISES = ("auto", "relative", "absolute")
 # Between two counts the loop does not see the joint, whose speed ripples by about this many counts a second: 0.4 to
 # 1.3 mrad/s were measured on the stand-in, whose count is 24 µrad [1/s].
 RIPPLE_RATE = 30.0
@@ -55,6 +60,9 @@ class IdentificationSettings:
         noise: `auto`, `relative` or `absolute`.
         use_breakaway: Whether measured static torques take part where the sweep does not go slow enough.
         seed: Of the network's first weights.
+
+    Raises:
+        ParameterError: A method or a noise model that there is not, or a negative seed.
     """
 
     method: Method = "pinn"
@@ -62,6 +70,14 @@ class IdentificationSettings:
     noise: str = "auto"
     use_breakaway: bool = True
     seed: int = 0
+
+    def __post_init__(self) -> None:
+        # Before a sweep that takes minutes, not after it.
+        for name, choices in (("method", get_args(Method)), ("noise", NOISES)):
+            if getattr(self, name) not in choices:
+                raise ParameterError(f"unknown {name} {getattr(self, name)!r}; use {', '.join(choices)}")
+        if self.seed < 0:
+            raise ParameterError(f"seed must be at least 0, got {self.seed!r}")
 
 
 @dataclass(frozen=True)
@@ -89,10 +105,7 @@ def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings)
     """
     points = analysis.steady
     if len(points) < FEWEST_POINTS:
-        raise IdentificationError(
-            f"{len(points)} of {len(analysis.points)} plateaus were steady, at least {FEWEST_POINTS} are needed: see "
-            "the reasons in the report; sticking and slipping ends with more damping or at higher speeds"
-        )
+        raise IdentificationError(_too_few(analysis))
     both_alike = analysis.torque_source == HALF_DIFFERENCE
     law = settings.law or ("symmetric_stribeck" if both_alike else "stribeck")
     first = identify(
@@ -130,6 +143,17 @@ def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings)
     covariance = result.covariance + sum(np.outer(change, change) for change in shared)
     result = _with_covariance(result, covariance)
     return Estimate(_with_notes(result, analysis), statistical, deviation, used)
+
+
+def _too_few(analysis: SweepAnalysis) -> str:
+    """Why there are too few plateaus, and what brings more of them."""
+    steady, rejected = len(analysis.steady), Counter(point.verdict for point in analysis.rejected)
+    said = f"{steady} of {len(analysis.points)} plateaus can be used, at least {FEWEST_POINTS} are needed"
+    if not rejected:
+        return f"{said}: none was rejected, the sweep was too short; give more --speeds or --repeats"
+    reasons = ", ".join(f"{count} {REASONS[verdict]}" for verdict, count in rejected.most_common())
+    cures = "; ".join(f"{REASONS[verdict]}: {CURES[verdict]}" for verdict in rejected)
+    return f"{said} ({reasons}). {cures[0].upper()}{cures[1:]}"
 
 
 def _scatter(points: Sequence[FrictionPoint], first: IdentificationResult) -> FloatArray:

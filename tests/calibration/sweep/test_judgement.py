@@ -4,15 +4,16 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
-from fricomp.calibration.sweep.analysis import measure_offset
+from fricomp.calibration.sweep.analysis import SweepAnalysis, measure_offset
 from fricomp.calibration.sweep.block import BlockLabel, SweepData
 from fricomp.calibration.sweep.breakaway import measure_breakaway
+from fricomp.calibration.sweep.estimate import IdentificationSettings, estimate_friction
 from fricomp.calibration.sweep.point import FrictionPoint, half_differences
-from fricomp.calibration.sweep.rigid_body_fit import fit_rigid_body
+from fricomp.calibration.sweep.rigid_body_fit import RigidBodyFit, fit_rigid_body
 from fricomp.calibration.sweep.settling import SettleDetector, longest_settling
 from fricomp.calibration.sweep.sign_check import check_signs
-from fricomp.calibration.sweep.steadiness import find_transient, judge_plateau, mean_of
-from fricomp.errors import SweepAborted
+from fricomp.calibration.sweep.steadiness import Mean, Verdict, find_transient, judge_plateau, mean_of
+from fricomp.errors import IdentificationError, SweepAborted
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording, RecordingMetadata
 
@@ -205,6 +206,28 @@ def test_lag_and_scale_of_the_torque_are_recovered_from_fast_motions(lag: float,
     fit = fit_rigid_body(blocks)
     assert fit.lag == pytest.approx(lag, abs=3e-4)
     assert fit.scale == pytest.approx(scale, abs=0.01)
+
+
+def _counted(verdicts: list[Verdict]) -> SweepAnalysis:
+    points = tuple(FrictionPoint(n, float(n), 0.1, 0.3, 0.01, 1.0, verdict) for n, verdict in enumerate(verdicts))
+    return SweepAnalysis(
+        points, (), Mean(0.0, 0.0), RigidBodyFit(), "measured torque", "", (), None, RecordingMetadata()
+    )
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "there", "absent"),
+    [
+        (["steady"] * 8, "none was rejected, the sweep was too short", "sticking"),
+        (["steady"] * 8 + ["unsettled"] * 4, "4 not settled", "sticking"),
+        (["stick_slip"] * 9 + ["short"], "9 sticking and slipping, 1 too short", "was rejected, the sweep"),
+    ],
+)
+def test_too_few_plateaus_are_told_with_the_true_reason(verdicts: list[Verdict], there: str, absent: str) -> None:
+    with pytest.raises(IdentificationError, match="at least 10") as caught:
+        estimate_friction(_counted(verdicts), IdentificationSettings())
+    assert there in str(caught.value)
+    assert absent not in str(caught.value)
 
 
 def test_without_a_model_there_is_no_lag() -> None:
