@@ -88,7 +88,10 @@ class SweepData:
     def ramps(self) -> tuple[tuple[BreakawayRamp, Recording], ...]:
         """The breakaway ramps."""
         return tuple(
-            (BreakawayRamp(float(samples.position[0]), label.direction, abs(label.velocity)), samples)
+            (
+                BreakawayRamp(float(samples.position[0]), label.direction, abs(label.velocity), number=label.number),
+                samples,
+            )
             for label, samples in self.of_kind("breakaway")
         )
 

@@ -5,6 +5,8 @@ different: an error in it raises friction in one direction and lowers it in the 
 be told from friction only where the torque is known to be zero. It is measured there, with the joint at rest and not
 energised, and what stays unknown of it enters the covariance through the parameters' sensitivity to it. So does the
 ripple of the speed that the encoder hides: over the bends of the curve it shifts the mean torque of every plateau.
+So does, where no model says what gravity is, the age of the torque signal: over the slope of gravity it looks like
+viscous friction.
 """
 
 from __future__ import annotations
@@ -140,6 +142,9 @@ def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings)
     shared = [_sensitivity(result, _ripple_shift(result, swing))]
     if not both_alike:
         shared.append(_sensitivity(result, analysis.offset.deviation * result.observations.sign))
+    elif analysis.gravity is not None:
+        rates = np.array([point.load_rate for point in used])[result.observations.kept]
+        shared.append(_sensitivity(result, analysis.gravity.lag_deviation * rates * result.observations.sign))
     covariance = result.covariance + sum(np.outer(change, change) for change in shared)
     result = _with_covariance(result, covariance)
     return Estimate(_with_notes(result, analysis), statistical, deviation, used)
@@ -259,5 +264,7 @@ def _with_notes(result: IdentificationResult, analysis: SweepAnalysis) -> Identi
         "torque_offset": f"{analysis.offset.value:.6g} +- {analysis.offset.deviation:.2g}",
         "torque_kind": analysis.metadata.torque_kind,
     }
+    if analysis.gravity is not None:
+        notes["torque_age"] = f"{analysis.gravity.lag:.3g} +- {analysis.gravity.lag_deviation:.2g}"
     noted = replace(provenance, notes={**provenance.notes, **notes})
     return replace(result, model=replace(result.model, provenance=noted))

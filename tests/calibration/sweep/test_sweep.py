@@ -207,6 +207,30 @@ def test_without_a_model_the_half_difference_gives_the_mean_of_both_directions(f
     assert calibration.analysis.torque_source == "half difference of both directions"
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("speeds", ["0.01,0.03,0.05,0.08,0.3,1.5", "0.01,0.03,0.05,0.08,0.3,0.8,1.5,2.5,4"])
+def test_without_a_model_the_age_of_the_torque_is_in_the_interval_of_the_viscous_coefficient(
+    folder: RunFolder, speeds: str
+) -> None:
+    """3 ms along the gravity of the shoulder look like -0.007 N·m·s/rad."""
+    settings = replace(folder.request.settings, speeds=speeds, dwell=0.8, breakaway_positions=5)
+    options = replace(folder.request.options, gravity_unknown=True)
+    with SimulatedJointAdapter(two_link_arm(seed=2)) as adapter:
+        calibration = calibrate(SweepContext(adapter, 0, settings), folder, options)
+    result = calibration.estimate.result
+    interval = result.interval("symmetric_stribeck.curve.viscous_coefficient")
+    assert interval.lower < 0.025 < interval.upper
+    checks = {check.name: check for check in calibration_checks(calibration)}
+    assert checks["Breakaway, mean of both directions"].outcome == "passed"
+    assert checks["Compensation in the drive"].outcome == "passed"
+    assert checks["Drift"].outcome == "passed"
+    static = calibration.analysis.static_torque(1)
+    assert static is not None
+    assert static.value == pytest.approx(0.65, rel=0.05)
+    drift = calibration.analysis.drift[0]
+    assert drift.deviation < 0.01
+
+
 def test_a_given_normal_load_leaves_the_parameters_as_they_are(context: SweepContext, folder: RunFolder) -> None:
     options = replace(folder.request.options, normal_load="12.5")
     calibration = calibrate(context, folder, options)
