@@ -120,7 +120,7 @@ def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings)
     )
     static = _static_points(analysis, points, _bend(first)) if settings.use_breakaway else ()
     used = (*points, *static)
-    deviation = np.concatenate([_scatter(points, first), [point.deviation for point in static]])
+    deviation = np.concatenate([_scatter(points, first, both_alike), [point.deviation for point in static]])
     metadata = analysis.metadata
     result = identify(
         [point.velocity for point in used],
@@ -161,17 +161,19 @@ def _too_few(analysis: SweepAnalysis) -> str:
     return f"{said} ({reasons}). {cures[0].upper()}{cures[1:]}"
 
 
-def _scatter(points: Sequence[FrictionPoint], first: IdentificationResult) -> FloatArray:
+def _scatter(points: Sequence[FrictionPoint], first: IdentificationResult, both_alike: bool) -> FloatArray:
     """Standard deviation of each point [N·m] or [N] from the scatter about a first fit. Shape (n_points,).
 
-    A plateau that lasts longer scatters less, with the root of its duration.
+    A plateau that lasts longer scatters less, with the root of its duration. Where both directions are alike, the two
+    points of a pair are one measurement: half as many are free to scatter, and each point counts for half of it.
     """
     duration = np.array([p.duration for p in points])
     shape = np.sqrt(np.median(duration) / duration)
     if first.noise.kind == "relative":
         shape = shape * first.optimum.magnitude
     error = (first.observations.magnitude - first.optimum.magnitude) / shape
-    freedom = max(len(points) - len(first.parameter_names), 1)
+    independent = len(points) // 2 if both_alike else len(points)
+    freedom = max(independent - len(first.parameter_names), 1)
     level = float(np.sqrt(np.sum(error**2) / freedom))
     return np.asarray(np.maximum(level, LEAST_LEVEL * float(np.max(first.optimum.magnitude))) * shape)
 
