@@ -1,10 +1,12 @@
 """Settling, stick-slip, breakaway, signs and lag, on signals whose truth is known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
-from fricomp.calibration.sweep.analysis import SweepAnalysis, measure_offset
+from fricomp.calibration.sweep.analysis import HALF_DIFFERENCE, SweepAnalysis, measure_offset
 from fricomp.calibration.sweep.block import BlockLabel, SweepData
 from fricomp.calibration.sweep.breakaway import Breakaway, half_differences_at_rest, measure_breakaway
 from fricomp.calibration.sweep.estimate import IdentificationSettings, estimate_friction
@@ -272,6 +274,23 @@ def test_the_half_difference_takes_gravity_off_breakaways_at_the_same_place() ->
         Breakaway(0.9, 1, 0.6 + 3.0, 4.0, 5),
     ]
     assert [b.torque for b in half_differences_at_rest(found)] == pytest.approx([0.65, 0.65])
+
+
+def test_the_intervals_of_half_differences_count_each_pair_once() -> None:
+    """Nine pairs, scattering by 2 mN·m: the truth is where the intervals say."""
+    generator, speeds, errors = np.random.default_rng(5), np.geomspace(0.01, 3.0, 9), []
+    for _ in range(60):
+        points = []
+        for number, speed in enumerate(speeds):
+            friction = 0.175 + 0.475 * np.exp(-((speed / 0.05) ** 2)) + 0.025 * speed + 0.002 * generator.normal()
+            for side in (1, -1):
+                index = 2 * number + (side < 0)
+                points.append(FrictionPoint(index, 0.0, side * speed, side * friction, 0.002, 1.0, "steady"))
+        analysis = replace(_counted([]), points=tuple(points), torque_source=HALF_DIFFERENCE)
+        result = estimate_friction(analysis, IdentificationSettings(method="least_squares", noise="absolute")).result
+        name = "symmetric_stribeck.curve.viscous_coefficient"
+        errors.append((result.parameters[name] - 0.025) / result.standard_deviations[name])
+    assert 0.8 < np.median(np.abs(errors)) / 0.6745 < 1.4
 
 
 def test_without_a_model_there_is_no_lag() -> None:
