@@ -3,9 +3,10 @@
 from .accuracy import Assumption, assume_friction, expected_deviations
 from .analysis import SweepAnalysis, analyse_sweep
 from .block import SweepData, load_sweep
-from .calibrate import Calibration, calibrate, channels_of, mean_relative_deviation
+from .calibrate import Calibration, calibrate, channels_of, identify_recorded, mean_relative_deviation
 from .estimate import Estimate, IdentificationSettings, estimate_friction
-from .motion_file import read_motion, record_motion
+from .feasibility import check_feasible
+from .motion_file import MotionFile, fit_into, read_motion, record_motion
 from .plan import SweepPlan, default_speeds, plan_plateaus, travel_of
 from .request import CalibrationOptions, CalibrationRequest
 from .rigid_body import RigidBody
@@ -20,6 +21,7 @@ __all__ = [
     "CalibrationRequest",
     "Estimate",
     "IdentificationSettings",
+    "MotionFile",
     "RigidBody",
     "RunFolder",
     "Sweep",
@@ -32,9 +34,12 @@ __all__ = [
     "assume_friction",
     "calibrate",
     "channels_of",
+    "check_feasible",
     "default_speeds",
     "estimate_friction",
     "expected_deviations",
+    "fit_into",
+    "identify_recorded",
     "load_sweep",
     "loop_period",
     "mean_relative_deviation",

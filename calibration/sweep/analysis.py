@@ -12,12 +12,13 @@ from fricomp.errors import IdentificationError, ParameterError
 from fricomp.recording import Recording, RecordingMetadata
 
 from .block import Kind, SweepData
-from .breakaway import Breakaway, measure_breakaway
-from .point import FrictionPoint, half_differences, match_windows, measure_points, without_transient
+from .breakaway import Breakaway, half_differences_at_rest, measure_breakaway
+from .gravity_fit import GravityFit, fit_gravity
+from .point import FrictionPoint, SettledPart, half_differences, match_windows, measure_points, without_transient
 from .rigid_body_fit import RigidBodyFit, fit_rigid_body
 from .steadiness import Mean, mean_of
 
-__all__ = ["HALF_DIFFERENCE", "Drift", "SweepAnalysis", "TorqueSource", "analyse_sweep", "measure_offset"]
+__all__ = ["HALF_DIFFERENCE", "Drift", "SweepAnalysis", "TorqueSource", "analyse_sweep", "measure_offset", "parse_load"]
 
 HALF_DIFFERENCE: Final = "half difference of both directions"
 TorqueSource = Literal[
@@ -60,6 +61,7 @@ class SweepAnalysis:
             be seen because the drive closes the loop.
         metadata: Of the recording.
         sample_rate: Of the plateaus [Hz].
+        gravity: As the mean of both directions shows it; None where a model says what it is, or nothing does.
     """
 
     points: tuple[FrictionPoint, ...]
@@ -72,6 +74,7 @@ class SweepAnalysis:
     assistance: Mean | None
     metadata: RecordingMetadata
     sample_rate: float = 500.0
+    gravity: GravityFit | None = None
 
     @property
     def steady(self) -> tuple[FrictionPoint, ...]:
@@ -110,17 +113,8 @@ def analyse_sweep(data: SweepData, *, normal_load: str = "none", gravity_unknown
         IdentificationError: There is no plateau.
         ParameterError: The normal load is none of these, or not to be had.
     """
-    parts = data.settled_parts()
-    if not parts:
-        raise IdentificationError("the recording holds no plateau: run the sweep first, or resume it")
-    if gravity_unknown:
-        parts = match_windows(parts)
-        if not parts:
-            raise IdentificationError(
-                "no forward and reverse plateau have settled over the same positions: stay longer on each (--dwell)"
-            )
-    else:
-        parts = tuple(map(without_transient, parts))
+    parts, gravity = _comparable_parts(data, gravity_unknown)
+    modelled = gravity is None and parts[0].samples.load_torque is not None
     metadata = parts[0].samples.metadata
     quantum = metadata.encoder_resolution or 0.0
     offset = measure_offset(data)
@@ -128,25 +122,50 @@ def analyse_sweep(data: SweepData, *, normal_load: str = "none", gravity_unknown
     points = measure_points(
         parts,
         offset=offset.value,
-        lag=fit.lag,
+        lag=fit.lag if gravity is None else gravity.lag,
         quantum=quantum,
         torque_limit=float(metadata.extra.get("torque_limit", np.inf)),
     )
-    ramps = [measure_breakaway(r, ramp.direction, offset=offset.value, quantum=quantum) for ramp, r in data.ramps()]
+    breakaways = _breakaways(data, offset.value, quantum)
     loaded, load_source = _with_normal_load(points, normal_load)
-    modelled = parts[0].samples.load_torque is not None
+    compared = half_differences(loaded) if gravity_unknown else loaded
     return SweepAnalysis(
-        points=half_differences(loaded) if gravity_unknown else loaded,
-        breakaways=tuple(b for b in ramps if b is not None),
+        points=compared,
+        breakaways=half_differences_at_rest(breakaways) if gravity_unknown else breakaways,
         offset=offset,
         rigid_body=fit,
         torque_source=_torque_source(gravity_unknown, modelled),
         load_source=load_source,
-        drift=_drift(points),
+        drift=_drift(compared),
         assistance=_assistance([part.samples for part in parts], [p.velocity for p in points]),
         metadata=metadata,
         sample_rate=1.0 / float(np.median([part.samples.sample_period for part in parts])),
+        gravity=gravity,
     )
+
+
+def _comparable_parts(data: SweepData, gravity_unknown: bool) -> tuple[tuple[SettledPart, ...], GravityFit | None]:
+    """The parts of the plateaus that count, and gravity where the recording itself has to show it."""
+    parts = data.settled_parts()
+    if not parts:
+        raise IdentificationError("the recording holds no plateau: run the sweep first, or resume it")
+    if not gravity_unknown:
+        return tuple(map(without_transient, parts)), None
+    parts = match_windows(parts)
+    if not parts:
+        raise IdentificationError(
+            "no forward and reverse plateau have settled over the same positions: stay longer on each (--dwell)"
+        )
+    gravity = fit_gravity(parts) if parts[0].samples.load_torque is None else None
+    return parts if gravity is None else tuple(map(gravity.attach, parts)), gravity
+
+
+def _breakaways(data: SweepData, offset: float, quantum: float) -> tuple[Breakaway, ...]:
+    """What every ramp has shown."""
+    measured = [
+        (ramp, measure_breakaway(r, ramp.direction, offset=offset, quantum=quantum)) for ramp, r in data.ramps()
+    ]
+    return tuple(replace(found, number=ramp.number) for ramp, found in measured if found is not None)
 
 
 def _torque_source(gravity_unknown: bool, modelled: bool) -> TorqueSource:
@@ -202,11 +221,23 @@ def _with_normal_load(points: Sequence[FrictionPoint], choice: str) -> tuple[tup
         if any(p.normal_load is None for p in points):
             raise ParameterError("the recording has no normal_load column: use transmitted, none or a number")
         return tuple(points), "a sensor column"
+    value = parse_load(choice)
+    return tuple(replace(p, normal_load=value) for p in points), f"given as {value:g}"
+
+
+def parse_load(choice: str) -> float:
+    """A normal load given as a number.
+
+    Raises:
+        ParameterError: It is no positive number.
+    """
     try:
         value = float(choice)
     except ValueError:
-        raise ParameterError(f"normal load {choice!r} is none of none, transmitted, column or a number") from None
-    return tuple(replace(p, normal_load=value) for p in points), f"given as {value:g}"
+        raise ParameterError(f"normal load {choice!r} is none of none, transmitted or a number") from None
+    if not (value > 0.0 and np.isfinite(value)):
+        raise ParameterError(f"a normal load must be positive and finite, got {choice!r}")
+    return value
 
 
 def _drift(points: Sequence[FrictionPoint]) -> tuple[Drift, ...]:

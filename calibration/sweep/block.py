@@ -33,6 +33,7 @@ class BlockLabel(msgspec.Struct, frozen=True, omit_defaults=True):
         settled: Whether settling was seen.
         is_first_again: Whether the plateau only repeats the first speed.
         direction: Of a breakaway, +1 or -1.
+        is_cut: Whether a motion was stopped before its end.
     """
 
     kind: Kind
@@ -43,6 +44,7 @@ class BlockLabel(msgspec.Struct, frozen=True, omit_defaults=True):
     settled: bool = True
     is_first_again: bool = False
     direction: int = 0
+    is_cut: bool = False
 
     def encode(self) -> str:
         """The text that stands in the file."""
@@ -86,7 +88,10 @@ class SweepData:
     def ramps(self) -> tuple[tuple[BreakawayRamp, Recording], ...]:
         """The breakaway ramps."""
         return tuple(
-            (BreakawayRamp(float(samples.position[0]), label.direction, abs(label.velocity)), samples)
+            (
+                BreakawayRamp(float(samples.position[0]), label.direction, abs(label.velocity), number=label.number),
+                samples,
+            )
             for label, samples in self.of_kind("breakaway")
         )
 

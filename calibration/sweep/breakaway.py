@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 
-__all__ = ["Breakaway", "BreakawayRamp", "measure_breakaway"]
+__all__ = ["Breakaway", "BreakawayRamp", "half_differences_at_rest", "measure_breakaway"]
 
 # Displacement that counts as motion: this many encoder counts.
 COUNTS = 12
@@ -28,12 +29,14 @@ class BreakawayRamp:
         direction: +1 or -1.
         creep: Speed of the reference [rad/s] or [m/s].
         longest: Time after which the joint counts as held fast [s].
+        number: Of the ramp, from 0; -1 for one that stands alone.
     """
 
     position: float
     direction: int
     creep: float
     longest: float = 6.0
+    number: int = -1
 
 
 @dataclass(frozen=True)
@@ -45,12 +48,26 @@ class Breakaway:
         direction: +1 or -1.
         torque: Friction at which the joint gave way, positive [N·m] or [N].
         time: When [s].
+        number: Of the ramp.
     """
 
     position: float
     direction: int
     torque: float
     time: float
+    number: int = -1
+
+
+def half_differences_at_rest(found: Sequence[Breakaway]) -> tuple[Breakaway, ...]:
+    """Breakaways less what pulls in the same direction whichever way the joint gives way: gravity without a model.
+
+    The ramps numbered 2k and 2k+1 go both ways at the same place; the mean of the two torques, each positive in its
+    direction, is the mean friction of both. A place at which one of them is missing says nothing.
+    """
+    torque = {one.number: one.torque for one in found}
+    return tuple(
+        replace(one, torque=0.5 * (one.torque + torque[one.number ^ 1])) for one in found if one.number ^ 1 in torque
+    )
 
 
 def measure_breakaway(samples: Recording, direction: int, *, offset: float, quantum: float) -> Breakaway | None:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from fricomp.errors import IdentificationError, ParameterError
+from fricomp.errors import IdentificationError
 from fricomp.joint import JointCapabilities
 
 from ..identification import identify
@@ -14,6 +14,7 @@ from ..identification.design import plan_informative_speeds
 from .analysis import HALF_DIFFERENCE, SweepAnalysis, analyse_sweep
 from .block import SweepData
 from .estimate import Estimate, IdentificationSettings, estimate_friction
+from .feasibility import check_feasible
 from .plan import first_again, plan_plateaus, plan_velocities, top_speed
 from .request import CalibrationOptions
 from .run_folder import RunFolder
@@ -21,7 +22,14 @@ from .sign_check import SignCheck
 from .speed import FALLING_BRANCH, dense_around
 from .sweep import Progress, Sweep, SweepContext
 
-__all__ = ["Calibration", "calibrate", "channels_of", "mean_relative_deviation", "stribeck_velocity"]
+__all__ = [
+    "Calibration",
+    "calibrate",
+    "channels_of",
+    "identify_recorded",
+    "mean_relative_deviation",
+    "stribeck_velocity",
+]
 
 # Plateaus of one round of an adaptive sweep, and the most rounds.
 ROUND = 16
@@ -58,8 +66,7 @@ def calibrate(
     Raises:
         FricompError: See `Sweep`, `analyse_sweep` and `estimate_friction`; what was recorded stays.
     """
-    if options.adaptive and options.gravity_unknown:
-        raise ParameterError("an adaptive sweep needs the gravity torque: give a model, or leave out --adaptive")
+    check_feasible(context, options)
     data = folder.load_data()
     with folder.open_writer(context.metadata(), channels_of(context)) as writer:
         sweep = Sweep(context, writer, data, report)
@@ -71,11 +78,26 @@ def calibrate(
         sweep.run_plan(first_again(first, number), "first speed again")
         sweep.measure_breakaways(float(first.speeds[0]))
         sweep.finish()
-    folder.note("recorded")
+    late, signs = sweep.runner.late_cycles, sweep.sign_check
+    folder.note("recorded", late_cycles=late, signs=None if signs is None else asdict(signs))
     report("identifying", 0.0)
-    analysis = _analyse(sweep.data, options)
+    return _identify(sweep.data, options, late, signs)
+
+
+def identify_recorded(folder: RunFolder, options: CalibrationOptions) -> Calibration:
+    """Identify from a sweep that is on disk to its end; nothing moves.
+
+    Raises:
+        FricompError: See `analyse_sweep` and `estimate_friction`.
+    """
+    late, signs = folder.results.get("late_cycles", 0), folder.results.get("signs")
+    return _identify(folder.load_data(), options, int(late), None if signs is None else SignCheck(**signs))
+
+
+def _identify(data: SweepData, options: CalibrationOptions, late_cycles: int, signs: SignCheck | None) -> Calibration:
+    analysis = _analyse(data, options)
     estimate = estimate_friction(analysis, options.identification)
-    return Calibration(sweep.data, analysis, estimate, sweep.runner.late_cycles, sweep.sign_check)
+    return Calibration(data, analysis, estimate, late_cycles, signs)
 
 
 def channels_of(context: SweepContext) -> tuple[str, ...]:

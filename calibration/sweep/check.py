@@ -9,9 +9,10 @@ import numpy as np
 from fricomp.report import Check, Outcome
 
 from ..identification import Status
-from .analysis import SweepAnalysis
+from .analysis import HALF_DIFFERENCE, SweepAnalysis
 from .calibrate import Calibration
 from .sign_check import SignCheck
+from .steadiness import REASONS
 
 __all__ = ["calibration_checks", "compensation_check"]
 
@@ -28,13 +29,6 @@ BREAKAWAY_AGREES = 0.05
 MODEL_AGREES = 0.03
 # Half width of a 95 % interval in standard deviations.
 REACH = 1.96
-# Why a plateau was rejected, in words.
-_REASONS = {
-    "stick_slip": "sticking and slipping",
-    "unsettled": "not settled",
-    "saturated": "torque at its limit",
-    "short": "too short",
-}
 
 
 def calibration_checks(calibration: Calibration) -> tuple[Check, ...]:
@@ -48,6 +42,7 @@ def calibration_checks(calibration: Calibration) -> tuple[Check, ...]:
         *_breakaway(calibration),
         compensation_check(analysis),
         _rigid_body(analysis),
+        _age(analysis),
         _unit(analysis),
         _convergence(calibration),
         _fit(calibration),
@@ -83,7 +78,7 @@ def _plateaus(analysis: SweepAnalysis) -> Check:
     rejected, total = analysis.rejected, len(analysis.points)
     if not rejected:
         return Check("Plateaus", "passed", f"all {total} settled and slid steadily")
-    why = Counter(_REASONS[p.verdict] for p in rejected)
+    why = Counter(REASONS[p.verdict] for p in rejected)
     reasons = ", ".join(f"{count} {reason}" for reason, count in why.most_common())
     speeds = ", ".join(f"{v:.3g}" for v in sorted({round(p.velocity, 6) for p in rejected}))
     outcome: Outcome = "warning" if len(rejected) > MANY_REJECTED * total else "note"
@@ -103,7 +98,10 @@ def _drift(analysis: SweepAnalysis) -> Check | None:
 
 def _breakaway(calibration: Calibration) -> list[Check]:
     found, analysis, model = [], calibration.analysis, calibration.estimate.result.model
-    for direction, name in ((1, "forward"), (-1, "reverse")):
+    sides = [(1, "Breakaway, forward"), (-1, "Breakaway, reverse")]
+    if analysis.torque_source == HALF_DIFFERENCE:
+        sides = [(1, "Breakaway, mean of both directions")]
+    for direction, name in sides:
         static = analysis.static_torque(direction)
         if static is None or not analysis.steady:
             continue
@@ -111,7 +109,7 @@ def _breakaway(calibration: Calibration) -> list[Check]:
         curve = abs(float(model.torque(direction * 1e-3 * slowest, normal_load=analysis.mean_load)))
         gap = static.value / curve - 1.0
         said = f"{static.value:.4g} {analysis.metadata.torque_unit} measured, {curve:.4g} from the sweep ({gap:+.1%})"
-        found.append(Check(f"Breakaway, {name}", "passed" if abs(gap) < BREAKAWAY_AGREES else "warning", said))
+        found.append(Check(name, "passed" if abs(gap) < BREAKAWAY_AGREES else "warning", said))
     return found
 
 
@@ -152,6 +150,25 @@ def _rigid_body(analysis: SweepAnalysis) -> Check | None:
     )
     wrong = abs(fit.scale - 1.0) > max(MODEL_AGREES, SIGNIFICANT * fit.scale_deviation)
     return Check("Rigid-body model", "warning" if wrong else "passed", said)
+
+
+def _age(analysis: SweepAnalysis) -> Check | None:
+    """How old the torque is, where gravity is known from the mean of both directions only."""
+    gravity = analysis.gravity
+    if gravity is None or not analysis.steady:
+        return None
+    level = float(np.median([abs(p.torque) for p in analysis.steady]))
+    unknown = gravity.lag_deviation * max(abs(p.load_rate) for p in analysis.steady)
+    age = f"{1e3 * gravity.lag:.2g} ± {1e3 * REACH * gravity.lag_deviation:.1g} ms"
+    if gravity.is_measured or unknown < NEGLIGIBLE * level:
+        return Check("Age of the torque", "passed", f"{age} behind the position, taken off along gravity's slope")
+    return Check(
+        "Age of the torque",
+        "warning",
+        f"not to be told from these plateaus and taken as {age}: along gravity's slope that leaves ± "
+        f"{REACH * unknown:.2g} {analysis.metadata.torque_unit} of friction open at speed, which is in the intervals; "
+        "visit more high --speeds, or give a --model",
+    )
 
 
 def _unit(analysis: SweepAnalysis) -> Check | None:

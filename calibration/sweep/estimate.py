@@ -5,17 +5,21 @@ different: an error in it raises friction in one direction and lowers it in the 
 be told from friction only where the torque is known to be zero. It is measured there, with the joint at rest and not
 energised, and what stays unknown of it enters the covariance through the parameters' sensitivity to it. So does the
 ripple of the speed that the encoder hides: over the bends of the curve it shifts the mean torque of every plateau.
+So does, where no model says what gravity is, the age of the torque signal: over the slope of gravity it looks like
+viscous friction.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fricomp.errors import IdentificationError
+from fricomp.errors import IdentificationError, ParameterError
 from fricomp.laws import FloatArray
 from fricomp.model import Covariance
 
@@ -23,9 +27,10 @@ from ..identification import IdentificationOptions, IdentificationResult, identi
 from ..identification.identify import Method
 from .analysis import HALF_DIFFERENCE, SweepAnalysis
 from .point import FrictionPoint
+from .steadiness import CURES, REASONS
 from .sweep import CREEP_RATIO
 
-__all__ = ["Estimate", "IdentificationSettings", "estimate_friction"]
+__all__ = ["FEWEST_POINTS", "Estimate", "IdentificationSettings", "estimate_friction"]
 
 # A breakaway torque is known to this fraction at best: see `measure_breakaway` for what the encoder hides, and it
 # depends on how long the joint rested and how fast the torque rose [1].
@@ -34,6 +39,8 @@ BREAKAWAY_ACCURACY = 0.01
 REACHES_STATIC = 0.5
 # Two more than the parameters of the bidirectional law leave something to tell the noise from.
 FEWEST_POINTS = 10
+# Noise models that a sweep can be identified with.
+NOISES = ("auto", "relative", "absolute")
 # Between two counts the loop does not see the joint, whose speed ripples by about this many counts a second: 0.4 to
 # 1.3 mrad/s were measured on the stand-in, whose count is 24 µrad [1/s].
 RIPPLE_RATE = 30.0
@@ -55,6 +62,9 @@ class IdentificationSettings:
         noise: `auto`, `relative` or `absolute`.
         use_breakaway: Whether measured static torques take part where the sweep does not go slow enough.
         seed: Of the network's first weights.
+
+    Raises:
+        ParameterError: A method or a noise model that there is not, or a negative seed.
     """
 
     method: Method = "pinn"
@@ -62,6 +72,14 @@ class IdentificationSettings:
     noise: str = "auto"
     use_breakaway: bool = True
     seed: int = 0
+
+    def __post_init__(self) -> None:
+        # Before a sweep that takes minutes, not after it.
+        for name, choices in (("method", get_args(Method)), ("noise", NOISES)):
+            if getattr(self, name) not in choices:
+                raise ParameterError(f"unknown {name} {getattr(self, name)!r}; use {', '.join(choices)}")
+        if self.seed < 0:
+            raise ParameterError(f"seed must be at least 0, got {self.seed!r}")
 
 
 @dataclass(frozen=True)
@@ -89,10 +107,7 @@ def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings)
     """
     points = analysis.steady
     if len(points) < FEWEST_POINTS:
-        raise IdentificationError(
-            f"{len(points)} of {len(analysis.points)} plateaus were steady, at least {FEWEST_POINTS} are needed: see "
-            "the reasons in the report; sticking and slipping ends with more damping or at higher speeds"
-        )
+        raise IdentificationError(_too_few(analysis))
     both_alike = analysis.torque_source == HALF_DIFFERENCE
     law = settings.law or ("symmetric_stribeck" if both_alike else "stribeck")
     first = identify(
@@ -105,7 +120,7 @@ def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings)
     )
     static = _static_points(analysis, points, _bend(first)) if settings.use_breakaway else ()
     used = (*points, *static)
-    deviation = np.concatenate([_scatter(points, first), [point.deviation for point in static]])
+    deviation = np.concatenate([_scatter(points, first, both_alike), [point.deviation for point in static]])
     metadata = analysis.metadata
     result = identify(
         [point.velocity for point in used],
@@ -127,22 +142,38 @@ def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings)
     shared = [_sensitivity(result, _ripple_shift(result, swing))]
     if not both_alike:
         shared.append(_sensitivity(result, analysis.offset.deviation * result.observations.sign))
+    elif analysis.gravity is not None:
+        rates = np.array([point.load_rate for point in used])[result.observations.kept]
+        shared.append(_sensitivity(result, analysis.gravity.lag_deviation * rates * result.observations.sign))
     covariance = result.covariance + sum(np.outer(change, change) for change in shared)
     result = _with_covariance(result, covariance)
     return Estimate(_with_notes(result, analysis), statistical, deviation, used)
 
 
-def _scatter(points: Sequence[FrictionPoint], first: IdentificationResult) -> FloatArray:
+def _too_few(analysis: SweepAnalysis) -> str:
+    """Why there are too few plateaus, and what brings more of them."""
+    steady, rejected = len(analysis.steady), Counter(point.verdict for point in analysis.rejected)
+    said = f"{steady} of {len(analysis.points)} plateaus can be used, at least {FEWEST_POINTS} are needed"
+    if not rejected:
+        return f"{said}: none was rejected, the sweep was too short; give more --speeds or --repeats"
+    reasons = ", ".join(f"{count} {REASONS[verdict]}" for verdict, count in rejected.most_common())
+    cures = "; ".join(f"{REASONS[verdict]}: {CURES[verdict]}" for verdict in rejected)
+    return f"{said} ({reasons}). {cures[0].upper()}{cures[1:]}"
+
+
+def _scatter(points: Sequence[FrictionPoint], first: IdentificationResult, both_alike: bool) -> FloatArray:
     """Standard deviation of each point [N·m] or [N] from the scatter about a first fit. Shape (n_points,).
 
-    A plateau that lasts longer scatters less, with the root of its duration.
+    A plateau that lasts longer scatters less, with the root of its duration. Where both directions are alike, the two
+    points of a pair are one measurement: half as many are free to scatter, and each point counts for half of it.
     """
     duration = np.array([p.duration for p in points])
     shape = np.sqrt(np.median(duration) / duration)
     if first.noise.kind == "relative":
         shape = shape * first.optimum.magnitude
     error = (first.observations.magnitude - first.optimum.magnitude) / shape
-    freedom = max(len(points) - len(first.parameter_names), 1)
+    independent = len(points) // 2 if both_alike else len(points)
+    freedom = max(independent - len(first.parameter_names), 1)
     level = float(np.sqrt(np.sum(error**2) / freedom))
     return np.asarray(np.maximum(level, LEAST_LEVEL * float(np.max(first.optimum.magnitude))) * shape)
 
@@ -235,5 +266,7 @@ def _with_notes(result: IdentificationResult, analysis: SweepAnalysis) -> Identi
         "torque_offset": f"{analysis.offset.value:.6g} +- {analysis.offset.deviation:.2g}",
         "torque_kind": analysis.metadata.torque_kind,
     }
+    if analysis.gravity is not None:
+        notes["torque_age"] = f"{analysis.gravity.lag:.3g} +- {analysis.gravity.lag_deviation:.2g}"
     noted = replace(provenance, notes={**provenance.notes, **notes})
     return replace(result, model=replace(result.model, provenance=noted))

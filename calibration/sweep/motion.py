@@ -77,8 +77,12 @@ class MotionRunner:
         """
         await_feedback(self._adapter, self.feedback, self.period)
 
-    def follow(self, reference: Reference) -> CycleLog:
+    def follow(self, reference: Reference, log: CycleLog | None = None) -> CycleLog:
         """Follow a velocity until it is None.
+
+        Args:
+            reference: The velocity.
+            log: Filled in; whoever gives one has what was seen even if the motion does not come to its end.
 
         Raises:
             SweepAborted: The safety gate has tripped.
@@ -87,7 +91,7 @@ class MotionRunner:
         loop = self._loop
         if loop is None:
             raise AdapterError("the motion has not been started: call start() first")
-        log, start = CycleLog(self.joint), self._next_ns
+        log, start = CycleLog(self.joint) if log is None else log, self._next_ns
         while (velocity := reference((self._next_ns - start) * 1e-9)) is not None:
             fresh = self._adapter.read_into(self.feedback)
             loop.command(self.joint, velocity, self.feedback, self._command)

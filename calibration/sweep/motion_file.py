@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fricomp.errors import ParameterError
+from fricomp.errors import AdapterError, ParameterError
 from fricomp.laws import FloatArray
 
 from .block import BlockLabel
+from .log import CycleLog
 from .plan import Travel, move_speed
 from .sweep import Sweep
 
-__all__ = ["MotionFile", "read_motion", "record_motion"]
+__all__ = ["MotionFile", "fit_into", "read_motion", "record_motion"]
+
+# Samples below which a stopped motion says nothing.
+SHORTEST = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,12 +86,26 @@ def fit_into(motion: MotionFile, travel: Travel) -> float:
 
 
 def record_motion(sweep: Sweep, motion: MotionFile) -> None:
-    """Carry out a motion with a prepared sweep and write it as one block.
+    """Carry out a motion with a prepared sweep and write it as one block; of one that is stopped, what there is of it.
 
     Raises:
         ParameterError: It does not fit into the travel.
         SweepAborted: The safety gate has tripped.
     """
-    start = fit_into(motion, sweep.travel)
-    sweep.runner.move_to(start, move_speed(sweep.travel), sweep.context.settings.ramp)
-    sweep.write(sweep.runner.follow(motion.velocity_at), BlockLabel("motion", 0))
+    start, runner = fit_into(motion, sweep.travel), sweep.runner
+    runner.move_to(start, move_speed(sweep.travel), sweep.context.settings.ramp)
+    log = CycleLog(runner.joint)
+    try:
+        runner.follow(motion.velocity_at, log)
+    except BaseException:
+        _keep(sweep, log)
+        raise
+    sweep.write(log, BlockLabel("motion", 0))
+
+
+def _keep(sweep: Sweep, log: CycleLog) -> None:
+    """Write what a stopped motion has left, at zero torque: waiting for a disk is nothing to do in motion."""
+    with suppress(AdapterError):  # of a lost drive; the error that has stopped the motion goes on anyway
+        sweep.context.adapter.safe_stop("the motion was stopped")
+    if len(log) >= SHORTEST:
+        sweep.write(log, BlockLabel("motion", 0, is_cut=True))

@@ -44,6 +44,7 @@ class FrictionPoint:
         velocity: Mean, from the distance travelled [rad/s] or [m/s].
         torque: Mean friction torque, with the sign of the velocity [N·m] or [N].
         deviation: Standard error of `torque` from the scatter inside the plateau [N·m] or [N].
+        load_rate: Mean rate of the rigid-body torque [N·m/s] or [N/s].
         ripple: Standard deviation of the torque within the plateau, noise included [N·m] or [N].
         duration: Of the settled part [s].
         verdict: `steady`, or why it is not used.
@@ -65,6 +66,7 @@ class FrictionPoint:
     temperature: float | None = None
     is_first_again: bool = False
     ripple: float = 0.0
+    load_rate: float = 0.0
 
 
 def measure_points(
@@ -85,9 +87,10 @@ def measure_points(
 def _measure(part: SettledPart, offset: float, lag: float, quantum: float, torque_limit: float) -> FrictionPoint:
     samples = part.samples
     load = samples.load_torque
-    friction = samples.torque - offset
+    friction, rate = samples.torque - offset, np.zeros(len(samples))
     if load is not None:
-        friction = friction - load + lag * np.gradient(load, samples.time)
+        rate = np.gradient(load, samples.time)
+        friction = friction - load + lag * rate
     verdict: Verdict = judge_plateau(
         samples.time, samples.position, samples.torque, part.velocity, quantum=quantum, torque_limit=torque_limit
     )
@@ -107,6 +110,7 @@ def _measure(part: SettledPart, offset: float, lag: float, quantum: float, torqu
         temperature=None if samples.temperature is None else float(samples.temperature.mean()),
         is_first_again=part.is_first_again,
         ripple=float(np.std(friction)),
+        load_rate=float(rate.mean()),
     )
 
 
@@ -155,9 +159,10 @@ def half_differences(points: Sequence[FrictionPoint]) -> tuple[FrictionPoint, ..
         if b is None:
             continue
         half = 0.5 * (abs(a.torque * np.sign(a.velocity) + b.torque * np.sign(b.velocity)))
+        rate = 0.5 * (a.load_rate * np.sign(a.velocity) + b.load_rate * np.sign(b.velocity))
         deviation = 0.5 * float(np.hypot(a.deviation, b.deviation))
         verdict = a.verdict if a.verdict != "steady" else b.verdict
         for point in (a, b):
-            signed = float(np.sign(point.velocity) * half)
-            found.append(replace(point, torque=signed, deviation=deviation * np.sqrt(2.0), verdict=verdict))
+            sign, spread = float(np.sign(point.velocity)), deviation * float(np.sqrt(2.0))
+            found.append(replace(point, torque=sign * half, deviation=spread, verdict=verdict, load_rate=sign * rate))
     return tuple(found)

@@ -62,12 +62,14 @@ class RigidBody:
     @property
     def has_gravity(self) -> bool:
         """Whether gravity acts on any joint somewhere; looked for at some random positions."""
+        return any(self.has_gravity_on(joint) for joint in range(len(self._dofs)))
+
+    def has_gravity_on(self, joint: int) -> bool:
+        """Whether gravity acts on this joint somewhere; looked for at some random positions."""
         generator = np.random.default_rng(0)
         still = np.zeros((16, len(self._dofs)))
         places = generator.uniform(-np.pi, np.pi, still.shape)
-        return any(
-            bool(np.max(np.abs(self.torque(joint, places, still, still))) > 1e-9) for joint in range(len(self._dofs))
-        )
+        return bool(np.max(np.abs(self.torque(joint, places, still, still))) > 1e-9)
 
     def inertias(self, position: Sequence[float]) -> list[float]:
         """Inertia about each joint at a position, the others held [kg·m²] or [kg]."""

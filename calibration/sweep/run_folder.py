@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -52,6 +53,7 @@ class RunFolder:
 
         Raises:
             SweepAborted: The folder cannot be written, or holds a run already.
+            RecordingError: What it holds is no recording.
         """
         folder = cls(Path(path), _Run(SCHEMA, "started", _now(), request, _versions()))
         try:
@@ -59,28 +61,37 @@ class RunFolder:
         except OSError as error:
             raise SweepAborted(f"cannot make the folder {folder.path}: {error.strerror or error}") from error
         if not overwrite and folder.recording.exists() and read_blocks(folder.recording):
+            go_on = "" if request.motion else "go on with it (--resume), "
             raise SweepAborted(
-                f"{folder.path} holds a run already: go on with it (--resume), replace it (--overwrite), or choose "
-                "another folder (--out)"
+                f"{folder.path} holds a run already: {go_on}replace it (--overwrite), or choose another folder (--out)"
             )
         folder.recording.unlink(missing_ok=True)
         folder._save()
         return folder
 
     @classmethod
-    def resume(cls, path: str | os.PathLike[str]) -> Self:
+    def resume(cls, path: str | os.PathLike[str], changes: Mapping[str, Any] | None = None) -> Self:
         """Go on with a run that was interrupted, as it was asked for.
+
+        Args:
+            path: The folder.
+            changes: What is asked for otherwise now: `normal_load`, `method`, `noise`.
 
         Raises:
             SweepAborted: There is none.
-            RecordingError: Its `run.json` is damaged.
+            RecordingError: Its `run.json` is damaged, or asks for what there is not.
         """
         file = Path(path) / "run.json"
         try:
-            return cls(Path(path), msgspec.json.decode(file.read_bytes(), type=_Run))
+            stored = msgspec.json.decode(file.read_bytes())
+            return cls(Path(path), msgspec.convert(_changed(stored, changes or {}), _Run))
         except OSError as error:
             raise SweepAborted(f"nothing to resume in {path}: {error.strerror or error}") from error
-        except (msgspec.DecodeError, ParameterError) as error:
+        except (msgspec.ValidationError, ParameterError) as error:
+            raise RecordingError(
+                f"{file} does not say what can be done: {error}; --method, --noise and --normal-load may be given anew"
+            ) from error
+        except msgspec.DecodeError as error:
             raise RecordingError(f"{file} is damaged: {error}") from error
 
     @property
@@ -97,6 +108,21 @@ class RunFolder:
     def versions(self) -> dict[str, str]:
         """Of fricomp, Python and the packages used."""
         return self._run.versions
+
+    @property
+    def results(self) -> Mapping[str, Any]:
+        """Figures noted so far."""
+        return self._run.results
+
+    @property
+    def is_recorded(self) -> bool:
+        """Whether everything that was to be recorded is on disk."""
+        return self._run.status in ("recorded", "done")
+
+    @property
+    def is_motion(self) -> bool:
+        """Whether a motion from a file was recorded here instead of a sweep."""
+        return bool(self.request.motion) or bool(self.load_data().of_kind("motion"))
 
     def open_writer(self, metadata: RecordingMetadata, channels: tuple[str, ...]) -> RecordingWriter:
         """A writer that goes on after what is on disk."""
@@ -124,6 +150,16 @@ class RunFolder:
             part.replace(target)
         except OSError as error:
             raise SweepAborted(f"cannot write {target}: {error.strerror or error}") from error
+
+
+def _changed(stored: Any, changes: Mapping[str, Any]) -> Any:
+    """What stands in a run.json with other options of the identification; anything that is not one stays as it is."""
+    request = stored.get("request") if isinstance(stored, dict) else None
+    options = request.get("options") if isinstance(request, dict) else None
+    if isinstance(options, dict):
+        for name, value in changes.items():
+            (options if name == "normal_load" else options.setdefault("identification", {}))[name] = value
+    return stored
 
 
 def _now() -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import isfinite
 from typing import Literal
 
 from fricomp.errors import ParameterError
@@ -66,15 +67,16 @@ class SweepSettings:
             ("repeats", 1),
             ("positions", 1),
             ("breakaway_positions", 0),
+            ("seed", 0),
         ):
             if getattr(self, name) < least:
                 raise ParameterError(f"{name} must be at least {least}, got {getattr(self, name)!r}")
         for name in ("dwell", "settle", "ramp", "bandwidth"):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"{name} must be positive, got {getattr(self, name)!r}")
+            if not (getattr(self, name) > 0.0 and isfinite(getattr(self, name))):
+                raise ParameterError(f"{name} must be positive and finite, got {getattr(self, name)!r}")
         for name in ("warm_up", "tare", "rate", "inertia"):
-            if not getattr(self, name) >= 0.0:
-                raise ParameterError(f"{name} must not be negative, got {getattr(self, name)!r}")
+            if not (getattr(self, name) >= 0.0 and isfinite(getattr(self, name))):
+                raise ParameterError(f"{name} must be finite and not negative, got {getattr(self, name)!r}")
         if not 0.0 < self.check_torque <= 1.0:
             raise ParameterError(f"check_torque is a fraction of the torque limit, got {self.check_torque!r}")
         if self.speeds:

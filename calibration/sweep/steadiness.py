@@ -3,15 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 
 from fricomp.laws import FloatArray
 
-__all__ = ["BATCHES", "Mean", "Verdict", "find_transient", "judge_plateau", "mean_of"]
+__all__ = ["BATCHES", "CURES", "REASONS", "Mean", "Verdict", "find_transient", "judge_plateau", "mean_of"]
 
 Verdict = Literal["steady", "unsettled", "stick_slip", "saturated", "short"]
+
+REASONS: Final[dict[Verdict, str]] = {
+    "stick_slip": "sticking and slipping",
+    "unsettled": "not settled",
+    "saturated": "torque at its limit",
+    "short": "too short",
+}
+"""Why a plateau was rejected, in words."""
+CURES: Final[dict[Verdict, str]] = {
+    "stick_slip": "more damping (--bandwidth, or the gains of the drive's own loop) or higher --speeds",
+    "unsettled": "lower --speeds, or better gains of the drive's own loop",
+    "saturated": "lower --speeds, or a higher torque limit",
+    "short": "a longer --dwell, lower --speeds, or more travel",
+}
+"""What helps against it."""
 
 # Batches for the standard error of a mean of correlated samples.
 BATCHES = 16

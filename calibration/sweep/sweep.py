@@ -93,6 +93,11 @@ class SweepContext:
         limits = [limit.torque for limit in self.adapter.options.limits]
         return HostLoop(inertias, self.settings.bandwidth, period, limits)
 
+    def travel(self, at: float = 0.0) -> Travel:
+        """Where the joint may move, of one that turns freely about the position `at` [rad] or [m]."""
+        limits = self.adapter.options.limits[self.joint]
+        return travel_of(self.adapter.capabilities.joints[self.joint], limits.position, limits.velocity, at)
+
     def metadata(self) -> RecordingMetadata:
         """Facts for the recording."""
         declared, limits = self.adapter.capabilities.joints[self.joint], self.adapter.options.limits[self.joint]
@@ -150,14 +155,15 @@ class Sweep:
 
         Raises:
             SweepAborted: A sign or scale is wrong, or the joint does not move.
+            ParameterError: A speed does not fit into the travel, or the host's loop lacks an inertia.
         """
         context = self.context
         context.adapter.configure(self._mode, self.runner.period)
         self.runner.await_feedback()
-        declared = context.adapter.capabilities.joints[context.joint]
-        limits = context.adapter.options.limits[context.joint]
-        self.travel = travel_of(declared, limits.position, limits.velocity, self.runner.position)
-        self.plan_first_pass()  # refuses speeds that do not fit before anything moves
+        self.travel = context.travel(self.runner.position)
+        # Both refuse what cannot be done before anything moves.
+        self.plan_first_pass()
+        context.make_loop(self._mode, self.runner.period, self.runner.feedback.position)
         self.measure_offset("measuring the zero of the torque sensor")
         if "torque" in context.adapter.capabilities.modes:
             self._check_signs()

@@ -21,11 +21,19 @@ from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 
 from .motion import MotionRunner
-from .plan import Travel, move_speed, possible_speeds, top_speed, travel_of
+from .plan import Travel, move_speed, possible_speeds, top_speed
 from .profile import move_profile
 from .sweep import Progress, SweepContext, loop_period
 
-__all__ = ["GRAVITY", "HungWeight", "TorqueConstant", "identify_torque_constant", "record_passes"]
+__all__ = [
+    "GRAVITY",
+    "HungWeight",
+    "PassPlan",
+    "TorqueConstant",
+    "identify_torque_constant",
+    "plan_passes",
+    "record_passes",
+]
 
 GRAVITY = 9.80665
 """Standard acceleration of free fall [m/s²]; it differs by up to 0.3 % from place to place."""
@@ -57,9 +65,9 @@ class HungWeight:
     lever: float
 
     def __post_init__(self) -> None:
-        if not (self.mass > 0.0 and self.lever > 0.0):
+        if not (0.0 < self.mass < np.inf and 0.0 < self.lever < np.inf):
             raise ParameterError(
-                f"a hung weight needs mass and lever above 0, got {self.mass!r} kg on {self.lever!r} m: "
+                f"a hung weight needs finite mass and lever above 0, got {self.mass!r} kg on {self.lever!r} m: "
                 "give --weight and --lever"
             )
 
@@ -88,6 +96,35 @@ class TorqueConstant:
     added: float
 
 
+@dataclass(frozen=True)
+class PassPlan:
+    """How the joint will move without the weight, and the same with it.
+
+    Attributes:
+        travel: From end to end of which it goes.
+        speed: Of the passes [rad/s] or [m/s].
+        fastest: Of the way to the first pass and back after the last [rad/s] or [m/s].
+        n_passes: To and fro.
+        duration: Of all of them, with the ways [s].
+    """
+
+    travel: Travel
+    speed: float
+    fastest: float
+    n_passes: int
+    duration: float
+
+
+def plan_passes(context: SweepContext, n_passes: int, at: float = 0.0) -> PassPlan:
+    """The plan of `record_passes`, of a joint that turns freely about the position `at` [rad] or [m]."""
+    travel, settings = context.travel(at), context.settings
+    slow = min(PACE * travel.length, TOP_SHARE * top_speed(travel, settings))
+    speed, fastest = float(possible_speeds([slow], travel, settings)[0]), move_speed(travel)
+    one = move_profile(travel.length, speed, settings.ramp).duration
+    way = move_profile(0.5 * travel.length, fastest, settings.ramp).duration
+    return PassPlan(travel, speed, fastest, n_passes, 2.0 * n_passes * one + 2.0 * way)
+
+
 def record_passes(
     context: SweepContext, n_passes: int, report: Progress = lambda text, done: None
 ) -> tuple[Recording, ...]:
@@ -104,20 +141,16 @@ def record_passes(
     runner = MotionRunner(adapter, context.joint, loop_period(adapter, settings, mode))
     adapter.configure(mode, runner.period)
     runner.await_feedback()
-    limits = adapter.options.limits[context.joint]
-    declared = adapter.capabilities.joints[context.joint]
-    travel = travel_of(declared, limits.position, limits.velocity, runner.position)
-    speed = min(PACE * travel.length, TOP_SHARE * top_speed(travel, settings))
-    speed = float(possible_speeds([speed], travel, settings)[0])
-    rest = runner.position
+    plan = plan_passes(context, n_passes, runner.position)
+    travel, rest = plan.travel, runner.position
     runner.start(context.make_loop(mode, runner.period, runner.feedback.position))
     report("going to the start", 0.0)
-    runner.move_to(travel.low, move_speed(travel), settings.ramp)
+    runner.move_to(travel.low, plan.fastest, settings.ramp)
     found = []
     for number in range(2 * n_passes):
         report("moving to and fro", number / (2 * n_passes))
-        found.append(_pass(runner, context, travel, speed))
-    runner.move_to(rest, move_speed(travel), settings.ramp)
+        found.append(_pass(runner, context, travel, plan.speed))
+    runner.move_to(rest, plan.fastest, settings.ramp)
     runner.stop()
     return tuple(found)
 

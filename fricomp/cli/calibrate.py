@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fricomp.errors import AdapterConfigurationError
+from fricomp.cli.resume import flags
+from fricomp.errors import AdapterConfigurationError, ParameterError
+
+if TYPE_CHECKING:
+    from fricomp.calibration.sweep import CalibrationRequest
+    from fricomp.calibration.sweep.weight import HungWeight
 
 app = typer.Typer()
+
 
 _EXAMPLES = """[bold]Examples[/bold]
 
@@ -30,6 +36,7 @@ fricomp calibrate --torque-constant --weight 0.5 --lever 0.25 --backend dynamixe
 
 @app.command(epilog=_EXAMPLES)
 def calibrate(
+    context: typer.Context,
     backend: Annotated[str, typer.Option(help="Adapter: `fricomp adapters` lists them.")] = "sim",
     out: Annotated[Path, typer.Option(help="Folder of the run.")] = Path("runs/calibration"),
     config: Annotated[Path | None, typer.Option(help="Configuration of the adapter (TOML).")] = None,
@@ -51,7 +58,7 @@ def calibrate(
     check_torque: Annotated[
         float, typer.Option(help="Sign check gives up at this fraction of the torque limit.")
     ] = 0.3,
-    normal_load: Annotated[str, typer.Option(help="none, transmitted (from the model), column, or a number.")] = "none",
+    normal_load: Annotated[str, typer.Option(help="none, transmitted (from the model), or a number.")] = "none",
     method: Annotated[str, typer.Option(help="pinn or least_squares.")] = "pinn",
     noise: Annotated[str, typer.Option(help="auto, relative or absolute.")] = "auto",
     adaptive: Annotated[bool, typer.Option("--adaptive", help="Choose speeds for information.")] = False,
@@ -67,21 +74,20 @@ def calibrate(
         bool, typer.Option("--dry-run", help="Print the plan and what it can tell; nothing moves.")
     ] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the run that --out holds already.")] = False,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in --out.")] = False,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in --out, as it was asked for.")] = False,
 ) -> None:
     """Sweep a joint, identify its friction, and write model, network and report.
 
     The joint first moves by a hair at low torque, to see that signs and scales are right. Ctrl-C stops it at zero
-    torque at any time; what was recorded stays, and --resume goes on.
+    torque at any time; what was recorded stays, and --resume goes on: --method, --noise and --normal-load may then be
+    given anew.
     """
     from fricomp.calibration.sweep import CalibrationOptions, CalibrationRequest, IdentificationSettings, SweepSettings
     from fricomp.calibration.sweep.weight import HungWeight
-    from fricomp.cli.calibration import dry_run_plan, record_file, resume_run, start_run
-    from fricomp.cli.torque_constant import measure_torque_constant
+    from fricomp.cli.calibration import resume_run
 
-    if resume:
-        resume_run(out)
-        return
+    given = _given(context)
+    _refuse_contradictions(given)
     settings = SweepSettings(
         speeds=speeds, repeats=repeats, dwell=dwell, warm_up=warm_up, positions=positions,
         loop=loop, inertia=inertia, bandwidth=bandwidth, check_torque=check_torque, seed=seed,  # type: ignore[arg-type]
@@ -92,15 +98,60 @@ def calibrate(
     )  # fmt: skip
     configuration, file = adapter_configuration(backend, config, model, seed)
     mechanism = "" if gravity_unknown else file
-    request = CalibrationRequest(backend, configuration, joint, mechanism, settings, options)
-    if torque_constant:
-        measure_torque_constant(request, HungWeight(weight, lever), out)
-    elif dry_run:
-        dry_run_plan(request)
-    elif motion is not None:
-        record_file(request, motion, out)
+    wanted = "" if motion is None else str(motion)
+    request = CalibrationRequest(backend, configuration, joint, mechanism, settings, options, wanted)
+    if resume:
+        resume_run(out, request, {name for name in given if name not in ("resume", "out")})
+        return
+    hung = HungWeight(weight, lever) if torque_constant else None
+    if dry_run:
+        _print_plan(request, hung)
+    else:
+        _move(request, hung, out, overwrite=overwrite)
+
+
+def _print_plan(request: CalibrationRequest, hung: HungWeight | None) -> None:
+    """What each mode would do; nothing moves."""
+    from fricomp.cli.calibration_plan import print_motion_plan, print_sweep_plan, print_torque_constant_plan
+
+    if hung is not None:
+        print_torque_constant_plan(request, hung)
+    elif request.motion:
+        print_motion_plan(request)
+    else:
+        print_sweep_plan(request)
+
+
+def _move(request: CalibrationRequest, hung: HungWeight | None, out: Path, *, overwrite: bool) -> None:
+    """From here on the joint moves."""
+    from fricomp.cli.calibration import record_file, start_run
+    from fricomp.cli.torque_constant import measure_torque_constant
+
+    if hung is not None:
+        measure_torque_constant(request, hung, out)
+    elif request.motion:
+        record_file(request, out, overwrite=overwrite)
     else:
         start_run(request, out, overwrite=overwrite)
+
+
+def _given(context: typer.Context) -> dict[str, Any]:
+    """The options that stand on the command line."""
+    sources = {name: context.get_parameter_source(name) for name in context.params}
+    return {name: context.params[name] for name, source in sources.items() if source and source.name == "COMMANDLINE"}
+
+
+def _refuse_contradictions(given: dict[str, Any]) -> None:
+    """Options that belong to another way of moving the joint than the one that was asked for.
+
+    Raises:
+        ParameterError: There are some.
+    """
+    weights = [name for name in ("weight", "lever") if name in given]
+    if given.get("torque_constant") and "motion" in given:
+        raise ParameterError("--torque-constant has a motion of its own: leave out --motion")
+    if weights and not given.get("torque_constant"):
+        raise ParameterError(f"{flags(weights)} belongs to --torque-constant: give that too, or leave it out")
 
 
 def adapter_configuration(backend: str, file: Path | None, model: str, seed: int) -> tuple[dict[str, Any], str]:

@@ -1,9 +1,9 @@
-"""What `fricomp calibrate` does on the terminal: start, resume, plan only, record a motion."""
+"""What `fricomp calibrate` does on the terminal: start, resume, record a motion."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from math import floor, log10
 from pathlib import Path
@@ -22,45 +22,71 @@ from fricomp.calibration.sweep import (
     Sweep,
     SweepContext,
     SweepData,
-    assume_friction,
     calibrate,
     channels_of,
-    default_speeds,
-    expected_deviations,
-    loop_period,
-    plan_plateaus,
+    check_feasible,
+    fit_into,
+    identify_recorded,
     read_motion,
     record_motion,
-    travel_of,
 )
 from fricomp.calibration.sweep.check import calibration_checks
 from fricomp.calibration.sweep.report import write_calibration_report
 from fricomp.calibration.sweep.sweep import Progress
+from fricomp.cli.resume import changes, refuse_other
 from fricomp.cli.terminal import console, progress
 from fricomp.control.interruption import interrupt_on_ending_signals
-from fricomp.errors import ParameterError
+from fricomp.errors import ParameterError, SweepAborted
 
-__all__ = ["dry_run_plan", "follow", "open_joint", "record_file", "resume_run", "start_run"]
+__all__ = ["follow", "open_joint", "record_file", "resume_run", "start_run"]
 
 
 def start_run(request: CalibrationRequest, out: Path, *, overwrite: bool) -> None:
     """Calibrate into a new folder, or in place of the run that is there."""
     with open_joint(request) as context:
+        check_feasible(context, request.options)  # before an earlier run is thrown away
         _run(context, RunFolder.create(out, request, overwrite=overwrite))
 
 
-def resume_run(out: Path) -> None:
-    """Go on with the run in a folder."""
-    folder = RunFolder.resume(out)
+def resume_run(out: Path, asked: CalibrationRequest, given: Collection[str] = ()) -> None:
+    """Go on with the run in a folder; one that is recorded to its end is identified again, and nothing moves.
+
+    Args:
+        out: The folder.
+        asked: What the command line says.
+        given: Names of the options that stand there.
+
+    Raises:
+        SweepAborted: The folder holds no sweep.
+        ParameterError: An option would be ignored.
+    """
+    folder = RunFolder.resume(out, changes(asked, given))
+    refuse_other(asked, folder.request, given)
+    if folder.is_motion:
+        raise SweepAborted(_no_going_on(folder))
+    if folder.is_recorded:
+        _identify_again(folder)
+        return
     with open_joint(folder.request) as context:
         _run(context, folder)
 
 
-def record_file(request: CalibrationRequest, motion: Path, out: Path) -> None:
-    """Record a motion from a file into a new folder."""
-    wanted = read_motion(motion)
+def _no_going_on(folder: RunFolder) -> str:
+    """Why a motion is not resumed: it would begin in its middle, at speed, from wherever the joint is now."""
+    what = folder.request.motion or "a motion"
+    ended = "is recorded to its end" if folder.is_recorded else "was interrupted, and a motion begins at its beginning"
+    return (
+        f"{folder.path} holds a motion ({what}), not a sweep; it {ended}: identify what there is with fricomp "
+        "identify, or record it anew with --motion and --overwrite"
+    )
+
+
+def record_file(request: CalibrationRequest, out: Path, *, overwrite: bool = False) -> None:
+    """Record the motion of a request into a new folder, or in place of the run that is there."""
+    wanted = read_motion(request.motion)
     with open_joint(request) as context:
-        folder = RunFolder.create(out, request)
+        fit_into(wanted, context.travel())  # before anything moves, and before an earlier run is thrown away
+        folder = RunFolder.create(out, request, overwrite=overwrite)
         with folder.open_writer(context.metadata(), channels_of(context)) as writer, _interruptible(folder):
             sweep = Sweep(context, writer, SweepData())
             sweep.prepare()
@@ -68,42 +94,6 @@ def record_file(request: CalibrationRequest, motion: Path, out: Path) -> None:
             sweep.finish()
         folder.note("recorded")
     console().print(f"The motion is in [bold]{folder.recording}[/bold]; identify it with fricomp identify.")
-
-
-def dry_run_plan(request: CalibrationRequest) -> None:
-    """Print the plan, its travel, its duration and the accuracy to expect; nothing is energised."""
-    with open_joint(request) as context:
-        adapter, index, settings = context.adapter, context.joint, context.settings
-        declared, limits = adapter.capabilities.joints[index], adapter.options.limits[index]
-        travel = travel_of(declared, limits.position, limits.velocity, 0.0)
-        plan = plan_plateaus(default_speeds(travel, settings), travel, settings)
-        rate = 1.0 / loop_period(adapter, settings, context.choose_mode())
-    unit, screen = ("rad" if declared.motion == "rotary" else "m"), console()
-    screen.print(f"[bold]Plan for joint {declared.name}[/bold] ({request.backend}), nothing has moved")
-    low, high = plan.reach
-    screen.print(
-        f"  travel    {low:.3g} to {high:.3g} {unit}, of {travel.low:.3g} to {travel.high:.3g} that may be used"
-    )
-    speeds = ", ".join(f"{speed:.3g}" for speed in plan.speeds)
-    screen.print(f"  speeds    {speeds} {unit}/s, {len(plan.plateaus)} plateaus in both directions, shuffled")
-    extra = 2.0 * settings.tare + settings.warm_up + 6.0 * settings.breakaway_positions
-    dense = 0.0 if settings.speeds else plan.duration / len(plan.speeds) * settings.dense_count
-    screen.print(
-        f"  duration  about {(plan.duration + dense + extra) / 60:.1f} min: sweep {plan.duration:.0f} s, denser where "
-        f"the curve bends {dense:.0f} s, sensor zero, warm-up and breakaway {extra:.0f} s"
-    )
-    assumption = assume_friction(float(plan.speeds[-1]), limits.torque, rate)
-    table = Table("parameter", "expected standard deviation", title_justify="left", box=None, pad_edge=False)
-    for name, deviation in expected_deviations(plan, assumption).items():
-        table.add_row(f"  {name}", f"{deviation:.2%}")
-    forward = assumption.law.parameters()
-    screen.print(
-        f"  accuracy  at best (Cramér-Rao bound, first pass alone), for an assumed joint with Coulomb torque "
-        f"{forward['stribeck.forward.coulomb_torque']:.3g}, static torque "
-        f"{forward['stribeck.forward.static_torque']:.3g} {declared.torque_unit}, Stribeck velocity "
-        f"{forward['stribeck.forward.stribeck_velocity']:.3g} {unit}/s, noise {assumption.torque_noise:.2g} a sample:"
-    )
-    screen.print(table)
 
 
 @contextmanager
@@ -125,9 +115,11 @@ def _interruptible(folder: RunFolder) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
+        way = f"go on with fricomp calibrate --resume --out {folder.path}"
+        if folder.request.motion:
+            way = "the same command with --overwrite records the motion anew, from its beginning"
         print(
-            f"\nInterrupted; the joint is at zero torque. What was recorded is safe in {folder.recording}: go on with "
-            f"fricomp calibrate --resume --out {folder.path}",
+            f"\nInterrupted; the joint is at zero torque. What was recorded is safe in {folder.recording}: {way}",
             file=sys.stderr,
         )
         raise
@@ -137,11 +129,24 @@ def _run(context: SweepContext, folder: RunFolder) -> None:
     with progress() as bar, _interruptible(folder):
         calibration = calibrate(context, folder, folder.request.options, follow(bar))
         context.adapter.close()
-        bar.update(bar.task_ids[0], description="writing the report", completed=0.0)
-        checks = calibration_checks(calibration)
-        files = save_identification(calibration.estimate.result, folder.path)
-        facts = {**_facts(folder), "hash of the model": files.model_sha256}
-        page, pictures = write_calibration_report(calibration, checks, facts, folder.path)
+        _write(calibration, folder, bar)
+
+
+def _identify_again(folder: RunFolder) -> None:
+    """Identify what is on disk; no joint is opened."""
+    with progress() as bar:
+        follow(bar)("identifying", 0.0)
+        _write(identify_recorded(folder, folder.request.options), folder, bar)
+
+
+def _write(calibration: Calibration, folder: RunFolder, bar: Bar) -> None:
+    """Model, network, report and run.json, and what they say in short."""
+    bar.update(bar.task_ids[0], description="writing the report", completed=0.0)
+    checks = calibration_checks(calibration)
+    files = save_identification(calibration.estimate.result, folder.path)
+    facts = {**_facts(folder), "hash of the model": files.model_sha256}
+    page, pictures = write_calibration_report(calibration, checks, facts, folder.path)
+    bar.stop()
     result = calibration.estimate.result
     folder.note(
         "done",

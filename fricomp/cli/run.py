@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -39,7 +40,7 @@ def run(
         float, typer.Option(help="Time constant of the measured velocity's filter \\[s].")
     ] = 0.005,
     gain: Annotated[float | None, typer.Option(help="Of the compensation; chosen from the model if left out.")] = None,
-    priority: Annotated[int, typer.Option(help="FIFO priority on real hardware; 0 for none.")] = 80,
+    priority: Annotated[int, typer.Option(min=0, max=99, help="FIFO priority on real hardware; 0 for none.")] = 80,
     out: Annotated[Path, typer.Option(help="Folder for recordings and plots.")] = Path("runs/run"),
 ) -> None:
     """Follow a sine twice, without and with compensation, and show the difference."""
@@ -53,6 +54,11 @@ def run(
     from fricomp.recording import write_recording
     from fricomp.report import draw_png
 
+    _require_above_zero(
+        inertia=inertia, bandwidth=[bandwidth], amplitude=[amplitude], frequency=[frequency], cycles=[cycles],
+        rate=[rate],
+    )  # fmt: skip
+    _require_not_negative(delay=delay, velocity_filter=velocity_filter)
     friction = [load_model(path) for path in models]
     configuration = read_configuration(config) if config is not None else {}
     configuration.pop("backend", None)
@@ -78,6 +84,24 @@ def run(
     (out / "figures.json").write_bytes(msgspec.json.format(msgspec.json.encode(figures)))
     _print(figures, friction, results["with"])
     console().print(f"Recordings, plots and figures in {out}")
+
+
+def _require_above_zero(**options: list[float]) -> None:
+    """Refuse what would divide by zero, or move nothing, before a drive is opened."""
+    from fricomp.errors import ParameterError
+
+    for name, values in options.items():
+        for value in values:
+            if not 0.0 < value < inf:
+                raise ParameterError(f"--{name} must be above 0 and finite, got {value:g}")
+
+
+def _require_not_negative(**options: float) -> None:
+    from fricomp.errors import ParameterError
+
+    for name, value in options.items():
+        if not 0.0 <= value < inf:
+            raise ParameterError(f"--{name.replace('_', '-')} must be finite and at least 0, got {value:g}")
 
 
 class _Setup:

@@ -11,8 +11,10 @@ import msgspec
 import pytest
 from typer.testing import CliRunner
 
-from fricomp.calibration.sweep import load_sweep
+from fricomp.calibration.sweep import CalibrationRequest, MotionFile, RunFolder, load_sweep
+from fricomp.calibration.sweep.motion import MotionRunner
 from fricomp.cli.main import app
+from fricomp.errors import FricompError, RecordingError
 from fricomp.model import load_model
 
 SHORT = ["--speeds", "0.01,0.03,0.05,0.08,0.3,1.5", "--repeats", "1", "--dwell", "0.4", "--warm-up", "0.5"]
@@ -36,6 +38,137 @@ def test_a_dry_run_prints_plan_and_accuracy_and_moves_nothing(tmp_path: Path) ->
     assert not (tmp_path / "run").exists()
     for word in ("travel", "speeds", "duration", "accuracy", "stribeck.reverse.viscous_coefficient"):
         assert word in result.output
+
+
+@pytest.fixture
+def nothing_moves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever energises a joint fails the test."""
+
+    def started(*_: object) -> None:
+        pytest.fail("the joint was energised")
+
+    monkeypatch.setattr(MotionRunner, "start", started)
+
+
+def _refused(*arguments: str) -> str:
+    """The sentence with which the command ends before it does anything."""
+    result = CliRunner().invoke(app, ["calibrate", *arguments])
+    assert isinstance(result.exception, FricompError), result.output
+    return str(result.exception)
+
+
+@pytest.fixture
+def motion(tmp_path: Path) -> Path:
+    file = tmp_path / "motion.csv"
+    file.write_text("time,velocity\n0,0\n0.5,0.4\n1,0\n")
+    return file
+
+
+@pytest.mark.usefixtures("nothing_moves")
+def test_a_dry_run_of_a_hung_weight_prints_its_passes_and_moves_nothing(tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    asked = ["calibrate", "--torque-constant", "--weight", "0.5", "--lever", "0.25", "--dry-run", "--out", str(out)]
+    result = CliRunner().invoke(app, asked)
+    assert result.exit_code == 0, result.output
+    assert not out.exists()
+    for word in ("travel", "passes", "fastest", "duration", "0.5 kg"):
+        assert word in result.output
+
+
+@pytest.mark.usefixtures("nothing_moves")
+def test_a_dry_run_of_a_motion_prints_that_motion(tmp_path: Path, motion: Path) -> None:
+    out = tmp_path / "run"
+    result = CliRunner().invoke(app, ["calibrate", "--motion", str(motion), "--dry-run", "--out", str(out)])
+    assert result.exit_code == 0, result.output
+    assert not out.exists()
+    assert "-0.1 to 0.1 rad" in result.output
+    assert "plateaus" not in result.output
+
+
+def test_a_dry_run_of_a_motion_that_does_not_fit_says_so(motion: Path) -> None:
+    motion.write_text("time,velocity\n0,0\n5,3\n10,3\n")
+    assert "travel" in _refused("--motion", str(motion), "--dry-run")
+
+
+@pytest.mark.usefixtures("nothing_moves")
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ("--normal-load foo", "none of none"),
+        ("--normal-load column", "no normal_load column"),
+        ("--normal-load -3", "positive"),
+        ("--normal-load transmitted", "no model says that a load acts"),
+        ("--method foo", "use pinn, least_squares"),
+        ("--noise foo", "use auto, relative, absolute"),
+        ("--seed -1", "seed must be at least 0"),
+        ("--speeds 0.03,0.1,0.4 --repeats 1", "would have 8 plateaus, at least 10"),
+        ("--speeds 0.03,0.1,0.4,1.5 --repeats 1 --adaptive", "would have 8 plateaus"),
+        ("--gravity-unknown --adaptive", "adaptive sweep needs the gravity torque"),
+        ("--warm-up inf", "finite"),
+        ("--accuracy nan", "accuracy must be positive"),
+        ("--weight 0.5 --lever 0.25", "belongs to --torque-constant"),
+        ("--torque-constant --weight inf --lever 0.25", "finite"),
+        ("--torque-constant --motion m.csv", "leave out --motion"),
+        ("--loop host --backend twin-moteus", "inertia"),
+    ],
+)
+def test_what_cannot_come_to_an_end_is_refused_before_anything_moves(
+    tmp_path: Path, arguments: str, words: str
+) -> None:
+    out = tmp_path / "run"
+    assert words in _refused(*arguments.split(), "--out", str(out))
+    assert not out.exists()
+
+
+def test_a_run_that_cannot_be_done_leaves_the_one_that_it_would_replace(tmp_path: Path, motion: Path) -> None:
+    out = tmp_path / "run"
+    assert CliRunner().invoke(app, ["calibrate", "--motion", str(motion), "--out", str(out)]).exit_code == 0
+    kept = (out / "recording.csv").read_bytes()
+    _refused("--normal-load", "transmitted", "--overwrite", "--out", str(out))
+    assert (out / "recording.csv").read_bytes() == kept
+
+
+def test_a_motion_is_not_resumed_as_a_sweep_and_is_replaced_only_when_told(
+    tmp_path: Path, motion: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out, record = tmp_path / "run", ["--motion", str(motion), "--out", str(tmp_path / "run")]
+    whole = MotionFile.velocity_at
+
+    def interrupted(self: MotionFile, seconds: float) -> float | None:
+        if seconds > 0.6:
+            raise KeyboardInterrupt
+        return whole(self, seconds)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(MotionFile, "velocity_at", interrupted)
+        CliRunner().invoke(app, ["calibrate", *record])
+    ((label, samples),) = load_sweep(out / "recording.csv").of_kind("motion")
+    assert label.is_cut
+    assert samples.duration == pytest.approx(0.6, abs=0.01)
+    assert "a motion begins at its beginning" in _refused("--resume", "--out", str(out))
+    assert "--resume" not in _refused(*record)
+    assert CliRunner().invoke(app, ["calibrate", *record, "--overwrite"]).exit_code == 0
+    ((label, samples),) = load_sweep(out / "recording.csv").of_kind("motion")
+    assert not label.is_cut
+    assert "recorded to its end" in _refused("--resume", "--out", str(out))
+
+
+def test_options_that_a_resumed_run_would_ignore_are_refused_by_name(tmp_path: Path) -> None:
+    request = CalibrationRequest("sim", {"seed": 0, "model": "default_joint"})
+    out = str(RunFolder.create(tmp_path / "run", request).path)
+    said = _refused("--resume", "--out", out, "--backend", "sim", "--repeats", "3", "--seed", "2", "--dry-run")
+    assert "--dry-run, --repeats, --seed cannot be changed" in said
+
+
+def test_a_run_folder_that_asks_for_nonsense_takes_another_method(tmp_path: Path) -> None:
+    folder = RunFolder.create(tmp_path / "run", CalibrationRequest("sim"))
+    file = folder.path / "run.json"
+    file.write_text(file.read_text().replace('"pinn"', '"foo"'))
+    with pytest.raises(RecordingError, match="--method"):
+        RunFolder.resume(folder.path)
+    again = RunFolder.resume(folder.path, {"method": "least_squares", "normal_load": "3"})
+    assert again.request.options.identification.method == "least_squares"
+    assert again.request.options.normal_load == "3"
 
 
 def test_an_unknown_backend_is_one_sentence_with_the_known_ones() -> None:

@@ -1,18 +1,22 @@
 """Settling, stick-slip, breakaway, signs and lag, on signals whose truth is known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
-from fricomp.calibration.sweep.analysis import measure_offset
+from fricomp.calibration.sweep.analysis import HALF_DIFFERENCE, SweepAnalysis, measure_offset
 from fricomp.calibration.sweep.block import BlockLabel, SweepData
-from fricomp.calibration.sweep.breakaway import measure_breakaway
-from fricomp.calibration.sweep.point import FrictionPoint, half_differences
-from fricomp.calibration.sweep.rigid_body_fit import fit_rigid_body
+from fricomp.calibration.sweep.breakaway import Breakaway, half_differences_at_rest, measure_breakaway
+from fricomp.calibration.sweep.estimate import IdentificationSettings, estimate_friction
+from fricomp.calibration.sweep.gravity_fit import LAG_PRIOR, fit_gravity
+from fricomp.calibration.sweep.point import FrictionPoint, SettledPart, half_differences
+from fricomp.calibration.sweep.rigid_body_fit import RigidBodyFit, fit_rigid_body
 from fricomp.calibration.sweep.settling import SettleDetector, longest_settling
 from fricomp.calibration.sweep.sign_check import check_signs
-from fricomp.calibration.sweep.steadiness import find_transient, judge_plateau, mean_of
-from fricomp.errors import SweepAborted
+from fricomp.calibration.sweep.steadiness import Mean, Verdict, find_transient, judge_plateau, mean_of
+from fricomp.errors import IdentificationError, SweepAborted
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording, RecordingMetadata
 
@@ -205,6 +209,88 @@ def test_lag_and_scale_of_the_torque_are_recovered_from_fast_motions(lag: float,
     fit = fit_rigid_body(blocks)
     assert fit.lag == pytest.approx(lag, abs=3e-4)
     assert fit.scale == pytest.approx(scale, abs=0.01)
+
+
+def _counted(verdicts: list[Verdict]) -> SweepAnalysis:
+    points = tuple(FrictionPoint(n, float(n), 0.1, 0.3, 0.01, 1.0, verdict) for n, verdict in enumerate(verdicts))
+    return SweepAnalysis(
+        points, (), Mean(0.0, 0.0), RigidBodyFit(), "measured torque", "", (), None, RecordingMetadata()
+    )
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "there", "absent"),
+    [
+        (["steady"] * 8, "none was rejected, the sweep was too short", "sticking"),
+        (["steady"] * 8 + ["unsettled"] * 4, "4 not settled", "sticking"),
+        (["stick_slip"] * 9 + ["short"], "9 sticking and slipping, 1 too short", "was rejected, the sweep"),
+    ],
+)
+def test_too_few_plateaus_are_told_with_the_true_reason(verdicts: list[Verdict], there: str, absent: str) -> None:
+    with pytest.raises(IdentificationError, match="at least 10") as caught:
+        estimate_friction(_counted(verdicts), IdentificationSettings())
+    assert there in str(caught.value)
+    assert absent not in str(caught.value)
+
+
+def _parts(lag: float, slope: float, speeds: tuple[float, ...]) -> list[SettledPart]:
+    """Plateaus of an arm whose torque is old, whose friction grows with its load, and that nobody has a model of."""
+    generator, parts = np.random.default_rng(11), []
+    for number, speed in enumerate(s for v in speeds for s in (v, -v)):
+        time = np.arange(0.0, 0.6, 1.0 / RATE)
+        position = speed * (time - 0.3)
+        gravity = slope * np.sin(position - speed * lag + 0.3)
+        friction = 0.2 + 0.02 * abs(speed) + 0.03 * np.abs(gravity)
+        torque = gravity + np.sign(speed) * friction + 0.01 * generator.normal(size=len(time))
+        parts.append(SettledPart(number, speed, Recording(time, _encode(position), torque)))
+    return parts
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.003, 0.006])
+def test_the_age_of_the_torque_shows_in_the_mean_of_both_directions(lag: float) -> None:
+    fit = fit_gravity(_parts(lag, 4.0, (0.5, 1.0, 2.0, 3.0, 4.0, 4.0)))
+    assert fit is not None
+    assert fit.is_measured
+    assert fit.lag == pytest.approx(lag, abs=3.0 * fit.lag_deviation)
+    assert fit.lag_deviation < 1.2e-3
+    place = np.linspace(-1.0, 1.0, 50)
+    error = fit.torque(place) - 4.0 * np.sin(place + 0.3)
+    assert np.ptp(error) < 0.2  # of 6.7
+
+
+@pytest.mark.parametrize(("slope", "speeds"), [(0.0, (0.5, 1.0, 2.0, 4.0)), (4.0, (0.05, 0.1, 0.2))])
+def test_an_age_that_does_not_show_is_left_open(slope: float, speeds: tuple[float, ...]) -> None:
+    fit = fit_gravity(_parts(0.003, slope, speeds))
+    assert fit is not None
+    assert not fit.is_measured
+    assert (fit.lag, fit.lag_deviation) == LAG_PRIOR
+
+
+def test_the_half_difference_takes_gravity_off_breakaways_at_the_same_place() -> None:
+    found = [
+        Breakaway(0.1, -1, 0.65 - 2.0, 1.0, 0),
+        Breakaway(0.1, 1, 0.65 + 2.0, 2.0, 1),
+        Breakaway(0.5, -1, 0.7 - 1.0, 3.0, 2),
+        Breakaway(0.9, 1, 0.6 + 3.0, 4.0, 5),
+    ]
+    assert [b.torque for b in half_differences_at_rest(found)] == pytest.approx([0.65, 0.65])
+
+
+def test_the_intervals_of_half_differences_count_each_pair_once() -> None:
+    """Nine pairs, scattering by 2 mN·m: the truth is where the intervals say."""
+    generator, speeds, errors = np.random.default_rng(5), np.geomspace(0.01, 3.0, 9), []
+    for _ in range(60):
+        points = []
+        for number, speed in enumerate(speeds):
+            friction = 0.175 + 0.475 * np.exp(-((speed / 0.05) ** 2)) + 0.025 * speed + 0.002 * generator.normal()
+            for side in (1, -1):
+                index = 2 * number + (side < 0)
+                points.append(FrictionPoint(index, 0.0, side * speed, side * friction, 0.002, 1.0, "steady"))
+        analysis = replace(_counted([]), points=tuple(points), torque_source=HALF_DIFFERENCE)
+        result = estimate_friction(analysis, IdentificationSettings(method="least_squares", noise="absolute")).result
+        name = "symmetric_stribeck.curve.viscous_coefficient"
+        errors.append((result.parameters[name] - 0.025) / result.standard_deviations[name])
+    assert 0.8 < np.median(np.abs(errors)) / 0.6745 < 1.4
 
 
 def test_without_a_model_there_is_no_lag() -> None:

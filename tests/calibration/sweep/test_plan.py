@@ -110,7 +110,9 @@ def test_a_joint_that_turns_freely_gets_one_turn_about_where_it_is() -> None:
 
 
 def test_settings_refuse_values_outside_their_range() -> None:
-    for wrong in ({"dwell": 0.0}, {"repeats": 0}, {"check_torque": 2.0}, {"loop": "mine"}, {"speeds": "x"}):
+    ranges = ({"dwell": 0.0}, {"repeats": 0}, {"check_torque": 2.0}, {"loop": "mine"}, {"speeds": "x"}, {"seed": -1})
+    endless = ({"warm_up": float("inf")}, {"bandwidth": float("nan")})
+    for wrong in (*ranges, *endless):
         with pytest.raises(ParameterError):
             SweepSettings(**wrong)
 

@@ -10,6 +10,7 @@ from fricomp.adapters import AdapterOptions
 from fricomp.calibration.sweep import (
     Calibration,
     CalibrationRequest,
+    MotionFile,
     RigidBody,
     RunFolder,
     Sweep,
@@ -17,16 +18,19 @@ from fricomp.calibration.sweep import (
     SweepData,
     analyse_sweep,
     calibrate,
+    identify_recorded,
     load_sweep,
     read_motion,
     record_motion,
 )
+from fricomp.calibration.sweep.block import BlockLabel
 from fricomp.calibration.sweep.calibrate import channels_of
 from fricomp.calibration.sweep.check import calibration_checks, compensation_check
+from fricomp.calibration.sweep.log import CycleLog
 from fricomp.calibration.sweep.sweep import Progress
 from fricomp.control import JointLimits
 from fricomp.errors import ParameterError, SafetyTrip, SweepAborted
-from fricomp.recording import read_recording
+from fricomp.recording import Recording, read_recording
 from fricomp.sim_bench.stand_in import (
     DEFAULT_LAW,
     NO_DISTURBANCE,
@@ -65,6 +69,21 @@ def test_a_short_sweep_recovers_all_eight_parameters(context: SweepContext, fold
         measured = calibration.analysis.static_torque(direction)
         assert measured is not None
         assert measured.value == pytest.approx(static, rel=0.03)
+
+
+def test_a_sweep_that_is_recorded_is_identified_again_and_nothing_moves(
+    context: SweepContext, folder: RunFolder
+) -> None:
+    first = calibrate(context, folder, folder.request.options)
+    kept = folder.recording.read_bytes()
+    folder.note("recorded")
+    again = RunFolder.resume(folder.path, {"noise": "absolute"})
+    assert again.is_recorded
+    second = identify_recorded(again, again.request.options)
+    assert folder.recording.read_bytes() == kept
+    assert second.signs == first.signs
+    assert second.late_cycles == first.late_cycles
+    assert max(_errors(second).values()) < 0.02
 
 
 def test_an_interrupt_leaves_zero_torque_and_whole_plateaus_and_resume_does_the_rest(
@@ -188,6 +207,30 @@ def test_without_a_model_the_half_difference_gives_the_mean_of_both_directions(f
     assert calibration.analysis.torque_source == "half difference of both directions"
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("speeds", ["0.01,0.03,0.05,0.08,0.3,1.5", "0.01,0.03,0.05,0.08,0.3,0.8,1.5,2.5,4"])
+def test_without_a_model_the_age_of_the_torque_is_in_the_interval_of_the_viscous_coefficient(
+    folder: RunFolder, speeds: str
+) -> None:
+    """3 ms along the gravity of the shoulder look like -0.007 N·m·s/rad."""
+    settings = replace(folder.request.settings, speeds=speeds, dwell=0.8, breakaway_positions=5)
+    options = replace(folder.request.options, gravity_unknown=True)
+    with SimulatedJointAdapter(two_link_arm(seed=2)) as adapter:
+        calibration = calibrate(SweepContext(adapter, 0, settings), folder, options)
+    result = calibration.estimate.result
+    interval = result.interval("symmetric_stribeck.curve.viscous_coefficient")
+    assert interval.lower < 0.025 < interval.upper
+    checks = {check.name: check for check in calibration_checks(calibration)}
+    assert checks["Breakaway, mean of both directions"].outcome == "passed"
+    assert checks["Compensation in the drive"].outcome == "passed"
+    assert checks["Drift"].outcome == "passed"
+    static = calibration.analysis.static_torque(1)
+    assert static is not None
+    assert static.value == pytest.approx(0.65, rel=0.05)
+    drift = calibration.analysis.drift[0]
+    assert drift.deviation < 0.01
+
+
 def test_a_given_normal_load_leaves_the_parameters_as_they_are(context: SweepContext, folder: RunFolder) -> None:
     options = replace(folder.request.options, normal_load="12.5")
     calibration = calibrate(context, folder, options)
@@ -258,6 +301,34 @@ def test_a_motion_from_a_file_is_recorded_the_same_way(
     assert samples.velocity is not None
     assert samples.velocity_reference is not None
     assert np.sqrt(np.mean((samples.velocity - samples.velocity_reference) ** 2)) < 0.1
+
+
+def test_a_motion_that_is_stopped_is_kept_once_the_joint_is_at_zero_torque(
+    context: SweepContext, folder: RunFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Interrupted(MotionFile):
+        def velocity_at(self, time: float) -> float | None:
+            if time > 0.3:
+                raise KeyboardInterrupt
+            return super().velocity_at(time)
+
+    energised, write = [], Sweep.write
+
+    def noting(sweep: Sweep, log: CycleLog, label: BlockLabel) -> Recording:
+        energised.append((label.kind, context.adapter.enabled))
+        return write(sweep, log, label)
+
+    motion = Interrupted(np.array([0.0, 0.5, 1.0]), np.array([0.0, 0.4, 0.0]))
+    with folder.open_writer(context.metadata(), channels_of(context)) as writer:
+        sweep = Sweep(context, writer, SweepData())
+        sweep.prepare()
+        monkeypatch.setattr(Sweep, "write", noting)
+        with pytest.raises(KeyboardInterrupt):
+            record_motion(sweep, motion)
+    assert energised == [("motion", False)]
+    ((label, samples),) = load_sweep(folder.recording).of_kind("motion")
+    assert label.is_cut
+    assert samples.duration == pytest.approx(0.3, abs=0.01)
 
 
 @pytest.mark.parametrize("text", ["time,speed\n0,1\n1,1\n", "time,velocity\n0,0\n0,1\n", "time,velocity\n0,0\n"])
