@@ -163,7 +163,9 @@ def sample_joint(recording: Recording, settings: RegressionSettings = _DEFAULTS)
     filtered, velocities, kept = zip(*(_filter(even, recording, low_pass, settings) for even in times), strict=True)
     starts = np.concatenate([[0], np.cumsum([len(even) for even in times])[:-1]])
     index = np.concatenate([start + part for start, part in zip(starts, kept, strict=True)])
-    return JointSamples(*np.concatenate(filtered, axis=1), recorded=RecordedVelocity(velocities, low_pass, index))
+    position, velocity, acceleration, direction, torque = np.concatenate(filtered, axis=1)
+    recorded = RecordedVelocity(velocities, low_pass, index)
+    return JointSamples(position, velocity, acceleration, direction, torque, recorded)
 
 
 def split_for(recording: Recording, settings: RegressionSettings = _DEFAULTS) -> MotionParts:
