@@ -16,7 +16,7 @@ from .result import Change, NamedEffect, Quantity
 from .rigid import RigidJoint
 from .track import FloatArray
 
-__all__ = ["NAMED", "PLAIN", "UNEXPLAINED", "Comparison", "Doubt", "compare_friction", "compare_rigid"]
+__all__ = ["NAMED", "PLAIN", "SPLIT", "UNEXPLAINED", "Comparison", "Doubt", "compare_friction", "compare_rigid"]
 
 _SAME_FACTOR = ("payload_error", "torque_gain_error")
 _USUAL_GAIN = 0.1  # largest gain error of a torque signal that is usual; masses are off by more
@@ -26,7 +26,7 @@ _SIMPLER = 4.0  # chi squared that one more parameter must be worth
 # A joint that slides shows offset plus half the difference of the directions; only its presliding tells one from the
 # other: deviation of that difference over the Coulomb level, of which the fit is far too sure, from simulated joints
 # with nothing missing.
-_SPLIT = 0.22
+SPLIT = 0.22
 
 
 @dataclass(frozen=True)
@@ -182,7 +182,7 @@ def _uneven(
     level = context[0]
     odd = np.array([[1.0, 0.0, 0.0], [0.0, 0.5, -0.5]])
     sides = np.array([[0.5, 0.5], [0.5, -0.5]])  # offset and odd part, from their sum and their difference
-    floor = sides @ np.diag([doubt.sliding * level, _SPLIT * level]) ** 2 @ sides.T
+    floor = sides @ np.diag([doubt.sliding * level, SPLIT * level]) ** 2 @ sides.T
     weight = np.linalg.inv(odd @ covariance @ odd.T + floor)
     names = ("torque_offset", "direction_asymmetry")
     both = "+".join(names)

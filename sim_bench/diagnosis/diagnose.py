@@ -89,12 +89,12 @@ def diagnose(
         say("searching for effects")
         found = search(prepared)
         say("confirming on held-out data")
-        answer = conclude(Answer(tuple(given), prepared, found, rigid, friction, seed))
+        answer = conclude(Answer(tuple(given), prepared, found, known, friction, seed))
         looked = second_look(given, answer, seed)
         if looked is answer:
             say("simulating forward in MuJoCo")
             looked = _with_forward(looked, given[0], prepared, found, loops[0])
-        return _remarked(looked, remarks_on(given))
+        return _remarked(looked, [*remarks_on(given), *_not_compared(given, rigid, known)])
     except (np.linalg.LinAlgError, FloatingPointError, ParameterError) as error:
         raise DiagnosisError(f"the recording cannot be explained by any joint model: {error}") from error
 
@@ -119,14 +119,25 @@ def _in_newton_metres(recordings: Sequence[Recording], rigid: RigidJoint | None)
     return rigid if all(one.metadata.torque_unit in ("N·m", "N") for one in recordings) else None
 
 
+def _not_compared(
+    recordings: Sequence[Recording], given: RigidJoint | None, known: RigidJoint | None
+) -> tuple[str, ...]:
+    if given is None or known is not None:
+        return ()
+    unit = recordings[0].metadata.torque_unit
+    return (f"The torque is in {unit}: inertia and gravity of the simulation were not compared, they are fitted.",)
+
+
 def _with_forward(
     diagnosis: Diagnosis, recording: Recording, prepared: Prepared, found: Found, loop: Controller | None
 ) -> Diagnosis:
     """The diagnosis with a forward simulation of the held-out end of the first recording, where a loop is known."""
     if loop is None:
         return diagnosis
-    named = {effect.name for effect in diagnosis.effects}
-    chosen = found.best if found.best is not None and set(found.best.names) <= named else None
+    named = {effect.name for effect in diagnosis.effects}  # without the overtones of a ripple
+    held = diagnosis.record.heldout
+    confirmed = held is not None and held.explained > 0.0
+    chosen = found.best if found.best is not None and confirmed and named & set(found.best.names) else None
     forward = forward_error(recording, prepared, chosen, loop)
     if forward is None:
         return diagnosis

@@ -55,6 +55,11 @@ class Explanation:
         """Names of its effects, sorted."""
         return self.structure.names
 
+    @property
+    def values(self) -> dict[str, dict[str, float]]:
+        """Fitted parameters of each effect."""
+        return self.structure.values(self.fit.theta[N_BASE:])
+
     def reach(self, prepared: Prepared) -> FloatArray:
         """What its effects add to each row, in units of the noise. Shape (m,)."""
         return self.structure.added(prepared.problem, self.fit.theta, self.names)
@@ -62,7 +67,7 @@ class Explanation:
     @property
     def common_order(self) -> float | None:
         """Order in which a torque and a friction of like size follow the position: one part makes both, as a detent."""
-        values = self.structure.values(self.fit.theta[N_BASE:])
+        values = self.values
         waves = [values[name] for name in _DETENT if name in values]
         if len(waves) < len(_DETENT):
             return None
@@ -73,7 +78,7 @@ class Explanation:
     @property
     def settled(self) -> tuple[Candidate, ...]:
         """Its effects, starting where their fit ended."""
-        values = self.structure.values(self.fit.theta[N_BASE:])
+        values = self.values
         return tuple(Candidate(c.name, tuple(values[c.name].items())) for c in self.structure.candidates)
 
 

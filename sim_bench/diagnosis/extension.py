@@ -23,7 +23,7 @@ __all__ = ["base_model", "extended_model"]
 def base_model(recordings: Sequence[Recording], prepared: Prepared) -> FrictionModel:
     """Friction of the refitted base."""
     plant = prepared.structure.plant(prepared.fit.theta)
-    return _model(recordings, prepared.structure.contexts, (_curves(plant, 2.0, BidirectionalStribeck),))
+    return _model(recordings, prepared.structure.contexts, (BidirectionalStribeck(*_pair(plant, 2.0)),), plant)
 
 
 def extended_model(
@@ -46,23 +46,37 @@ def extended_model(
     changed = bool(terms) or exponent != 2.0 or bristle is not None
     if not changed:
         return None
-    core: Term = _curves(plant, exponent, BidirectionalStribeck)
+    core: Term = BidirectionalStribeck(*_pair(plant, exponent))
     if bristle is not None:
         core = LuGre(*_pair(plant, exponent), sigma_0=bristle[0], sigma_1=bristle[1])
-    return _model(recordings, chosen.structure.contexts, (core, *terms))
+    return _model(recordings, chosen.structure.contexts, (core, *terms), plant)
 
 
 def _pair(plant: Plant, exponent: float) -> tuple[StribeckCurve, StribeckCurve]:
-    forward, reverse = (StribeckCurve(c, s, v, f, exponent) for c, s, v, f in (plant.forward, plant.reverse))
+    """The curves of both directions, with the constant torque that was fitted beside them.
+
+    While the joint slides it cannot be told from a difference between the directions, and nothing else of the model
+    would make it: friction and rigid body together are to give the recorded torque.
+    """
+    shift = _shared(plant)
+    forward, reverse = (
+        StribeckCurve(c + sign * shift, s + sign * shift, v, f, exponent)
+        for (c, s, v, f), sign in ((plant.forward, 1.0), (plant.reverse, -1.0))
+    )
     return forward, reverse
 
 
-def _curves(plant: Plant, exponent: float, kind: type[BidirectionalStribeck]) -> BidirectionalStribeck:
-    return kind(*_pair(plant, exponent))
+def _shared(plant: Plant) -> float:
+    """The constant torque that friction can hold without driving the joint in either direction."""
+    return plant.offset if abs(plant.offset) < min(plant.forward[0], plant.reverse[0]) else 0.0
 
 
-def _model(recordings: Sequence[Recording], contexts: Sequence[Context], terms: tuple[Term, ...]) -> FrictionModel:
-    metadata = recordings[0].metadata
+def _model(
+    recordings: Sequence[Recording], contexts: Sequence[Context], terms: tuple[Term, ...], plant: Plant
+) -> FrictionModel:
+    metadata, shift = recordings[0].metadata, _shared(plant)
+    said = f"{shift:.4g} {metadata.torque_unit} in the forward curve, less it in the reverse curve"
+    said = said if shift == plant.offset else f"{plant.offset:.4g} {metadata.torque_unit}, not part of this model"
     warm = all("temperature" in context.channels for context in contexts)
     return FrictionModel(
         law=FrictionLaw(terms),
@@ -75,7 +89,9 @@ def _model(recordings: Sequence[Recording], contexts: Sequence[Context], terms: 
             load_torque=_range(context.load_torque for context in contexts),
             temperature=_range(context.channels["temperature"] for context in contexts) if warm else None,
         ),
-        provenance=Provenance(method="diagnosis", data_sha256=recordings[0].content_hash),
+        provenance=Provenance(
+            method="diagnosis", data_sha256=recordings[0].content_hash, notes={"torque_offset": said}
+        ),
     )
 
 

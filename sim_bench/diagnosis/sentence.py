@@ -29,15 +29,16 @@ def sentences(record: DiagnosisRecord) -> tuple[str, ...]:
             f"(by {100 * low:.0f} to {100 * high:.0f} %); the noise floor is {held.noise_floor:.3g} {held.unit}."
         )
     if record.verdict == "unknown_physics":
-        lines += [_vibration(record), _where(record)]
+        lines.append(_vibration(record) or _where(record))
     return tuple(line for line in lines if line)
 
 
 def forward_sentence(forward: Forward) -> str:
     """What a forward simulation showed."""
     low, high = forward.interval
-    before, after = f"{forward.rmse_before:.3g}", f"{forward.rmse_after:.3g} {forward.unit}"
-    errors = f"falls from {before} to {after}" if before != after.split(maxsplit=1)[0] else f"is {after}"
+    before, after = f"{forward.rmse_before:.3g}", f"{forward.rmse_after:.3g}"
+    way = "falls" if forward.rmse_after < forward.rmse_before else "rises"
+    errors = f"is {after} {forward.unit}" if before == after else f"{way} from {before} to {after} {forward.unit}"
     return (
         f"Simulated forward in MuJoCo from {low:.3g} to {high:.3g} s, which took no part, the position error {errors}; "
         f"{forward.controller}."

@@ -14,7 +14,7 @@ from fricomp.recording import Recording
 from .agreement import agreeing
 from .alias import aliases, distinguishability
 from .base import BASE_NAMES
-from .comparison import NAMED, PLAIN, UNEXPLAINED, Comparison, Doubt, compare_friction, compare_rigid
+from .comparison import NAMED, PLAIN, SPLIT, UNEXPLAINED, Comparison, Doubt, compare_friction, compare_rigid
 from .confirmation import Confirmation, confirm, covariance
 from .effect_energy import effect_energy
 from .experiment import propose
@@ -23,6 +23,7 @@ from .extension import base_model, extended_model
 from .gates import confirmed, covers, stands_out, vibration
 from .location import change_points, excess_maps, locate, row_series
 from .order import order_spectrum
+from .overtone import overtones
 from .preparation import Prepared
 from .result import (
     DIAGNOSIS_SCHEMA,
@@ -45,6 +46,8 @@ from .track import FloatArray
 from .velocity_lag import velocity_lag
 
 __all__ = ["Answer", "conclude"]
+
+_SPLIT_BY_PRESLIDING = ("offset", "forward.coulomb_torque", "reverse.coulomb_torque")
 
 
 @dataclass(frozen=True)
@@ -78,9 +81,10 @@ def conclude(answer: Answer) -> Diagnosis:
     prepared, found = answer.prepared, answer.found
     best = found.best
     chosen = best if best is not None and covers(best, found, prepared) and best.common_order is None else None
-    held = _confirm(answer, chosen)
+    held, failed = _confirm(answer, chosen), None
     if chosen is not None and not confirmed(held, chosen, found.threshold):
-        chosen = None
+        failed, chosen = chosen, None
+        held = _confirm(answer, None)
     tone = vibration(prepared) if chosen is None else None
     unknown = chosen is None and (tone is not None or stands_out(found, prepared))
     series = _series(answer, chosen)
@@ -110,7 +114,7 @@ def conclude(answer: Answer) -> Diagnosis:
         coverage=best.coverage if best is not None else None,
         base=_base(answer, chosen),
         changes=compared.changes,
-        rivals=_rivals(found, chosen),
+        rivals=_rivals(found, chosen, failed),
         distinguishability=distinguishability(prepared, found.first),
         recordings=tuple(track.name for track in prepared.problem.tracks),
         joint=answer.recordings[0].metadata.joint,
@@ -175,11 +179,16 @@ def _effects(
     box = answer.prepared.box.joined(chosen.structure.box())
     deviations = np.sqrt(np.maximum(np.diag(covariance(chosen.fit, box)), 0.0))[N_BASE:]
     energies = {name: _energy(answer, chosen, {name}) for name in chosen.names}
-    total = sum(float(np.sum(np.concatenate(e))) for e in energies.values())
+    sums = {name: float(np.sum(np.concatenate(energy))) for name, energy in energies.items()}
+    forms = overtones(chosen, sums)
     effects = []
     for candidate in chosen.structure.candidates:
         effect, energy = candidate.effect, energies[candidate.name]
-        share = held.explained * float(np.sum(np.concatenate(energy))) / max(total, 1e-30)
+        if effect.name in forms:
+            continue
+        tones = [order for other, order in forms.values() if other == effect.name]
+        own = sums[effect.name] + sum(sums[name] for name, (other, _) in forms.items() if other == effect.name)
+        share = held.explained * own / max(sum(sums.values()), 1e-30)
         effects.append(
             NamedEffect(
                 name=effect.name,
@@ -189,7 +198,7 @@ def _effects(
                 location=locate(series, energy),
                 share=share,
                 equation=effect.equation,
-                sentence=effect.says,
+                sentence=effect.says + "".join(f"; its form shows at the order {tone:.4g} too" for tone in tones),
                 citation=effect.citation,
             )
         )
@@ -223,7 +232,7 @@ def _compare(answer: Answer, chosen: Explanation | None, doubt: Doubt) -> Compar
     if answer.rigid is not None and answer.rigid.rotary:
         result = compare_rigid(plant, cov[:3, :3], answer.rigid, answer.unit, doubt)
     if answer.friction is not None:
-        at = [BASE_NAMES.index(name) for name in ("offset", "forward.coulomb_torque", "reverse.coulomb_torque")]
+        at = [BASE_NAMES.index(name) for name in _SPLIT_BY_PRESLIDING]
         more = compare_friction(plant, cov[np.ix_(at, at)], answer.friction, answer.unit, doubt)
         result = Comparison(result.effects + more.effects, result.changes + more.changes)
     return result
@@ -258,14 +267,17 @@ def _base(answer: Answer, chosen: Explanation | None) -> dict[str, Quantity]:
     structure = answer.prepared.structure if chosen is None else chosen.structure
     deviation = np.sqrt(np.maximum(np.diag(covariance(fit, answer.prepared.box.joined(structure.box()))), 0.0))
     result = {}
+    inertia = {"N·m": "kg·m²", "N": "kg"}.get(answer.unit, f"{answer.unit}·s²/{answer.position_unit}")
     units = {
-        "inertia": "kg·m²" if answer.prepared.problem.tracks[0].rotary else "kg",
+        "inertia": inertia,
         "delay": "s",
         "damping_time": "s",
         "viscous_coefficient": f"{answer.unit}·s/{answer.position_unit}",
     }
     units |= {"sharpness": "1", "spread": "1", "breakaway": answer.position_unit}
     units |= {"stribeck_velocity": f"{answer.position_unit}/s"}
+    split = [BASE_NAMES.index(name) for name in _SPLIT_BY_PRESLIDING]
+    deviation[split] = np.hypot(deviation[split], SPLIT * structure.plant(fit.theta).level)
     for name, value, wide in zip(BASE_NAMES, fit.theta, 1.96 * deviation, strict=False):
         low, mid, high = float(value - wide), float(value), float(value + wide)
         if "log_" in name:
@@ -275,7 +287,7 @@ def _base(answer: Answer, chosen: Explanation | None) -> dict[str, Quantity]:
     return result
 
 
-def _rivals(found: Found, chosen: Explanation | None) -> tuple[Rival, ...]:
+def _rivals(found: Found, chosen: Explanation | None, failed: Explanation | None) -> tuple[Rival, ...]:
     rivals = []
     listed = found.explanations[:12]
     if chosen is not None and chosen not in listed:
@@ -286,6 +298,8 @@ def _rivals(found: Found, chosen: Explanation | None) -> tuple[Rival, ...]:
             why = "does not exceed what a recording with nothing missing gives"
         elif not why and explanation.common_order is not None:
             why = "ripple of torque and of friction at one order come from one part, such as a detent"
+        elif not why and explanation is failed:
+            why = "does not make the held-out error fall for sure"
         elif not why and chosen is not None and explanation is not chosen:
             why = "another explanation is better or simpler"
         elif not why and chosen is None:

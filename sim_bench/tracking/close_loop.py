@@ -25,7 +25,6 @@ from fricomp.calibration.sweep import (
 from fricomp.control import Compensator, ControlLoop, LoopLog, Reference, ReferenceState, SineReference
 from fricomp.errors import DiagnosisError
 from fricomp.joint import JointFeedback
-from fricomp.laws import BidirectionalStribeck, StribeckCurve
 from fricomp.model import FrictionModel, save_model
 from fricomp.recording import Recording, RecordingMetadata, write_recording
 
@@ -143,31 +142,12 @@ def _record(settings: StandInSettings, model: FrictionModel, duration: float) ->
 
 
 def _extend(calibrated: FrictionModel, diagnosis: Diagnosis, largest_load: float) -> FrictionModel:
-    """The extended model of the diagnosis, valid where the calibration and the recording were.
-
-    The diagnosis refits a constant torque beside the friction. While the joint slides that is the same as a difference
-    between both directions, which is how a compensator can have it.
-    """
+    """The extended model of the diagnosis, valid where the calibration and the recording were."""
     found = diagnosis.extended_model
     if found is None:
         raise DiagnosisError(f"the diagnosis adds nothing to the model: {' '.join(diagnosis.sentences)}")
-    offset = diagnosis.record.base["offset"].value if "offset" in diagnosis.record.base else 0.0
-    terms = tuple(
-        BidirectionalStribeck(_raised(term.forward, offset), _raised(term.reverse, -offset), term.load)
-        if isinstance(term, BidirectionalStribeck)
-        else term
-        for term in found.law.terms
-    )
     validity = replace(found.validity, velocity=calibrated.validity.velocity, load_torque=(-largest_load, largest_load))
-    return replace(found, law=type(found.law)(terms), validity=validity)
-
-
-def _raised(curve: StribeckCurve, torque: float) -> StribeckCurve:
-    return replace(
-        curve,
-        coulomb_torque=max(curve.coulomb_torque + torque, 0.0),
-        static_torque=max(curve.static_torque + torque, 0.0),
-    )
+    return replace(found, validity=validity)
 
 
 def _track(settings: StandInSettings, model: FrictionModel | None, bandwidth: float) -> TrackingFigures:

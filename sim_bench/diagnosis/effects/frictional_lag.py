@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ..observer import Contribution
 from .effect import Context, Effect, EffectParameter, Values, register
 
-_SHORTEST = 1e-3  # [s]; a bristle of another form has been seen to look like 0.9 ms
+_SHORTEST = 1.5e-3  # [s]; a bristle of another form has been seen to look like 1.3 ms
 
 
 @register

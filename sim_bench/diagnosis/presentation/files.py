@@ -90,6 +90,8 @@ def _write_models(
             try:
                 notes.append(f"{name}: {write(model, folder / name)}.")
                 files.append(folder / name)
+                if name == "friction.xml" and simulation is not None and diagnosis.record.changes:
+                    notes[-1] += " Inertia and gravity in it are those of the simulation given, not the refitted ones."
             except FricompError as error:
                 (folder / name).unlink(missing_ok=True)
                 notes.append(f"{name} is not written: {error}.")
@@ -106,7 +108,7 @@ def _left_out(diagnosis: Diagnosis) -> str:
     if model is not None and model.law.is_dynamic:
         inside.add("presliding_hysteresis")
     missing = [one.name for one in diagnosis.record.effects if one.kind == "physics" and one.name not in inside]
-    return f"; without {', '.join(missing)}, for which a friction law has no term" if missing else ""
+    return f"; without {', '.join(missing)}, for which no term is written" if missing else ""
 
 
 def _save_mjcf(simulation: Path | None, joint: str | None):  # type: ignore[no-untyped-def]

@@ -21,6 +21,33 @@ def test_nothing_is_named_where_nothing_is_missing() -> None:
     assert diagnosis.record.noise_ratio == pytest.approx(1.0, abs=0.12)
 
 
+def test_friction_holds_the_constant_torque_and_intervals_hold_the_truth() -> None:
+    joint = ToyJoint(offset=0.4)
+    diagnosis = diagnose(recording(joint, "fourier", 30.0))
+    model, base = diagnosis.base_model, diagnosis.record.base
+    assert model is not None
+    # Levels in steady sliding, which is where the rigid body leaves the constant torque to the friction.
+    for speed, truth in ((0.8, joint.forward), (-0.8, joint.reverse)):
+        wanted = (1.0 if speed > 0.0 else -1.0) * (truth[0] + truth[3] * abs(speed)) + joint.offset
+        assert float(model.torque(speed)) == pytest.approx(wanted, abs=0.03)
+    truths = (("offset", joint.offset), ("forward.coulomb_torque", 2.0), ("reverse.coulomb_torque", 2.3))
+    for name, value in truths:
+        low, high = base[name].ci95
+        assert low <= value <= high, name
+    assert "in the forward curve" in model.provenance.notes["torque_offset"]
+
+
+def test_a_torque_in_amperes_is_not_compared_with_newton_metres() -> None:
+    joint = ToyJoint()
+    measured = recording(joint, "fourier", 30.0)
+    amperes = replace(measured, torque=measured.torque / 2.0, metadata=replace(measured.metadata, torque_unit="A"))
+    given = RigidJoint(joint.inertia, (1.773, 5.732), 0.0, 0.0, 0.0, True)
+    diagnosis = diagnose(amperes, given)
+    assert diagnosis.verdict == "consistent", diagnosis.sentences
+    assert any("not compared" in line for line in diagnosis.sentences)
+    assert diagnosis.record.base["inertia"].unit == "A·s²/rad"
+
+
 def test_quadratic_drag_is_named_measured_and_added() -> None:
     joint = ToyJoint(quadratic_drag=0.4)
     diagnosis = diagnose(recording(joint, "rich", 40.0))

@@ -102,7 +102,7 @@ def test_friction_may_differ_either_way_between_driving_and_braking(context: Con
     assert EFFECTS["load_quadratic"].refuse(values, [context]) is None
 
 
-@pytest.mark.parametrize(("lag", "named"), [(9e-4, False), (1.1e-3, True)])
+@pytest.mark.parametrize(("lag", "named"), [(1.3e-3, False), (1.6e-3, True)])
 def test_a_lag_below_a_sample_is_what_another_bristle_looks_like(lag: float, named: bool, context: Context) -> None:
     assert (EFFECTS["frictional_lag"].refuse({"lag": lag}, [context]) is None) == named
 

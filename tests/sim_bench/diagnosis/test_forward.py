@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace as with_fields
 
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
@@ -96,3 +97,5 @@ def test_the_answer_says_how_the_forward_error_falls() -> None:
         rmse_before=2e-3, rmse_after=5e-4, unit="rad", controller="PD controller (given)", interval=(4, 6)
     )
     assert "falls from 0.002 to 0.0005 rad; PD controller (given)" in forward_sentence(forward)
+    assert "rises from 0.002 to 0.005 rad" in forward_sentence(with_fields(forward, rmse_after=5e-3))
+    assert "is 0.002 rad" in forward_sentence(with_fields(forward, rmse_after=2.0001e-3))

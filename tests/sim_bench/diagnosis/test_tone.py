@@ -58,6 +58,10 @@ def test_noise_and_one_bad_moment_are_novibration() -> None:
 
 def test_a_vibration_is_said_with_its_frequency() -> None:
     record = DiagnosisRecord(
-        schema=DIAGNOSIS_SCHEMA, verdict="unknown_physics", sentences=(), location={"frequency": [(7.2, 7.4)]}
+        schema=DIAGNOSIS_SCHEMA,
+        verdict="unknown_physics",
+        sentences=(),
+        location={"frequency": [(7.2, 7.4)], "velocity": [(0.1, 0.2)]},
     )
-    assert any("7.3 Hz" in line for line in sentences(record))
+    assert "Something vibrates at 7.3 Hz, whatever the joint does." in sentences(record)
+    assert not any("sits at" in line for line in sentences(record))
