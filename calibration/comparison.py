@@ -148,8 +148,7 @@ def _at_one_load(old: FrictionModel, new: FrictionModel) -> _AtOneLoad:
 def _difference(old: FrictionModel, new: FrictionModel) -> tuple[list[str], FloatArray, FloatArray]:
     """Names with a variance in both models, new minus old, and the covariance of that."""
     if old.covariance is None or new.covariance is None:
-        which = "old" if old.covariance is None else "new"
-        raise ParameterError(f"the {which} model has no covariance, so no change can be judged: identify it from data")
+        raise ParameterError(_no_covariance(*(("old", old) if old.covariance is None else ("new", new))))
     names = [name for name in old.covariance.names if name in new.covariance.names]
     if not names:
         raise ParameterError("the two models share no identified parameter")
@@ -162,6 +161,16 @@ def _difference(old: FrictionModel, new: FrictionModel) -> tuple[list[str], Floa
     names = [names[i] for i in known]
     before, after = old.law.parameters(), new.law.parameters()
     return names, np.array([after[n] - before[n] for n in names]), total[np.ix_(known, known)]
+
+
+def _no_covariance(which: str, model: FrictionModel) -> str:
+    """What to do about a model without a covariance, by where it comes from."""
+    if model.provenance.method == "diagnosis":
+        return (
+            f"the {which} model was written by a diagnosis, which writes no covariance, so no change can be judged: "
+            "make both models with fricomp identify or fricomp calibrate"
+        )
+    return f"the {which} model has no covariance, so no change can be judged: identify it from data"
 
 
 def _wald(difference: FloatArray, covariance: FloatArray) -> float:

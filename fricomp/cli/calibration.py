@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
-from math import floor, log10
+from math import floor, isfinite, log10
 from pathlib import Path
 
 from rich.markup import escape
@@ -189,12 +189,9 @@ def _print_result(calibration: Calibration) -> None:
     sides: dict[str, dict[str, str]] = {}
     for name in result.parameter_names:
         reach, value = result.interval(name).upper - result.parameters[name], result.parameters[name]
-        decimals = max(0, min(9, 1 - floor(log10(reach)))) if reach > 0.0 else 6
         *group, last = name.split(".")
         rows = sides.setdefault(group[-1] if len(group) > 1 else "value", {})
-        rows[f"{last.replace('_', ' ')} [{result.model.units()[name]}]"] = (
-            f"{value:.{decimals}f} ± {reach:.{decimals}f}"
-        )
+        rows[f"{last.replace('_', ' ')} [{result.model.units()[name]}]"] = _with_reach(value, reach)
     table = Table(title=f"Friction of joint {calibration.analysis.metadata.joint}, ± 95 %", title_justify="left")
     table.add_column("parameter")
     for side in sides:
@@ -202,3 +199,11 @@ def _print_result(calibration: Calibration) -> None:
     for label in dict.fromkeys(label for rows in sides.values() for label in rows):
         table.add_row(escape(label), *(rows.get(label, "") for rows in sides.values()))
     console().print(table)
+
+
+def _with_reach(value: float, reach: float) -> str:
+    """Value and half of its interval, to the digits that the interval leaves."""
+    if not isfinite(reach):
+        return "cannot be determined"
+    decimals = max(0, min(9, 1 - floor(log10(reach)))) if reach > 0.0 else 6
+    return f"{value:.{decimals}f} ± {reach:.{decimals}f}"

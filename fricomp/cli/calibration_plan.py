@@ -108,7 +108,7 @@ def _print_accuracy(context: SweepContext, plan: SweepPlan) -> None:
     assumption, screen = assume_friction(float(plan.speeds[-1]), limit, rate), console()
     table = Table("parameter", "expected standard deviation", title_justify="left", box=None, pad_edge=False)
     for name, deviation in expected_deviations(plan, assumption).items():
-        table.add_row(f"  {name}", f"{deviation:.2%}")
+        table.add_row(f"  {name}", f"{deviation:.2%}" if np.isfinite(deviation) else "cannot be determined")
     forward = assumption.law.parameters()
     screen.print(
         f"  accuracy  at best (Cramér-Rao bound, first pass alone), for an assumed joint with Coulomb torque "

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -16,6 +16,12 @@ if TYPE_CHECKING:
     from fricomp.sim_bench.fleet import FleetJoint, FleetRow
 
 app = typer.Typer()
+
+SHORTEST_RECORDING = 5.0
+"""Below it a diagnosis fails, or finds unknown physics in a joint with nothing missing: blocks that can be held out,
+slow and fast motion and reversals do not fit into it [s]."""
+
+_TOLD = frozenset({"gap", "velocity_scale", "velocity_mismatch"})  # the answer says what was done about them
 
 _EXAMPLES = """[bold]Examples[/bold]
 
@@ -73,10 +79,18 @@ def diagnose(
     _print_diagnosis(run_diagnosis(find_recordings(recordings), out, options, given), out)
 
 
+class DiagnosisRun(NamedTuple):
+    """A diagnosis, the files that it wrote, and what the checks of its recordings warn of, in sentences."""
+
+    diagnosis: Diagnosis
+    files: tuple[Path, ...]
+    warnings: tuple[str, ...]
+
+
 def run_diagnosis(
     paths: Sequence[Path], out: Path, options: dict[str, Any], given: dict[str, Path | None], *, quiet: bool = False
-) -> Diagnosis:
-    """Read, diagnose, and write the folder.
+) -> DiagnosisRun:
+    """Read, diagnose, and write the folder; what an earlier diagnosis wrote there is removed first.
 
     Args:
         paths: Recordings of one joint.
@@ -84,35 +98,83 @@ def run_diagnosis(
         options: Of `diagnose`, and the simulation.
         given: Files by option; None where the option was not used.
         quiet: Show no progress.
+
+    Raises:
+        DiagnosisError: A recording is too short, or the diagnosis cannot be made.
+        RecordingError: A recording cannot be read.
     """
     from time import perf_counter
 
+    from fricomp.cli.diagnosis_folder import remove_earlier_diagnosis
     from fricomp.cli.terminal import progress
-    from fricomp.recording import read_recording
     from fricomp.sim_bench.diagnosis.presentation import with_names, write_diagnosis
 
     start = perf_counter()
     with progress(quiet=quiet) as bar:
         task = bar.add_task("reading", total=None)
-        series = [read_recording(path) for path in paths]
+        simulated = [given["simulated"]] if given["simulated"] is not None else []
+        read = {path: _read(path) for path in (*paths, *simulated)}
+        series = [read[path] for path in paths]
 
         def say(what: str) -> None:
             bar.update(task, description=what)
 
-        diagnosis = with_names(_diagnose(series, options, given, say), [path.stem for path in paths])
+        diagnosis = with_names(_diagnose(read, series, options, given, say), [path.stem for path in paths])
+        warnings = _warnings(read, diagnosis.record.sentences)
         say("writing the report")
         facts = _facts(paths, series, options, given) | {"time taken": f"{perf_counter() - start:.1f} s"}
-        write_diagnosis(diagnosis, out, simulation=options["simulation"], joint=options["joint"], facts=facts)
-    return diagnosis
+        facts |= {f"check of the data {number}": text for number, text in enumerate(warnings, 1)}
+        inputs = [path for path in (options["simulation"], *given.values()) if path is not None]
+        remove_earlier_diagnosis(out, keep=(*paths, *inputs))
+        settings = {"simulation": options["simulation"], "joint": options["joint"]}
+        written = write_diagnosis(diagnosis, out, **settings, facts=facts)
+    return DiagnosisRun(diagnosis, written.files, warnings)
+
+
+def _read(path: Path) -> Recording:
+    """A recording that is long enough to be diagnosed.
+
+    Raises:
+        DiagnosisError: It is not.
+        RecordingError: It cannot be read.
+    """
+    from fricomp.errors import DiagnosisError
+    from fricomp.recording import read_recording
+
+    recording = read_recording(path)
+    if recording.duration < SHORTEST_RECORDING:
+        raise DiagnosisError(
+            f"the recording {path} lasts {recording.duration:.3g} s, and a diagnosis needs at least "
+            f"{SHORTEST_RECORDING:g} s of each: record a longer motion, of half a minute and more"
+        )
+    return recording
+
+
+def _warnings(read: Mapping[Path, Recording], sentences: Sequence[str]) -> tuple[str, ...]:
+    """What the checks of the data warn of and the answer does not say itself."""
+    from fricomp.cli.terminal import careful
+    from fricomp.recording import check_recording
+
+    said, found = " ".join(sentences), []
+    for path, recording in read.items():
+        where = f"{path.name}: " if len(read) > 1 else ""
+        for finding in check_recording(recording):
+            told = finding.code in _TOLD or finding.message in said
+            if finding.severity != "note" and not told:
+                found.append(where + careful(finding))
+    return tuple(found)
 
 
 def _diagnose(
-    series: Sequence[Recording], options: dict[str, Any], given: dict[str, Path | None], say: Callable[[str], None]
+    read: Mapping[Path, Recording],
+    series: Sequence[Recording],
+    options: dict[str, Any],
+    given: dict[str, Path | None],
+    say: Callable[[str], None],
 ) -> Diagnosis:
     """Compare with the simulation that was given as a file, as its own recording, or not at all."""
     from fricomp.errors import DiagnosisError
     from fricomp.model import load_model
-    from fricomp.recording import read_recording
     from fricomp.sim_bench.diagnosis import diagnose as diagnose_joint
     from fricomp.sim_bench.diagnosis import read_controller
     from fricomp.sim_bench.diagnosis.simulated import read_simulated, without_known
@@ -125,7 +187,7 @@ def _diagnose(
     if options["simulation"] is not None or given["friction"] is not None:
         raise DiagnosisError("--simulated is the simulation: leave out --simulation and --friction")
     say("reading the simulation from its recording")
-    known = read_simulated(read_recording(given["simulated"]), seed=options["seed"], progress=say)
+    known = read_simulated(read[given["simulated"]], seed=options["seed"], progress=say)
     settings["simulation"] = known.rigid
     return without_known(diagnose_joint(series, friction=known.friction, **settings), known)
 
@@ -143,11 +205,13 @@ def _facts(
     return facts | {name: str(value) for name, value in used.items()}
 
 
-def _print_diagnosis(diagnosis: Diagnosis, out: Path) -> None:
+def _print_diagnosis(run: DiagnosisRun, out: Path) -> None:
     from fricomp.cli.terminal import console
     from fricomp.sim_bench.diagnosis.presentation import change_table, effect_table, error_table, forward_table
 
-    show, record = console(), diagnosis.record
+    show, record = console(), run.diagnosis.record
+    for warning in run.warnings:
+        show.print(warning, style="yellow", markup=False)
     for number, sentence in enumerate(record.sentences):
         show.print(sentence, style="bold" if number == 0 else None, markup=False)
     for table in (effect_table(record), change_table(record), error_table(record), forward_table(record)):
@@ -156,7 +220,7 @@ def _print_diagnosis(diagnosis: Diagnosis, out: Path) -> None:
             show.print(rich_table(table))
     if record.next_experiment is not None:
         show.print(f"\nTo tell more: {record.next_experiment.why}", markup=False)
-    files = ", ".join(sorted(path.name for path in out.iterdir() if path.suffix != ".png"))
+    files = ", ".join(sorted(path.name for path in run.files if path.suffix != ".png"))
     show.print(f"\nVerdict: {record.verdict}. In {out}: {files}", soft_wrap=True, markup=False)
 
 
@@ -176,6 +240,9 @@ def _diagnose_fleet(
     settings = {name: str(value) for name, value in {**options, **given}.items()}
     rows = run_joints(joints, work, out, run, settings | {"command": "diagnose"}, "diagnosing joints")
     show, page = console(), write_fleet(rows, out)
+    for row in rows:
+        for warning in (row.get("warnings") or "").splitlines():
+            show.print(f"{row['name']}: {warning}", style="yellow", markup=False)
     show.print(rich_table(fleet_table(rows)))
     show.print(f"\nThe whole fleet: {page}; as a table: {out / 'fleet.parquet'}", soft_wrap=True, markup=False)
 
@@ -185,5 +252,5 @@ def _diagnose_one(joint: FleetJoint, out: Path, *, options: dict[str, Any], give
     from fricomp.sim_bench.diagnosis.presentation import fleet_row
 
     options = options | {"simulation": joint.simulation, "joint": joint.joint}
-    diagnosis = run_diagnosis(joint.recordings, out, options, given | {"friction": joint.friction}, quiet=True)
-    return fleet_row(diagnosis.record)
+    run = run_diagnosis(joint.recordings, out, options, given | {"friction": joint.friction}, quiet=True)
+    return fleet_row(run.diagnosis.record) | {"warnings": "\n".join(run.warnings)}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -18,12 +19,14 @@ if TYPE_CHECKING:
     from fricomp.calibration import IdentificationResult
     from fricomp.calibration.identification import DiscrepancyNetwork
     from fricomp.calibration.rigid_body import MotionIdentification
-    from fricomp.recording import Finding
     from fricomp.sim_bench.fleet import FleetJoint, FleetRow
 
 __all__ = ["app", "identify"]
 
 app = typer.Typer()
+
+EXIT_NOT_USABLE = 1
+"""Exit status where everything was written, and the model is one that compensator and exports refuse."""
 
 
 @app.command(
@@ -32,7 +35,10 @@ app = typer.Typer()
     "fricomp identify points.csv --noise relative --loss robust --law auto\n\n"
     "fricomp identify points.csv --depart --out runs/joint_1\n\n"
     "fricomp identify 'fleet/*.csv' --resume --out runs/fleet\n\n"
-    "fricomp identify 'fleet/*.csv' --batch --out runs/fleet"
+    "fricomp identify 'fleet/*.csv' --batch --out runs/fleet\n\n"
+    "Exit status of one file: 0 where it has converged or a network departs, 1 where the files are written and the "
+    "model is not usable (such as not_identifiable), 2 where nothing could be done. A fleet says it in its table and "
+    "ends with 0."
 )
 def identify(
     files: Annotated[
@@ -61,6 +67,8 @@ def identify(
     resume: Annotated[bool, typer.Option("--resume", help="Of a fleet: go on with the one in --out.")] = False,
 ) -> None:
     """Identify friction; with a recording, inertia, gravity and offset first."""
+    from fricomp.calibration.identification import Status
+
     _refuse_dynamic_law(law)
     settings = _Settings(method, noise, loss, law, gravity, seed, depart)
     if batch:
@@ -72,6 +80,9 @@ def identify(
         _finish(found.result, found.free, out)
         for note in found.notes:
             typer.echo(note)
+        departs = found.free is not None and found.free.departs  # then the network is what was asked for
+        if found.result.status is not Status.CONVERGED and not departs:
+            raise typer.Exit(EXIT_NOT_USABLE)
 
 
 @dataclass(frozen=True)
@@ -104,13 +115,14 @@ def _identify_file(file: Path, out: Path, settings: _Settings) -> _Identified:
     from fricomp.calibration.identification import fit_discrepancy
     from fricomp.calibration.identification.page import write_identification_report
     from fricomp.calibration.table import is_friction_table, read_friction_table
+    from fricomp.cli.terminal import careful
     from fricomp.recording.unit_checks import suspect_degrees_per_second
 
     notes: list[str] = []
     method, noise, loss, seed = settings.method, settings.noise, settings.loss, settings.seed
     if is_friction_table(file):
         table = read_friction_table(file)
-        notes += map(_careful, suspect_degrees_per_second(float(np.max(np.abs(table.velocity)))))
+        notes += map(careful, suspect_degrees_per_second(float(np.max(np.abs(table.velocity)))))
         law = _choose_law(settings.law, (table.velocity, table.torque, table.normal_load), notes)
         result = identify_points(
             table.velocity, table.torque, table.normal_load, method, noise, seed, law=law, loss=loss
@@ -183,10 +195,6 @@ def _show_fleet(rows: Sequence[FleetRow], out: Path) -> None:
     screen.print(f"The whole fleet: {page}; as a table: {out / 'fleet.parquet'}", soft_wrap=True, markup=False)
 
 
-def _careful(finding: Finding) -> str:
-    return f"Careful: {finding.message.rstrip('.')}: {finding.advice}."
-
-
 def _refuse_dynamic_law(law: str) -> None:
     """Laws with a state need the friction torque over time, which this command does not take."""
     from fricomp.errors import IdentificationError
@@ -237,12 +245,13 @@ def _identify_recording(file: Path, gravity: bool, law: str, notes: list[str]) -
     from fricomp.calibration.identification import IdentificationOptions
     from fricomp.calibration.motion_parts import read_motion_recording
     from fricomp.calibration.rigid_body import RegressionSettings, identify_motion, sample_joint, split_for
+    from fricomp.cli.terminal import careful
 
     recording, findings, about = read_motion_recording(file)
     settings = RegressionSettings(gravity=gravity)
     of_gaps = split_for(recording, settings).notes
     notes += (*about, *of_gaps)
-    notes += (_careful(finding) for finding in findings if not (of_gaps and finding.code == "gap"))
+    notes += (careful(finding) for finding in findings if not (of_gaps and finding.code == "gap"))
     meta = recording.metadata
     options = IdentificationOptions(joint=meta.joint, motion=meta.motion, torque_unit=meta.torque_unit)
     return identify_motion(sample_joint(recording, settings), settings, law=law, options=options)
@@ -258,21 +267,28 @@ def _rigid_sentence(motion: MotionIdentification) -> str:
     )
 
 
+def _deviation(deviation: float) -> str:
+    return f"{deviation:.2g}" if isfinite(deviation) else "cannot be determined"
+
+
 def _finish(result: IdentificationResult, free: DiscrepancyNetwork | None, out: Path) -> None:
     """Write the model and the networks, print the tables."""
     from rich.table import Table
 
-    from fricomp.calibration.identification import save_discrepancy, save_identification
+    from fricomp.calibration.identification import Status, save_discrepancy, save_identification
     from fricomp.cli.terminal import console
 
     files = save_identification(result, out)
     table = Table("parameter", "value", "standard deviation", "unit", box=None, pad_edge=False)
     units = result.model.units()
     for name, value in result.parameters.items():
-        table.add_row(name, f"{value:.5g}", f"{result.standard_deviations[name]:.2g}", units[name])
+        table.add_row(name, f"{value:.5g}", _deviation(result.standard_deviations[name]), units[name])
     screen = console()
     screen.print(table)
-    screen.print(f"{result.status}: {result.message}")
+    if result.status is Status.CONVERGED:
+        screen.print(f"{result.status}: {result.message}", markup=False)
+    else:
+        screen.print(f"NOT USABLE, {result.status}: {result.message}", style="bold red", markup=False)
     screen.print(f"Model {files.model}, network {files.network}, report {out / 'report.html'}")
     if free is None:
         return

@@ -71,7 +71,7 @@ def _options(
 
 
 def run() -> None:
-    """Entry point of the `fricomp` command; exits with 0, 2 (error) or 130 (interrupted)."""
+    """Entry point of `fricomp`; exits with 0, 2 (error), 130 (interrupted), or 1 (`identify`: not usable)."""
     try:
         app()
     except KeyboardInterrupt:

@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
-__all__ = ["console", "progress"]
+if TYPE_CHECKING:
+    from fricomp.recording import Finding
+
+__all__ = ["careful", "console", "progress"]
+
+
+def careful(finding: Finding) -> str:
+    """What was found in a recording, as a sentence beside a result."""
+    return f"Careful: {finding.message.rstrip('.')}: {finding.advice}."
 
 
 def console() -> Console:

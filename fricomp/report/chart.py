@@ -97,7 +97,7 @@ class Band:
 
 @dataclass(frozen=True, eq=False)
 class Bars:
-    """One bar a category.
+    """One bar a category; the marks of a panel share its places, the first category at the left.
 
     Attributes:
         categories: Names along x.
@@ -203,11 +203,14 @@ class Panel:
         return tuple(found)
 
     def has_lone_bars(self) -> bool:
-        """Whether no category has bars of two marks, so that each bar can stand in the middle of its category."""
-        taken: set[str] = set()
+        """Whether no place has bars of two marks, so that each bar can stand in the middle of its category.
+
+        Two categories of one name are two places.
+        """
+        taken: set[int] = set()
         for mark in self.marks:
             if isinstance(mark, Bars):
-                here = {name for name, value in zip(mark.categories, mark.values, strict=True) if np.isfinite(value)}
+                here = set(np.flatnonzero(np.isfinite(mark.values)).tolist())
                 if taken & here:
                     return False
                 taken |= here

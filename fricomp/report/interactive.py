@@ -126,6 +126,7 @@ def _draw_panel(figure: Any, panel: Panel, place: dict[str, int], number: int, s
         figure.update_yaxes(range=list(panel.y_range), **place)
     figure.update_xaxes(**_log_ticks(panel.x_scale), **place)
     figure.update_yaxes(**_log_ticks(panel.y_scale), **place)
+    figure.update_xaxes(**_bar_ticks(panel), **place)
     if any(len(mark.x_names) > CROWDED for mark in panel.marks if isinstance(mark, HeatMap)):
         figure.update_xaxes(tickangle=-90, **place)
     domain = figure.layout[_axis("yaxis", number)].domain[1], figure.layout[_axis("xaxis", number)].domain[0]
@@ -134,9 +135,17 @@ def _draw_panel(figure: Any, panel: Panel, place: dict[str, int], number: int, s
 
 def _type(panel: Panel, axis: str) -> str:
     for mark in panel.marks:
-        if (isinstance(mark, Bars) and axis == "x") or (isinstance(mark, HeatMap) and getattr(mark, f"{axis}_names")):
+        if isinstance(mark, HeatMap) and getattr(mark, f"{axis}_names"):
             return "category"
     return panel.x_scale if axis == "x" else panel.y_scale
+
+
+def _bar_ticks(panel: Panel) -> dict[str, Any]:
+    """Names below the bars. Bars stand at their number: plotly stacks those that share a name as a category."""
+    names = max((mark.categories for mark in panel.marks if isinstance(mark, Bars)), key=len, default=())
+    if not names:
+        return {}
+    return {"tickmode": "array", "tickvals": list(range(len(names))), "ticktext": list(names)}
 
 
 def _log_ticks(scale: str) -> dict[str, Any]:
@@ -174,8 +183,8 @@ def _traces(mark: Mark, color: str) -> list[dict[str, Any]]:
             fill = {"fill": "tonexty", "fillcolor": f"rgba({_rgb(color)},0.22)", **named}
             return [{**edge, "y": mark.low, "name": "", "showlegend": False}, {**edge, "y": mark.high, **fill}]
         case Bars():
-            bars = {"type": "bar", "x": mark.categories, "y": mark.values, "marker": {"color": color}, **named}
-            return [bars | _error(mark)]
+            bars = {"type": "bar", "x": list(range(len(mark.categories))), "y": mark.values, **_hover(mark), **named}
+            return [bars | {"marker": {"color": color}} | _error(mark)]
         case HeatMap():
             scale: dict[str, Any] = {"colorscale": "Viridis", "showscale": bool(mark.color_label)}
             if mark.diverging:
@@ -188,6 +197,11 @@ def _traces(mark: Mark, color: str) -> list[dict[str, Any]]:
             line = {"color": color, "width": 1.2, "dash": "dash"}
             empty = {"type": "scatter", "mode": "lines", "x": [None], "y": [None], "line": line}
             return [{**empty, **named}] if mark.label else []
+
+
+def _hover(mark: Bars) -> dict[str, Any]:
+    """The category's name beside the value, in place of its number."""
+    return {"customdata": mark.categories, "hovertemplate": "%{customdata}: %{y}<extra>%{fullData.name}</extra>"}
 
 
 def _error(mark: Points | Bars) -> dict[str, Any]:

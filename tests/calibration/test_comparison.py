@@ -14,7 +14,7 @@ from fricomp.calibration.normal_load import at_normal_load
 from fricomp.cli.main import app
 from fricomp.errors import ParameterError
 from fricomp.laws import BidirectionalStribeck, Coulomb, FrictionLaw, StribeckCurve
-from fricomp.model import Covariance, FrictionModel, Validity, save_model
+from fricomp.model import Covariance, FrictionModel, Provenance, Validity, save_model
 
 TRUTH = np.array([0.15, 0.60, 0.05, 0.02, 0.20, 0.70, 0.05, 0.03])
 KEYS = ("coulomb_torque", "static_torque", "stribeck_velocity", "viscous_coefficient")
@@ -70,6 +70,12 @@ def test_terms_that_came_or_went_are_a_change() -> None:
 def test_models_that_cannot_be_compared_say_why(other: FrictionModel, message: str) -> None:
     with pytest.raises(ParameterError, match=message):
         compare_models(model(TRUTH), other)
+
+
+def test_a_model_of_a_diagnosis_is_refused_with_what_to_do() -> None:
+    diagnosed = replace(model(TRUTH), covariance=None, provenance=Provenance(method="diagnosis"))
+    with pytest.raises(ParameterError, match=r"diagnosis, which writes no covariance.*fricomp identify or fricomp cal"):
+        compare_models(diagnosed, diagnosed)
 
 
 def test_the_command_says_what_changed(tmp_path: Path) -> None:

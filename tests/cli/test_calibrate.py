@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from fricomp.calibration.sweep import CalibrationRequest, MotionFile, RunFolder, load_sweep
 from fricomp.calibration.sweep.motion import MotionRunner
+from fricomp.cli.calibration import _with_reach
 from fricomp.cli.main import app
 from fricomp.errors import FricompError, RecordingError
 from fricomp.model import load_model
@@ -38,6 +39,21 @@ def test_a_dry_run_prints_plan_and_accuracy_and_moves_nothing(tmp_path: Path) ->
     assert not (tmp_path / "run").exists()
     for word in ("travel", "speeds", "duration", "accuracy", "stribeck.reverse.viscous_coefficient"):
         assert word in result.output
+
+
+def test_a_dry_run_says_what_its_speeds_cannot_determine(tmp_path: Path) -> None:
+    speeds = ["--speeds", "1.0,1.1,1.2,1.3,1.4,1.5", "--out", str(tmp_path / "run")]
+    result = CliRunner().invoke(app, ["calibrate", "--dry-run", *speeds])
+    assert result.exit_code == 0, result.output
+    assert "cannot be determined" in result.output
+    assert "inf" not in result.output
+
+
+@pytest.mark.parametrize(
+    ("reach", "text"), [(0.0123, "1.500 ± 0.012"), (0.0, "1.500000 ± 0.000000"), (float("inf"), "cannot be determined")]
+)
+def test_a_result_is_printed_as_exactly_as_it_is_known(reach: float, text: str) -> None:
+    assert _with_reach(1.5, reach) == text
 
 
 @pytest.fixture

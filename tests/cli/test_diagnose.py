@@ -3,14 +3,18 @@
 import json
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from fricomp.cli.diagnosis_folder import remove_earlier_diagnosis
 from fricomp.cli.main import app
-from fricomp.errors import RecordingError
+from fricomp.errors import DiagnosisError, RecordingError
+from fricomp.laws import Coulomb, FrictionLaw
+from fricomp.model import FrictionModel, Provenance, save_model
 from fricomp.recording import Recording, RecordingMetadata, write_recording
 from fricomp.sim_bench.fleet import find_recordings
 
@@ -109,7 +113,7 @@ def test_nan_is_one_clear_sentence_with_its_row(tmp_path: Path) -> None:
 
 
 def test_a_joint_that_the_simulation_lacks_is_named_with_those_it_has(tmp_path: Path) -> None:
-    path, model = _save(tmp_path, _columns(4.0)), tmp_path / "joint.xml"
+    path, model = _save(tmp_path, _columns(6.0)), tmp_path / "joint.xml"
     model.write_text(_JOINT)
     done = _run(str(path), "--simulation", str(model), "--joint", "knee", "--out", str(tmp_path / "out"))
     assert done.returncode == 2
@@ -118,11 +122,74 @@ def test_a_joint_that_the_simulation_lacks_is_named_with_those_it_has(tmp_path: 
 
 
 def test_simulated_and_simulation_exclude_each_other(tmp_path: Path) -> None:
-    path, model = _save(tmp_path, _columns(4.0)), tmp_path / "joint.xml"
+    path, model = _save(tmp_path, _columns(6.0)), tmp_path / "joint.xml"
     model.write_text(_JOINT)
     arguments = [str(path), "--simulated", str(path), "--simulation", str(model), "--out", str(tmp_path / "out")]
     result = CliRunner().invoke(app, ["diagnose", *arguments])
     assert "leave out --simulation" in str(result.exception)
+
+
+@pytest.mark.parametrize("seconds", [0.8, 2.0, 4.9])
+def test_a_short_recording_is_refused_with_its_length(seconds: float, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    result = CliRunner().invoke(app, ["diagnose", str(_save(tmp_path, _columns(seconds))), "--out", str(out)])
+    assert isinstance(result.exception, DiagnosisError)
+    assert f"elbow.csv lasts {seconds - 0.002:.3g} s, and a diagnosis needs at least 5 s" in str(result.exception)
+    assert not out.exists()
+
+
+def _answer_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Diagnose as if the data were bad, which takes no time and names nothing."""
+    module = import_module("fricomp.sim_bench.diagnosis.diagnose")  # the package has a function of that name
+    monkeypatch.setattr(module, "reasons_against", lambda *_: ["a stub"])
+
+
+def test_what_the_checks_warn_of_stands_above_the_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _answer_at_once(monkeypatch)
+    columns = _columns()
+    columns = {"time": columns["time"], "position": np.degrees(columns["position"]), "torque": columns["torque"]}
+    path, out = _save(tmp_path, columns, encoder_resolution=None), tmp_path / "out"
+    wide = {"COLUMNS": "300"}
+    result = CliRunner().invoke(app, ["diagnose", str(path), "--out", str(out)], env=wide)
+    assert result.exit_code == 0, result.output
+    assert result.stdout.startswith("Careful: position covers")
+    assert "is it in degrees (factor 57.3)?" in result.stdout
+    assert result.stdout.index("Careful") < result.stdout.index("a stub")
+    assert "is it in degrees" in (out / "report.html").read_text()
+    call = ["diagnose", str(path), "--each", "--executor", "serial", "--out", str(tmp_path / "fleet")]
+    fleet = CliRunner().invoke(app, call, env=wide)
+    assert fleet.exit_code == 0, fleet.output
+    assert "elbow: Careful: position covers" in fleet.stdout
+
+
+def test_a_diagnosis_leaves_nothing_of_an_earlier_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _answer_at_once(monkeypatch)
+    path, out = _save(tmp_path, _columns()), tmp_path / "out"
+    out.mkdir()
+    earlier = ["friction.onnx", "friction.xml", "motion.csv", "motion.png", "over-time-2.png", "where.png"]
+    others = ["recording.csv", "mine.png", "over-time.png"]
+    for name in (*earlier, *others):
+        (out / name).write_text("of another recording")
+    (out / "diagnosis.json").write_text('{"schema": "fricomp.diagnosis/1"}')
+    model = FrictionModel(FrictionLaw((Coulomb(1.0),)), provenance=Provenance(method="diagnosis"))
+    save_model(model, out / "friction.json")
+    result = CliRunner().invoke(app, ["diagnose", str(path), "--out", str(out)], env={"COLUMNS": "300"})
+    assert result.exit_code == 0, result.output
+    left = {name.name for name in out.iterdir()}
+    assert left == {"diagnosis.json", "report.html", *others}
+    assert result.stdout.rstrip().endswith(f"In {out}: diagnosis.json, report.html")
+
+
+def test_files_of_somebody_else_stay(tmp_path: Path) -> None:
+    (tmp_path / "motion.csv").write_text("a recording")
+    (tmp_path / "diagnosis.json").write_text('{"schema": "of a hospital"}')
+    remove_earlier_diagnosis(tmp_path)
+    assert len(list(tmp_path.iterdir())) == 2
+    (tmp_path / "diagnosis.json").write_text('{"schema": "fricomp.diagnosis/1"}')
+    save_model(FrictionModel(FrictionLaw((Coulomb(1.0),))), tmp_path / "friction.json")
+    (tmp_path / "friction.onnx").write_text("of a calibration")
+    remove_earlier_diagnosis(tmp_path, keep=[tmp_path / "motion.csv"])
+    assert {path.name for path in tmp_path.iterdir()} == {"motion.csv", "friction.json", "friction.onnx"}
 
 
 def test_folders_and_patterns_are_the_recordings_in_them(tmp_path: Path) -> None:

@@ -28,6 +28,18 @@ def test_identifies_a_table_and_writes_model_network_and_report(tmp_path: Path) 
     assert load_model(out / "friction.json").forward.static_torque == pytest.approx(0.6, rel=0.1)
 
 
+def test_a_model_that_is_not_usable_is_written_and_ends_with_1(tmp_path: Path) -> None:
+    v = np.concatenate([np.linspace(0.3, 1.0, 40), -np.linspace(0.3, 1.0, 40)])
+    torque = np.sign(v) * 0.2 + 0.05 * v + np.random.default_rng(0).normal(0.0, 0.003, v.size)
+    table, out = tmp_path / "fast.csv", tmp_path / "out"
+    np.savetxt(table, np.column_stack([v, torque]), delimiter=",", header="velocity,torque", comments="")
+    call = [str(table), "--law", "symmetric_stribeck", "--method", "least_squares", "--out", str(out)]
+    done = CliRunner().invoke(app, call, env={"COLUMNS": "300"})
+    assert done.exit_code == 1, done.output
+    assert "NOT USABLE, not_identifiable: " in done.output
+    assert {"friction.json", "friction.onnx", "report.html"} <= {path.name for path in out.iterdir()}
+
+
 def test_a_network_departs_where_held_out_points_ask_for_it(tmp_path: Path) -> None:
     side = np.linspace(0.02, 1.0, 30)
     speed, sign = np.concatenate([side, side]), np.repeat([1.0, -1.0], len(side))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from fricomp.control import Compensator
 from fricomp.errors import ExportError
 from fricomp.export import closed_form_graph, save_graph, stack_networks, state_columns
 from fricomp.laws import BidirectionalStribeck, Coulomb, SmoothedCoulomb, StribeckCurve, Term, Viscous
@@ -71,6 +73,44 @@ def test_joints_with_and_without_a_term_share_one_graph(tmp_path: Path) -> None:
     save_graph(closed_form_graph(models), tmp_path / "arm.onnx")
     expected = [float(evaluate(model, row[None])[0]) for model, row in zip(models, state, strict=True)]
     assert run(tmp_path / "arm.onnx", state) == pytest.approx(expected, rel=2e-6)
+
+
+def make_unloaded(*terms: Term) -> FrictionModel:
+    """A model whose data had no normal load; its law keeps the factor that it has by default."""
+    model = make_extended(*terms)
+    return replace(model, validity=replace(model.validity, normal_load=None))
+
+
+@pytest.mark.parametrize("load", [0.0, 1.0, 7.0])
+def test_a_normal_load_that_nobody_measured_changes_nothing(load: float, tmp_path: Path) -> None:
+    model, loaded = make_unloaded(EXTRA_TERMS[4]), make_extended(EXTRA_TERMS[5])
+    state = np.array([[0.5, load, 0.0, 1.5, 20.0], [0.5, load, 0.0, 1.5, 20.0]])
+    save_graph(closed_form_graph([model]), tmp_path / "a.onnx")
+    expected = float(np.asarray(model.torque(0.5, load_torque=1.5)))
+    assert run(tmp_path / "a.onnx", state[:1])[0] == pytest.approx(expected, rel=2e-6)
+    compensator = Compensator(model, gain=1.0, smoothing=1e-6, source="reference", authority=1e3)
+    assert compensator.torque(0.5, load_torque=1.5) == pytest.approx(expected, rel=1e-6)
+    save_graph(closed_form_graph([model, loaded]), tmp_path / "arm.onnx")
+    beside = [expected, float(evaluate(loaded, state[1:])[0])]
+    assert run(tmp_path / "arm.onnx", state) == pytest.approx(beside, rel=2e-6)
+
+
+@pytest.mark.parametrize(
+    ("models", "unused"),
+    [
+        ((make_unloaded(EXTRA_TERMS[4]),), "normal_load, position, temperature: any finite number"),
+        ((make_model(), make_unloaded(EXTRA_TERMS[0])), "load_torque, temperature: any finite number"),
+        ((make_extended(),), None),
+        ((make_model(),), None),
+    ],
+)
+def test_columns_that_no_joint_uses_stand_in_the_metadata(
+    models: tuple[FrictionModel, ...], unused: str | None, tmp_path: Path
+) -> None:
+    save_graph(closed_form_graph(models), tmp_path / "a.onnx", {"joint": "elbow"})
+    about = runtime.InferenceSession(str(tmp_path / "a.onnx")).get_modelmeta().custom_metadata_map
+    assert about["joint"] == "elbow"
+    assert about.get("unused", "").startswith(unused) if unused else "unused" not in about
 
 
 def make_network(path: Path, seed: int, sizes: tuple[int, ...] = (2, 20, 20, 1)) -> None:

@@ -64,6 +64,12 @@ def test_bars_stand_alone_where_no_category_has_two() -> None:
     assert not Panel((one, other, one), "", "").has_lone_bars()
 
 
+def test_bars_of_one_name_are_two_places() -> None:
+    names, nan = ("a", "a"), np.nan
+    one, other = Bars(names, np.array([1.0, nan])), Bars(names, np.array([nan, 2.0]))
+    assert Panel((one, other), "", "").has_lone_bars()
+
+
 def test_a_chart_needs_a_panel() -> None:
     with pytest.raises(ParameterError, match="at least one panel"):
         Chart("empty", "Empty", ())

@@ -1,5 +1,6 @@
 """Report pages and PNG files."""
 
+import json
 import re
 import struct
 from collections.abc import Callable
@@ -11,7 +12,8 @@ import pytest
 from matplotlib.image import imread
 
 from fricomp.errors import ParameterError
-from fricomp.report import Chart, Check, HeatMap, Panel, ReportPage, Section, Table, draw_png, write_report
+from fricomp.report import Bars, Chart, Check, HeatMap, Panel, ReportPage, Section, Table, draw_png, write_report
+from fricomp.report.interactive import draw_interactive
 
 
 @pytest.fixture(scope="module")
@@ -52,6 +54,28 @@ def test_a_page_without_charts_carries_no_script(tmp_path: Path) -> None:
 def test_a_table_refuses_rows_of_another_length() -> None:
     with pytest.raises(ParameterError, match="2 columns has a row of 1"):
         Table(("a", "b"), (("1",),))
+
+
+def _figure(chart: Chart) -> tuple[list[dict[str, Any]], dict[str, Any]]:
+    """Traces and layout, as the page hands them to plotly."""
+    text = draw_interactive(chart).partition("Plotly.newPlot(")[2]
+    decoder = json.JSONDecoder()
+    start = text.index("[")
+    traces, end = decoder.raw_decode(text, start)
+    layout, _ = decoder.raw_decode(text, text.index("{", end))
+    return traces, layout
+
+
+def test_bars_of_one_name_stand_side_by_side_in_the_page() -> None:
+    names, nan = ("ripple", "spring", "spring", "spring"), np.nan
+    named = Bars(names, np.array([9.0, nan, nan, nan]), "named")
+    refused = Bars(names, np.array([nan, 8.0, 7.0, 6.0]), "refused")
+    traces, layout = _figure(Chart("rivals", "Rivals", (Panel((named, refused), "", "evidence"),)))
+    assert [trace["x"] for trace in traces] == [[0, 1, 2, 3], [0, 1, 2, 3]]
+    axis = layout["xaxis"]
+    assert (axis["tickvals"], axis["ticktext"]) == ([0, 1, 2, 3], list(names))
+    assert axis["type"] == "linear"
+    assert [trace["offsetgroup"] for trace in traces] == ["middle", "middle"]
 
 
 @pytest.mark.parametrize(("rows", "columns"), [(1, 3), (3, 1), (1, 1), (2, 3)])
