@@ -6,7 +6,7 @@ from .block import SweepData, load_sweep
 from .calibrate import Calibration, calibrate, channels_of, identify_recorded, mean_relative_deviation
 from .estimate import Estimate, IdentificationSettings, estimate_friction
 from .feasibility import check_feasible
-from .motion_file import MotionFile, fit_into, read_motion, record_motion
+from .motion_file import MotionFile, at_rows_rate, fit_into, read_motion, record_motion, travel_now
 from .plan import SweepPlan, default_speeds, plan_plateaus, travel_of
 from .request import CalibrationOptions, CalibrationRequest
 from .rigid_body import RigidBody
@@ -32,6 +32,7 @@ __all__ = [
     "SweepSettings",
     "analyse_sweep",
     "assume_friction",
+    "at_rows_rate",
     "calibrate",
     "channels_of",
     "check_feasible",
@@ -46,5 +47,6 @@ __all__ = [
     "plan_plateaus",
     "read_motion",
     "record_motion",
+    "travel_now",
     "travel_of",
 ]

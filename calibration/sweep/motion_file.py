@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,33 +15,45 @@ from fricomp.laws import FloatArray
 
 from .block import BlockLabel
 from .log import CycleLog
+from .motion import MotionRunner
 from .plan import Travel, move_speed
-from .sweep import Sweep
+from .sweep import HOST_RATE, Sweep, SweepContext, loop_period
 
-__all__ = ["MotionFile", "fit_into", "read_motion", "record_motion"]
+__all__ = ["MotionFile", "at_rows_rate", "fit_into", "read_motion", "record_motion", "travel_now"]
 
-# Samples below which a stopped motion says nothing.
+# Samples below which a motion, or what is left of one, says nothing.
 SHORTEST = 2
+# How far velocity and position of a file may part: of the way that it spans [1], and by their digits [rad] or [m].
+AGREEMENT = 0.05
+ROUNDING = 1e-6
+# Ways to the start: the second makes up for what a velocity loop leaves of the first, 1.6 mrad on the simulated joint.
+APPROACHES = 2
 
 
 @dataclass(frozen=True, eq=False)
 class MotionFile:
-    """A velocity over time.
+    """A velocity over time, and where it starts.
 
     Attributes:
         time: From zero [s]. Shape (n,).
         velocity: Straight between the rows [rad/s] or [m/s]. Shape (n,).
+        start: Position at its beginning [rad] or [m]; None where the file does not say.
     """
 
     time: FloatArray
     velocity: FloatArray
+    start: float | None = None
 
     @property
     def reach(self) -> tuple[float, float]:
         """Lowest and highest position, from where it starts [rad] or [m]."""
+        way = self.way()
+        return float(way.min()), float(way.max())
+
+    def way(self) -> FloatArray:
+        """Distance from where it starts [rad] or [m]. Shape (n,)."""
         steps = 0.5 * (self.velocity[1:] + self.velocity[:-1]) * np.diff(self.time)
-        position = np.concatenate([[0.0], np.cumsum(steps)])
-        return float(position.min()), float(position.max())
+        return np.concatenate([[0.0], np.cumsum(steps)])
 
     def velocity_at(self, time: float) -> float | None:
         """Velocity [rad/s] or [m/s]; None past the end."""
@@ -49,29 +61,80 @@ class MotionFile:
 
 
 def read_motion(path: str | os.PathLike[str]) -> MotionFile:
-    """Read a CSV file with the columns `time` [s] and `velocity` [rad/s] or [m/s].
+    """Read a CSV file with the columns `time` [s], `velocity` [rad/s] or [m/s] and, where its place counts, `position`.
+
+    A column may also be called as a reference (`velocity_reference`, `position_reference`).
 
     Raises:
-        ParameterError: The file is missing, lacks a column, or time does not rise.
+        ParameterError: The file is missing, lacks a column, time does not rise, or position and velocity disagree.
     """
+    name = os.fspath(path)
     try:
         table: Any = np.genfromtxt(Path(path), delimiter=",", names=True, dtype=np.float64, encoding="utf-8")
     except (OSError, ValueError) as error:
-        raise ParameterError(f"cannot read the motion {os.fspath(path)}: {error}") from error
-    missing = [name for name in ("time", "velocity") if name not in (table.dtype.names or ())]
-    if missing or table.size < 2:
+        raise ParameterError(f"cannot read the motion {name}: {error}") from error
+    columns = {column: _column(table, column) for column in ("time", "velocity", "position")}
+    time, velocity, position = columns.values()
+    if time is None or velocity is None or table.size < SHORTEST:
+        missing = [column for column in ("time", "velocity") if columns[column] is None]
         raise ParameterError(
-            f"the motion {os.fspath(path)} needs a header `time,velocity` and at least two rows; "
+            f"the motion {name} needs a header `time,velocity` or `time,velocity,position` and at least two rows; "
             f"{missing[0] if missing else 'rows'} missing"
         )
-    time, velocity = table["time"], table["velocity"]
-    if not (np.all(np.isfinite(time)) and np.all(np.isfinite(velocity)) and np.all(np.diff(time) > 0.0)):
-        raise ParameterError(f"the motion {os.fspath(path)} needs finite numbers and rising time")
-    return MotionFile(time - time[0], velocity)
+    finite = all(np.all(np.isfinite(values)) for values in columns.values() if values is not None)
+    if not (finite and np.all(np.diff(time) > 0.0)):
+        raise ParameterError(f"the motion {name} needs finite numbers and rising time")
+    motion = MotionFile(time - time[0], velocity, None if position is None else float(position[0]))
+    if position is not None:
+        _refuse_disagreement(motion, position, name)
+    return motion
+
+
+def _column(table: Any, name: str) -> FloatArray | None:
+    """A column of a table, perhaps under its name as a reference; None where there is none."""
+    found = next((n for n in (name, f"{name}_reference") if n in (table.dtype.names or ())), None)
+    return None if found is None else table[found]
+
+
+def _refuse_disagreement(motion: MotionFile, position: FloatArray, name: str) -> None:
+    """The velocity is what is followed: it must lead along the positions, or the joint would be somewhere else."""
+    apart = np.abs(position - position[0] - motion.way())
+    worst = int(np.argmax(apart))
+    if apart[worst] > AGREEMENT * float(np.ptp(position)) + ROUNDING:
+        raise ParameterError(
+            f"the velocity of the motion {name} does not lead along its positions: {apart[worst]:.3g} apart after "
+            f"{motion.time[worst]:.4g} s; put right one of them, or leave out the column position"
+        )
+
+
+def travel_now(context: SweepContext) -> Travel:
+    """Where the joint may move; of one that turns freely, about where it is now, read without energising it.
+
+    Raises:
+        AdapterError: The drive reports no position.
+    """
+    if not context.metadata().continuous:
+        return context.travel()
+    mode = context.choose_mode()
+    runner = MotionRunner(context.adapter, context.joint, loop_period(context.adapter, context.settings, mode))
+    context.adapter.configure(mode, runner.period)
+    runner.await_feedback()
+    return context.travel(runner.position)
+
+
+def at_rows_rate(context: SweepContext, motion: MotionFile) -> SweepContext:
+    """With the loop as fast as the rows of the file, where bus and host can: recordings of one rate go together.
+
+    A multiple of the usual rate, which the drive is known to take; a file of a few rows leaves it as it is.
+    """
+    usual = 1.0 / loop_period(context.adapter, context.settings, context.choose_mode())
+    rows = 1.0 / float(np.median(np.diff(motion.time)))
+    times = max(1, round(min(rows, HOST_RATE) / usual))
+    return replace(context, settings=replace(context.settings, rate=times * usual))
 
 
 def fit_into(motion: MotionFile, travel: Travel) -> float:
-    """Where the motion has to start so that it stays in the middle of the travel [rad] or [m].
+    """Where the motion has to start: as its file says, or such that it stays in the middle of the travel [rad] or [m].
 
     Raises:
         ParameterError: It does not fit, or is too fast.
@@ -82,25 +145,48 @@ def fit_into(motion: MotionFile, travel: Travel) -> float:
     fastest = float(np.max(np.abs(motion.velocity)))
     if fastest > travel.speed_limit:
         raise ParameterError(f"the motion reaches {fastest:.3g}, the limit is {travel.speed_limit:.3g}: make it slower")
-    return travel.middle - 0.5 * (low + high)
+    if motion.start is None:
+        return travel.middle - 0.5 * (low + high)
+    _refuse_outside(motion.start + low, motion.start + high, travel)
+    return motion.start
 
 
-def record_motion(sweep: Sweep, motion: MotionFile) -> None:
+def _refuse_outside(low: float, high: float, travel: Travel) -> None:
+    """A motion is not moved to where it fits without being told: what depends on the position would not be there."""
+    below, above = travel.low - low, high - travel.high
+    if max(below, above) > 0.0:
+        beyond, end = (below, "below") if below > above else (above, "above")
+        raise ParameterError(
+            f"the motion goes from {low:.4g} to {high:.4g}, by its column position; the travel is {travel.low:.4g} to "
+            f"{travel.high:.4g}, so that it ends {beyond:.3g} {end} it: change the limits or the motion, or leave out "
+            "that column to record it in the middle of the travel"
+        )
+
+
+def record_motion(sweep: Sweep, motion: MotionFile) -> float:
     """Carry out a motion with a prepared sweep and write it as one block; of one that is stopped, what there is of it.
+
+    Nothing but the loop keeps it in its place, and a drive's velocity loop may drift: hence the distance.
+
+    Returns:
+        Largest distance of the joint from where the motion should have been [rad] or [m].
 
     Raises:
         ParameterError: It does not fit into the travel.
         SweepAborted: The safety gate has tripped.
     """
     start, runner = fit_into(motion, sweep.travel), sweep.runner
-    runner.move_to(start, move_speed(sweep.travel), sweep.context.settings.ramp)
+    for _ in range(APPROACHES):
+        runner.move_to(start, move_speed(sweep.travel), sweep.context.settings.ramp)
     log = CycleLog(runner.joint)
     try:
         runner.follow(motion.velocity_at, log)
     except BaseException:
         _keep(sweep, log)
         raise
-    sweep.write(log, BlockLabel("motion", 0))
+    samples = sweep.write(log, BlockLabel("motion", 0))
+    planned = start + np.interp(samples.time - samples.time[0], motion.time, motion.way())
+    return float(np.max(np.abs(samples.position - planned)))
 
 
 def _keep(sweep: Sweep, log: CycleLog) -> None:

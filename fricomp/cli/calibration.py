@@ -22,6 +22,7 @@ from fricomp.calibration.sweep import (
     Sweep,
     SweepContext,
     SweepData,
+    at_rows_rate,
     calibrate,
     channels_of,
     check_feasible,
@@ -29,6 +30,7 @@ from fricomp.calibration.sweep import (
     identify_recorded,
     read_motion,
     record_motion,
+    travel_now,
 )
 from fricomp.calibration.sweep.check import calibration_checks
 from fricomp.calibration.sweep.report import write_calibration_report
@@ -37,8 +39,12 @@ from fricomp.cli.resume import changes, refuse_other
 from fricomp.cli.terminal import console, progress
 from fricomp.control.interruption import interrupt_on_ending_signals
 from fricomp.errors import ParameterError, SweepAborted
+from fricomp.recording import write_recording
 
 __all__ = ["follow", "open_joint", "record_file", "resume_run", "start_run"]
+
+# The motion without the torque sensor's zero and the check of signs: a diagnosis takes no recording with gaps in time.
+MOTION_ALONE = "motion-alone.csv"
 
 
 def start_run(request: CalibrationRequest, out: Path, *, overwrite: bool) -> None:
@@ -84,16 +90,33 @@ def _no_going_on(folder: RunFolder) -> str:
 def record_file(request: CalibrationRequest, out: Path, *, overwrite: bool = False) -> None:
     """Record the motion of a request into a new folder, or in place of the run that is there."""
     wanted = read_motion(request.motion)
-    with open_joint(request) as context:
-        fit_into(wanted, context.travel())  # before anything moves, and before an earlier run is thrown away
+    with open_joint(request) as opened:
+        context = at_rows_rate(opened, wanted)
+        fit_into(wanted, travel_now(context))  # before anything moves, and before an earlier run is thrown away
         folder = RunFolder.create(out, request, overwrite=overwrite)
+        alone = folder.path / MOTION_ALONE
+        alone.unlink(missing_ok=True)
         with folder.open_writer(context.metadata(), channels_of(context)) as writer, _interruptible(folder):
             sweep = Sweep(context, writer, SweepData())
             sweep.prepare()
-            record_motion(sweep, wanted)
+            distance = record_motion(sweep, wanted)
             sweep.finish()
+        ((_, samples),) = sweep.data.of_kind("motion")
+        write_recording(samples, alone)
         folder.note("recorded")
-    console().print(f"The motion is in [bold]{folder.recording}[/bold]; identify it with fricomp identify.")
+    _print_recorded(folder, f"{distance:.2g} {samples.metadata.position_unit}")
+
+
+def _print_recorded(folder: RunFolder, distance: str) -> None:
+    """Where the motion is, how well it was followed, and both uses of it."""
+    alone, file = folder.path / MOTION_ALONE, folder.recording
+    console().print(
+        f"The motion is in {file}, and alone in {alone}; it was at most {distance} from where it was to be.\n"
+        f"Diagnose it together with the first recording (fricomp diagnose OLD {alone} --out ...), or identify it "
+        f"(fricomp identify {file}).",
+        soft_wrap=True,
+        markup=False,
+    )
 
 
 @contextmanager

@@ -15,6 +15,7 @@ from fricomp.calibration.sweep import (
     fit_into,
     loop_period,
     read_motion,
+    travel_now,
 )
 from fricomp.calibration.sweep.plan import Travel, move_speed
 from fricomp.calibration.sweep.profile import move_profile
@@ -39,12 +40,19 @@ def print_motion_plan(request: CalibrationRequest) -> None:
     """The plan of a motion from a file."""
     motion = read_motion(request.motion)
     with open_joint(request) as context:
-        travel = context.travel()
+        travel = travel_now(context)
         start = fit_into(motion, travel)
         _print_head(request, context)
         unit, (low, high) = _unit(context), motion.reach
-        way = move_profile(0.5 * travel.length, move_speed(travel), context.settings.ramp).duration
+        farthest = max(start - travel.low, travel.high - start)
+        way = move_profile(farthest, move_speed(travel), context.settings.ramp).duration
     _print_travel(start + low, start + high, travel, unit)
+    place = (
+        "where the column position of the file says"
+        if motion.start is not None
+        else "in the middle: the file has no column position"
+    )
+    console().print(f"  start     {round(start, 6) + 0.0:.4g} {unit}, {place}")
     _print_speeds(float(np.max(np.abs(motion.velocity))), travel, unit)
     screen, tare = console(), 2.0 * context.settings.tare
     screen.print(

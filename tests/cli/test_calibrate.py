@@ -17,6 +17,7 @@ from fricomp.cli.calibration import _with_reach
 from fricomp.cli.main import app
 from fricomp.errors import FricompError, RecordingError
 from fricomp.model import load_model
+from fricomp.recording import read_recording
 
 SHORT = ["--speeds", "0.01,0.03,0.05,0.08,0.3,1.5", "--repeats", "1", "--dwell", "0.4", "--warm-up", "0.5"]
 QUICK = [*SHORT, "--method", "least_squares"]
@@ -98,7 +99,35 @@ def test_a_dry_run_of_a_motion_prints_that_motion(tmp_path: Path, motion: Path) 
     assert result.exit_code == 0, result.output
     assert not out.exists()
     assert "-0.1 to 0.1 rad" in result.output
+    assert "in the middle" in result.output
     assert "plateaus" not in result.output
+
+
+@pytest.mark.usefixtures("nothing_moves")
+def test_a_dry_run_of_a_motion_says_where_it_will_be(motion: Path) -> None:
+    motion.write_text("time,velocity,position\n0,0,1.2\n0.5,0.4,1.3\n1,0,1.4\n")
+    result = CliRunner().invoke(app, ["calibrate", "--motion", str(motion), "--dry-run"])
+    assert "1.2 to 1.4 rad" in result.output
+    assert "start     1.2 rad" in result.output
+
+
+def test_a_motion_outside_the_travel_is_refused_and_the_way_out_said(tmp_path: Path, motion: Path) -> None:
+    motion.write_text("time,velocity,position\n0,0,2.7\n0.5,0.4,2.8\n1,0,2.9\n")
+    said = _refused("--motion", str(motion), "--out", str(tmp_path / "run"))
+    assert "ends 0.127 above it" in said
+    assert "leave out that column" in said
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_motion_is_recorded_where_it_was_and_can_be_diagnosed(tmp_path: Path, motion: Path) -> None:
+    motion.write_text("time,velocity,position\n0,0,1.2\n0.5,0.4,1.3\n1,0,1.4\n")
+    out = tmp_path / "run"
+    result = CliRunner().invoke(app, ["calibrate", "--motion", str(motion), "--out", str(out)])
+    assert f"fricomp diagnose OLD {out / 'motion-alone.csv'}" in result.output
+    assert f"fricomp identify {out / 'recording.csv'}" in result.output
+    alone = read_recording(out / "motion-alone.csv")
+    assert alone.position[[0, -1]] == pytest.approx([1.2, 1.4], abs=5e-3)
+    assert alone.duration == pytest.approx(1.0, abs=0.01)  # no gap in time, as between the blocks of a run
 
 
 def test_a_dry_run_of_a_motion_that_does_not_fit_says_so(motion: Path) -> None:
