@@ -97,7 +97,10 @@ def _write_models(
                 notes.append(f"{name} is not written: {error}.")
     if diagnosis.motion is not None:
         files.append(_write_motion(diagnosis.motion, folder / "motion.csv"))
-        notes.append("motion.csv: the motion to record next, for fricomp calibrate --motion.")
+        notes.append(
+            "motion.csv: the motion to record next, by fricomp calibrate --motion; "
+            "then fricomp diagnose this recording together with its motion-alone.csv."
+        )
     return files, notes
 
 
