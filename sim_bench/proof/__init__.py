@@ -2,6 +2,7 @@
 
 from .earlier import format_earlier
 from .failures import format_failures
+from .gap import GAP, GapScore, format_gaps, measure_gaps, plan_gaps
 from .injected import plan_bare, plan_injected
 from .kept import BASELINES, keep_data, restore_data
 from .page import write_page
@@ -16,8 +17,10 @@ from .summary import Figure, compute_figures, compute_power, is_wrong
 
 __all__ = [
     "BASELINES",
+    "GAP",
     "GROUPS",
     "Figure",
+    "GapScore",
     "PlannedCase",
     "RunSettings",
     "Score",
@@ -30,15 +33,18 @@ __all__ = [
     "diagnosis_tree",
     "format_earlier",
     "format_failures",
+    "format_gaps",
     "is_wrong",
     "keep_data",
     "load_or_start",
     "log_outcome",
+    "measure_gaps",
     "measure_speed_up",
     "next_run",
     "plan_bare",
     "plan_cases",
     "plan_clear_cases",
+    "plan_gaps",
     "plan_injected",
     "plan_run",
     "read_entries",

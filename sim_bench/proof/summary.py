@@ -25,7 +25,7 @@ class Figure(NamedTuple):
         name: What is measured.
         target: What is wanted.
         value: As measured, with interval and number of cases.
-        reached: Whether the target is; None where there is no case.
+        reached: Whether the target is; None where there is no case, or no target.
     """
 
     name: str
@@ -161,7 +161,7 @@ def _figures_of_answers(scores: Sequence[Score], single: Sequence[Score]) -> lis
     seconds = [score.seconds for score in scores]
     return [
         _median("located time, overlap with the truth", "≥ 0.7", [s.overlap for s in single], lambda m: m >= 0.7),
-        _median("held-out gap closed by the right name", "≥ 0.95", [s.gap_closed for s in right], lambda m: m >= 0.95),
+        _above_own_noise(right),
         Figure(
             "95 % interval of a parameter holds the truth",
             "93–97 %",
@@ -173,6 +173,13 @@ def _figures_of_answers(scores: Sequence[Score], single: Sequence[Score]) -> lis
         _median("time of a case [s]", "≤ 30", seconds, lambda m: m <= 30.0),
         _at_most("no answer at all", 0.0, _share(scores, lambda s: s.verdict == "failed")),
     ]
+
+
+def _above_own_noise(right: Sequence[Score]) -> Figure:
+    """No target: the floor is never above the error that the answer leaves, so the value is near 1 whatever that is."""
+    name = "held-out error above the diagnosis' own estimate of the noise, removed by the right name"
+    found = _median(name, "–", [score.gap_closed for score in right], lambda _: True)
+    return found._replace(reached=None)
 
 
 def compute_power(scores: Sequence[Score]) -> list[PowerPoint]:

@@ -24,6 +24,8 @@ fricomp bench mismatch --nulls --cases 300 --first-seed 50000 --out runs/nulls
 
 fricomp bench mismatch --injected --page docs/injected.md --out runs/injected
 
+fricomp bench mismatch --gap 24 --first-seed 810000 --page docs/proof.md --out runs/gap
+
 fricomp bench mismatch --quick --speed-up 4 --out runs/speed"""
 _QUICK, _FULL = 12, 2000
 _LOG = Path("docs/proof/runs.jsonl")
@@ -45,6 +47,7 @@ def mismatch(
     workers: Annotated[int | None, typer.Option(min=1, help="Processes; one a core by default.")] = None,
     baselines: Annotated[int, typer.Option(min=0, help="Try the other methods on this many of the cases.")] = 0,
     speed_up: Annotated[int, typer.Option(min=0, help="Only time this many cases with one worker and with two.")] = 0,
+    gap: Annotated[int, typer.Option(min=0, help="Only measure the held-out gap closed, on this many.")] = 0,
     log: Annotated[Path, typer.Option(help="Log of the scored runs.")] = _LOG,
     page: Annotated[Path | None, typer.Option(help="Write this page, such as docs/proof.md.")] = None,
 ) -> None:
@@ -57,8 +60,13 @@ def mismatch(
 
     if nulls and (clear or injected or scored):
         raise DiagnosisError("nulls alone come from development seeds: leave out --clear, --injected and --scored")
+    if gap and (clear or injected or scored or nulls):
+        raise DiagnosisError("--gap takes cases of its own, of development seeds: leave out what chooses others")
     number = cases or (_QUICK if quick else _FULL)
     wanted = RunSettings(number, quick, clear, scored, first_seed, injected=injected, nulls=nulls)
+    if gap:
+        _measure_gaps(gap, wanted, out, (executor, workers), page)
+        return
     if speed_up:
         _time_workers(plan_run(wanted)[:speed_up], out)
         return
@@ -71,6 +79,27 @@ def mismatch(
     _show(scores, planned, out)
     if page is not None:
         _write(page, settings, scores, len(planned), out, others, log)
+
+
+def _measure_gaps(
+    number: int, settings: RunSettings, out: Path, executor: tuple[str, int | None], page: Path | None
+) -> None:
+    """What is closed of the held-out gap, in `out` and beside the page, which shows it when it is next written."""
+    from fricomp.cli.terminal import console, progress
+    from fricomp.sim_bench.fleet import open_executor
+    from fricomp.sim_bench.proof import GAP, format_gaps, measure_gaps, plan_gaps, seeds_of
+
+    planned = plan_gaps(number, seeds_of(settings), 30.0 if settings.quick else None)
+    with progress() as bar, open_executor(*executor) as pool:
+        task = bar.add_task("diagnosed twice", total=number)
+        scores = measure_gaps(planned, out / "gap", pool, progress=lambda: bar.advance(task))
+    kind = "--quick " if settings.quick else ""
+    options = f"--gap {number} {kind}--first-seed {settings.first_seed} --out runs/{out.name}"
+    text = format_gaps(scores, f"fricomp bench mismatch {options}") + "\n"
+    for path in (out / GAP, *((page.with_suffix("") / GAP,) if page is not None else ())):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    console().print(text, soft_wrap=True)
 
 
 def _time_workers(planned: Sequence[PlannedCase], out: Path) -> None:
@@ -188,11 +217,13 @@ def _write(
     page: Path, settings: RunSettings, scores: Sequence[Score], planned: int, out: Path, others: str, log: Path
 ) -> None:
     from fricomp.cli.terminal import console
-    from fricomp.sim_bench.proof import format_earlier, keep_data, read_entries, write_page
+    from fricomp.sim_bench.proof import GAP, format_earlier, keep_data, read_entries, write_page
 
     title, reproduce = _title(settings, len(scores), planned), _reproduce(settings, out, page)
     earlier = format_earlier(read_entries(log), settings.run) if settings.scored else ""
-    write_page(scores, page, title=title, reproduce=reproduce, baselines=others, earlier=earlier)
+    measured = page.with_suffix("") / GAP
+    gaps = measured.read_text(encoding="utf-8") if measured.exists() else ""
+    write_page(scores, page, title=title, reproduce=reproduce, baselines=others, earlier=earlier, gaps=gaps)
     keep_data(out, page.with_suffix(""))
     console().print(f"{page} written", soft_wrap=True)
 

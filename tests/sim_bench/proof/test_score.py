@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import pytest
 
 from fricomp.errors import DiagnosisError
 from fricomp.sim_bench.concealed import CaseSpec
-from fricomp.sim_bench.proof import PlannedCase, Score, compute_figures, compute_power, is_wrong
+from fricomp.sim_bench.proof import PlannedCase, Score, compute_figures, compute_power, is_wrong, write_page
 from fricomp.sim_bench.proof.blind import BlindAnswer
 from fricomp.sim_bench.proof.score import interval_overlap, score_case
 from fricomp.sim_bench.proof.statistics import compute_share, oracle_power
@@ -160,6 +161,22 @@ def test_gap_closed_is_energy_above_the_floor_where_the_residual_changes(share: 
     record["effects"][0]["share"] = share
     score = _score(_truth(_effect("cogging")), replace(said, diagnosis=json.dumps(record).encode()))
     assert score.gap_closed == pytest.approx(closed, nan_ok=True)
+
+
+def test_what_is_near_one_by_construction_reaches_no_target(tmp_path: Path) -> None:
+    heldout = {"rmse_before": 0.5, "rmse_after": 0.3, "noise_floor": 0.3}
+    record = json.loads(answer("missing_physics", ["cogging"], heldout=heldout).diagnosis)
+    record["effects"][0]["share"] = 0.9
+    score = _score(_truth(_effect("cogging")), BlindAnswer(json.dumps(record).encode(), b"", 1.0, ""))
+    (figure,) = (figure for figure in compute_figures([score]) if "held-out" in figure.name)
+    assert "the diagnosis' own estimate of the noise" in figure.name
+    assert (figure.target, figure.reached) == ("–", None)
+    write_page([score], tmp_path / "proof.md", title="One case.", reproduce="fricomp bench mismatch")
+    (row,) = (
+        line for line in (tmp_path / "proof.md").read_text().splitlines() if "own estimate of the noise, re" in line
+    )
+    assert row.endswith("| – | median 1 (quartiles 1 to 1; 1 cases) | no target |")
+    assert "near 1 by construction" in (tmp_path / "proof.md").read_text()
 
 
 def test_an_interval_counts_where_the_parameter_can_be_compared() -> None:
