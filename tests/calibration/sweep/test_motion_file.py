@@ -109,6 +109,6 @@ def test_the_travel_of_a_joint_that_turns_freely_lies_about_where_it_is(tmp_path
 def test_the_loop_is_as_fast_as_the_rows_of_the_file_where_it_can(context: SweepContext) -> None:
     rates = {}
     for step in (1.0, 0.002, 0.0014, 0.001, 0.0001):
-        time = np.arange(3) * step
+        time = np.asarray(np.arange(3) * step, dtype=np.float64)
         rates[step] = at_rows_rate(context, MotionFile(time, np.zeros(3))).settings.rate
     assert rates == pytest.approx({1.0: 500.0, 0.002: 500.0, 0.0014: 500.0, 0.001: 1000.0, 0.0001: 1000.0})

@@ -76,8 +76,8 @@ def test_cases_are_single_torques_on_the_joint_that_can_be_seen() -> None:
     planned = plan_gaps(70, count(), 8.0)
     assert len(planned) == 70
     for each in planned:
-        (name,) = each.spec.effects
         assert isinstance(each.spec, CaseSpec)
+        (name,) = each.spec.effects
         assert CATALOGUE[name].kind == "physics"
         assert each.spec.strength not in ("0.1", "0.2")
     assert plan_gaps(5, count(), 8.0) == planned[:5]  # a longer measurement begins with a shorter one
