@@ -11,13 +11,16 @@ from fricomp.control import NetworkCompensator
 from fricomp.errors import ModelFileError, ParameterError
 from fricomp.export import closed_form_graph, save_graph
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
-from fricomp.model import FrictionModel
+from fricomp.model import FrictionModel, Validity
 
 pytest.importorskip("onnx")
 pytest.importorskip("onnxruntime")
 
 CURVES = StribeckCurve(0.15, 0.60, 0.05, 0.02), StribeckCurve(0.20, 0.70, 0.05, 0.03)
-MODELS = [FrictionModel(FrictionLaw((BidirectionalStribeck(*pair),))) for pair in (CURVES, CURVES[::-1])]
+LOADS = Validity(normal_load=(0.0, 2e6))
+MODELS = [
+    FrictionModel(FrictionLaw((BidirectionalStribeck(*pair),)), validity=LOADS) for pair in (CURVES, CURVES[::-1])
+]
 
 
 @pytest.fixture
