@@ -28,7 +28,8 @@ __all__ = ["LARGEST_EXTRAPOLATION", "bound_friction", "compute_torque_cap", "fin
 LARGEST_EXTRAPOLATION = 2.0
 """Friction at speeds that were not measured is at most this multiple of the largest that was [1]. With table I of
 [luo2024pinn], a sweep that starts at the Stribeck velocity itself has to extrapolate by 1.9."""
-_USABLE = ("", "converged")
+# Another basin that is nearly as likely has other parameters, but much the same curve where speeds were measured.
+_USABLE = ("", "converged", "wrong_basin_suspected")
 
 
 def find_doubt(model: FrictionModel) -> str | None:

@@ -69,7 +69,7 @@ def test_a_law_at_its_reference_load_is_bounded_at_the_loads_of_the_data() -> No
     assert bound_friction(loaded).forward.static_torque == pytest.approx(LARGEST_EXTRAPOLATION * LARGEST / 2.0)
 
 
-@pytest.mark.parametrize("status", ["not_converged", "not_identifiable", "wrong_basin_suspected"])
+@pytest.mark.parametrize("status", ["not_converged", "not_identifiable"])
 def test_an_unusable_model_is_refused_unless_asked_for(status: str) -> None:
     model = make_model(status=status)
     for use in (Compensator, render_c_header, export_mjcf, export_urdf):
