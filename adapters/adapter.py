@@ -18,9 +18,11 @@ from .reference import ReferenceLimiter
 from .stopping import StoppableDriver, reason_of
 from .transmission import Transmission
 
-__all__ = ["JointAdapter"]
+__all__ = ["POLL_INTERVAL_NS", "JointAdapter"]
 
-POLL_INTERVAL_NS, POSITION_PATIENCE_NS = 500_000, 200_000_000
+POLL_INTERVAL_NS = 500_000
+"""How often drives are looked at while waiting for an answer [ns]."""
+POSITION_PATIENCE_NS = 200_000_000
 
 
 class JointAdapter(StoppableDriver):

@@ -9,14 +9,12 @@ from typing import Generic, Protocol, TypeVar, final
 from fricomp.errors import AdapterConnectionError, AdapterTimeout
 from fricomp.joint import Clock, JointFeedback
 
-from .adapter import JointAdapter
+from .adapter import POLL_INTERVAL_NS, JointAdapter
 from .arrivals import Arrivals
 from .options import AdapterOptions
 
-__all__ = ["POLL_INTERVAL", "LinkAdapter"]
+__all__ = ["LinkAdapter"]
 
-POLL_INTERVAL = 0.0005
-"""How often the link is looked at while waiting for an answer [s]."""
 REST_PERIOD_NS = 5_000_000
 """How often drives at rest, to which nothing is written, are asked for their state [ns]."""
 
@@ -118,7 +116,7 @@ class LinkAdapter(JointAdapter, Generic[Link]):
             now = self.clock.now_ns()
             if now >= deadline:
                 raise AdapterTimeout(f"{complaint} within {seconds:g} s")
-            self.clock.sleep_until(now + round(POLL_INTERVAL * 1e9))
+            self.clock.sleep_until(now + POLL_INTERVAL_NS)
 
     @final
     def _take_reported(self, feedback: JointFeedback) -> bool:

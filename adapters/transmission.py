@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 
+from fricomp.control import JointLimits
 from fricomp.errors import AdapterConfigurationError
 from fricomp.joint import JointCapabilities
 
-__all__ = ["Transmission"]
+__all__ = ["Transmission", "torques_at_drives"]
 
 
 @dataclass(frozen=True)
@@ -85,3 +87,14 @@ class Transmission:
             torque_limit=drive.torque_limit * self.gear_ratio,
             position_limits=limits,
         )
+
+
+def torques_at_drives(limits: Sequence[JointLimits], transmissions: Sequence[Transmission] | None) -> list[float]:
+    """The torque limits of joints on their drives' side [N·m], for the bounds of the drives' own loops.
+
+    Args:
+        limits: One for each joint.
+        transmissions: Likewise; None where the drives report the joint side already.
+    """
+    gears = transmissions or (Transmission(),) * len(limits)
+    return [abs(gear.torque_to_drive(limit.torque)) for gear, limit in zip(gears, limits, strict=True)]

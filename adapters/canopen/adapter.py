@@ -15,7 +15,7 @@ from ..can_adapter import CanAdapter
 from ..configuration import convert
 from ..driver import HOW_TO_CLEAR
 from ..link import CanFrame, CanLink
-from ..transmission import Transmission
+from ..transmission import torques_at_drives
 from .clearing import clear_by_service
 from .configuration import CanOpenConfiguration
 from .drive import CONDITION, FAULT_RESTARTED, MODE_NUMBERS, MOTION, OPERATIONAL, CanOpenDrive
@@ -146,8 +146,7 @@ class CanOpenAdapter(CanAdapter):
 
     def _torque_at_motor(self, joint: int) -> float:
         """The torque limit of a joint on the drive's side [N·m]."""
-        transmission = self.options.transmissions[joint] if self.options.transmissions else Transmission()
-        return abs(transmission.torque_to_drive(self.options.limits[joint].torque))
+        return torques_at_drives(self.options.limits, self.options.transmissions)[joint]
 
     def _declare(self, torque: list[float]) -> tuple[JointCapabilities, ...]:
         return tuple(

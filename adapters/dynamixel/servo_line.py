@@ -8,6 +8,7 @@ from collections.abc import Callable
 from fricomp.errors import AdapterConfigurationError, AdapterError
 from fricomp.joint import Clock
 
+from ..adapter import POLL_INTERVAL_NS
 from ..bus_budget import serial_time
 from ..link import SerialLink
 from ..serial_adapter import SerialAdapter
@@ -19,7 +20,6 @@ from .packet_buffer import PacketBuffer
 __all__ = ["ServoLine"]
 
 ERROR_MASK = 0x7F
-POLL_NS = 500_000
 # How much later than reckoned a burst may leave the host, through the frames of USB: only where waiting is allowed.
 HOST_DELAY_NS = 2_000_000
 
@@ -88,7 +88,7 @@ class ServoLine(SerialAdapter):
 
     def _wait_for_silence(self) -> None:
         while self._silent_from_ns and self.clock.now_ns() < self._silent_from_ns + HOST_DELAY_NS:
-            self.clock.sleep_until(self.clock.now_ns() + POLL_NS)
+            self.clock.sleep_until(self.clock.now_ns() + POLL_INTERVAL_NS)
             self._pump()
 
     # -- single items -----------------------------------------------------------------------------------------

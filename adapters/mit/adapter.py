@@ -15,7 +15,7 @@ from ..can_adapter import CanAdapter
 from ..configuration import convert
 from ..driver import HOW_TO_CLEAR
 from ..link import CanFrame, CanLink
-from ..transmission import Transmission
+from ..transmission import torques_at_drives
 from .configuration import MitConfiguration, make_motor
 from .motor import MotorState
 from .profile import Register, RegisterType
@@ -197,10 +197,7 @@ class MitAdapter(CanAdapter):
 
     def _make_loops(self) -> list[MotorVelocityLoop]:
         """Velocity loops, at rest where the motors are; none where no gains are configured."""
-        transmissions = self.options.transmissions or (Transmission(),) * len(self._motors)
-        limits = [
-            abs(t.torque_to_drive(limit.torque)) for t, limit in zip(transmissions, self.gate.limits, strict=True)
-        ]
+        limits = torques_at_drives(self.gate.limits, self.options.transmissions)
         rows = zip(self._motors, self._gains, limits, self._reported.position, strict=True)
         return [MotorVelocityLoop(m, g, limit, self._period, at) for m, g, limit, at in rows if g is not None]
 

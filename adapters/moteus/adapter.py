@@ -13,7 +13,7 @@ from ..configuration import JointConfiguration, SerialAdapterConfiguration, conv
 from ..driver import HOW_TO_CLEAR
 from ..link import SerialLink
 from ..serial_adapter import SerialAdapter
-from ..transmission import Transmission
+from ..transmission import torques_at_drives
 from .codec import (
     LONGEST_TEXT,
     MODE_POSITION,
@@ -175,10 +175,7 @@ class MoteusAdapter(SerialAdapter):
 
     def _highest_torques(self) -> list[float]:
         """The limits at the drives, as they are now: a second barrier, which their own loops do not pass either."""
-        transmissions = self.options.transmissions or (Transmission(),) * len(self._addresses)
-        return [
-            abs(t.torque_to_drive(limit.torque)) for t, limit in zip(transmissions, self.options.limits, strict=True)
-        ]
+        return torques_at_drives(self.options.limits, self.options.transmissions)
 
     def _converse(self, joint: int, line: str) -> str:
         """Send a line to the diagnostic channel; the line it answers."""

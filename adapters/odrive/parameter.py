@@ -11,7 +11,7 @@ from fricomp.joint import Clock, CommandMode
 
 from ..can_adapter import CanAdapter
 from ..link import CanFrame, CanLink
-from ..transmission import Transmission
+from ..transmission import torques_at_drives
 from .codec import CONTROL_MODES, PASSTHROUGH, Command, plain_frame, request_frame
 from .configuration import OdriveConfiguration
 from .endpoint import (
@@ -118,10 +118,7 @@ class ParameterAdapter(CanAdapter):
 
     def _take_limits(self) -> None:
         """The torque limits at the drives, as they are now: a trial cuts them down before it configures."""
-        transmissions = self.options.transmissions or (Transmission(),) * len(self._nodes)
-        self._highest = [
-            abs(t.torque_to_drive(limit.torque)) for t, limit in zip(transmissions, self.options.limits, strict=True)
-        ]
+        self._highest = torques_at_drives(self.options.limits, self.options.transmissions)
 
     def _bound_torque(self, joint: int, mode: CommandMode) -> None:
         """Tell the axis the limit for its own loop and read it back; in torque mode the gate is all there is.

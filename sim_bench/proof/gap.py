@@ -27,6 +27,7 @@ from .making import name_of
 from .plan import PlannedCase, plan_cases
 from .run import Diagnose
 from .score import Score, read_diagnosis, score_case
+from .statistics import format_quartiles
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -210,21 +211,15 @@ def format_gaps(scores: Sequence[GapScore], reproduce: str) -> str:
 
 def _row(name: str, target: str, scores: Sequence[GapScore]) -> str:
     closed = [score.closed for score in scores]
-    return f"| {name} | {target} | {_quartiles(closed)} | {_quartiles([_closed_of_own(s) for s in scores])} |"
+    return (
+        f"| {name} | {target} | {format_quartiles(closed)} | {format_quartiles([_closed_of_own(s) for s in scores])} |"
+    )
 
 
 def _closed_of_own(score: GapScore) -> float:
     """What the share would be if the first diagnosis were believed about the floor too."""
     before, after, floor = (np.float64(value) ** 2 for value in (score.before, score.after, score.floor))
     return float((before - after) / (before - floor)) if before > floor else float("nan")
-
-
-def _quartiles(values: Sequence[float]) -> str:
-    known = [value for value in values if np.isfinite(value)]
-    if not known:
-        return "–"
-    low, middle, high = np.quantile(known, [0.25, 0.5, 0.75])
-    return f"{middle:.2f} ({low:.2f} to {high:.2f}; {len(known)} cases)"
 
 
 def _case_row(score: GapScore) -> str:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-__all__ = ["ShareEstimate", "compute_share", "oracle_power"]
+__all__ = ["ShareEstimate", "compute_share", "format_quartiles", "oracle_power"]
 
 
 class ShareEstimate(NamedTuple):
@@ -67,3 +68,12 @@ def oracle_power(enr: float, rows: int, freedom: int = 2, rivals: int = 32, fals
     if energy > 1e4:
         return 1.0
     return float(np.clip(ncx2.sf(threshold, freedom, energy), 0.0, 1.0))
+
+
+def format_quartiles(values: Sequence[float]) -> str:
+    """Median, quartiles and number of the values that are finite, for a cell of a table."""
+    known = [value for value in values if np.isfinite(value)]
+    if not known:
+        return "–"
+    low, middle, high = np.quantile(known, [0.25, 0.5, 0.75])
+    return f"{middle:.2f} ({low:.2f} to {high:.2f}; {len(known)} cases)"

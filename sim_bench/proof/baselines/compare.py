@@ -18,7 +18,7 @@ from ...fleet import stream
 from ..making import name_of
 from ..plan import PlannedCase
 from ..score import Score
-from ..statistics import compute_share
+from ..statistics import compute_share, format_quartiles
 from .data import Samples, fit_columns, load_data
 from .methods import METHODS, fit_base
 
@@ -175,8 +175,8 @@ def _row(method: str, scores: Sequence[BaselineScore]) -> str:
     names = compute_share(sum(s.top_right for s in single), len(single))
     alarms = compute_share(sum(s.false_alarm for s in nothing), len(nothing))
     named = any(s.names for s in scores)
-    errors = _quartiles([s.error for s in single])
-    gaps = _quartiles([s.gap_closed for s in single])
+    errors = format_quartiles([s.error for s in single])
+    gaps = format_quartiles([s.gap_closed for s in single])
     return f"| {method} | {names if named else '–'} | {alarms if named else '–'} | {errors} | {gaps} |"
 
 
@@ -190,16 +190,8 @@ def _own_row(scores: Sequence[Score]) -> str:
 
 def _base_row(baselines: Sequence[BaselineScore]) -> str:
     first = [s for s in _single(baselines) if s.method == next(iter(METHODS))]
-    return f"| rigid joint refitted | – | – | {_quartiles([s.before for s in first])} | 0 |"
+    return f"| rigid joint refitted | – | – | {format_quartiles([s.before for s in first])} | 0 |"
 
 
 def _single(scores: Sequence[BaselineScore]) -> list[BaselineScore]:
     return [s for s in scores if s.group == "single" and s.enr >= _VISIBLE]
-
-
-def _quartiles(values: Sequence[float]) -> str:
-    known = [value for value in values if np.isfinite(value)]
-    if not known:
-        return "–"
-    low, middle, high = np.quantile(known, [0.25, 0.5, 0.75])
-    return f"{middle:.2f} ({low:.2f} to {high:.2f}; {len(known)} cases)"
