@@ -6,13 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from fricomp.recording import Recording, check_recording
+from fricomp.recording import Finding, Recording, check_recording
 
 from .track import FloatArray
 
-__all__ = ["reasons_against", "remarks_on"]
+__all__ = ["inertia_against", "reasons_against", "remarks_on"]
 
 _FATAL_WARNINGS = frozenset({"no_sliding", "stuck", "gap"})
+_OTHER_JOINT = 15.0  # times a simulation's inertia that no payload explains; the base goes up to 20
 _LONGEST_REST = 25.0  # [s] of standstill without a break
 _GAP_PERIODS = 5.0  # as in the check of the recording
 _LONGEST_BRIDGE = 0.03  # [s] shorter than a row of the residual
@@ -32,8 +33,7 @@ def reasons_against(recordings: Sequence[Recording], joint: str | None) -> list[
         reasons += [
             prefix + str(finding)
             for finding in check_recording(recording)
-            if (finding.severity == "error" or finding.code in _FATAL_WARNINGS)
-            and not (finding.code == "gap" and _bridged(recording) is not None)
+            if _fatal(finding) and not (finding.code == "gap" and _bridged(recording) is not None)
         ]
         rest = _longest_rest(recording)
         if rest > max(_LONGEST_REST, 0.4 * recording.duration):
@@ -44,6 +44,30 @@ def reasons_against(recordings: Sequence[Recording], joint: str | None) -> list[
             f"the recordings have sample rates from {1 / max(rates):.4g} to {1 / min(rates):.4g} Hz: resample them"
         )
     return reasons
+
+
+def _fatal(finding: Finding) -> bool:
+    """Errors, and what would only give physics names that a unit makes; a suspected speed alone may be right."""
+    suspected = finding.code == "degrees_suspected" and finding.column == "position"
+    return finding.severity == "error" or finding.code in _FATAL_WARNINGS or suspected
+
+
+def inertia_against(found: float, given: float) -> list[str]:
+    """Why an inertia that the motion asks for cannot be that of the simulation; empty where it can.
+
+    Args:
+        found: Inertia that the recording asks for [kg·m²] or [kg].
+        given: Inertia in the simulation, in the same unit.
+    """
+    factor = max(found / given, given / found)
+    if factor < _OTHER_JOINT:
+        return []
+    which = "larger" if found > given else "smaller"
+    return [
+        f"the motion asks for an inertia {factor:.0f} or more times {which} than that of the simulation: check "
+        "that the recording is of this joint, its position in radians (degrees: factor 57.3), its torque on the joint "
+        "side"
+    ]
 
 
 def remarks_on(recordings: Sequence[Recording]) -> list[str]:

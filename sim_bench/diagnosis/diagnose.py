@@ -13,7 +13,8 @@ from fricomp.errors import DiagnosisError, ParameterError
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
-from .checks import reasons_against, remarks_on
+from .base import unpack
+from .checks import inertia_against, reasons_against, remarks_on
 from .controller import Controller, estimate_controller
 from .forward import forward_error
 from .loading import build_tracks, low_rate
@@ -86,6 +87,9 @@ def diagnose(
         say("fitting the base model and simulating nulls")
         count, known = _NULLS_THOROUGH if thorough else _NULLS, _in_newton_metres(given, rigid)
         prepared = prepare(tracks, observer=observer, nulls=count, seed=seed, rigid=known)
+        against = [] if known is None else inertia_against(unpack(prepared.fit.theta).inertia, known.inertia)
+        if against:
+            return _bad_data(given, against)
         say("searching for effects")
         found = search(prepared)
         say("confirming on held-out data")

@@ -13,7 +13,7 @@ from fricomp.errors import DiagnosisError, RecordingError
 from fricomp.recording import Recording, RecordingMetadata
 from fricomp.sim_bench import diagnose
 from fricomp.sim_bench.diagnosis import Diagnosis
-from fricomp.sim_bench.diagnosis.checks import reasons_against, remarks_on
+from fricomp.sim_bench.diagnosis.checks import inertia_against, reasons_against, remarks_on
 from fricomp.sim_bench.diagnosis.loading import build_tracks
 from fricomp.sim_bench.diagnosis.velocity_lag import velocity_lag
 from fricomp.sim_bench.diagnosis.weak_form import rest_speed_of
@@ -55,6 +55,20 @@ def test_a_long_standstill(good: Recording) -> None:
 def test_two_sample_rates(good: Recording) -> None:
     slow = Recording(good.time[::5], good.position[::5], good.torque[::5])
     assert_bad(diagnose([good, slow]), "sample rates")
+
+
+def test_positions_that_look_like_degrees_unless_the_joint_turns_without_end(good: Recording) -> None:
+    far = replace(good, position=20.0 * np.asarray(good.position))
+    assert_bad(diagnose(far), "degrees")
+    endless = replace(far, metadata=RecordingMetadata(continuous=True))
+    assert reasons_against([endless], None) == []
+
+
+@pytest.mark.parametrize(("factor", "word"), [(1.0 / 57.3, "smaller"), (100.0, "larger")])
+def test_an_inertia_that_no_payload_explains(factor: float, word: str) -> None:
+    (reason,) = inertia_against(0.3 * factor, 0.3)
+    assert word in reason
+    assert inertia_against(0.3 * 8.0, 0.3) == []
 
 
 def test_a_flipped_torque(good: Recording) -> None:

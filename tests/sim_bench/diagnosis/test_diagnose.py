@@ -48,6 +48,16 @@ def test_a_torque_in_amperes_is_not_compared_with_newton_metres() -> None:
     assert diagnosis.record.base["inertia"].unit == "A·s²/rad"
 
 
+def test_torque_of_the_motor_side_is_not_explained_by_physics() -> None:
+    joint = ToyJoint()
+    joint_side = recording(joint, "fourier", 20.0)
+    given = RigidJoint(joint.inertia, (1.773, 5.732), 0.0, 0.0, 0.0, True)
+    diagnosis = diagnose(replace(joint_side, torque=joint_side.torque / 100.0), given)
+    assert diagnosis.verdict == "bad_data"
+    assert diagnosis.effects == ()
+    assert "inertia" in diagnosis.sentences[-1]
+
+
 def test_quadratic_drag_is_named_measured_and_added() -> None:
     joint = ToyJoint(quadratic_drag=0.4)
     diagnosis = diagnose(recording(joint, "rich", 40.0))
