@@ -45,15 +45,20 @@ class Confirmation:
     explained: float
 
 
-def confirm(
-    prepared: Prepared, structure: Structure, theta: FloatArray, jacobian: FloatArray, seed: int
-) -> Confirmation:
-    """Refit base and effects on all blocks but one, about their joint minimum, and judge them on that one."""
+def confirm(prepared: Prepared, structure: Structure, fit: Fit, seed: int, *, given: Fit | None = None) -> Confirmation:
+    """Refit base and effects on all blocks but one, about their joint minimum, and judge them on that one.
+
+    Args:
+        prepared: Base model and recordings.
+        structure: Base with effects, or without.
+        fit: Its joint minimum.
+        seed: Of the bootstrap.
+        given: The base with parameters as given, where the error is to be counted from there.
+    """
     folds = _folds([grid.centres.size for grid in prepared.problem.grids])
-    before = _held_out(prepared, prepared.structure, prepared.fit.theta, prepared.fit.jacobian, folds)
-    after = before
-    if structure.candidates:
-        after = _held_out(prepared, structure, theta, jacobian, folds)
+    base = prepared.fit if given is None else given
+    before = _held_out(prepared, prepared.structure, base, folds)
+    after = before if fit is base else _held_out(prepared, structure, fit, folds)
     energy_before, energy_after = before**2, after**2
     unit = _typical_noise(prepared)
     # Nulls are fitted to all of their rows; on rows that took no part they would leave this much more.
@@ -106,8 +111,7 @@ def _folds(sizes: list[int]) -> list[tuple[FloatArray, FloatArray]]:
 def _held_out(
     prepared: Prepared,
     structure: Structure,
-    theta: FloatArray,
-    jacobian: FloatArray,
+    fit: Fit,
     folds: list[tuple[FloatArray, FloatArray]],
 ) -> FloatArray:
     """Residual of each row by parameters that its own block did not help to fit. Shape (m,).
@@ -115,9 +119,9 @@ def _held_out(
     About the joint minimum each fold takes a step on its own rows. It is simulated, and taken where those gain by it:
     a bristle or a gap is no line, and what a line promises may be far from what comes.
     """
-    residual = structure.residuals(prepared.problem, [theta])[0]
+    theta, residual = fit.theta, structure.residuals(prepared.problem, [fit.theta])[0]
     box = prepared.box.joined(structure.box()) if structure.candidates else prepared.box
-    moves = [_move(residual, jacobian, box, train) for train, _ in folds]
+    moves = [_move(residual, fit.jacobian, box, train) for train, _ in folds]
     values = structure.residuals(prepared.problem, [box.clip(theta + part * move) for move in moves for part in _PARTS])
     result = residual.copy()
     for i, (train, test) in enumerate(folds):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,9 +13,10 @@ from fricomp.recording import Recording
 
 from .agreement import agreeing
 from .alias import aliases, distinguishability
+from .as_given import fit_as_given
 from .base import BASE_NAMES
-from .comparison import NAMED, PLAIN, SPLIT, UNEXPLAINED, Comparison, Doubt, compare_friction, compare_rigid
-from .confirmation import Confirmation, confirm, covariance
+from .comparison import NAMED, PLAIN, UNEXPLAINED, Comparison, Doubt, compare_friction, compare_rigid
+from .confirmation import Confirmation, confirm
 from .effect_energy import effect_energy
 from .experiment import propose
 from .explanation import Explanation
@@ -25,6 +26,7 @@ from .location import change_points, excess_maps, locate, row_series
 from .order import order_spectrum
 from .overtone import overtones
 from .preparation import Prepared
+from .refitted import SPLIT_BY_PRESLIDING, Refitted
 from .result import (
     DIAGNOSIS_SCHEMA,
     Diagnosis,
@@ -34,20 +36,18 @@ from .result import (
     Location,
     NamedEffect,
     NextExperiment,
-    Quantity,
     Rival,
     RowSeries,
 )
 from .rigid import RigidJoint
 from .search import Found
 from .sentence import detent_sentence, sentences
-from .structure import N_BASE
+from .solver import Fit
+from .tone import Tone
 from .track import FloatArray
 from .velocity_lag import velocity_lag
 
 __all__ = ["Answer", "conclude"]
-
-_SPLIT_BY_PRESLIDING = ("offset", "forward.coulomb_torque", "reverse.coulomb_torque")
 
 
 @dataclass(frozen=True)
@@ -74,10 +74,11 @@ class Answer:
 
 def conclude(answer: Answer) -> Diagnosis:
     """Draw the verdict and collect what supports it."""
-    agreed = agreeing(
-        answer.prepared, answer.found, answer.rigid, lambda one: bool(_compare(answer, one, PLAIN).effects)
-    )
-    answer = replace(answer, found=agreed)
+
+    def differs(one: Explanation) -> bool:
+        return bool(_compare(answer, Refitted.of(answer.prepared, one), PLAIN).effects)
+
+    answer = replace(answer, found=agreeing(answer.prepared, answer.found, answer.rigid, differs))
     prepared, found = answer.prepared, answer.found
     best = found.best
     chosen = best if best is not None and covers(best, found, prepared) and best.common_order is None else None
@@ -87,18 +88,24 @@ def conclude(answer: Answer) -> Diagnosis:
         held = _confirm(answer, None)
     tone = vibration(prepared) if chosen is None else None
     unknown = chosen is None and (tone is not None or stands_out(found, prepared))
-    series = _series(answer, chosen)
-    effects = _effects(answer, chosen, held, series)
-    compared = _compare(answer, chosen, UNEXPLAINED if unknown else PLAIN if chosen is None else NAMED)
-    effects = [*effects, *compared.effects, *velocity_lag(answer.recordings)]
-    effects.sort(key=lambda effect: -effect.share)
-    verdict = _verdict(effects, unknown)
-    location = _location(answer, series, chosen, unknown)
-    if tone is not None:
-        location = {**location, "frequency": [(tone.frequency - tone.width, tone.frequency + tone.width)]}
+    refitted = Refitted.of(prepared, chosen)
+    compared = _compare(answer, refitted, UNEXPLAINED if unknown else PLAIN if chosen is None else NAMED)
+    given = None if unknown or chosen is not None else _as_given(answer, compared.effects)
+    if given is not None:
+        held = confirm(prepared, prepared.structure, prepared.fit, answer.seed, given=given)
+    series = _series(prepared, given or prepared.fit, refitted)
+    effects, location = list(compared.effects), Location()
+    if chosen is not None:
+        named, location = _explained(answer, chosen, refitted, held.explained, series)
+        effects = [*named, *effects]
+    elif unknown:
+        location = _where_unknown(series, tone)
+    elif given is not None:
+        effects, location = _moved(answer, compared.effects, held.explained, series)
+    effects = sorted([*effects, *velocity_lag(answer.recordings)], key=lambda effect: -effect.share)
     record = DiagnosisRecord(
         schema=DIAGNOSIS_SCHEMA,
-        verdict=verdict,  # type: ignore[arg-type]
+        verdict=_verdict(effects, unknown),  # type: ignore[arg-type]
         effects=tuple(effects),
         sentences=(),
         heldout=HeldOut(
@@ -112,7 +119,7 @@ def conclude(answer: Answer) -> Diagnosis:
         location=location,
         noise_ratio=prepared.noise_ratio,
         coverage=best.coverage if best is not None else None,
-        base=_base(answer, chosen),
+        base=refitted.base(answer.unit, answer.position_unit),
         changes=compared.changes,
         rivals=_rivals(found, chosen, failed),
         distinguishability=distinguishability(prepared, found.first),
@@ -156,99 +163,94 @@ def _propose(answer: Answer, chosen: Explanation | None) -> tuple[NextExperiment
 
 
 def _confirm(answer: Answer, chosen: Explanation | None) -> Confirmation:
-    prepared = answer.prepared
-    if chosen is None:
-        return confirm(prepared, prepared.structure, prepared.fit.theta, prepared.fit.jacobian, answer.seed)
-    return confirm(prepared, chosen.structure, chosen.fit.theta, chosen.fit.jacobian, answer.seed)
+    one = answer.prepared if chosen is None else chosen
+    return confirm(answer.prepared, one.structure, one.fit, answer.seed)
 
 
-def _series(answer: Answer, chosen: Explanation | None) -> tuple[RowSeries, ...]:
-    prepared = answer.prepared
+def _series(prepared: Prepared, before: Fit, after: Refitted) -> tuple[RowSeries, ...]:
+    """Rows of the base, as given or refitted, and of the joint that the verdict is about."""
     problem, weights = prepared.problem, prepared.nulls.weights
-    before = problem.rows(prepared.structure.observe(problem, prepared.fit.theta))
-    after = before if chosen is None else problem.rows(chosen.structure.observe(problem, chosen.fit.theta))
-    corrected = [[r - m for r, m in zip(rows, weights.mean, strict=True)] for rows in (before, after)]
+    runs = [problem.rows(prepared.structure.observe(problem, before.theta))]
+    same = after.fit is before
+    runs.append(runs[0] if same else problem.rows(after.structure.observe(problem, after.fit.theta)))
+    corrected = [[r - m for r, m in zip(rows, weights.mean, strict=True)] for rows in runs]
     return row_series(prepared, corrected[0], corrected[1])
 
 
-def _effects(
-    answer: Answer, chosen: Explanation | None, held: Confirmation, series: tuple[RowSeries, ...]
-) -> list[NamedEffect]:
-    if chosen is None:
-        return []
-    box = answer.prepared.box.joined(chosen.structure.box())
-    deviations = np.sqrt(np.maximum(np.diag(covariance(chosen.fit, box)), 0.0))[N_BASE:]
+def _explained(
+    answer: Answer, chosen: Explanation, refitted: Refitted, explained: float, series: tuple[RowSeries, ...]
+) -> tuple[list[NamedEffect], Location]:
+    """The effects that were chosen, and where they add most together."""
     energies = {name: _energy(answer, chosen, {name}) for name in chosen.names}
+    whole = energies[chosen.names[0]] if len(energies) == 1 else _energy(answer, chosen, chosen.names)
     sums = {name: float(np.sum(np.concatenate(energy))) for name, energy in energies.items()}
     forms = overtones(chosen, sums)
     effects = []
     for candidate in chosen.structure.candidates:
-        effect, energy = candidate.effect, energies[candidate.name]
+        effect = candidate.effect
         if effect.name in forms:
             continue
         tones = [order for other, order in forms.values() if other == effect.name]
         own = sums[effect.name] + sum(sums[name] for name, (other, _) in forms.items() if other == effect.name)
-        share = held.explained * own / max(sum(sums.values()), 1e-30)
         effects.append(
             NamedEffect(
                 name=effect.name,
                 kind=effect.kind,
-                parameters=_quantities(answer, chosen, candidate.name, deviations),
+                parameters=refitted.parameters(effect.name, answer.unit, answer.position_unit),
                 indistinguishable_from=aliases(answer.found, effect.name),
-                location=locate(series, energy),
-                share=share,
+                location=locate(series, energies[effect.name]),
+                share=explained * own / max(sum(sums.values()), 1e-30),
                 equation=effect.equation,
                 sentence=effect.says + "".join(f"; its form shows at the order {tone:.4g} too" for tone in tones),
                 citation=effect.citation,
             )
         )
-    return effects
+    return effects, locate(series, whole)
 
 
-def _quantities(answer: Answer, chosen: Explanation, name: str, deviations: FloatArray) -> dict[str, Quantity]:
-    result = {}
-    vector = chosen.fit.theta[N_BASE:]
-    for (owner, parameter), value, deviation in zip(chosen.structure.parameters(), vector, deviations, strict=True):
-        if owner != name:
-            continue
-        unit = parameter.unit.replace("{torque}", answer.unit).replace("{position}", answer.position_unit)
-        half = 1.96 * float(np.hypot(deviation, parameter.deviation_of_form(float(value))))
-        half = half if parameter.scale > 0.0 else 0.0
-        low, mid, high = float(value) - half, float(value), float(value) + half
-        if parameter.logarithmic:
-            low, mid, high = (float(np.exp(x)) for x in (low, mid, high))
-        result[parameter.name] = Quantity(mid, unit, (low, high))
-    return result
-
-
-def _compare(answer: Answer, chosen: Explanation | None, doubt: Doubt) -> Comparison:
+def _compare(answer: Answer, refitted: Refitted, doubt: Doubt) -> Comparison:
     """What the refit moved of the given simulation and friction."""
-    fit = answer.prepared.fit if chosen is None else chosen.fit
-    structure = answer.prepared.structure if chosen is None else chosen.structure
-    box = answer.prepared.box.joined(structure.box())
-    cov = covariance(fit, box)
-    plant = structure.plant(fit.theta)
+    cov, plant = refitted.covariance, refitted.plant
     result = Comparison()
     if answer.rigid is not None and answer.rigid.rotary:
         result = compare_rigid(plant, cov[:3, :3], answer.rigid, answer.unit, doubt)
     if answer.friction is not None:
-        at = [BASE_NAMES.index(name) for name in _SPLIT_BY_PRESLIDING]
+        at = [BASE_NAMES.index(name) for name in SPLIT_BY_PRESLIDING]
         more = compare_friction(plant, cov[np.ix_(at, at)], answer.friction, answer.unit, doubt)
         result = Comparison(result.effects + more.effects, result.changes + more.changes)
     return result
+
+
+def _as_given(answer: Answer, effects: Sequence[NamedEffect]) -> Fit | None:
+    return fit_as_given(answer.prepared, [one.name for one in effects], answer.rigid, answer.friction)
+
+
+def _moved(
+    answer: Answer, effects: Sequence[NamedEffect], explained: float, series: tuple[RowSeries, ...]
+) -> tuple[list[NamedEffect], Location]:
+    """Parameters that are off, with their shares of what putting them right explains, and where it shows."""
+    energy = [np.maximum(one.before**2 - one.after**2, 0.0) / one.spread**2 for one in series]
+    location = locate(series, energy, rows=5)
+    parts = [1.0]
+    if len(effects) > 1:
+        alone = [_as_given(answer, [one]) for one in effects]
+        parts = [1e-30 if one is None else max(one.cost - answer.prepared.fit.cost, 1e-30) for one in alone]
+    return [
+        with_fields(one, share=explained * part / sum(parts), location=location)
+        for one, part in zip(effects, parts, strict=True)
+    ], location
 
 
 def _energy(answer: Answer, chosen: Explanation, names: Collection[str]) -> list[FloatArray]:
     return effect_energy(answer.prepared, chosen.structure, chosen.fit.theta, names)
 
 
-def _location(answer: Answer, series: tuple[RowSeries, ...], chosen: Explanation | None, unknown: bool) -> Location:
-    """Where the mismatch sits: what the named effects add, free of noise; else all that exceeds the noise."""
-    if chosen is not None:
-        return locate(series, _energy(answer, chosen, chosen.names))
-    if unknown:
-        return locate(series, [np.maximum((one.before / one.spread) ** 2 - 1.0, 0.0) for one in series], rows=5)
-    return {}
+def _where_unknown(series: tuple[RowSeries, ...], tone: Tone | None) -> Location:
+    """Where most of what exceeds the noise sits, and the frequency of a vibration."""
+    location = locate(series, [np.maximum((one.before / one.spread) ** 2 - 1.0, 0.0) for one in series], rows=5)
+    if tone is not None:
+        location["frequency"] = [(tone.frequency - tone.width, tone.frequency + tone.width)]
+    return location
 
 
 def _verdict(effects: list[NamedEffect], unknown: bool) -> str:
@@ -260,31 +262,6 @@ def _verdict(effects: list[NamedEffect], unknown: bool) -> str:
     if "measurement" in kinds:
         return "measurement"
     return "parameters" if kinds else "consistent"
-
-
-def _base(answer: Answer, chosen: Explanation | None) -> dict[str, Quantity]:
-    fit = answer.prepared.fit if chosen is None else chosen.fit
-    structure = answer.prepared.structure if chosen is None else chosen.structure
-    deviation = np.sqrt(np.maximum(np.diag(covariance(fit, answer.prepared.box.joined(structure.box()))), 0.0))
-    result = {}
-    inertia = {"N·m": "kg·m²", "N": "kg"}.get(answer.unit, f"{answer.unit}·s²/{answer.position_unit}")
-    units = {
-        "inertia": inertia,
-        "delay": "s",
-        "damping_time": "s",
-        "viscous_coefficient": f"{answer.unit}·s/{answer.position_unit}",
-    }
-    units |= {"sharpness": "1", "spread": "1", "breakaway": answer.position_unit}
-    units |= {"stribeck_velocity": f"{answer.position_unit}/s"}
-    split = [BASE_NAMES.index(name) for name in _SPLIT_BY_PRESLIDING]
-    deviation[split] = np.hypot(deviation[split], SPLIT * structure.plant(fit.theta).level)
-    for name, value, wide in zip(BASE_NAMES, fit.theta, 1.96 * deviation, strict=False):
-        low, mid, high = float(value - wide), float(value), float(value + wide)
-        if "log_" in name:
-            low, mid, high = (float(np.exp(min(x, 700.0))) for x in (low, mid, high))
-        plain = name.replace("log_", "")
-        result[plain] = Quantity(mid, units.get(plain.split(".")[-1], answer.unit), (low, high))
-    return result
 
 
 def _rivals(found: Found, chosen: Explanation | None, failed: Explanation | None) -> tuple[Rival, ...]:

@@ -1,0 +1,66 @@
+"""The joint with parameters as the simulation has them: what the error is before a parameter is put right."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+
+import numpy as np
+
+from fricomp.model import FrictionModel
+
+from .base import BASE_NAMES
+from .preparation import Prepared
+from .rigid import RigidJoint
+from .solver import Fit, minimise
+from .structure import N_BASE
+from .track import FloatArray
+
+__all__ = ["fit_as_given"]
+
+_RIGID = {
+    "inertia_error": ("log_inertia",),
+    "payload_error": ("log_inertia", "gravity_cos", "gravity_sin"),
+    "torque_gain_error": ("log_inertia", "gravity_cos", "gravity_sin"),
+}
+_UNEVEN = ("torque_offset", "direction_asymmetry")
+_ITERATIONS = 6
+
+
+def fit_as_given(
+    prepared: Prepared, names: Collection[str], rigid: RigidJoint | None, friction: FrictionModel | None
+) -> Fit | None:
+    """The base fitted with the parameters of the effects `names` as given; None where these were not given.
+
+    Everything else is refitted, so that the error of this fit is that of these parameters alone.
+    """
+    fixed = _rigid_values(names, rigid) | _uneven_values(names, prepared.fit.theta, friction)
+    if not fixed:
+        return None
+    at = [BASE_NAMES.index(name) for name in fixed]
+    lower, upper, start = (values.copy() for values in (prepared.box.lower, prepared.box.upper, prepared.fit.theta))
+    lower[at] = upper[at] = start[at] = list(fixed.values())
+    evaluate = prepared.problem.residual(prepared.problem.nothing, N_BASE)
+    box = replace(prepared.box, lower=lower, upper=upper)
+    fit = minimise(evaluate, start, box, iterations=_ITERATIONS, refresh=2)
+    jacobian = fit.jacobian.copy()
+    jacobian[:, at] = 0.0  # what is given stays so on every fold
+    return replace(fit, jacobian=jacobian)
+
+
+def _rigid_values(names: Collection[str], rigid: RigidJoint | None) -> dict[str, float]:
+    if rigid is None:
+        return {}
+    given = dict(zip(BASE_NAMES, (float(np.log(rigid.inertia)), *rigid.gravity), strict=False))
+    return {slot: given[slot] for name in names for slot in _RIGID.get(name, ())}
+
+
+def _uneven_values(names: Collection[str], theta: FloatArray, friction: FrictionModel | None) -> dict[str, float]:
+    """No offset, and the given difference of the directions about the level that was found: a joint that slides
+    shows the sum of both only, so that one of them alone would take up what the other is held at."""
+    if friction is None or not set(_UNEVEN) & set(names):
+        return {}
+    forward, reverse = "forward.coulomb_torque", "reverse.coulomb_torque"
+    level = 0.5 * float(theta[BASE_NAMES.index(forward)] + theta[BASE_NAMES.index(reverse)])
+    odd = 0.5 * (friction.forward.coulomb_torque - friction.reverse.coulomb_torque)
+    return {"offset": 0.0, forward: level + odd, reverse: level - odd}

@@ -1,0 +1,100 @@
+"""The joint that a verdict is about: the base with the chosen effects, or alone, and what its numbers are worth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .base import BASE_NAMES
+from .comparison import SPLIT
+from .confirmation import covariance
+from .explanation import Explanation
+from .observer import Plant
+from .preparation import Prepared
+from .result import Quantity
+from .solver import Fit
+from .structure import N_BASE, Structure
+from .track import FloatArray
+
+__all__ = ["SPLIT_BY_PRESLIDING", "Refitted"]
+
+SPLIT_BY_PRESLIDING = ("offset", "forward.coulomb_torque", "reverse.coulomb_torque")
+"""Parameters of the base that sliding shows as sums only."""
+
+_LARGEST = 700.0  # of an exponent
+
+
+@dataclass(frozen=True)
+class Refitted:
+    """A structure at its joint minimum.
+
+    Attributes:
+        structure: Base with effects, or alone.
+        fit: Its joint minimum.
+        covariance: Of base and effects, in the solver's coordinates. Shape (p, p).
+    """
+
+    structure: Structure
+    fit: Fit
+    covariance: FloatArray
+
+    @classmethod
+    def of(cls, prepared: Prepared, chosen: Explanation | None) -> Refitted:
+        """The base with the chosen effects; alone where none are."""
+        one = prepared if chosen is None else chosen
+        return cls(one.structure, one.fit, covariance(one.fit, prepared.box.joined(one.structure.box())))
+
+    @cached_property
+    def plant(self) -> Plant:
+        """Its base."""
+        return self.structure.plant(self.fit.theta)
+
+    @cached_property
+    def deviations(self) -> FloatArray:
+        """Standard deviations of base and effects. Shape (p,)."""
+        result: FloatArray = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        return result
+
+    def parameters(self, name: str, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
+        """Parameters of the effect `name`, with their intervals."""
+        result = {}
+        values, deviations = self.fit.theta[N_BASE:], self.deviations[N_BASE:]
+        for (owner, parameter), value, deviation in zip(self.structure.parameters(), values, deviations, strict=True):
+            if owner != name:
+                continue
+            unit = parameter.unit.replace("{torque}", torque_unit).replace("{position}", position_unit)
+            half = 1.96 * float(np.hypot(deviation, parameter.deviation_of_form(float(value))))
+            half = half if parameter.scale > 0.0 else 0.0
+            result[parameter.name] = _quantity(float(value), half, unit, logarithmic=parameter.logarithmic)
+        return result
+
+    def base(self, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
+        """Parameters of the base, with their intervals."""
+        units = {
+            "inertia": {"N·m": "kg·m²", "N": "kg"}.get(torque_unit, f"{torque_unit}·s²/{position_unit}"),
+            "delay": "s",
+            "damping_time": "s",
+            "viscous_coefficient": f"{torque_unit}·s/{position_unit}",
+            "sharpness": "1",
+            "spread": "1",
+            "breakaway": position_unit,
+            "stribeck_velocity": f"{position_unit}/s",
+        }
+        deviation = self.deviations[:N_BASE].copy()
+        split = [BASE_NAMES.index(name) for name in SPLIT_BY_PRESLIDING]
+        deviation[split] = np.hypot(deviation[split], SPLIT * self.plant.level)
+        result = {}
+        for name, value, half in zip(BASE_NAMES, self.fit.theta[:N_BASE], 1.96 * deviation, strict=True):
+            plain = name.replace("log_", "")
+            unit = units.get(plain.split(".")[-1], torque_unit)
+            result[plain] = _quantity(float(value), float(half), unit, logarithmic="log_" in name)
+        return result
+
+
+def _quantity(value: float, half: float, unit: str, *, logarithmic: bool) -> Quantity:
+    low, mid, high = value - half, value, value + half
+    if logarithmic:
+        low, mid, high = (float(np.exp(min(x, _LARGEST))) for x in (low, mid, high))
+    return Quantity(mid, unit, (low, high))
