@@ -37,9 +37,8 @@ class LoadQuadratic(Effect):
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         load = felt_load(context, values)
-        largest = float(np.max(np.abs(load)))
-        shape = largest * np.abs(load) * (load * context.velocity > 0.0) if values["split"] > 0.5 else load**2
-        return Contribution(level=values["coefficient"] * shape)
+        split = _usual_load(context.plant) * np.abs(load) * (load * context.velocity > 0.0)
+        return Contribution(level=values["coefficient"] * (split if values["split"] > 0.5 else load**2))
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         # Between driving and braking friction may differ either way.
@@ -47,3 +46,8 @@ class LoadQuadratic(Effect):
 
     def term(self, values: Values, plant: Plant) -> Term | None:
         return LoadQuadraticTerm(values["coefficient"]) if values["split"] < 0.5 else None
+
+
+def _usual_load(plant: Plant) -> float:
+    """Torque that gives both forms a coefficient of like size [N·m]. One of the joint, so that recordings share it."""
+    return max(float(np.hypot(*plant.gravity)), plant.level)
