@@ -81,7 +81,7 @@ def conceal(trial: Trial, index: int, name: str) -> Concealed:
 
 
 def conceal_again(trial: Trial, index: int, before: Concealed) -> Concealed:
-    """The effect of an earlier trial in this one: the joint stays as it is, what happens over time is of this motion."""
+    """The effect of an earlier trial in this one: the joint stays, what happens over time is of this motion."""
     rng = trial.effect_rng(index)
     rng.random()  # the number that chose the form
     built = before.form.build(trial.scene, before.amplitude, rng)
