@@ -8,7 +8,7 @@ from itertools import islice, product
 
 import numpy as np
 
-from .alias import alternatives, as_good
+from .alias import aliases, alternatives, as_good
 from .effects import EFFECTS, Context
 from .explanation import Explanation
 from .preparation import Prepared
@@ -24,6 +24,7 @@ __all__ = ["agreeing"]
 _HELD = 0.002  # relative deviation of inertia and gravity that are held at those of the simulation
 _NEAR, _MOST_NEAR = 0.9, 2  # of the best gain, from which an explanation is tried with the simulation's parameters
 _MOST_STARTS = 4
+_BENT = "needs another inertia or gravity than the simulation's"
 
 
 def agreeing(
@@ -32,7 +33,8 @@ def agreeing(
     """What was found, with a best explanation that agrees with the simulation where one fits as well.
 
     Friction that differs between driving and braking, for example, looks like friction under load and another gravity;
-    a spring that stiffens like a straight one and another gravity.
+    a spring that stiffens like a straight one and another gravity. They look so on every motion: beside one that
+    agrees, others stay in question only as far as they fit with the simulation's parameters too.
 
     Args:
         prepared: Base model and recordings.
@@ -41,17 +43,41 @@ def agreeing(
         differs: Whether an explanation moves parameters of the simulation by more than their error.
     """
     best = found.best
-    if best is None or not differs(best):
+    if best is None:
         return found
-    options = alternatives(found)
-    if rigid is not None and rigid.rotary:
-        held = _held(prepared, _near(found, best), rigid)
-        options += [e for e in held if as_good(e, best) and not e.refused]
-    kept = sorted((e for e in options if not differs(e)), key=lambda explanation: -explanation.gain)
-    if not kept:
+    if differs(best):
+        options = alternatives(found)
+        if rigid is not None and rigid.rotary:
+            held = _held(prepared, _near(found, best), rigid)
+            options += [e for e in held if as_good(e, best) and not e.refused]
+        kept = sorted((e for e in options if not differs(e)), key=lambda explanation: -explanation.gain)
+        if not kept:
+            return found
+        others = tuple(e for e in found.explanations if e is not kept[0])
+        found = replace(found, best=kept[0], explanations=(kept[0], *others))
+    return found if rigid is None or not rigid.rotary else _without_bent(prepared, found, rigid, differs)
+
+
+def _without_bent(prepared: Prepared, found: Found, rigid: RigidJoint, differs: Callable[[Explanation], bool]) -> Found:
+    """What was found, each rival that moves the simulation as it fits with the simulation's parameters, or refused."""
+    best = found.best
+    bent = [rival for rival in _printed(found) if differs(rival)]
+    if best is None or not bent:
         return found
-    others = tuple(e for e in found.explanations if e is not kept[0])
-    return replace(found, best=kept[0], explanations=(kept[0], *others))
+    straight: dict[tuple[str, ...], Explanation] = {}
+    for one in _held(prepared, list({rival.names: rival for rival in bent}.values()), rigid):
+        if not one.refused and as_good(one, best) and not differs(one):
+            straight[one.names] = max(one, straight.get(one.names, one), key=lambda e: e.gain)
+    rest = [replace(e, refused=_BENT) if e in bent else e for e in found.explanations if e is not best]
+    rest = sorted([*rest, *straight.values()], key=lambda e: -e.gain)
+    return replace(found, explanations=(best, *rest))
+
+
+def _printed(found: Found) -> list[Explanation]:
+    """Rivals with an effect that is told as what a named one cannot be told from."""
+    own = found.best.names if found.best is not None else ()
+    told = {alias for name in own for alias in aliases(found, name)}
+    return [rival for rival in alternatives(found) if told & (set(rival.names) - set(own))]
 
 
 def _near(found: Found, best: Explanation) -> list[Explanation]:

@@ -144,7 +144,9 @@ def _propose(answer: Answer, chosen: Explanation | None) -> tuple[NextExperiment
     for explanation in answer.found.explanations:
         swapped = set(explanation.names) ^ set(chosen.names)
         known = {alias for name in chosen.names for alias in aliases(answer.found, name)}
-        if explanation is chosen or len(explanation.names) != len(chosen.names) or not swapped & known:
+        if explanation is chosen or explanation.refused or len(explanation.names) != len(chosen.names):
+            continue
+        if not swapped & known:
             continue
         proposal = propose(answer.prepared, chosen, explanation)
         if proposal is None:
