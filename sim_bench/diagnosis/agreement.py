@@ -8,7 +8,7 @@ from itertools import islice, product
 
 import numpy as np
 
-from .alias import aliases, alternatives, as_good
+from .alias import alternatives, as_good, told
 from .effects import EFFECTS, Context
 from .explanation import Explanation
 from .preparation import Prepared
@@ -19,7 +19,7 @@ from .solver import Box
 from .structure import N_BASE, Candidate
 from .track import FloatArray
 
-__all__ = ["agreeing"]
+__all__ = ["agreeing", "hold"]
 
 _HELD = 0.002  # relative deviation of inertia and gravity that are held at those of the simulation
 _NEAR, _MOST_NEAR = 0.9, 2  # of the best gain, from which an explanation is tried with the simulation's parameters
@@ -61,7 +61,7 @@ def agreeing(
 def _without_bent(prepared: Prepared, found: Found, rigid: RigidJoint, differs: Callable[[Explanation], bool]) -> Found:
     """What was found, each rival that moves the simulation as it fits with the simulation's parameters, or refused."""
     best = found.best
-    bent = [rival for rival in _printed(found) if differs(rival)]
+    bent = [rival for rival in told(found) if differs(rival)]
     if best is None or not bent:
         return found
     straight: dict[tuple[str, ...], Explanation] = {}
@@ -71,13 +71,6 @@ def _without_bent(prepared: Prepared, found: Found, rigid: RigidJoint, differs: 
     rest = [replace(e, refused=_BENT) if e in bent else e for e in found.explanations if e is not best]
     rest = sorted([*rest, *straight.values()], key=lambda e: -e.gain)
     return replace(found, explanations=(best, *rest))
-
-
-def _printed(found: Found) -> list[Explanation]:
-    """Rivals with an effect that is told as what a named one cannot be told from."""
-    own = found.best.names if found.best is not None else ()
-    told = {alias for name in own for alias in aliases(found, name)}
-    return [rival for rival in alternatives(found) if told & (set(rival.names) - set(own))]
 
 
 def _near(found: Found, best: Explanation) -> list[Explanation]:
@@ -91,7 +84,7 @@ def _near(found: Found, best: Explanation) -> list[Explanation]:
 
 def _held(prepared: Prepared, near: Sequence[Explanation], rigid: RigidJoint) -> list[Explanation]:
     """The effects of each explanation in all their forms, with inertia and gravity held at those of the simulation."""
-    box = _hold(prepared.box, rigid)
+    box = hold(prepared.box, rigid)
     wanted = []
     for one in near:
         theta = np.concatenate([box.centre[:3], one.fit.theta[3:N_BASE]])
@@ -106,7 +99,7 @@ def _others(contexts: Sequence[Context], name: str) -> list[Candidate]:
     return [Candidate(name, tuple(start.items())) for start in starts if any(start.values())]
 
 
-def _hold(box: Box, rigid: RigidJoint) -> Box:
+def hold(box: Box, rigid: RigidJoint) -> Box:
     """`box` with a narrow prior on inertia and gravity."""
     gravity = _HELD * max(float(np.hypot(*rigid.gravity)), 1e-9)
     centre: FloatArray = np.concatenate([[np.log(rigid.inertia), *rigid.gravity], box.centre[3:]])

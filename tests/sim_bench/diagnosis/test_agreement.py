@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fricomp.sim_bench.diagnosis import agreement
-from fricomp.sim_bench.diagnosis.agreement import _hold, agreeing
+from fricomp.sim_bench.diagnosis.agreement import agreeing, hold
 from fricomp.sim_bench.diagnosis.alias import aliases
 from fricomp.sim_bench.diagnosis.explanation import Explanation
 from fricomp.sim_bench.diagnosis.rigid import RigidJoint
@@ -77,7 +77,7 @@ def test_where_the_best_one_moves_the_simulation_its_rivals_may_too(monkeypatch:
 
 def test_the_simulation_is_held_and_nothing_else() -> None:
     box = Box(-np.ones(17), np.ones(17), np.ones(17), np.full(17, 0.5), np.eye(17), np.ones(17))
-    held = _hold(box, _JOINT)
+    held = hold(box, _JOINT)
     np.testing.assert_allclose(held.centre[:3], [np.log(2.0), 3.0, 4.0])
     np.testing.assert_allclose(np.sqrt(np.diag(held.precision)[:3]), [500.0, 100.0, 100.0])
     np.testing.assert_array_equal(held.centre[3:], box.centre[3:])
