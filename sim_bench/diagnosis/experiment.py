@@ -124,7 +124,8 @@ class _Motion:
     def rows(self, explanation: Explanation, points: Sequence[FloatArray]) -> FloatArray:
         """What is missing of the motion at several points of an explanation, weighted. Shape (n_points, n_rows)."""
         structure, jobs = explanation.structure, []
-        context = replace(self.context, plant=structure.contexts[0].plant)
+        first = structure.contexts[0]
+        context = replace(self.context, plant=first.plant, usual_load=first.usual_load)
         for theta in points:
             # By name: of several recordings some effects have parameters of their own; the first ones count here.
             effects = structure.contribution(context, structure.values(theta[N_BASE:]))

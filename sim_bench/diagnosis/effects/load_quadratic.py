@@ -37,7 +37,7 @@ class LoadQuadratic(Effect):
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         load = felt_load(context, values)
-        split = _usual_load(context.plant) * np.abs(load) * (load * context.velocity > 0.0)
+        split = context.usual_load * np.abs(load) * (load * context.velocity > 0.0)
         return Contribution(level=values["coefficient"] * (split if values["split"] > 0.5 else load**2))
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
@@ -46,8 +46,3 @@ class LoadQuadratic(Effect):
 
     def term(self, values: Values, plant: Plant) -> Term | None:
         return LoadQuadraticTerm(values["coefficient"]) if values["split"] < 0.5 else None
-
-
-def _usual_load(plant: Plant) -> float:
-    """Torque that gives both forms a coefficient of like size [N·m]. One of the joint, so that recordings share it."""
-    return max(float(np.hypot(*plant.gravity)), plant.level)
