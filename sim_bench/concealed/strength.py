@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -81,10 +81,12 @@ def conceal(trial: Trial, index: int, name: str) -> Concealed:
 
 
 def conceal_again(trial: Trial, index: int, before: Concealed) -> Concealed:
-    """The effect of an earlier trial, at its amplitude, in this one."""
+    """The effect of an earlier trial in this one: the joint stays, what happens over time is of this motion."""
     rng = trial.effect_rng(index)
     rng.random()  # the number that chose the form
-    change = before.form.build(trial.scene, before.amplitude, rng)
+    built = before.form.build(trial.scene, before.amplitude, rng)
+    joint = before.change  # a stop, for one, stays where it is when the range of the motion is another
+    change = replace(built, plant=joint.plant, sensing=joint.sensing, belief=joint.belief, parameters=joint.parameters)
     enr, outcome = _measure(trial, before.effect, change)
     return Concealed(before.effect, before.form, before.amplitude, change, enr, outcome.torque)
 

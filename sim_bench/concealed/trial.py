@@ -52,6 +52,7 @@ class Trial:
         self.spec = spec
         rng = np.random.default_rng(streams[0])
         self.joint = draw_joint(rng, spec.family, spec.core)
+        given = reference
         if reference is None:
             draws = np.random.default_rng(streams[1])
             reference = build_reference(spec.excitation, spec.duration, self.joint.speed, draws)
@@ -59,7 +60,9 @@ class Trial:
         self.scene = Scene(self.joint, time, reference)
         self.sensors = draw_sensors(np.random.default_rng(streams[2]), self.joint, spec.noise)
         self.start = int(np.searchsorted(time, -1e-9))
-        self._noise_stream, self._effect_streams = streams[3], streams[4:7]
+        # Another motion is another recording: noise that repeats itself would be part of the joint.
+        self._noise_stream = streams[3] if given is None else streams[3].spawn(1)[0]
+        self._effect_streams = streams[4:7]
         self.shift = _draw_shift(np.random.default_rng(streams[7]), self.joint) if spec.shifted else {}
 
     def effect_rng(self, index: int) -> np.random.Generator:

@@ -8,7 +8,7 @@ from itertools import islice, product
 
 import numpy as np
 
-from .alias import alternatives, as_good
+from .alias import alternatives, as_good, told
 from .effects import EFFECTS, Context
 from .explanation import Explanation
 from .preparation import Prepared
@@ -19,11 +19,12 @@ from .solver import Box
 from .structure import N_BASE, Candidate
 from .track import FloatArray
 
-__all__ = ["agreeing"]
+__all__ = ["agreeing", "hold"]
 
 _HELD = 0.002  # relative deviation of inertia and gravity that are held at those of the simulation
 _NEAR, _MOST_NEAR = 0.9, 2  # of the best gain, from which an explanation is tried with the simulation's parameters
 _MOST_STARTS = 4
+_BENT = "needs another inertia or gravity than the simulation's"
 
 
 def agreeing(
@@ -32,7 +33,8 @@ def agreeing(
     """What was found, with a best explanation that agrees with the simulation where one fits as well.
 
     Friction that differs between driving and braking, for example, looks like friction under load and another gravity;
-    a spring that stiffens like a straight one and another gravity.
+    a spring that stiffens like a straight one and another gravity. They look so on every motion: beside one that
+    agrees, others stay in question only as far as they fit with the simulation's parameters too.
 
     Args:
         prepared: Base model and recordings.
@@ -41,17 +43,34 @@ def agreeing(
         differs: Whether an explanation moves parameters of the simulation by more than their error.
     """
     best = found.best
-    if best is None or not differs(best):
+    if best is None:
         return found
-    options = alternatives(found)
-    if rigid is not None and rigid.rotary:
-        held = _held(prepared, _near(found, best), rigid)
-        options += [e for e in held if as_good(e, best) and not e.refused]
-    kept = sorted((e for e in options if not differs(e)), key=lambda explanation: -explanation.gain)
-    if not kept:
+    if differs(best):
+        options = alternatives(found)
+        if rigid is not None and rigid.rotary:
+            held = _held(prepared, _near(found, best), rigid)
+            options += [e for e in held if as_good(e, best) and not e.refused]
+        kept = sorted((e for e in options if not differs(e)), key=lambda explanation: -explanation.gain)
+        if not kept:
+            return found
+        others = tuple(e for e in found.explanations if e is not kept[0])
+        found = replace(found, best=kept[0], explanations=(kept[0], *others))
+    return found if rigid is None or not rigid.rotary else _without_bent(prepared, found, rigid, differs)
+
+
+def _without_bent(prepared: Prepared, found: Found, rigid: RigidJoint, differs: Callable[[Explanation], bool]) -> Found:
+    """What was found, each rival that moves the simulation as it fits with the simulation's parameters, or refused."""
+    best = found.best
+    bent = [rival for rival in told(found) if differs(rival)]
+    if best is None or not bent:
         return found
-    others = tuple(e for e in found.explanations if e is not kept[0])
-    return replace(found, best=kept[0], explanations=(kept[0], *others))
+    straight: dict[tuple[str, ...], Explanation] = {}
+    for one in _held(prepared, list({rival.names: rival for rival in bent}.values()), rigid):
+        if not one.refused and as_good(one, best) and not differs(one):
+            straight[one.names] = max(one, straight.get(one.names, one), key=lambda e: e.gain)
+    rest = [replace(e, refused=_BENT) if e in bent else e for e in found.explanations if e is not best]
+    rest = sorted([*rest, *straight.values()], key=lambda e: -e.gain)
+    return replace(found, explanations=(best, *rest))
 
 
 def _near(found: Found, best: Explanation) -> list[Explanation]:
@@ -65,7 +84,7 @@ def _near(found: Found, best: Explanation) -> list[Explanation]:
 
 def _held(prepared: Prepared, near: Sequence[Explanation], rigid: RigidJoint) -> list[Explanation]:
     """The effects of each explanation in all their forms, with inertia and gravity held at those of the simulation."""
-    box = _hold(prepared.box, rigid)
+    box = hold(prepared.box, rigid)
     wanted = []
     for one in near:
         theta = np.concatenate([box.centre[:3], one.fit.theta[3:N_BASE]])
@@ -80,7 +99,7 @@ def _others(contexts: Sequence[Context], name: str) -> list[Candidate]:
     return [Candidate(name, tuple(start.items())) for start in starts if any(start.values())]
 
 
-def _hold(box: Box, rigid: RigidJoint) -> Box:
+def hold(box: Box, rigid: RigidJoint) -> Box:
     """`box` with a narrow prior on inertia and gravity."""
     gravity = _HELD * max(float(np.hypot(*rigid.gravity)), 1e-9)
     centre: FloatArray = np.concatenate([[np.log(rigid.inertia), *rigid.gravity], box.centre[3:]])

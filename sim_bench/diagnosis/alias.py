@@ -10,7 +10,7 @@ from .result import Distinguishability
 from .screening import Screen, orthonormal
 from .search import Found
 
-__all__ = ["aliases", "alternatives", "as_good", "distinguishability"]
+__all__ = ["aliases", "alternatives", "as_good", "distinguishability", "told"]
 
 _CLOSE = 12.0  # gain within which two explanations count as equally good
 _FORM = 0.03  # of the gain, that a law of slightly another form may lack
@@ -26,6 +26,13 @@ def aliases(found: Found, name: str) -> tuple[str, ...]:
     least = best.gain - max(_CLOSE, best.left, found.explainable_null)
     rivals = [rival for rival in alternatives(found) if rival.gain > least and others <= set(rival.names)]
     return tuple(sorted({next(iter(set(rival.names) - others)) for rival in rivals}))
+
+
+def told(found: Found) -> list[Explanation]:
+    """Rivals with an effect that is told as what a named one cannot be told from, best first."""
+    own = found.best.names if found.best is not None else ()
+    others = {alias for name in own for alias in aliases(found, name)}
+    return [rival for rival in alternatives(found) if others & (set(rival.names) - set(own))]
 
 
 def alternatives(found: Found) -> list[Explanation]:

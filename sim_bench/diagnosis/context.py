@@ -53,6 +53,7 @@ def _context(track: Track, plant: Plant, seen: Observation, hints: Mapping[str, 
         plant=plant,
         rotary=track.rotary,
         scale=max(0.5 * (plant.forward[0] + plant.reverse[0]), 0.02 * float(np.std(track.torque))),
+        usual_load=max(float(np.hypot(*plant.gravity)), plant.level),
         channels=track.channels,
         hints=hints,
     )

@@ -1,19 +1,26 @@
-"""The next experiment: of a menu of motions, the one in which two explanations would differ most."""
+"""The next experiment: of a menu of motions, the one that tells most rivals from the explanation that was chosen.
+
+What counts is the gain a rival would still lack after both recordings were fitted together: about its minimum on the
+recording at hand it may move all its parameters, as far as that recording lets it, to meet what the chosen one predicts
+on the motion. A motion on which no rival would lack enough is not proposed, be the difference as large as it may.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from scipy.signal import lfilter
 
-from .base import BASE_NAMES
 from .context import build_contexts
+from .effects import Context
 from .explanation import Explanation
-from .observer import Contribution, Job, Observation, Plant
+from .observer import Contribution, Job, Plant
 from .preparation import Prepared
-from .problem import observer_for
-from .screening import orthonormal, project_out
+from .problem import Problem, observer_for
+from .solver import Box
 from .structure import N_BASE
 from .track import FloatArray, Track, smooth_derivative
 
@@ -21,6 +28,10 @@ __all__ = ["Proposal", "propose"]
 
 _DURATION = 40.0  # [s]
 _FADE = 1.0  # [s] from rest and back to it
+_ENOUGH = 30.0  # gain that a rival must lack: it is told while it lacks 12, and chance moves 30 by 11
+_PLENTY = 10.0  # times that, beyond which more is no better
+_HELD = 1e-8  # scale of a parameter that is not fitted
+_DIFFERENCE = 0.1  # of a parameter's scale
 
 
 class Range(NamedTuple):
@@ -37,32 +48,44 @@ class Proposal(NamedTuple):
     Attributes:
         motion: Columns time [s], position_reference, velocity_reference.
         title: What the motion is.
-        difference: Predicted root mean square difference of the two explanations [N·m].
+        separates: Names of the rivals' effects that it would tell from those of the chosen explanation, and of those.
+        difference: Predicted root mean square difference of the two that are hardest to tell apart of them [N·m].
     """
 
     motion: dict[str, FloatArray]
     title: str
+    separates: tuple[str, ...]
     difference: float
 
 
-def propose(prepared: Prepared, one: Explanation, other: Explanation) -> Proposal | None:
-    """The motion that tells `one` from `other` best; None where no motion of the menu would."""
-    track = prepared.problem.tracks[0]
-    reach = _range(prepared)
-    best: Proposal | None = None
+def propose(prepared: Prepared, chosen: Explanation, rivals: Sequence[Explanation], box: Box) -> Proposal | None:
+    """The motion that tells `chosen` from most of its rivals; None where no motion of the menu tells it from any.
+
+    Args:
+        prepared: Base model and recordings.
+        chosen: The explanation that was chosen.
+        rivals: What fits as well.
+        box: Domain and priors of the base, within which a rival may move.
+    """
+    dt = prepared.problem.tracks[0].dt
+    reach, trials = _range(prepared), []
     for title, shape in MENU.items():
-        time = np.arange(int(_DURATION / track.dt), dtype=np.float64) * track.dt
+        time = np.arange(int(_DURATION / dt), dtype=np.float64) * dt
         fade = np.clip(np.minimum(time, time[-1] - time) / _FADE, 0.0, 1.0)
         position = reach.centre + shape(time, reach) * (3.0 - 2.0 * fade) * fade**2
-        difference = _difference(prepared, (one, other), position)
-        if best is None or difference > best.difference:
-            motion = {
-                "time": time,
-                "position_reference": position,
-                "velocity_reference": np.gradient(position, track.dt),
-            }
-            best = Proposal(motion, title, difference)
-    return best if best is not None and best.difference > 0.0 else None
+        motion = _Motion.build(prepared, position)
+        trials.append((title, motion, [motion.lacking(chosen, rival, box) for rival in rivals]))
+    title, motion, lacks = max(trials, key=lambda trial: _worth(trial[2]))
+    told = [(lack, rival) for lack, rival in zip(lacks, rivals, strict=True) if lack > _ENOUGH]
+    if not told:
+        return None
+    names = {name for _, rival in told for name in set(rival.names) ^ set(chosen.names)}
+    return Proposal(motion.columns(), title, tuple(sorted(names)), motion.in_torque(min(lack for lack, _ in told)))
+
+
+def _worth(lacks: Sequence[float]) -> tuple[int, float]:
+    """How many rivals a motion tells apart, and how clearly."""
+    return sum(lack > _ENOUGH for lack in lacks), sum(min(lack, _PLENTY * _ENOUGH) for lack in lacks)
 
 
 def _range(prepared: Prepared) -> Range:
@@ -72,23 +95,67 @@ def _range(prepared: Prepared) -> Range:
     return Range(0.5 * (low + high), 0.48 * (high - low), speed)
 
 
-def _difference(prepared: Prepared, pair: tuple[Explanation, Explanation], position: FloatArray) -> float:
-    """What the two explanations predict differently on a motion, beyond what the base could absorb."""
-    track, plant = _virtual(prepared, position)
-    alone = observer_for([track], plant, prepared.problem.observer)
-    (track,), (grid,) = alone.tracks, alone.grids
-    seen = alone.observe([Job(track, plant, Contribution())])
-    context = build_contexts(alone, plant, seen, prepared.structure.contexts[0].hints)[0]
-    rows = []
-    for explanation in pair:
-        # By name: of several recordings some effects have parameters of their own, of which the first ones count here.
-        structure, theta = explanation.structure, explanation.fit.theta
-        effects = structure.contribution(context, structure.values(theta[N_BASE:]))
-        run = alone.observe([Job(track, structure.plant(theta), effects)])[0]
-        rows.append(grid.of(run.missing))
-    basis = orthonormal(_base_columns(context.position, seen[0], plant)[grid.centres])
-    left = project_out((rows[0] - rows[1])[:, None], basis)
-    return float(np.sqrt(np.mean(left**2)))
+@dataclass(frozen=True)
+class _Motion:
+    """A motion that is not recorded yet, as the base model would move along it.
+
+    Attributes:
+        problem: The one recording that it would give.
+        context: What effects would draw on.
+        noise: Of a row [N·m], as in the recordings at hand.
+        whitener: Of rows, as there.
+    """
+
+    problem: Problem
+    context: Context
+    noise: float
+    whitener: FloatArray
+
+    @classmethod
+    def build(cls, prepared: Prepared, position: FloatArray) -> _Motion:
+        """The motion along `position`, seen through the observer of the recordings."""
+        track, plant = _virtual(prepared, position)
+        problem = observer_for([track], plant, prepared.problem.observer)
+        seen = problem.observe([Job(problem.tracks[0], plant, Contribution())])
+        context = build_contexts(problem, plant, seen, prepared.structure.contexts[0].hints)[0]
+        weights = prepared.nulls.weights
+        return cls(problem, context, float(np.median(np.concatenate(weights.spread))), weights.whitener)
+
+    def rows(self, explanation: Explanation, points: Sequence[FloatArray]) -> FloatArray:
+        """What is missing of the motion at several points of an explanation, weighted. Shape (n_points, n_rows)."""
+        structure, jobs = explanation.structure, []
+        first = structure.contexts[0]
+        context = replace(self.context, plant=first.plant, usual_load=first.usual_load)
+        for theta in points:
+            # By name: of several recordings some effects have parameters of their own; the first ones count here.
+            effects = structure.contribution(context, structure.values(theta[N_BASE:]))
+            jobs.append(Job(self.problem.tracks[0], structure.plant(theta), effects))
+        missing = [self.problem.grids[0].of(one.missing) for one in self.problem.observe(jobs)]
+        return np.asarray(lfilter(self.whitener, [1.0], np.stack(missing) / self.noise, axis=1))
+
+    def lacking(self, chosen: Explanation, rival: Explanation, box: Box) -> float:
+        """Gain that `rival` would lack on this motion where `chosen` is right, after it is fitted to all recordings."""
+        box, theta = box.joined(rival.structure.box()), rival.fit.theta
+        steps = _DIFFERENCE * box.scale
+        free = np.flatnonzero(box.scale > _HELD)
+        at, *moved = self.rows(rival, [theta, *(theta + steps[i] * np.eye(theta.size)[i] for i in free)])
+        difference = at - self.rows(chosen, [chosen.fit.theta])[0]
+        here = (rival.fit.jacobian * box.scale)[:, free]
+        there = np.stack([(row - at) / _DIFFERENCE for row in moved], axis=1)
+        known = here.T @ here + box.scaled_precision[np.ix_(free, free)] + there.T @ there
+        along = there.T @ difference
+        return float(difference @ difference - along @ np.linalg.lstsq(known, along, rcond=1e-10)[0])
+
+    def in_torque(self, gain: float) -> float:
+        """Root mean square of a row behind a gain [N·m]."""
+        return self.noise * float(np.sqrt(gain / self.problem.grids[0].centres.size))
+
+    def columns(self) -> dict[str, FloatArray]:
+        """Columns of the file."""
+        track = self.problem.tracks[0]
+        time = np.arange(track.size, dtype=np.float64) * track.dt
+        velocity = np.gradient(track.position, track.dt)
+        return {"time": time, "position_reference": track.position, "velocity_reference": velocity}
 
 
 def _virtual(prepared: Prepared, position: FloatArray) -> tuple[Track, Plant]:
@@ -105,17 +172,6 @@ def _virtual(prepared: Prepared, position: FloatArray) -> tuple[Track, Plant]:
     torque = plant.inertia * a + plant.gravity_torque(position, old.rotary) + friction
     channels: dict[str, FloatArray] = {}
     return Track.build(old.dt, position, torque, rotary=old.rotary, channels=channels, name="proposal"), plant
-
-
-def _base_columns(position: FloatArray, seen: Observation, plant: Plant) -> FloatArray:
-    v = seen.velocity
-    a = np.gradient(v)
-    columns = [np.ones_like(v), np.cos(position), np.sin(position), a]
-    for sign, curve in ((1.0, plant.forward), (-1.0, plant.reverse)):
-        on = np.sign(v) == sign
-        columns += [on * 1.0, on * v, on * np.exp(-((v / curve[2]) ** 2))]
-    assert len(columns) <= len(BASE_NAMES)
-    return np.stack(columns, axis=1)
 
 
 def _slow_sine(time: FloatArray, reach: Range) -> FloatArray:

@@ -11,8 +11,8 @@ from msgspec.structs import replace as with_fields
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
-from .agreement import agreeing
-from .alias import aliases, distinguishability
+from .agreement import agreeing, hold
+from .alias import aliases, distinguishability, told
 from .as_given import fit_as_given
 from .base import BASE_NAMES
 from .comparison import NAMED, PLAIN, UNEXPLAINED, Comparison, Doubt, compare_friction, compare_rigid
@@ -48,6 +48,8 @@ from .track import FloatArray
 from .velocity_lag import velocity_lag
 
 __all__ = ["Answer", "conclude"]
+
+_MOST_RIVALS = 3  # that a motion is looked for
 
 
 @dataclass(frozen=True)
@@ -145,21 +147,18 @@ def conclude(answer: Answer) -> Diagnosis:
 
 
 def _propose(answer: Answer, chosen: Explanation | None) -> tuple[NextExperiment, dict[str, FloatArray]] | None:
-    """The motion that tells the strongest named effect from the alias that fits best."""
-    if chosen is None:
+    """The motion that tells what was named from what fits as well."""
+    rivals = {rival.names: rival for rival in reversed(told(answer.found))}
+    if chosen is None or not rivals:
         return None
-    for explanation in answer.found.explanations:
-        swapped = set(explanation.names) ^ set(chosen.names)
-        known = {alias for name in chosen.names for alias in aliases(answer.found, name)}
-        if explanation is chosen or len(explanation.names) != len(chosen.names) or not swapped & known:
-            continue
-        proposal = propose(answer.prepared, chosen, explanation)
-        if proposal is None:
-            return None
-        why = f"{proposal.title}, where the two explanations differ by {proposal.difference:.3g} {answer.unit}"
-        names = tuple(sorted(swapped))
-        return NextExperiment(motion="motion.csv", separates=names, why=why), proposal.motion
-    return None
+    box = answer.prepared.box
+    if answer.rigid is not None and answer.rigid.rotary and not _compare(answer, chosen, PLAIN).effects:
+        box = hold(box, answer.rigid)  # beside one that agrees, rivals are held to the simulation too
+    proposal = propose(answer.prepared, chosen, list(rivals.values())[:_MOST_RIVALS], box)
+    if proposal is None:
+        return None
+    why = f"{proposal.title}, where the explanations differ by {proposal.difference:.3g} {answer.unit} and more"
+    return NextExperiment(motion="motion.csv", separates=proposal.separates, why=why), proposal.motion
 
 
 def _confirm(answer: Answer, chosen: Explanation | None) -> Confirmation:

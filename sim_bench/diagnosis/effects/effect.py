@@ -40,6 +40,7 @@ class Context:
         rotary: Whether positions are angles.
         channels: Further recorded columns by name.
         scale: Typical friction torque, for scaling parameters [N·m].
+        usual_load: Typical load [N·m], the same in all recordings and whatever is fitted.
         index: Which of the recordings this is, counted from 0.
         hints: Starting values found in the residual, such as the orders over position that stand out.
     """
@@ -55,6 +56,7 @@ class Context:
     plant: Plant
     rotary: bool
     scale: float
+    usual_load: float = 1.0
     channels: Mapping[str, FloatArray] = field(default_factory=dict)
     index: int = 0
     hints: Mapping[str, tuple[float, ...]] = field(default_factory=dict)

@@ -37,9 +37,8 @@ class LoadQuadratic(Effect):
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         load = felt_load(context, values)
-        largest = float(np.max(np.abs(load)))
-        shape = largest * np.abs(load) * (load * context.velocity > 0.0) if values["split"] > 0.5 else load**2
-        return Contribution(level=values["coefficient"] * shape)
+        split = context.usual_load * np.abs(load) * (load * context.velocity > 0.0)
+        return Contribution(level=values["coefficient"] * (split if values["split"] > 0.5 else load**2))
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         # Between driving and braking friction may differ either way.

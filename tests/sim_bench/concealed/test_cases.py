@@ -157,6 +157,17 @@ def test_another_motion_keeps_joint_and_effect(cogging: Case) -> None:
     assert again.outcome.motion.position.size == t.size
 
 
+def test_a_second_recording_has_its_own_noise_and_the_same_stop() -> None:
+    case = generate(_spec("end_stop", excitation="slow_reversals", noise="white"))
+    t = np.arange(0.0, 12.0, 1e-3)
+    reference = np.stack([0.3 * np.sin(t), 0.3 * np.cos(t) * np.clip(t, 0.0, 1.0)], axis=1)
+    again = record_again(case, reference)
+    assert again.change.plant == case.change.plant
+    n = t.size
+    first, second = case.outcome.sensed.torque_error[:n], again.outcome.sensed.torque_error[:n]
+    assert abs(np.corrcoef(first, second)[0, 1]) < 0.1
+
+
 def test_written_files_are_what_the_library_reads(cogging: Case, tmp_path: Path) -> None:
     folder = write_case(cogging, tmp_path)
     recording = read_recording(folder / "recording.parquet")

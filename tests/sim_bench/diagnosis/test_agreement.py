@@ -7,7 +7,9 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from fricomp.sim_bench.diagnosis.agreement import _hold, agreeing
+from fricomp.sim_bench.diagnosis import agreement
+from fricomp.sim_bench.diagnosis.agreement import agreeing, hold
+from fricomp.sim_bench.diagnosis.alias import aliases
 from fricomp.sim_bench.diagnosis.explanation import Explanation
 from fricomp.sim_bench.diagnosis.rigid import RigidJoint
 from fricomp.sim_bench.diagnosis.search import Found
@@ -46,9 +48,36 @@ def test_else_the_best_one_stays(rival: Explanation, differing: set[str]) -> Non
     assert found.best is _LOAD
 
 
+_JOINT = RigidJoint(2.0, (3.0, 4.0), 0.0, 0.0, 0.0, True)
+
+
+@pytest.mark.parametrize(
+    ("straight", "left"),
+    [
+        (known(("load_quadratic",), 995.0), ("load_quadratic",)),  # fits with the simulation's parameters as well
+        (known(("load_quadratic",), 900.0), ()),
+        (known(("load_quadratic",), 995.0, refused="friction would fall"), ()),
+    ],
+)
+def test_a_rival_is_one_only_if_it_fits_the_simulation(
+    straight: Explanation, left: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(agreement, "_held", lambda *_: [straight])
+    found = agreeing(_NONE, _found(_LOAD, _SPLIT), _JOINT, lambda one: one is _SPLIT)
+    assert found.best is _LOAD
+    assert aliases(found, "load_coulomb") == left
+    assert [e.refused for e in found.explanations if e.gain == _SPLIT.gain] == [agreement._BENT]
+
+
+def test_where_the_best_one_moves_the_simulation_its_rivals_may_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(agreement, "_held", lambda *_: [])
+    found = agreeing(_NONE, _found(_LOAD, _SPLIT), _JOINT, lambda one: True)
+    assert aliases(found, "load_coulomb") == ("load_quadratic",)
+
+
 def test_the_simulation_is_held_and_nothing_else() -> None:
     box = Box(-np.ones(17), np.ones(17), np.ones(17), np.full(17, 0.5), np.eye(17), np.ones(17))
-    held = _hold(box, RigidJoint(2.0, (3.0, 4.0), 0.0, 0.0, 0.0, True))
+    held = hold(box, _JOINT)
     np.testing.assert_allclose(held.centre[:3], [np.log(2.0), 3.0, 4.0])
     np.testing.assert_allclose(np.sqrt(np.diag(held.precision)[:3]), [500.0, 100.0, 100.0])
     np.testing.assert_array_equal(held.centre[3:], box.centre[3:])

@@ -102,6 +102,14 @@ def test_friction_may_differ_either_way_between_driving_and_braking(context: Con
     assert EFFECTS["load_quadratic"].refuse(values, [context]) is None
 
 
+@pytest.mark.parametrize("split", [0.0, 1.0])
+def test_friction_under_load_is_that_of_the_joint_in_every_recording(split: float, context: Context) -> None:
+    values = {"coefficient": 0.01, "split": split, "inertia_share": 0.0}
+    slight = replace(context, position=0.2 * context.position, load_torque=0.2 * context.load_torque)
+    whole, part = (EFFECTS["load_quadratic"].contribution(one, values).level for one in (context, slight))
+    np.testing.assert_allclose(part, 0.2 ** (1.0 if split else 2.0) * np.asarray(whole))
+
+
 @pytest.mark.parametrize(("lag", "named"), [(1.3e-3, False), (1.6e-3, True)])
 def test_a_lag_below_a_sample_is_what_another_bristle_looks_like(lag: float, named: bool, context: Context) -> None:
     assert (EFFECTS["frictional_lag"].refuse({"lag": lag}, [context]) is None) == named

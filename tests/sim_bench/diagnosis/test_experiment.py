@@ -1,0 +1,58 @@
+"""A motion is proposed only where it would tell explanations apart, whatever a refit makes of them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fricomp.sim_bench.diagnosis.experiment import _ENOUGH, _worth, propose
+from fricomp.sim_bench.diagnosis.explanation import Explanation
+from fricomp.sim_bench.diagnosis.loading import build_tracks
+from fricomp.sim_bench.diagnosis.observer import Observer
+from fricomp.sim_bench.diagnosis.preparation import Prepared, prepare
+from fricomp.sim_bench.diagnosis.refit import fit_from
+from fricomp.sim_bench.diagnosis.structure import Candidate
+
+from .toy_joint import ToyJoint, recording
+
+_JOINT = ToyJoint(load_coulomb=0.01)
+
+
+@pytest.fixture(scope="module")
+def prepared() -> Prepared:
+    tracks = build_tracks([recording(_JOINT, "slow", 15.0)])
+    return prepare(tracks, observer=Observer(), nulls=12, seed=0)
+
+
+@pytest.fixture(scope="module")
+def fitted(prepared: Prepared) -> list[Explanation]:
+    """Friction under load, friction that differs between driving and braking, and a drive that saturates."""
+    driving = Candidate("load_quadratic", (("split", 1.0),))
+    candidates = (Candidate("load_coulomb", ()), driving, Candidate("torque_saturation", ()))
+    return fit_from(prepared, [([candidate], prepared.fit.theta) for candidate in candidates], prepared.box)
+
+
+def test_no_motion_tells_driving_and_braking_from_friction_under_load_and_another_gravity(
+    prepared: Prepared, fitted: list[Explanation]
+) -> None:
+    linear, driving, _ = fitted
+    assert driving.gain == pytest.approx(linear.gain, abs=1.0)
+    assert propose(prepared, linear, [driving], prepared.box) is None
+
+
+def test_a_faster_motion_tells_what_a_slow_one_cannot(prepared: Prepared, fitted: list[Explanation]) -> None:
+    linear, driving, saturating = fitted
+    assert saturating.gain == pytest.approx(linear.gain, abs=1.0)
+    proposal = propose(prepared, linear, [driving, saturating], prepared.box)
+    assert proposal is not None
+    assert proposal.separates == ("load_coulomb", "torque_saturation")
+    assert 0.0 < proposal.difference < 1.0
+    track = prepared.problem.tracks[0]
+    wanted = proposal.motion["position_reference"]
+    assert track.position.min() < wanted.min() < wanted.max() < track.position.max()
+    assert np.ptp(np.diff(proposal.motion["time"])) < 1e-9
+
+
+def test_two_rivals_told_apart_are_worth_more_than_one_told_clearly() -> None:
+    assert _worth([1.1 * _ENOUGH, 1.1 * _ENOUGH]) > _worth([0.0, 100.0 * _ENOUGH])
+    assert _worth([1.1 * _ENOUGH, 0.5 * _ENOUGH]) > _worth([1.1 * _ENOUGH, 0.0])
