@@ -47,6 +47,7 @@ from .velocity_lag import velocity_lag
 
 __all__ = ["Answer", "conclude"]
 
+_BODY_AND_CURVES = BASE_NAMES.index("log_breakaway")  # parameters before it are inertia, gravity, offset and curves
 _SPLIT_BY_PRESLIDING = ("offset", "forward.coulomb_torque", "reverse.coulomb_torque")
 
 
@@ -229,11 +230,15 @@ def _compare(answer: Answer, chosen: Explanation | None, doubt: Doubt) -> Compar
     cov = covariance(fit, box)
     plant = structure.plant(fit.theta)
     result = Comparison()
-    if answer.rigid is not None and answer.rigid.rotary:
-        result = compare_rigid(plant, cov[:3, :3], answer.rigid, answer.unit, doubt)
+    rigid = answer.rigid if answer.rigid is not None and answer.rigid.rotary else None
+    acceleration = float(np.sqrt(np.mean(np.concatenate([c.acceleration for c in structure.contexts]) ** 2)))
+    if rigid is not None:
+        result = compare_rigid(plant, cov[:3, :3], rigid, answer.unit, doubt, acceleration)
     if answer.friction is not None:
-        at = [BASE_NAMES.index(name) for name in _SPLIT_BY_PRESLIDING]
-        more = compare_friction(plant, cov[np.ix_(at, at)], answer.friction, answer.unit, doubt)
+        held = None if result.effects else rigid
+        more = compare_friction(
+            plant, cov[:_BODY_AND_CURVES, :_BODY_AND_CURVES], answer.friction, answer.unit, doubt, acceleration, held
+        )
         result = Comparison(result.effects + more.effects, result.changes + more.changes)
     return result
 
