@@ -174,7 +174,8 @@ def descend(
         )
         theta, residual, cost, age = trials[best], values[best], costs[best], age + 1
         damping = max(1e-6, damping * _FURTHER[best])
-        if gain < tolerance * cost / residual.size:
+        # A short step by an old Jacobian may only mean that it is old.
+        if gain < tolerance * cost / residual.size and (age == 1 or refresh > iterations):
             break
         if age >= refresh:
             J, age = (yield from _jacobian(theta, residual, box)), 0
