@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import log
 
 import numpy as np
 from msgspec.structs import replace
+from scipy.linalg import block_diag
 
 from fricomp.errors import ParameterError
+from fricomp.laws import StribeckCurve
 from fricomp.model import FrictionModel
 
 from .observer import Plant
@@ -27,6 +30,8 @@ _SIMPLER = 4.0  # chi squared that one more parameter must be worth
 # other: deviation of that difference over the Coulomb level, of which the fit is far too sure, from simulated joints
 # with nothing missing.
 SPLIT = 0.22
+_FORWARD, _REVERSE = 4, 8  # where the curves of the two directions begin among the base's parameters
+_LEVELS, _SHAPE = 3, 5  # where offset and levels begin in a shift, and the shape of the curves
 
 
 @dataclass(frozen=True)
@@ -35,17 +40,25 @@ class Doubt:
 
     Attributes:
         inertia: Over the inertia.
+        accelerating: Of the torque that the inertia takes at the RMS acceleration, over the Coulomb level: friction of
+            slightly another form leans on the inertia the more, the less there is to accelerate.
         gravity: Over its amplitude.
-        sliding: Over the Coulomb level: of gravity too, and of the offset with half the difference of the directions.
+        sliding: Of gravity, over the Coulomb level.
+        uneven: Of the offset with half the difference of the directions, and of the shapes of the two curves by as much
+            torque, over the Coulomb level.
     """
 
     inertia: float
+    accelerating: float
     gravity: float
     sliding: float
+    uneven: float
 
 
 # From simulated joints with nothing missing, with one effect that was named, and with something that was not.
-PLAIN, NAMED, UNEXPLAINED = Doubt(0.002, 3e-4, 1e-3), Doubt(0.005, 2e-3, 3e-3), Doubt(0.02, 0.01, 0.02)
+PLAIN = Doubt(inertia=1e-4, accelerating=4e-4, gravity=3e-4, sliding=1e-3, uneven=3e-4)
+NAMED = Doubt(inertia=0.005, accelerating=4e-4, gravity=2e-3, sliding=3e-3, uneven=3e-3)
+UNEXPLAINED = Doubt(inertia=0.02, accelerating=4e-4, gravity=0.01, sliding=0.02, uneven=0.02)
 
 
 @dataclass(frozen=True)
@@ -56,7 +69,9 @@ class Comparison:
     changes: tuple[Change, ...] = ()
 
 
-def compare_rigid(plant: Plant, covariance: FloatArray, given: RigidJoint, unit: str, doubt: Doubt) -> Comparison:
+def compare_rigid(
+    plant: Plant, covariance: FloatArray, given: RigidJoint, unit: str, doubt: Doubt, acceleration: float
+) -> Comparison:
     """Compare inertia and gravity with the simulation's.
 
     Args:
@@ -65,13 +80,14 @@ def compare_rigid(plant: Plant, covariance: FloatArray, given: RigidJoint, unit:
         given: The simulation.
         unit: Unit of torque.
         doubt: Of the refitted parameters.
+        acceleration: RMS of the motion's [rad/s²].
     """
     gravity = float(np.hypot(*given.gravity))
     refit = np.array([log(plant.inertia), *plant.gravity])
     prior = np.array([log(given.inertia), *given.gravity])
     # Gravity far below friction says nothing about a gain: the floor keeps chi squared from tiny biases.
     least = max(float(np.hypot(doubt.gravity * gravity, doubt.sliding * plant.level)), 1e-12)
-    floor = np.diag([doubt.inertia, least, least]) ** 2
+    floor = np.diag([_inertia_strays(plant, doubt, acceleration), least, least]) ** 2
     weight = np.linalg.inv(covariance + floor)
     shift = refit - prior
     hypotheses = {
@@ -100,6 +116,12 @@ def compare_rigid(plant: Plant, covariance: FloatArray, given: RigidJoint, unit:
     if alike:
         named = replace(named, indistinguishable_from=tuple(name for name in _SAME_FACTOR if name != best))
     return Comparison((named,), tuple(changes))
+
+
+def _inertia_strays(plant: Plant, doubt: Doubt, acceleration: float) -> float:
+    """Standard deviation of log inertia beyond what the fit knows of its own error."""
+    accelerating = doubt.accelerating * plant.level / max(plant.inertia * acceleration, 1e-12)
+    return float(np.hypot(doubt.inertia, accelerating))
 
 
 def _weigh(
@@ -138,68 +160,151 @@ def _named(
     return _effect(name, "parameter", numbers, "the load is not the simulation's")
 
 
-def compare_friction(plant: Plant, covariance: FloatArray, given: FrictionModel, unit: str, doubt: Doubt) -> Comparison:
+def compare_friction(
+    plant: Plant,
+    covariance: FloatArray,
+    given: FrictionModel,
+    unit: str,
+    doubt: Doubt,
+    acceleration: float,
+    rigid: RigidJoint | None = None,
+) -> Comparison:
     """Compare offset and the symmetry of the friction with a given friction model.
+
+    What both directions have in common may differ from the model. Of how they differ the model says all four numbers of
+    a curve, and the simulation says inertia and gravity: a refit that leaves all of them free knows the offset ten
+    times worse than one that leaves alone what has not changed, since gravity is nearly constant over a short range.
 
     Args:
         plant: Refitted joint.
-        covariance: Of the offset and the Coulomb torques forward and reverse. Shape (3, 3).
+        covariance: Of log inertia, gravity, offset and both curves, in the order of the base. Shape (12, 12).
         given: The friction model.
         unit: Unit of torque.
         doubt: Of the refitted parameters.
+        acceleration: RMS of the motion's, in unit of position/s².
+        rigid: The simulation, where the refit does not move its inertia and gravity by more than their error.
     """
     try:
         forward, reverse = given.forward, given.reverse
     except ParameterError:
         return Comparison()
     level = max(0.5 * (forward.coulomb_torque + reverse.coulomb_torque), 1e-9)
-    odd = 0.5 * ((plant.forward[0] - plant.reverse[0]) - (forward.coulomb_torque - reverse.coulomb_torque))
-    effects = _uneven(np.array([plant.offset, odd]), covariance, (level, unit), doubt)
+    curves = [_numbers(_curve(one)) for one in (forward, reverse)]
+    odd = _odd_shift(plant, covariance, curves, rigid)
+    strays = _strays(odd, level, doubt, _inertia_strays(plant, doubt, acceleration))
+    effects = _uneven(odd, strays, (level, unit))
     deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     changes = (
         _change(
             "forward.coulomb_torque",
             forward.coulomb_torque,
             plant.forward[0],
-            float(deviations[1]),
+            float(deviations[_FORWARD]),
             unit,
         ),
         _change(
             "reverse.coulomb_torque",
             reverse.coulomb_torque,
             plant.reverse[0],
-            float(deviations[2]),
+            float(deviations[_REVERSE]),
             unit,
         ),
     )
     return Comparison(effects, changes if effects else ())
 
 
-def _uneven(
-    shift: FloatArray, covariance: FloatArray, context: tuple[float, str], doubt: Doubt
-) -> tuple[NamedEffect, ...]:
-    """Names for a shift of offset and odd part of the Coulomb torque: one of the two where that is enough."""
-    level = context[0]
-    odd = np.array([[1.0, 0.0, 0.0], [0.0, 0.5, -0.5]])
+@dataclass(frozen=True)
+class _Odd:
+    """How a refit differs from what was given, but for what both directions have in common.
+
+    Attributes:
+        shift: Of log inertia and gravity, of the offset, and of half the difference of the directions in Coulomb
+            torque, excess of the static one, log Stribeck velocity and viscous coefficient. Shape (8,).
+        covariance: Of the shift. Shape (8, 8).
+        curve: Mean of both refitted curves, in those numbers. Shape (4,).
+        gravity: Amplitude of the simulation's gravity; None where inertia and gravity are free.
+    """
+
+    shift: FloatArray
+    covariance: FloatArray
+    curve: FloatArray
+    gravity: float | None
+
+
+def _odd_shift(plant: Plant, covariance: FloatArray, curves: Sequence[FloatArray], rigid: RigidJoint | None) -> _Odd:
+    body = np.array([log(plant.inertia), *plant.gravity, plant.offset])
+    if rigid is not None:
+        body[:_LEVELS] -= [log(rigid.inertia), *rigid.gravity]
+    refitted = [_numbers(one) for one in (plant.forward, plant.reverse)]
+    moved = [mine - theirs for mine, theirs in zip(refitted, curves, strict=True)]
+    halves = np.asarray(block_diag(np.eye(_FORWARD), 0.5 * np.hstack([np.eye(4), -np.eye(4)])), dtype=np.float64)
+    return _Odd(
+        shift=halves @ np.concatenate([body, *moved]),
+        covariance=halves @ covariance @ halves.T,
+        curve=0.5 * (refitted[0] + refitted[1]),
+        gravity=None if rigid is None else float(np.hypot(*rigid.gravity)),
+    )
+
+
+def _curve(one: StribeckCurve) -> tuple[float, float, float, float]:
+    return one.coulomb_torque, one.static_torque, one.stribeck_velocity, one.viscous_coefficient
+
+
+def _numbers(curve: tuple[float, float, float, float]) -> FloatArray:
+    """Coulomb torque, excess of the static one, log Stribeck velocity and viscous coefficient."""
+    coulomb, static, velocity, viscous = curve
+    return np.array([coulomb, static - coulomb, log(max(velocity, 1e-12)), viscous])
+
+
+def _strays(odd: _Odd, level: float, doubt: Doubt, inertia: float) -> FloatArray:
+    """Covariance by which the shift strays beyond what the fit knows, `inertia` being that of its log. Shape (8, 8)."""
+    torque, excess = doubt.uneven * level, max(float(odd.curve[1]), 1e-9)
+    gravity = float(np.hypot(doubt.gravity * (odd.gravity or 0.0), torque))
     sides = np.array([[0.5, 0.5], [0.5, -0.5]])  # offset and odd part, from their sum and their difference
-    floor = sides @ np.diag([doubt.sliding * level, SPLIT * level]) ** 2 @ sides.T
-    weight = np.linalg.inv(odd @ covariance @ odd.T + floor)
-    names = ("torque_offset", "direction_asymmetry")
-    both = "+".join(names)
-    hypotheses = {names[0]: np.eye(2)[:, :1], names[1]: np.eye(2)[:, 1:], both: np.eye(2)}
-    scores, fitted = _weigh(shift, weight, hypotheses)
+    split = sides @ np.diag([torque, SPLIT * level]) ** 2 @ sides.T
+    # Of the shape of a curve, by as much torque; of the viscous torque where it is as large as the Coulomb torque.
+    shape = np.diag([torque, torque / excess, doubt.uneven * float(odd.curve[3])]) ** 2
+    return np.asarray(block_diag(np.diag([inertia, gravity, gravity]) ** 2, split, shape), dtype=np.float64)
+
+
+def _uneven(odd: _Odd, strays: FloatArray, context: tuple[float, str]) -> tuple[NamedEffect, ...]:
+    """Names for a shift of offset and odd part of the Coulomb torque: one of the two where that is enough."""
+    covariance = odd.covariance + strays
+    spans = np.eye(8)[:, _LEVELS:_SHAPE]
+    spans[_SHAPE, 1] = odd.curve[1] / max(float(odd.curve[0]), 1e-9)  # friction that is stronger one way is so at rest
+    offset, asymmetry = "torque_offset", "direction_asymmetry"
+    both = f"{offset}+{asymmetry}"
+    hypotheses = {offset: spans[:, :1], asymmetry: spans[:, 1:], both: spans}
+    options = []
+    for held in _held(odd):
+        weight = np.asarray(np.linalg.inv(covariance[np.ix_(held, held)]), dtype=np.float64)
+        some = {name: span[held] for name, span in hypotheses.items()}
+        scores, fitted = _weigh(odd.shift[held], weight, some)
+        options.append((min(scores.values()) + _SIMPLER * (8 - len(held)), scores, fitted, weight, some))
+    _, scores, fitted, weight, some = min(options, key=lambda option: option[0])
     best = min(scores, key=lambda name: scores[name])
     if not best or scores[""] - scores[best] < _SIGNIFICANT:
         return ()
-    alike = best != both and abs(scores[names[0]] - scores[names[1]]) <= _SIMPLER
-    best = names[0] if alike else best  # an offset leaves the joint as it is
-    span = hypotheses[best]
+    # Static friction need not follow the Coulomb torque: where that alone tells the two apart, both stay possible.
+    sliding = options[-1][1]
+    alike = best != both and abs(sliding[offset] - sliding[asymmetry]) <= _SIMPLER
+    if alike and scores[offset] <= scores[asymmetry] + _SIMPLER:
+        best = offset  # it leaves the joint as it is
+    span = some[best]
     half = 1.96 * np.sqrt(np.diag(np.linalg.inv(span.T @ weight @ span)))
     effects = [
         _uneven_effect(name, float(value), float(wide), context)
         for name, value, wide in zip(best.split("+"), fitted[best], half, strict=True)
     ]
-    return tuple(replace(one, indistinguishable_from=names[1:] if alike else ()) for one in effects)
+    others = tuple(name for name in (offset, asymmetry) if alike and name != best)
+    return tuple(replace(one, indistinguishable_from=others) for one in effects)
+
+
+def _held(odd: _Odd) -> list[list[int]]:
+    """Rows of the shift that count, all of them first: what has changed besides is left free, where it must be."""
+    body, levels, shape = list(range(_LEVELS)), [_LEVELS, _LEVELS + 1], list(range(_SHAPE, 8))
+    free = [[*levels, *shape], levels]
+    return free if odd.gravity is None else [[*body, *levels, *shape], [*body, *levels], *free]
 
 
 def _uneven_effect(name: str, value: float, half: float, context: tuple[float, str]) -> NamedEffect:

@@ -34,6 +34,9 @@ _SLIDING = 2.0  # rest speeds
 _SETTLED = 0.16  # [s] about a row, in which observer and whitener still answer to a start or a stop
 _SELDOM = 0.1  # share of the rows
 _ASTRAY = 0.5  # of the first fit's cost, that a fit from another start must stay below
+# Steps of a weighted fit, and fall of the cost in units of the noise that ends it: Coulomb, static and viscous torque
+# of a slow motion lie along a narrow valley, and a fit that stops on its way down leaves the rest to any effect.
+_STEPS, _SETTLED_FIT = 48, 0.3
 _FIRST_NULLS = 12  # for the weights of the first refit
 _HALF_STEPS = 6  # towards the colour of the nulls
 _SAME_COLOUR = 0.08  # difference of correlations that chance may bring
@@ -230,7 +233,7 @@ def _reweigh(problem: Problem, fit: Fit, box: Box, count: int, seed: int) -> tup
     nulls = make_nulls(problem, plant, nothing, count=count, seed=seed)
     problem = replace(problem, weights=nulls.weights)
     evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
-    return minimise(evaluate, fit.theta, box, iterations=12, refresh=2), problem, nulls
+    return minimise(evaluate, fit.theta, box, iterations=_STEPS, refresh=2, tolerance=_SETTLED_FIT), problem, nulls
 
 
 def _structure(problem: Problem, fit: Fit, box: Box) -> Structure:

@@ -14,6 +14,10 @@ __all__ = ["Box", "Descent", "Fit", "at_least", "descend", "minimise", "together
 
 _DIFFERENCE = 0.02  # of a parameter's scale
 _DAMPINGS = (1.0, 30.0, 900.0)  # tried at once, as simulations come in batches
+# Of the least damped step, tried besides: a narrow valley that bends lets no whole step pass, and one that damping has
+# made short is short along the valley most of all.
+_PARTS = (0.5, 0.2)
+_FURTHER = (0.1, 10.0, 300.0, 1.0, 1.0)  # factor on the damping after each of them
 _LARGEST = 1e50  # of a derivative
 _TOLERANCE = 1e-2  # fall of the cost that ends the descent, in units of the mean squared residual
 
@@ -85,9 +89,17 @@ Descent = Generator[list[FloatArray], list[FloatArray], Fit]
 """A minimisation under way: asks for residuals at several points, and returns the minimum."""
 
 
-def minimise(evaluate: Residual, theta: FloatArray, box: Box, *, iterations: int = 8, refresh: int = 1) -> Fit:
+def minimise(
+    evaluate: Residual,
+    theta: FloatArray,
+    box: Box,
+    *,
+    iterations: int = 8,
+    refresh: int = 1,
+    tolerance: float = _TOLERANCE,
+) -> Fit:
     """Least squares from `theta`, for residuals that are evaluated at several points at once."""
-    descent = descend(theta, box, iterations=iterations, refresh=refresh)
+    descent = descend(theta, box, iterations=iterations, refresh=refresh, tolerance=tolerance)
     (fit,) = together([descent], lambda asked: [evaluate(asked[0])])
     return fit
 
@@ -121,6 +133,7 @@ def descend(
     jacobian: FloatArray | None = None,
     iterations: int = 8,
     refresh: int = 1,
+    tolerance: float = _TOLERANCE,
 ) -> Descent:
     """Least squares from `theta`.
 
@@ -130,6 +143,7 @@ def descend(
         jacobian: The first columns of the Jacobian at the start where they are known.
         iterations: Most steps.
         refresh: Compute the Jacobian afresh every so many steps; between them it is updated by Broyden's formula.
+        tolerance: Fall of the cost in a step that ends the descent, in units of the mean squared residual.
     """
     theta = box.clip(theta)
     known = np.zeros((0, 0)) if jacobian is None else jacobian
@@ -142,6 +156,7 @@ def descend(
     damping, age = 1e-3, 0
     for _ in range(iterations):
         trials = [_step(J, residual, theta, box, damping * factor) for factor in _DAMPINGS]
+        trials += [theta + part * (trials[0] - theta) for part in _PARTS]
         values = yield trials
         costs = [_cost(value, trial, box) for value, trial in zip(values, trials, strict=True)]
         best = int(np.argmin(costs))
@@ -158,8 +173,9 @@ def descend(
             float(np.sum((move / box.scale) ** 2)), 1e-30
         )
         theta, residual, cost, age = trials[best], values[best], costs[best], age + 1
-        damping = max(1e-6, damping * (0.1 if best == 0 else _DAMPINGS[best] / 3.0))
-        if gain < _TOLERANCE * cost / residual.size:
+        damping = max(1e-6, damping * _FURTHER[best])
+        # A short step by an old Jacobian may only mean that it is old.
+        if gain < tolerance * cost / residual.size and (age == 1 or refresh > iterations):
             break
         if age >= refresh:
             J, age = (yield from _jacobian(theta, residual, box)), 0

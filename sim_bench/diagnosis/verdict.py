@@ -50,6 +50,7 @@ from .velocity_lag import velocity_lag
 __all__ = ["Answer", "conclude"]
 
 _MOST_RIVALS = 3  # that a motion is looked for
+_BODY_AND_CURVES = BASE_NAMES.index("log_breakaway")  # parameters before it are inertia, gravity, offset and curves
 
 
 @dataclass(frozen=True)
@@ -128,7 +129,7 @@ def conclude(answer: Answer) -> Diagnosis:
         recordings=tuple(track.name for track in prepared.problem.tracks),
         joint=answer.recordings[0].metadata.joint,
     )
-    proposal = _propose(answer, chosen)
+    proposal = _propose(answer, chosen, refitted)
     if proposal is not None:
         record = with_fields(record, next_experiment=proposal[0])
     detent = best.common_order if unknown and best is not None else None
@@ -146,13 +147,15 @@ def conclude(answer: Answer) -> Diagnosis:
     )
 
 
-def _propose(answer: Answer, chosen: Explanation | None) -> tuple[NextExperiment, dict[str, FloatArray]] | None:
+def _propose(
+    answer: Answer, chosen: Explanation | None, refitted: Refitted
+) -> tuple[NextExperiment, dict[str, FloatArray]] | None:
     """The motion that tells what was named from what fits as well."""
     rivals = {rival.names: rival for rival in reversed(told(answer.found))}
     if chosen is None or not rivals:
         return None
     box = answer.prepared.box
-    if answer.rigid is not None and answer.rigid.rotary and not _compare(answer, chosen, PLAIN).effects:
+    if answer.rigid is not None and answer.rigid.rotary and not _compare(answer, refitted, PLAIN).effects:
         box = hold(box, answer.rigid)  # beside one that agrees, rivals are held to the simulation too
     proposal = propose(answer.prepared, chosen, list(rivals.values())[:_MOST_RIVALS], box)
     if proposal is None:
@@ -211,11 +214,13 @@ def _compare(answer: Answer, refitted: Refitted, doubt: Doubt) -> Comparison:
     """What the refit moved of the given simulation and friction."""
     cov, plant = refitted.covariance, refitted.plant
     result = Comparison()
-    if answer.rigid is not None and answer.rigid.rotary:
-        result = compare_rigid(plant, cov[:3, :3], answer.rigid, answer.unit, doubt)
+    rigid = answer.rigid if answer.rigid is not None and answer.rigid.rotary else None
+    acceleration = float(np.sqrt(np.mean(np.concatenate([c.acceleration for c in refitted.structure.contexts]) ** 2)))
+    if rigid is not None:
+        result = compare_rigid(plant, cov[:3, :3], rigid, answer.unit, doubt, acceleration)
     if answer.friction is not None:
-        at = [BASE_NAMES.index(name) for name in SPLIT_BY_PRESLIDING]
-        more = compare_friction(plant, cov[np.ix_(at, at)], answer.friction, answer.unit, doubt)
+        held, known = None if result.effects else rigid, cov[:_BODY_AND_CURVES, :_BODY_AND_CURVES]
+        more = compare_friction(plant, known, answer.friction, answer.unit, doubt, acceleration, held)
         result = Comparison(result.effects + more.effects, result.changes + more.changes)
     return result
 

@@ -33,6 +33,15 @@ def test_a_bristle_keeps_its_travel_when_the_friction_rises() -> None:
     assert np.exp(softest) == pytest.approx(SOFTEST)
 
 
+def test_friction_without_presliding_is_no_stranger_to_the_base() -> None:
+    """The stiffest bristle turns over within a fifth of a sample of 1 kHz where a joint turns at 15 rad/s²."""
+    model = _model()
+    stiffest = np.exp(model.box.lower[BASE_NAMES.index("log_breakaway")])
+    assert np.sqrt(2.0 * 2.0 * stiffest / 15.0) < 2e-4
+    start = np.exp(model.start[BASE_NAMES.index("log_breakaway")])
+    assert 100.0 * stiffest < start < 0.5 * SOFTEST
+
+
 def test_the_prior_binds_the_difference_of_the_directions_and_not_their_mean() -> None:
     box = _model().box
     both, apart = np.zeros(len(BASE_NAMES)), np.zeros(len(BASE_NAMES))

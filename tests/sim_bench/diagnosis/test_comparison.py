@@ -18,22 +18,32 @@ from fricomp.sim_bench.diagnosis.comparison import (
     compare_rigid,
 )
 from fricomp.sim_bench.diagnosis.observer import Plant
+from fricomp.sim_bench.diagnosis.track import FloatArray
 
 _PLANT = Plant(0.3, (1.0, 6.0), 0.0, (2.0, 2.6, 0.05, 1.0), (2.0, 2.6, 0.05, 1.0), 4e4)
 _SURE = np.diag([1e-4, 1e-3, 1e-3]) ** 2
+_GRAVITY_FOR_OFFSET = np.eye(12)[3] - np.eye(12)[1]
+_BRISK, _GENTLE = 10.0, 1.0  # RMS accelerations [rad/s²]
 
 
-def _friction(offset: float, odd: float, deviation: float = 1e-3) -> Comparison:
-    """The comparison of a refit that found `offset` and half a difference of `odd` between the directions."""
+def _given() -> FrictionModel:
     curve = StribeckCurve(2.0, 2.6, 0.05, 1.0)
-    given = FrictionModel(law=FrictionLaw((BidirectionalStribeck(curve, curve),)))
-    plant = replace(_PLANT, offset=offset, forward=(2.0 + odd, 2.6, 0.05, 1.0), reverse=(2.0 - odd, 2.6, 0.05, 1.0))
-    return compare_friction(plant, np.eye(3) * deviation**2, given, "N·m", PLAIN)
+    return FrictionModel(law=FrictionLaw((BidirectionalStribeck(curve, curve),)))
+
+
+def _friction(offset: float, odd: float, deviation: float = 1e-3, static: float = 1.0) -> Comparison:
+    """The comparison of a refit that found `offset` and half a difference of `odd` between the directions.
+
+    `static` is how much of that the static torque follows.
+    """
+    forward, reverse = ((2.0 + half, 2.6 + static * half, 0.05, 1.0) for half in (odd, -odd))
+    plant = replace(_PLANT, offset=offset, forward=forward, reverse=reverse)
+    return compare_friction(plant, np.eye(12) * deviation**2, _given(), "N·m", PLAIN, _BRISK)
 
 
 def test_a_payload_is_named_in_numbers_that_any_writer_of_json_takes() -> None:
     given = RigidJoint(0.27, (0.9, 5.2), 0.0, 0.0, 0.0, True)
-    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN).effects
+    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _BRISK).effects
     assert effect.name == "payload_error"
     assert effect.parameters["inertia_change"].value == pytest.approx(0.03, abs=1e-3)
     assert effect.parameters["gravity_sin_change"].value == pytest.approx(0.8, abs=0.02)
@@ -42,7 +52,7 @@ def test_a_payload_is_named_in_numbers_that_any_writer_of_json_takes() -> None:
 
 def test_a_common_factor_that_is_not_quite_met_is_a_gain_with_another_mass_as_alias() -> None:
     given = RigidJoint(0.3 / 0.966, (1.0 / 0.966, 6.0 / 0.966 - 0.02), 0.0, 0.0, 0.0, True)
-    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", NAMED).effects
+    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", NAMED, _BRISK).effects
     assert effect.name == "torque_gain_error"
     assert effect.indistinguishable_from == ("payload_error",)
     assert effect.parameters["gain_error"].value == pytest.approx(-0.034, abs=0.004)
@@ -50,15 +60,23 @@ def test_a_common_factor_that_is_not_quite_met_is_a_gain_with_another_mass_as_al
 
 def test_a_common_factor_that_the_inertia_is_not_seen_to_follow_is_a_payload() -> None:
     given = RigidJoint(0.3 / 0.997, (1.0 / 0.997, 6.0 / 0.997), 0.0, 0.0, 0.0, True)
-    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN).effects
+    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _GENTLE).effects
     assert effect.name == "payload_error"
     assert effect.indistinguishable_from == ("torque_gain_error",)
 
 
+def test_an_inertia_is_known_the_better_the_more_there_is_to_accelerate() -> None:
+    """Friction of slightly another form leans on the inertia by a part of its own torque."""
+    given = RigidJoint(0.3 / 1.005, (1.0, 6.0), 0.0, 0.0, 0.0, True)
+    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _BRISK).effects
+    assert effect.name == "inertia_error"
+    assert not compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _GENTLE).effects
+
+
 def test_what_is_not_explained_casts_doubt_on_parameters() -> None:
     given = RigidJoint(0.3, (1.0, 6.08), 0.0, 0.0, 0.0, True)
-    assert compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN).effects
-    assert not compare_rigid(_PLANT, _SURE, given, "N·m", UNEXPLAINED).effects
+    assert compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _BRISK).effects
+    assert not compare_rigid(_PLANT, _SURE, given, "N·m", UNEXPLAINED, _BRISK).effects
 
 
 @pytest.mark.parametrize("split", [-0.2, 0.0, 0.2])
@@ -68,6 +86,14 @@ def test_what_sliding_cannot_split_gets_one_name_and_its_alias(split: float) -> 
     assert effect.indistinguishable_from == ("direction_asymmetry",)
     low, high = effect.parameters["offset"].ci95
     assert low < 0.1 < high
+
+
+def test_static_friction_that_follows_speaks_for_the_directions() -> None:
+    (effect,) = _friction(0.2, -0.1, static=0.7).effects
+    assert effect.name == "direction_asymmetry"
+    assert effect.indistinguishable_from == ("torque_offset",)
+    low, high = effect.parameters["coulomb_difference"].ci95
+    assert low < 0.2 < high
 
 
 def test_a_split_beyond_all_doubt_gets_both_names() -> None:
@@ -86,3 +112,38 @@ def test_a_split_that_leaves_the_sum_as_it_is_names_nothing() -> None:
 def test_a_shift_within_the_doubt_of_the_fit_names_nothing() -> None:
     assert _friction(0.1, 0.0).effects
     assert not _friction(0.1, 0.0, deviation=0.05).effects
+
+
+def _hardly_told_from_gravity() -> FloatArray:
+    """Covariance of a fit that knows the sum of offset and gravity well, and their difference badly."""
+    deviation = np.full(12, 1e-4)
+    covariance = np.diag(deviation**2)
+    return covariance + 0.03**2 * np.outer(_GRAVITY_FOR_OFFSET, _GRAVITY_FOR_OFFSET)
+
+
+def test_an_offset_that_gravity_could_fill_in_for_shows_where_gravity_is_as_given() -> None:
+    plant = replace(_PLANT, offset=0.04)
+    rigid = RigidJoint(0.3, (1.0, 6.0), 0.0, 0.0, 0.0, True)
+    covariance = _hardly_told_from_gravity()
+    assert not compare_friction(plant, covariance, _given(), "N·m", PLAIN, _BRISK).effects
+    (effect,) = compare_friction(plant, covariance, _given(), "N·m", PLAIN, _BRISK, rigid).effects
+    assert effect.name == "torque_offset"
+    assert effect.parameters["offset"].value == pytest.approx(0.04, abs=0.005)
+
+
+def test_gravity_that_is_not_quite_as_given_is_no_offset() -> None:
+    """A fit whose offset and gravity strayed together, with nothing missing, and one whose gravity alone is another."""
+    rigid = RigidJoint(0.3, (1.0, 6.0), 0.0, 0.0, 0.0, True)
+    covariance = _hardly_told_from_gravity()
+    astray = replace(_PLANT, offset=0.05, gravity=(0.95, 6.0))
+    assert not compare_friction(astray, covariance, _given(), "N·m", PLAIN, _BRISK, rigid).effects
+    elsewhere = replace(_PLANT, gravity=(1.0, 6.2))
+    assert not compare_friction(elsewhere, covariance, _given(), "N·m", PLAIN, _BRISK, rigid).effects
+
+
+def test_directions_that_differ_in_shape_alone_get_no_name() -> None:
+    """Viscous friction and Stribeck velocity of one direction are others, and its level comes out a little off."""
+    plant = replace(_PLANT, forward=(2.01, 2.61, 0.06, 1.3))
+    deviation = np.full(12, 1e-3)
+    deviation[[4, 8]] = 5e-3
+    assert not compare_friction(plant, np.diag(deviation**2), _given(), "N·m", PLAIN, _BRISK).effects
