@@ -33,6 +33,7 @@ class Context:
         velocity: Velocity of the model [rad/s] or [m/s]; exactly smooth at rest.
         acceleration: Acceleration [rad/s²] or [m/s²].
         torque: Torque that the base model needs: that of the recording without its noise [N·m] or [N].
+        recorded: Torque of the recording [N·m] or [N]. What follows it explains its noise as well.
         gravity: Gravity torque of the base model [N·m] or [N].
         load_torque: Torque transmitted to the load: recorded, else gravity of the base model [N·m].
         friction: Friction torque of the base model [N·m].
@@ -40,6 +41,7 @@ class Context:
         rotary: Whether positions are angles.
         channels: Further recorded columns by name.
         scale: Typical friction torque, for scaling parameters [N·m].
+        noise: Standard deviation of the noise in the recorded torque [N·m] or [N].
         index: Which of the recordings this is, counted from 0.
         hints: Starting values found in the residual, such as the orders over position that stand out.
     """
@@ -49,6 +51,7 @@ class Context:
     velocity: FloatArray
     acceleration: FloatArray
     torque: FloatArray
+    recorded: FloatArray
     gravity: FloatArray
     load_torque: FloatArray
     friction: FloatArray
@@ -56,6 +59,7 @@ class Context:
     rotary: bool
     scale: float
     channels: Mapping[str, FloatArray] = field(default_factory=dict)
+    noise: float = 0.0
     index: int = 0
     hints: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
