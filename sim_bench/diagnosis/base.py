@@ -36,7 +36,10 @@ BASE_NAMES = (
 SOFTEST = 2.5e-4
 """Presliding distance F_c / sigma_0 of the softest bristle that is part of the base [rad]."""
 
-_BREAKAWAY = (2e-6, SOFTEST)  # [rad] presliding distance of the base model
+# Presliding distance of the base model [rad]: a joint without any, such as MuJoCo's own, wants one so short that the
+# observer feels nothing of it. At 2e-6 the torque by which it holds the model back still looks like a frictional lag.
+_BREAKAWAY = (5e-7, SOFTEST)
+_USUAL_BREAKAWAY = 3.6e-5  # [rad]
 # Longest step in scales: parameters that enter linearly may go anywhere at once.
 _FRICTION_REACH = [10.0, 10.0, 2.0, 20.0]
 _REACH = np.array([4.0, 40.0, 40.0, 40.0, *_FRICTION_REACH, *_FRICTION_REACH, 3.0, 2.0, 3.0, 2.0, 2.0])
@@ -123,7 +126,7 @@ class BaseModel:
         start = pack(
             replace(
                 plant,
-                sigma_0=plant.level / float(np.exp(0.4 * breakaway[0] + 0.6 * breakaway[1])),
+                sigma_0=plant.level / _USUAL_BREAKAWAY,
                 delay=0.5 * (_LATEST + _earliest(dt)),
                 sharpness=0.5,
             )
