@@ -180,7 +180,8 @@ def _effects(
     deviations = np.sqrt(np.maximum(np.diag(covariance(chosen.fit, box)), 0.0))[N_BASE:]
     energies = {name: _energy(answer, chosen, {name}) for name in chosen.names}
     sums = {name: float(np.sum(np.concatenate(energy))) for name, energy in energies.items()}
-    forms = overtones(chosen, sums)
+    span = max(float(np.ptp(context.position)) for context in chosen.structure.contexts)
+    forms = overtones(chosen, sums, span)
     effects = []
     for candidate in chosen.structure.candidates:
         effect, energy = candidate.effect, energies[candidate.name]
