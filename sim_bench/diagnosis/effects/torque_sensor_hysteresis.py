@@ -74,6 +74,9 @@ class TorqueSensorHysteresis(Effect):
         state = loop(context.recorded, width, exponent, values["initial"])
         return Contribution(additive=values["height"] * state)
 
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        return "the reading would run ahead of the load" if values["height"] >= 0.0 else None
+
 
 def _widths(contexts: Sequence[Context]) -> tuple[float, float]:
     """Narrowest and widest loop that shows as one [N·m]: it is no noise, and saturates again and again."""

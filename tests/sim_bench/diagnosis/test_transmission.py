@@ -88,3 +88,9 @@ def test_a_sensor_loop_is_larger_than_the_noise_and_saturates(noise: float, cont
     assert np.exp(width.lower) == pytest.approx(max(10.0 * noise, 0.015), rel=0.01)
     assert np.exp(width.upper) == pytest.approx(0.8 * 3.0, rel=0.01)
     assert all(width.lower <= start["width"] <= width.upper for start in effect.scan([swinging]))
+
+
+@pytest.mark.parametrize(("height", "physical"), [(-0.03, True), (0.03, False)])
+def test_a_sensor_reads_late_and_never_ahead(height: float, physical: bool, context: Context) -> None:
+    values = {"height": height, "width": 0.0, "exponent": 0.0, "initial": 0.0}
+    assert (EFFECTS["torque_sensor_hysteresis"].refuse(values, [context]) is None) == physical
