@@ -36,8 +36,9 @@ BASE_NAMES = (
 SOFTEST = 2.5e-4
 """Presliding distance F_c / sigma_0 of the softest bristle that is part of the base [rad]."""
 
-# Presliding distance of the base model [rad]: friction that has none turns over at once in a reversal, and a bristle of
-# 2e-6 rad takes half a millisecond for it, which leaves a residual of 1.3 times the noise on a chirp.
+# Presliding distance of the base model [rad]: friction without any, such as MuJoCo's own, turns over at once in a
+# reversal. A bristle of 2e-6 rad takes half a millisecond for it, which leaves 1.3 times the noise on a chirp, and the
+# torque by which the observer feels it looks like a frictional lag.
 _BREAKAWAY = (1e-7, SOFTEST)
 _USUAL_BREAKAWAY = 3.6e-5  # [rad] where it starts
 # Longest step in scales: parameters that enter linearly may go anywhere at once.

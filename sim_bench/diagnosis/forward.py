@@ -143,7 +143,7 @@ def simulate_forward(run: Run) -> FloatArray:
     data: Any = mujoco.MjData(model)
     data.qpos[0], data.qvel[0] = track.position[run.start], track.velocity[run.start]
     level, additive = (np.broadcast_to(np.asarray(one), (track.size,)) for one in (run.added.level, run.added.additive))
-    loop = _Loop(run, step)
+    loop, drive = _Loop(run, step), _Drive(run, step)
     out = np.empty(run.stop - run.start)
     for k in range(run.start, run.stop):
         out[k - run.start] = data.qpos[0]
@@ -151,7 +151,8 @@ def simulate_forward(run: Run) -> FloatArray:
             q, w = float(data.qpos[0]), float(data.qvel[0])
             dry, viscous = _friction(plant, w)
             model.dof_frictionloss[0] = max(dry + float(level[k]), 1e-9)
-            data.qfrc_applied[0] = loop.torque(k, q, w) - _gravity(plant, q, track.rotary) - viscous - additive[k]
+            acting = drive.follow(loop.torque(k, q, w)) - _gravity(plant, q, track.rotary)
+            data.qfrc_applied[0] = acting - viscous - additive[k]
             mujoco.mj_step(model, data)
     return out
 
@@ -180,6 +181,20 @@ class _Loop:
         total = steady + damping + c.acceleration_gain * float(self.acceleration[k])
         limit = c.torque_limit
         return total if limit is None else min(max(total, -limit), limit)
+
+
+class _Drive:
+    """What the drive makes of its command: the low passes that were named, with their states."""
+
+    def __init__(self, run: Run, step: float) -> None:
+        self.keep = [float(np.exp(-step / lag)) for lag in run.added.lags]
+        self.states = [float(run.track.torque[run.start])] * len(self.keep)
+
+    def follow(self, torque: float) -> float:
+        """Torque that acts a step later [N·m]."""
+        for i, keep in enumerate(self.keep):
+            torque = self.states[i] = torque + (self.states[i] - torque) * keep
+        return torque
 
 
 def _friction(plant: Plant, w: float) -> tuple[float, float]:

@@ -8,11 +8,22 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.signal import lfilter
 
 from .kernel import FRICTION_SLOTS, LANES, observe
 from .track import FloatArray, Track
 
-__all__ = ["THREADS", "Contribution", "Observation", "Observer", "Plant", "lanes_of", "simulate_all"]
+__all__ = [
+    "THREADS",
+    "Contribution",
+    "Observation",
+    "Observer",
+    "Plant",
+    "ahead_of",
+    "behind",
+    "lanes_of",
+    "simulate_all",
+]
 
 THREADS = 2
 
@@ -81,12 +92,14 @@ class Contribution:
         additive: Torque that opposes the drive [N·m]. Shape (n,), or 0.
         level: Torque added to the dry friction level [N·m]. Shape (n,), or 0.
         delay: Time by which the recorded torque is late [s], on top of the plant's.
+        lags: Time constants of low passes, one after the other, through which the recorded torque acts [s].
         plant: Fields of `Plant` to replace.
     """
 
     additive: FloatArray | float = 0.0
     level: FloatArray | float = 0.0
     delay: float = 0.0
+    lags: tuple[float, ...] = ()
     plant: dict[str, Any] = field(default_factory=dict)
 
     def __add__(self, other: Contribution) -> Contribution:
@@ -94,6 +107,7 @@ class Contribution:
             self.additive + other.additive,
             self.level + other.level,
             self.delay + other.delay,
+            self.lags + other.lags,
             {**self.plant, **other.plant},
         )
 
@@ -116,7 +130,14 @@ class Observer:
 
 
 class Observation(NamedTuple):
-    """One run of the observer. Arrays of shape (n,)."""
+    """One run of the observer. Arrays of shape (n,).
+
+    Attributes:
+        missing: Torque that the model lacks, beside the recorded one, where both pass the same lags [N·m].
+        position: Of the model [rad].
+        velocity: Of the model [rad/s].
+        bristle: Its torque [N·m].
+    """
 
     missing: FloatArray
     position: FloatArray
@@ -159,7 +180,10 @@ def _simulate(jobs: Sequence[Job], settings: tuple[float, ...]) -> list[Observat
     out = np.empty((4, LANES, first.size))
     observer = np.array([first.dt, *settings])
     observe(signals[0], signals[1], signals[2], signals[3], plants, observer, first.substeps, out)
-    return [Observation(*out[:, lane]) for lane in range(len(jobs))]
+    return [
+        Observation(ahead_of(out[0, lane], job.contribution.lags, first.dt), *out[1:, lane])
+        for lane, job in enumerate(jobs)
+    ]
 
 
 def lanes_of(jobs: Sequence[Job]) -> tuple[FloatArray, FloatArray]:
@@ -179,7 +203,7 @@ def lanes_of(jobs: Sequence[Job]) -> tuple[FloatArray, FloatArray]:
         signals[0, lane], signals[1, lane] = track.position, track.velocity
         held = plant.static_torque(*track.waves) if track.rotary else plant.offset
         torque = shifted(track.torque, (plant.delay + contribution.delay) / track.dt)
-        signals[2, lane] = torque - held - contribution.additive
+        signals[2, lane] = behind(torque, contribution.lags, track.dt) - held - contribution.additive
         signals[3, lane] = contribution.level
     return signals, plants
 
@@ -194,3 +218,20 @@ def shifted(values: FloatArray, samples: float) -> FloatArray:
     held = np.concatenate([np.repeat(values[:1], max(-first, 0)), values, np.repeat(values[-1:], max(first, 0) + 1)])
     start = max(first, 0)
     return held[start : start + n] * (1.0 - share) + held[start + 1 : start + 1 + n] * share
+
+
+def behind(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
+    """`values` as they come through low passes of the first order, held before the first one. Shape (n,)."""
+    for lag in lags:
+        keep = float(np.exp(-dt / lag))
+        values, _ = lfilter([1.0 - keep], [1.0, -keep], values, zi=[keep * values[0]])
+    return values
+
+
+def ahead_of(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
+    """What comes through these low passes as `values`: undoes them, so that a lag takes no noise away. Shape (n,)."""
+    for lag in lags:
+        keep = float(np.exp(-dt / lag))
+        before = np.concatenate([values[:1], values[:-1]])
+        values = (values - keep * before) / (1.0 - keep)
+    return values

@@ -26,7 +26,7 @@ from .location import change_points, excess_maps, locate, row_series
 from .order import order_spectrum
 from .overtone import overtones
 from .preparation import Prepared
-from .refitted import SPLIT_BY_PRESLIDING, Refitted
+from .refitted import Refitted
 from .result import (
     DIAGNOSIS_SCHEMA,
     Diagnosis,
@@ -186,7 +186,8 @@ def _explained(
     energies = {name: _energy(answer, chosen, {name}) for name in chosen.names}
     whole = energies[chosen.names[0]] if len(energies) == 1 else _energy(answer, chosen, chosen.names)
     sums = {name: float(np.sum(np.concatenate(energy))) for name, energy in energies.items()}
-    forms = overtones(chosen, sums)
+    span = max(float(np.ptp(context.position)) for context in chosen.structure.contexts)
+    forms = overtones(chosen, sums, span)
     effects = []
     for candidate in chosen.structure.candidates:
         effect = candidate.effect

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-from scipy.signal import lfilter
-
 from ..base import at_earliest
 from ..observer import Contribution
 from .effect import Context, Effect, EffectParameter, Values, register
+
+_SHORTEST = 1e-6  # [s]
 
 
 @register
@@ -36,10 +35,10 @@ class DriveLag(Effect):
         return at_earliest(contexts[0].plant, contexts[0].dt)
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        if values["time_constant"] < 1e-6:
+        """The recorded torque itself is filtered: where the joint sticks, the torque that a base without the lag needs
+        is another one.
+        """
+        if values["time_constant"] < _SHORTEST:
             return Contribution()
-        keep = float(np.exp(-context.dt * values["order"] / values["time_constant"]))
-        acting = context.torque
-        for _ in range(round(values["order"])):
-            acting, _ = lfilter([1.0 - keep], [1.0, -keep], acting, zi=[keep * acting[0]])
-        return Contribution(additive=context.torque - acting)
+        order = round(values["order"])
+        return Contribution(lags=(values["time_constant"] / order,) * order)

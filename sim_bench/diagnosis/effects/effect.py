@@ -33,6 +33,7 @@ class Context:
         velocity: Velocity of the model [rad/s] or [m/s]; exactly smooth at rest.
         acceleration: Acceleration [rad/s²] or [m/s²].
         torque: Torque that the base model needs: that of the recording without its noise [N·m] or [N].
+        recorded: Torque of the recording [N·m] or [N]. What follows it explains its noise as well.
         gravity: Gravity torque of the base model [N·m] or [N].
         load_torque: Torque transmitted to the load: recorded, else gravity of the base model [N·m].
         friction: Friction torque of the base model [N·m].
@@ -41,6 +42,7 @@ class Context:
         channels: Further recorded columns by name.
         scale: Typical friction torque, for scaling parameters [N·m].
         usual_load: Typical load [N·m], the same in all recordings and whatever is fitted.
+        noise: Standard deviation of the noise in the recorded torque [N·m] or [N].
         index: Which of the recordings this is, counted from 0.
         hints: Starting values found in the residual, such as the orders over position that stand out.
     """
@@ -50,6 +52,7 @@ class Context:
     velocity: FloatArray
     acceleration: FloatArray
     torque: FloatArray
+    recorded: FloatArray
     gravity: FloatArray
     load_torque: FloatArray
     friction: FloatArray
@@ -58,6 +61,7 @@ class Context:
     scale: float
     usual_load: float = 1.0
     channels: Mapping[str, FloatArray] = field(default_factory=dict)
+    noise: float = 0.0
     index: int = 0
     hints: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 

@@ -8,8 +8,12 @@ import numpy as np
 
 from ..kernel import compiled
 from ..observer import Contribution
-from ..track import FloatArray
 from .effect import Context, Effect, EffectParameter, Values, register
+
+_SELDOM = 0.01  # share of the samples
+# Of the torque's reach, and times its noise: a loop that hardly ever saturates, or is as small as the noise, follows
+# the noise of the torque, and explains it.
+_WIDEST, _ABOVE_NOISE = 0.8, 10.0
 
 
 @compiled
@@ -30,7 +34,11 @@ def loop(torque: np.ndarray, width: float, exponent: float, initial: float) -> n
 
 @register
 class TorqueSensorHysteresis(Effect):
-    """r = h z, z' = tau' (1 - [z tau' > 0] |z / w|^n) [wen1976]."""
+    """r = h z, z' = tau' (1 - [z tau' > 0] |z / w|^n) [wen1976].
+
+    The loop follows the recorded torque: where the joint sticks, a controller takes it elsewhere than the base model
+    needs, and what it makes of the encoder's steps moves the loop too.
+    """
 
     name = "torque_sensor_hysteresis"
     kind = "measurement"
@@ -39,8 +47,7 @@ class TorqueSensorHysteresis(Effect):
     says = "the torque reading lags behind the load in a loop"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        largest = _largest(contexts)
-        low, high = float(np.log(0.005 * largest)), float(np.log(largest))
+        low, high = (float(value) for value in np.log(_widths(contexts)))
         return (
             EffectParameter("height", "1", 0.01, -0.5, 0.5),
             EffectParameter("width", "{torque}", 0.2, low, high, linear=False, logarithmic=True, form=0.3),
@@ -52,7 +59,9 @@ class TorqueSensorHysteresis(Effect):
         return self.kept(contexts)
 
     def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        widths = np.log(np.geomspace(0.02, 0.5, 8) * _largest(contexts))
+        narrowest, widest = _widths(contexts)
+        usual = np.geomspace(0.02, 0.5, 8) * widest / _WIDEST
+        widths = np.log(np.unique(np.maximum(usual, narrowest)))
         return [
             {"width": float(width), "exponent": exponent, "initial": initial}
             for width in widths
@@ -62,14 +71,16 @@ class TorqueSensorHysteresis(Effect):
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         width, exponent = (float(np.exp(values[name])) for name in ("width", "exponent"))
-        state = loop(_torque(context), width, exponent, values["initial"])
+        state = loop(context.recorded, width, exponent, values["initial"])
         return Contribution(additive=values["height"] * state)
 
-
-def _torque(context: Context) -> FloatArray:
-    """Torque of the base model with its sharp reversals [N·m]. Shape (n,)."""
-    return context.gravity + context.plant.inertia * context.acceleration + context.friction
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        return "the reading would run ahead of the load" if values["height"] >= 0.0 else None
 
 
-def _largest(contexts: Sequence[Context]) -> float:
-    return max(float(np.max(np.abs(context.torque))) for context in contexts)
+def _widths(contexts: Sequence[Context]) -> tuple[float, float]:
+    """Narrowest and widest loop that shows as one [N·m]: it is no noise, and saturates again and again."""
+    ends = [np.quantile(context.recorded, [_SELDOM, 1.0 - _SELDOM]) for context in contexts]
+    reach = max(0.5 * float(high - low) for low, high in ends)
+    noise = max(context.noise for context in contexts)
+    return min(max(0.005 * reach, _ABOVE_NOISE * noise), 0.5 * _WIDEST * reach), _WIDEST * reach

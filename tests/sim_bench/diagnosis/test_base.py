@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fricomp.sim_bench.diagnosis.base import BASE_NAMES, SOFTEST, BaseModel, pack, unpack
-from fricomp.sim_bench.diagnosis.observer import Plant
+from fricomp.sim_bench.diagnosis.observer import Observer, Plant
 
 _PLANT = Plant(
     0.3, (1.0, 6.0), 0.1, (2.0, 2.6, 0.05, 1.0), (2.4, 2.7, 0.04, 1.2), 4e4, sigma_1=40.0, delay=1e-4, sharpness=0.3,
@@ -56,3 +56,15 @@ def test_the_start_lies_inside() -> None:
     model = _model()
     np.testing.assert_array_equal(model.box.clip(model.start), model.start)
     assert np.all(model.box.lower < model.box.upper)
+
+
+def test_the_stiffest_bristle_hides_its_travel_from_the_observer() -> None:
+    inertia, level = 1.4, 5.0  # a heavy joint: the observer holds its model with 1.4e4 N·m/rad
+    model = BaseModel.around(
+        Plant(inertia, (0.0, 9.0), 0.0, (level, 7.5, 0.04, 3.0), (level, 7.5, 0.04, 3.0), 1e5),
+        dt=1e-3,
+        top_speed=1.5,
+        rotary=True,
+    )
+    breakaway = float(np.exp(model.box.lower[BASE_NAMES.index("log_breakaway")]))
+    assert 2.0 * breakaway * inertia * Observer().bandwidth ** 2 < 0.005 * level

@@ -9,7 +9,7 @@ import pytest
 
 from fricomp.sim_bench.diagnosis.effects import EFFECTS, Context, EffectParameter
 from fricomp.sim_bench.diagnosis.explanation import Explanation
-from fricomp.sim_bench.diagnosis.observer import Plant
+from fricomp.sim_bench.diagnosis.observer import Plant, behind
 from fricomp.sim_bench.diagnosis.solver import Fit
 from fricomp.sim_bench.diagnosis.structure import N_BASE, Candidate, Structure
 
@@ -38,6 +38,7 @@ def context() -> Context:
         velocity=velocity,
         acceleration=acceleration,
         torque=gravity + 0.3 * acceleration + friction,
+        recorded=gravity + 0.3 * acceleration + friction,
         gravity=gravity,
         load_torque=gravity,
         friction=friction,
@@ -183,12 +184,12 @@ def test_a_supply_sags_with_speed_and_with_power(context: Context) -> None:
 
 @pytest.mark.parametrize("order", [1, 2])
 def test_a_drive_follows_through_one_pole_or_two(order: int, context: Context) -> None:
-    step = replace(context, torque=np.where(context.time < 1.0, 0.0, 1.0))
-    values = {"time_constant": 0.02, "order": float(order)}
-    acting = step.torque - EFFECTS["drive_lag"].contribution(step, values).additive
-    since = np.maximum(step.time - 1.0, 0.0) * order / 0.02
+    command = np.where(context.time < 1.0, 0.0, 1.0)
+    lags = EFFECTS["drive_lag"].contribution(context, {"time_constant": 0.02, "order": float(order)}).lags
+    acting = behind(command, lags, context.dt)
+    since = np.maximum(context.time - 1.0, 0.0) * order / 0.02
     wanted = 1.0 - np.exp(-since) * (1.0 + since * (order - 1))
-    np.testing.assert_allclose(acting, np.where(step.time < 1.0, 0.0, wanted), atol=0.06)  # a sample is 0.05 T
+    np.testing.assert_allclose(acting, np.where(context.time < 1.0, 0.0, wanted), atol=0.06)  # a sample is 0.05 T
 
 
 @pytest.mark.parametrize(

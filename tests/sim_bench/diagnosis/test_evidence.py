@@ -101,7 +101,9 @@ def _held(structure: _Known, theta: FloatArray) -> FloatArray:
     size = theta.size
     box = Box(-np.full(size, 9.0), np.full(size, 9.0), np.ones(size), np.zeros(size), np.eye(size), np.ones(size))
     prepared = cast(Prepared, SimpleNamespace(problem=None, box=box))
-    return _held_out(prepared, cast(Any, structure), theta, structure.table, _folds([structure.torque.size]))
+    return _held_out(
+        prepared, cast(Any, structure), Fit(theta, np.zeros(0), structure.table, 0.0), _folds([structure.torque.size])
+    )
 
 
 def test_a_line_leaves_what_a_fit_to_the_other_blocks_leaves() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fricomp.sim_bench.diagnosis.kernel import _falling
-from fricomp.sim_bench.diagnosis.observer import Contribution, Job, Observer, Plant, shifted
+from fricomp.sim_bench.diagnosis.observer import Contribution, Job, Observer, Plant, ahead_of, behind, shifted
 from fricomp.sim_bench.diagnosis.problem import observer_for
 from fricomp.sim_bench.diagnosis.track import Track
 from fricomp.sim_bench.diagnosis.weak_form import _curve, estimate_plants
@@ -49,6 +49,21 @@ def test_missing_torque_is_seen_with_its_size_and_sign() -> None:
     base, pushed = problem.observe([Job(problem.tracks[0], plant, Contribution(additive=a)) for a in (0.0, 0.5)])
     moving = np.abs(track.velocity) > 0.1
     assert np.mean((pushed.missing - base.missing)[moving]) == pytest.approx(0.5, rel=0.05)
+
+
+def test_a_lag_of_the_drive_is_undone_and_takes_no_noise_away() -> None:
+    joint, lags = ToyJoint(), (4e-3, 4e-3)
+    track, plant = track_of(joint, "fourier", 15.0), true_plant(joint)
+    calm = replace(track, torque=ahead_of(behind(track.torque, (0.01,), 1e-3), lags, 1e-3))
+    np.testing.assert_allclose(behind(calm.torque, lags, 1e-3), behind(track.torque, (0.01,), 1e-3), atol=1e-9)
+    noise = 0.05 * np.random.default_rng(3).standard_normal(track.size)
+    problem = observer_for([calm, replace(calm, torque=calm.torque + noise)], plant, Observer())
+    rows = []
+    for added in (Contribution(), Contribution(lags=lags)):
+        quiet, noisy = (problem.observe([Job(one, plant, added)])[0] for one in problem.tracks)
+        moving = np.abs(track.velocity[problem.grids[0].centres]) > 0.1
+        rows.append(problem.grids[0].of(noisy.missing - quiet.missing)[moving])
+    assert np.std(rows[1]) == pytest.approx(np.std(rows[0]), rel=0.05)
 
 
 def test_weak_form_recovers_the_joint() -> None:

@@ -40,9 +40,15 @@ def ripples(**orders: float) -> Ripples:
 def test_a_weak_ripple_in_the_rhythm_of_a_strong_one_is_its_form(
     orders: dict[str, float], energy: tuple[float, float], found: dict[str, tuple[str, float]]
 ) -> None:
-    assert overtones(ripples(**orders), dict(zip(orders, energy, strict=True))) == found
+    assert overtones(ripples(**orders), dict(zip(orders, energy, strict=True)), 2.0) == found
 
 
 def test_an_effect_that_is_no_ripple_is_no_overtone() -> None:
     one = ripples(cogging=240.0)
-    assert overtones(one, {"cogging": 1.0}) == {}
+    assert overtones(one, {"cogging": 1.0}, 2.0) == {}
+
+
+@pytest.mark.parametrize(("span", "found"), [(1.0, True), (2.0, False)])
+def test_a_short_range_tells_orders_no_better_than_a_quarter_of_its_wave(span: float, found: bool) -> None:
+    near = ripples(cogging=18.0, kinematic_error=36.9)
+    assert bool(overtones(near, {"cogging": 10.0, "kinematic_error": 1.0}, span)) == found

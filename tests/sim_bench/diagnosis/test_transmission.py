@@ -22,7 +22,7 @@ def context() -> Context:
     plant = Plant(0.5, (0.0, 0.0), 0.0, curve, curve, 4e4)
     zero = np.zeros_like(q)
     velocity, acceleration = 0.4 * FREQUENCY * np.cos(FREQUENCY * time), -(FREQUENCY**2) * q
-    return Context(1e-3, q, velocity, acceleration, zero, zero, zero, zero, plant, True, 2.0)
+    return Context(1e-3, q, velocity, acceleration, zero, zero, zero, zero, zero, plant, True, 2.0)
 
 
 def test_a_stiff_transmission_adds_nothing(context: Context) -> None:
@@ -71,11 +71,26 @@ def test_uneven_running_is_that_of_a_load_that_leads(context: Context) -> None:
 
 
 def test_a_sensor_loop_saturates_at_its_width(context: Context) -> None:
-    swinging = replace(context, friction=3.0 * np.sin(FREQUENCY * context.time))
-    plant = replace(context.plant, inertia=1e-9)
+    swinging = replace(context, recorded=3.0 * np.sin(FREQUENCY * context.time))
     values = {"height": 0.1, "width": np.log(0.8), "exponent": np.log(20.0), "initial": 0.0}
     effect = EFFECTS["torque_sensor_hysteresis"]
-    loop = np.asarray(effect.contribution(replace(swinging, plant=plant), values).additive)
+    loop = np.asarray(effect.contribution(swinging, values).additive)
     assert np.abs(loop).max() == pytest.approx(0.08, rel=1e-2)
     later = loop[round(2.0 * np.pi / FREQUENCY / 1e-3) :]
     assert later.max() == pytest.approx(-later.min(), rel=1e-2)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.05])
+def test_a_sensor_loop_is_larger_than_the_noise_and_saturates(noise: float, context: Context) -> None:
+    swinging = replace(context, recorded=3.0 * np.sin(FREQUENCY * context.time), noise=noise)
+    effect = EFFECTS["torque_sensor_hysteresis"]
+    width = effect.parameters([swinging])[1]
+    assert np.exp(width.lower) == pytest.approx(max(10.0 * noise, 0.015), rel=0.01)
+    assert np.exp(width.upper) == pytest.approx(0.8 * 3.0, rel=0.01)
+    assert all(width.lower <= start["width"] <= width.upper for start in effect.scan([swinging]))
+
+
+@pytest.mark.parametrize(("height", "physical"), [(-0.03, True), (0.03, False)])
+def test_a_sensor_reads_late_and_never_ahead(height: float, physical: bool, context: Context) -> None:
+    values = {"height": height, "width": 0.0, "exponent": 0.0, "initial": 0.0}
+    assert (EFFECTS["torque_sensor_hysteresis"].refuse(values, [context]) is None) == physical
