@@ -133,10 +133,15 @@ def _held_out(
 
 
 def _move(residual: FloatArray, jacobian: FloatArray, box: Box, train: FloatArray) -> FloatArray:
-    """Gauss-Newton step on the rows of `train`, at most one scale long in each parameter. Shape (p,)."""
-    A = jacobian[train] * box.scale
-    prior = at_least(box.scaled_precision, 0.1)
-    step = np.linalg.solve(A.T @ A + prior, -A.T @ residual[train])
+    """Gauss-Newton step on the rows of `train`, at most one scale long in each parameter. Shape (p,).
+
+    A parameter that moves no row is held: so are those that stay as given.
+    """
+    free = np.flatnonzero(np.any(jacobian, axis=0))
+    A = (jacobian[train] * box.scale)[:, free]
+    prior = at_least(box.scaled_precision[np.ix_(free, free)], 0.1)
+    step = np.zeros(box.scale.size)
+    step[free] = np.linalg.solve(A.T @ A + prior, -A.T @ residual[train])
     result: FloatArray = box.scale * np.clip(step, -1.0, 1.0)
     return result
 

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from .result import DiagnosisRecord, Forward, NamedEffect
 
-__all__ = ["detent_sentence", "forward_sentence", "sentences"]
+__all__ = ["NO_MOTION", "detent_sentence", "forward_sentence", "sentences"]
+
+NO_MOTION = (
+    "No motion of those that were tried would tell them apart within the range and speed of this recording: another "
+    "load, a wider range or a sensor of the load would have to."
+)
+"""Where effects cannot be told apart and nothing is proposed."""
 
 _OPENING = {
     "consistent": "Nothing is missing: the residual is what the sensors' noise leaves.",

@@ -41,7 +41,7 @@ from .result import (
 )
 from .rigid import RigidJoint
 from .search import Found
-from .sentence import detent_sentence, sentences
+from .sentence import NO_MOTION, detent_sentence, sentences
 from .solver import Fit
 from .tone import Tone
 from .track import FloatArray
@@ -97,6 +97,7 @@ def conclude(answer: Answer) -> Diagnosis:
     if given is not None:
         held = confirm(prepared, prepared.structure, prepared.fit, answer.seed, given=given)
     series = _series(prepared, given or prepared.fit, refitted)
+    named: list[NamedEffect] = []
     effects, location = list(compared.effects), Location()
     if chosen is not None:
         named, location = _explained(answer, chosen, refitted, held.explained, series)
@@ -134,6 +135,8 @@ def conclude(answer: Answer) -> Diagnosis:
         record = with_fields(record, next_experiment=proposal[0])
     detent = best.common_order if unknown and best is not None else None
     said = sentences(record)
+    if proposal is None and any(effect.indistinguishable_from for effect in named):
+        said = (*said, NO_MOTION)
     if detent is not None:
         said = (*said, detent_sentence(detent, answer.position_unit))
     record = with_fields(record, sentences=said)

@@ -1,0 +1,57 @@
+"""The error before a parameter is put right: of a joint that has it as given and everything else refitted."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
+from fricomp.model import FrictionModel
+from fricomp.sim_bench.diagnosis import RigidJoint
+from fricomp.sim_bench.diagnosis.as_given import fit_as_given
+from fricomp.sim_bench.diagnosis.base import BASE_NAMES, unpack
+from fricomp.sim_bench.diagnosis.confirmation import confirm
+from fricomp.sim_bench.diagnosis.loading import build_tracks
+from fricomp.sim_bench.diagnosis.observer import Observer
+from fricomp.sim_bench.diagnosis.preparation import Prepared, prepare
+
+from .toy_joint import ToyJoint, recording
+
+pytestmark = pytest.mark.slow
+_GRAVITY = (1.773, 5.732)
+
+
+@pytest.fixture(scope="module")
+def prepared() -> Prepared:
+    tracks = build_tracks([recording(ToyJoint(), "fourier", 20.0)])
+    given = RigidJoint(ToyJoint().inertia, _GRAVITY, 0.0, 0.0, 0.0, True)
+    return prepare(tracks, observer=Observer(), nulls=8, seed=0, rigid=given)
+
+
+def test_a_wrong_inertia_stays_and_the_rest_is_refitted(prepared: Prepared) -> None:
+    wrong = RigidJoint(0.8 * ToyJoint().inertia, _GRAVITY, 0.0, 0.0, 0.0, True)
+    fit = fit_as_given(prepared, ["inertia_error"], wrong, None)
+    assert fit is not None
+    assert unpack(fit.theta).inertia == pytest.approx(wrong.inertia, rel=1e-9)
+    found = confirm(prepared, prepared.structure, prepared.fit, 0, given=fit)
+    assert found.rmse_before > 2.0 * found.rmse_after
+    assert found.explained > 0.9
+    assert found.rmse_after == confirm(prepared, prepared.structure, prepared.fit, 0).rmse_after
+
+
+def test_directions_that_differ_are_held_together(prepared: Prepared) -> None:
+    forward, reverse = StribeckCurve(2.6, 2.6, 0.1, 0.5), StribeckCurve(1.7, 1.7, 0.1, 0.5)  # the joint: 2.0 and 2.3
+    even = FrictionModel(FrictionLaw((BidirectionalStribeck(forward, reverse),)))
+    fit = fit_as_given(prepared, ["direction_asymmetry"], None, even)
+    assert fit is not None
+    values = dict(zip(BASE_NAMES, fit.theta, strict=True))
+    assert values["forward.coulomb_torque"] - values["reverse.coulomb_torque"] == pytest.approx(0.9)
+    assert values["offset"] == 0.0
+    found = confirm(prepared, prepared.structure, prepared.fit, 0, given=fit)
+    assert np.isfinite(found.rmse_before)
+    assert found.rmse_before > found.rmse_after
+
+
+def test_nothing_is_as_given_where_nothing_was(prepared: Prepared) -> None:
+    assert fit_as_given(prepared, ["inertia_error", "direction_asymmetry"], None, None) is None
+    assert fit_as_given(prepared, ["velocity_filter_lag"], RigidJoint(1.0, _GRAVITY, 0.0, 0.0, 0.0, True), None) is None
