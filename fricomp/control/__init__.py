@@ -20,7 +20,14 @@ from fricomp.control.network import NetworkCompensator
 from fricomp.control.position_loop import Controller, PositionController, Reference, ReferenceState, SineReference
 from fricomp.control.real_time import RealTimeOptions, RealTimeReport, real_time
 from fricomp.control.settings import CompensationSettings, DriveLimits, LoopDynamics, Source
-from fricomp.control.trust import LARGEST_EXTRAPOLATION, bound_friction, compute_torque_cap, find_doubt, require_usable
+from fricomp.control.trust import (
+    LARGEST_EXTRAPOLATION,
+    bound_friction,
+    compute_torque_cap,
+    find_doubt,
+    find_doubt_in_status,
+    require_usable,
+)
 
 __all__ = [
     "ABSURD_TORQUE_RATIO",
@@ -70,6 +77,7 @@ __all__ = [
     "compute_friction_deviation",
     "compute_torque_cap",
     "find_doubt",
+    "find_doubt_in_status",
     "real_time",
     "require_usable",
     "simulate_loop",

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fricomp.control.trust import LARGEST_EXTRAPOLATION
+from fricomp.control.trust import LARGEST_EXTRAPOLATION, find_doubt_in_status
 from fricomp.errors import MissingExtraError, ModelFileError, ParameterError
 from fricomp.laws import FloatArray
 
@@ -62,10 +62,11 @@ class NetworkCompensator:
             raise ParameterError(f"gain must lie from 0 to 2 and smoothing be positive, got {gain!r} and {smoothing!r}")
         self._session = _open(Path(path))
         about = self._session.get_modelmeta().custom_metadata_map
-        if about.get("status", "converged") != "converged" and not any_status:
+        doubt = find_doubt_in_status(about.get("status", ""), about.get("message", ""))
+        if doubt is not None and not any_status:
             raise ParameterError(
-                f"the network {path} is of a model that is {about['status']} ({about.get('message', '')}); identify it "
-                "from better data, or pass any_status=True to use it all the same"
+                f"the network {path} is of a model that is not usable ({doubt}); identify it from better data, or pass "
+                "any_status=True to use it all the same"
             )
         rows = self._session.get_inputs()[0].shape[0]
         self.n_joints = rows if isinstance(rows, int) else 1

@@ -23,7 +23,14 @@ from fricomp.laws import (
 )
 from fricomp.model import FrictionModel
 
-__all__ = ["LARGEST_EXTRAPOLATION", "bound_friction", "compute_torque_cap", "find_doubt", "require_usable"]
+__all__ = [
+    "LARGEST_EXTRAPOLATION",
+    "bound_friction",
+    "compute_torque_cap",
+    "find_doubt",
+    "find_doubt_in_status",
+    "require_usable",
+]
 
 LARGEST_EXTRAPOLATION = 2.0
 """Friction at speeds that were not measured is at most this multiple of the largest that was [1]. With table I of
@@ -39,14 +46,21 @@ def find_doubt(model: FrictionModel) -> str | None:
     friction does not count there: near zero it is never known by its own size, and it grows beyond the range only.
     """
     provenance = model.provenance
-    if provenance.status not in _USABLE:
-        return f"{provenance.status}: {provenance.message}" if provenance.message else provenance.status
-    if provenance.status or model.covariance is None:
+    if provenance.status:
+        return find_doubt_in_status(provenance.status, provenance.message)
+    if model.covariance is None:
         return None
     values = model.law.parameters()
     deviations = model.covariance.standard_deviations()
     vague = [n for n, sd in deviations.items() if sd > abs(values[n]) and not n.endswith("viscous_coefficient")]
     return f"its data do not determine {', '.join(vague)}: the standard deviation exceeds the value" if vague else None
+
+
+def find_doubt_in_status(status: str, message: str) -> str | None:
+    """Why a model or network whose identification ended with `status` should not be used, or None."""
+    if status in _USABLE:
+        return None
+    return f"{status}: {message}" if message else status
 
 
 def require_usable(model: FrictionModel) -> None:

@@ -9,7 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from fricomp.control import bound_friction, compute_torque_cap, require_usable, split_law
+from fricomp.control import (
+    bound_friction,
+    compute_torque_cap,
+    find_doubt_in_status,
+    require_usable,
+    split_law,
+)
 from fricomp.control.curve import FrictionCurves
 from fricomp.control.extra_terms import LOAD_TERMS, POSITION_TERMS, TEMPERATURE_TERMS
 from fricomp.errors import ExportError, MissingExtraError
@@ -219,10 +225,11 @@ def _weights(onnx: Any, path: Path, any_status: bool) -> dict[str, FloatArray]:
     except Exception as error:  # protobuf raises its own kinds
         raise ExportError(f"cannot read the network {path}: {error}") from error
     about = {item.key: item.value for item in model.metadata_props}
-    if about.get("status", "converged") != "converged" and not any_status:
+    doubt = find_doubt_in_status(about.get("status", ""), about.get("message", ""))
+    if doubt is not None and not any_status:
         raise ExportError(
-            f"the network {path} is of a model that is {about['status']} ({about.get('message', '')}); identify it "
-            "from better data, or pass any_status=True (--any-status) to use it all the same"
+            f"the network {path} is of a model that is not usable ({doubt}); identify it from better data, or pass "
+            "any_status=True (--any-status) to use it all the same"
         )
     table = {item.name: onnx.numpy_helper.to_array(item) for item in model.graph.initializer}
     if not {"input_offset", "input_scale", "torque_scale", "weight_0", "bias_0"} <= set(table):

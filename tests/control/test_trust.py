@@ -105,12 +105,21 @@ def test_a_network_of_an_unusable_model_is_refused_and_any_is_bounded(tmp_path: 
     model = FrictionModel(make_model(BidirectionalStribeck(HUGE.forward, HUGE.forward)).law)
     about = {"velocity_range": "-1 1", "status": "not_identifiable", "message": "a reason", "largest_torque": "0.05"}
     save_graph(closed_form_graph([model]), tmp_path / "a.onnx", about)
-    with pytest.raises(ParameterError, match=r"not_identifiable \(a reason\)"):
+    with pytest.raises(ParameterError, match="not_identifiable: a reason"):
         NetworkCompensator(tmp_path / "a.onnx", largest_share=math.inf)
     network = NetworkCompensator(tmp_path / "a.onnx", largest_share=math.inf, any_status=True)
     assert network.authority == [LARGEST_EXTRAPOLATION * 0.05]
-    with pytest.raises(ExportError, match=r"not_identifiable \(a reason\)"):
+    with pytest.raises(ExportError, match="not_identifiable: a reason"):
         stack_networks([tmp_path / "a.onnx"])
+
+
+@pytest.mark.parametrize("status", ["", "converged", "wrong_basin_suspected"])
+def test_models_and_networks_are_usable_by_one_list(status: str, tmp_path: Path) -> None:
+    pytest.importorskip("onnxruntime")
+    require_usable(make_model(status=status))
+    about = {"velocity_range": "-1 1", "largest_torque": "0.05"} | ({"status": status} if status else {})
+    save_graph(closed_form_graph([make_model()]), tmp_path / "a.onnx", about)
+    assert NetworkCompensator(tmp_path / "a.onnx", largest_share=math.inf).n_joints == 1
 
 
 def test_a_model_without_a_status_is_judged_by_its_covariance() -> None:
