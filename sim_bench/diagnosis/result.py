@@ -85,6 +85,8 @@ class HeldOut(msgspec.Struct, frozen=True, kw_only=True):
         rmse_after: Of the model with the named effects.
         noise_floor: What a model with nothing missing would leave.
         unit: Unit of the three.
+        before: What the first of them belongs to: the base model refitted, or with parameters as they were given,
+            where only parameters are off; then the second is that of the base model refitted.
         ci95_reduction: 95 % interval of 1 - rmse_after / rmse_before, by block bootstrap.
         explained: Part of the energy above the noise floor that the named effects remove.
     """
@@ -95,6 +97,7 @@ class HeldOut(msgspec.Struct, frozen=True, kw_only=True):
     unit: str
     ci95_reduction: Interval
     explained: float
+    before: Literal["refitted", "given"] = "refitted"
 
 
 class Forward(msgspec.Struct, frozen=True, kw_only=True):

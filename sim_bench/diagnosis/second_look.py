@@ -77,8 +77,14 @@ def _settled(diagnosis: Diagnosis) -> bool:
 
 
 def _searched(diagnosis: Diagnosis) -> bool:
-    """Whether an effect was named that changes the residual; compared parameters and late columns have no share."""
-    return any(effect.share > 0.0 for effect in diagnosis.effects)
+    """Whether an effect was named that changes the residual; late columns have no share, compared parameters one of
+    what they take away from the base as given."""
+    return not _as_given(diagnosis) and any(effect.share > 0.0 for effect in diagnosis.effects)
+
+
+def _as_given(diagnosis: Diagnosis) -> bool:
+    """Whether only parameters were off, so that the errors are of the base as given and refitted."""
+    return diagnosis.heldout is not None and diagnosis.heldout.before == "given"
 
 
 def _soft_presliding(recordings: Sequence[Recording], diagnosis: Diagnosis, seed: int) -> list[SoftPresliding]:
@@ -119,7 +125,8 @@ def _finer(harmonic: Harmonic, coarse: tuple[float, float]) -> bool:
 
 
 def _lawless(recordings: Sequence[Recording], held: HeldOut) -> bool:
-    return held.rmse_before > _NO_MOTION_LAW * max(float(np.std(one.torque)) for one in recordings)
+    left = held.rmse_after if held.before == "given" else held.rmse_before  # by the base refitted
+    return left > _NO_MOTION_LAW * max(float(np.std(one.torque)) for one in recordings)
 
 
 def _with_ripple(
@@ -250,7 +257,7 @@ def _record(diagnosis: Diagnosis, verdict: str, effects: tuple[NamedEffect, ...]
     refused = [
         Rival(effects=(e.name,), gain=0.0, refused=f"covers {e.share:.0%} of the mismatch in the rows, less here")
         for e in old.effects
-        if e.share > 0.0
+        if _searched(diagnosis) and e.share > 0.0
     ]
     record = with_fields(
         old,
@@ -268,7 +275,12 @@ def _record(diagnosis: Diagnosis, verdict: str, effects: tuple[NamedEffect, ...]
 
 
 def _compared(diagnosis: Diagnosis) -> tuple[NamedEffect, ...]:
-    """What differs from the given simulation and friction, which a finding in the samples leaves as it is."""
+    """What differs from the given simulation and friction, which a finding in the samples leaves as it is.
+
+    Beside it the error is counted from the base refitted again, so that none of these has a share.
+    """
+    if _as_given(diagnosis):
+        return tuple(with_fields(effect, share=0.0) for effect in diagnosis.effects)
     return tuple(effect for effect in diagnosis.effects if effect.share == 0.0)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .result import DiagnosisRecord, Forward, NamedEffect
+from .result import DiagnosisRecord, Forward, HeldOut, NamedEffect
 
 __all__ = ["NO_MOTION", "detent_sentence", "forward_sentence", "sentences"]
 
@@ -28,12 +28,7 @@ def sentences(record: DiagnosisRecord) -> tuple[str, ...]:
         lines.append(f"The residual of the refitted base model is {record.noise_ratio:.2f} times its noise floor.")
     lines += [_effect(effect) for effect in record.effects]
     if record.heldout is not None and record.effects and record.heldout.explained > 0.0:
-        held = record.heldout
-        low, high = held.ci95_reduction
-        lines.append(
-            f"On held-out data the error falls from {held.rmse_before:.3g} to {held.rmse_after:.3g} {held.unit} "
-            f"(by {100 * low:.0f} to {100 * high:.0f} %); the noise floor is {held.noise_floor:.3g} {held.unit}."
-        )
+        lines.append(_improvement(record.heldout))
     if record.verdict == "unknown_physics":
         lines.append(_vibration(record) or _where(record))
     return tuple(line for line in lines if line)
@@ -56,6 +51,15 @@ def detent_sentence(order: float, unit: str) -> str:
     return (
         f"Torque and friction follow the position together, by like amounts, at the order {order:.4g} 1/{unit}: "
         "one part makes both, such as a detent."
+    )
+
+
+def _improvement(held: HeldOut) -> str:
+    low, high = held.ci95_reduction
+    refitted = " with these parameters refitted" if held.before == "given" else ""
+    return (
+        f"On held-out data the error falls from {held.rmse_before:.3g} to {held.rmse_after:.3g} {held.unit}{refitted} "
+        f"(by {100 * low:.0f} to {100 * high:.0f} %); the noise floor is {held.noise_floor:.3g} {held.unit}."
     )
 
 

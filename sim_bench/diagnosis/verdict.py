@@ -119,6 +119,7 @@ def conclude(answer: Answer) -> Diagnosis:
             unit=answer.unit,
             ci95_reduction=held.ci95_reduction,
             explained=held.explained,
+            before="refitted" if given is None else "given",
         ),
         location=location,
         noise_ratio=prepared.noise_ratio,

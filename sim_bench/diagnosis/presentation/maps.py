@@ -10,7 +10,7 @@ from fricomp.report import Band, Chart, HeatMap, Line, Mark, Panel, Rule
 
 from ..result import Evidence, Interval, Location, RowSeries
 from ..track import FloatArray
-from .over_time import AFTER, BASE, BEFORE, NAMED, NOISE
+from .over_time import AFTER, BEFORE, NOISE
 from .wording import AXIS_TITLES, Units, words
 
 __all__ = ["map_chart", "plane_chart"]
@@ -20,11 +20,11 @@ _FEWEST = 8  # rows in a bin that still say something
 _BINS = (18, 16)  # of a plane
 
 
-def map_chart(evidence: Evidence, location: Location, units: Units, *, named: bool) -> Chart | None:
+def map_chart(evidence: Evidence, location: Location, units: Units, models: tuple[str, ...]) -> Chart | None:
     """Residual over noise by velocity, position, load, time since reversal, temperature, acceleration, time."""
     quantities = [name for name in _ORDER if name in evidence.maps] + sorted(set(evidence.maps) - set(_ORDER))
     panels = tuple(
-        _panel(name, evidence.maps[name], location.get(name, []), evidence.series, (units, named))
+        _panel(name, evidence.maps[name], location.get(name, []), evidence.series, (units, models))
         for name in quantities
     )
     if not panels:
@@ -46,9 +46,9 @@ def _panel(
     found: Mapping[str, FloatArray],
     located: Sequence[Interval],
     series: Sequence[RowSeries],
-    style: tuple[Units, bool],
+    style: tuple[Units, tuple[str, ...]],
 ) -> Panel:
-    units, named = style
+    units, models = style
     edges = np.asarray(found["edges"])
     before = _ratio(found["excess"])
     low, high = _ratio(found["lower"]), _ratio(found["upper"])
@@ -60,9 +60,9 @@ def _panel(
     ]
     x = np.repeat(edges, 2)[1:-1]  # each bin as a level line
     marks.append(Band(x, np.repeat(low, 2), np.repeat(high, 2), color=BEFORE))
-    marks.append(Line(x, np.repeat(before, 2), BASE, color=BEFORE))
-    if named and after is not None:
-        marks.append(Line(x, np.repeat(after, 2), NAMED, color=AFTER))
+    marks.append(Line(x, np.repeat(before, 2), models[0], color=BEFORE))
+    if len(models) > 1 and after is not None:
+        marks.append(Line(x, np.repeat(after, 2), models[1], color=AFTER))
     marks.append(Rule(1.0, "y", color=NOISE))
     title = AXIS_TITLES.get(name, words(name)).capitalize()
     return Panel(tuple(marks), units.axis(name), "residual / noise [1]", title, y_range=(0.0, 1.05 * top))
@@ -89,37 +89,36 @@ def _after(name: str, edges: FloatArray, series: Sequence[RowSeries]) -> FloatAr
     return result
 
 
-def plane_chart(series: Sequence[RowSeries], units: Units, *, named: bool) -> Chart | None:
+def plane_chart(series: Sequence[RowSeries], units: Units, models: tuple[str, ...]) -> Chart | None:
     """Residual over noise over velocity and position, and over velocity and load, before and after."""
     panels: list[Panel] = []
     for name in ("position", "load_torque"):
         column = np.concatenate([getattr(one, name) for one in series]) if series else np.zeros(0)
         if column.size and float(np.ptp(column)) > 1e-9 * max(float(np.max(np.abs(column))), 1e-9):
-            panels += _plane(name, series, units, named)
+            panels += _plane(name, series, units, models)
     if not panels:
         return None
     caption = "Colour is the RMS of the missing torque over its noise in each cell"
-    caption += "; the same scale for both models." if named else "."
-    return Chart("planes", "Over two quantities", tuple(panels), columns=2 if named else 1, caption=caption)
+    caption += "; the same scale for both models." if len(models) > 1 else "."
+    return Chart("planes", "Over two quantities", tuple(panels), columns=len(models), caption=caption)
 
 
-def _plane(name: str, series: Sequence[RowSeries], units: Units, named: bool) -> list[Panel]:
+def _plane(name: str, series: Sequence[RowSeries], units: Units, models: tuple[str, ...]) -> list[Panel]:
     x = np.concatenate([getattr(one, name) for one in series])
     v = np.concatenate([one.velocity for one in series])
     x_edges, v_edges = _edges(x, _BINS[0]), _edges(v, _BINS[1])
-    grids = [_cells((x, v), (x_edges, v_edges), series, side) for side in ("before", "after")[: 1 + named]]
+    grids = [_cells((x, v), (x_edges, v_edges), series, side) for side in ("before", "after")[: len(models)]]
     largest = max((float(np.nanmax(grid)) for grid in grids if np.any(np.isfinite(grid))), default=1.0)
     limits = (0.0, max(largest, 1.5))
-    titles = (BASE.capitalize(), NAMED.capitalize())
-    labels = ("", "residual / noise") if named else ("residual / noise",)
+    labels = ("", "residual / noise")[-len(models) :]
     return [
         Panel(
             (HeatMap(_middles(x_edges), _middles(v_edges), grid, label, limits=limits),),
             units.axis(name),
             units.axis("velocity"),
-            title,
+            model.capitalize(),
         )
-        for grid, title, label in zip(grids, titles, labels, strict=False)
+        for grid, model, label in zip(grids, models, labels, strict=True)
     ]
 
 

@@ -8,11 +8,21 @@ import numpy as np
 
 from fricomp.report import Band, Chart, Line, Mark, Panel, Rule
 
-from ..result import RowSeries
+from ..result import DiagnosisRecord, RowSeries
 from ..track import FloatArray
 from .wording import Units, words
 
-__all__ = ["AFTER", "BASE", "BEFORE", "NAMED", "NOISE", "motion_chart", "motion_columns", "time_chart"]
+__all__ = [
+    "AFTER",
+    "BASE",
+    "BEFORE",
+    "NAMED",
+    "NOISE",
+    "models_of",
+    "motion_chart",
+    "motion_columns",
+    "time_chart",
+]
 
 BEFORE, AFTER, NOISE = 1, 0, 6
 """Colours of the base model, of the extended model and of the noise, in every chart."""
@@ -21,21 +31,32 @@ BASE, NAMED = "base model", "with what was named"
 """Names of the base model and of the extended one, in every chart."""
 
 
-def time_chart(series: RowSeries, units: Units, number: int, *, named: bool, changes: tuple[float, ...] = ()) -> Chart:
+def models_of(record: DiagnosisRecord) -> tuple[str, ...]:
+    """Names of what the rows before and after belong to; of one where nothing was named."""
+    if record.heldout is not None and record.heldout.before == "given":
+        return ("parameters as given", "refitted")
+    return (BASE, NAMED) if record.effects else (BASE,)
+
+
+def time_chart(
+    series: RowSeries, units: Units, number: int, models: tuple[str, ...], changes: tuple[float, ...] = ()
+) -> Chart:
     """Missing torque before and after, over the motion.
 
     Args:
         series: Rows of one recording.
         units: Of the diagnosis.
         number: Of the recording, for the chart's name.
-        named: Whether any effect was named, so that there is an after.
+        models: Names of what is drawn: before, and after where there is one.
         changes: Times at which the size of the residual changes [s].
     """
     noise = 1.96 * series.spread
     marks: list[Mark] = [Band(series.time, -noise, noise, "where nothing is missing (95 %)", color=NOISE)]
-    marks.append(Line(series.time, series.before, BASE, color=BEFORE, width=1.0))
-    if named:
-        marks.append(Line(series.time, series.after, NAMED, color=AFTER, width=1.0))
+    sides = ((series.before, BEFORE), (series.after, AFTER))
+    marks += [
+        Line(series.time, rows, name, color=color, width=1.0)
+        for name, (rows, color) in zip(models, sides, strict=False)
+    ]
     marks += [Rule(time, "x", "its size changes" if i == 0 else "", color=4) for i, time in enumerate(changes)]
     residual = Panel(tuple(marks), "time [s]", f"missing torque [{units.torque}]", "Measured less simulated torque")
     motion = Panel(

@@ -8,7 +8,7 @@ from fricomp.report import Chart, ReportPage, Section, Table
 
 from ..result import Diagnosis, NamedEffect
 from .maps import map_chart, plane_chart
-from .over_time import motion_chart, time_chart
+from .over_time import models_of, motion_chart, time_chart
 from .tables import base_table, change_table, effect_table, error_table, forward_table, location_table
 from .weighing import distinguishability_chart, order_chart, rival_chart, rival_table
 from .wording import VERDICT_TITLES, Units
@@ -21,15 +21,15 @@ _MOST_RECORDINGS = 6  # that are drawn over time
 def diagnosis_charts(diagnosis: Diagnosis) -> dict[str, Chart]:
     """Every chart that the evidence allows, by name."""
     record, evidence, units = diagnosis.record, diagnosis.evidence, Units.of(diagnosis)
-    named = bool(record.effects)
+    models = models_of(record)
     changes = evidence.change_points or ((),) * len(evidence.series)
     found: list[Chart | None] = [
-        time_chart(series, units, i + 1, named=named, changes=times)
+        time_chart(series, units, i + 1, models, times)
         for i, (series, times) in enumerate(zip(evidence.series[:_MOST_RECORDINGS], changes, strict=False))
     ]
     found += [
-        map_chart(evidence, record.location, units, named=named),
-        plane_chart(evidence.series, units, named=named),
+        map_chart(evidence, record.location, units, models),
+        plane_chart(evidence.series, units, models),
         order_chart(evidence.orders, record, units),
         rival_chart(record.rivals, record.effects),
         distinguishability_chart(record.distinguishability),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fricomp.report import Table
 
 from ..result import DiagnosisRecord
-from .over_time import BASE, NAMED
+from .over_time import BASE, NAMED, models_of
 from .wording import Units, derived_parameters, format_interval, format_location, format_number, format_quantity, words
 
 __all__ = ["base_table", "change_table", "effect_table", "error_table", "forward_table", "location_table"]
@@ -41,9 +41,9 @@ def error_table(record: DiagnosisRecord) -> Table | None:
     if found is None:
         return None
     low, high = found.ci95_reduction
-    rows: list[tuple[str, ...]] = [(_BASE, f"{found.rmse_before:.4g}", "–")]
-    if record.effects:
-        rows.append((NAMED, f"{found.rmse_after:.4g}", f"{low:.0%} to {high:.0%}"))
+    before, *after = models_of(record)
+    rows: list[tuple[str, ...]] = [(_BASE if before == BASE else before, f"{found.rmse_before:.4g}", "–")]
+    rows += [(name, f"{found.rmse_after:.4g}", f"{low:.0%} to {high:.0%}") for name in after]
     rows.append(("noise floor: nothing missing", f"{found.noise_floor:.4g}", "–"))
     caption = "On blocks that took no part in the fit, each row counted by its own noise."
     columns = ("error on held-out data", f"RMS [{found.unit}]", "falls by (95 % interval)")
@@ -57,7 +57,7 @@ def forward_table(record: DiagnosisRecord) -> Table | None:
     if found is None:
         return None
     rows: list[tuple[str, ...]] = [(_BASE, f"{found.rmse_before:.4g}")]
-    if record.effects:
+    if models_of(record)[-1] == NAMED:
         rows.append((NAMED, f"{found.rmse_after:.4g}"))
     low, high = found.interval
     caption = f"Simulated in MuJoCo from {low:.3g} to {high:.3g} s, which took no part. {found.controller}."

@@ -14,7 +14,7 @@ from fricomp.calibration.sweep.motion_file import read_motion
 from fricomp.export import state_columns
 from fricomp.laws import BidirectionalStribeck, Cogging, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel, Validity, load_model
-from fricomp.report import HeatMap
+from fricomp.report import HeatMap, Line
 from fricomp.sim_bench.diagnosis import (
     DIAGNOSIS_SCHEMA,
     Diagnosis,
@@ -154,6 +154,18 @@ def test_errors_stand_beside_the_noise_floor(diagnosis: Diagnosis) -> None:
     assert [row[1] for row in table.rows] == ["0.21", "0.021", "0.02"]
 
 
+def test_parameters_that_are_off_are_drawn_as_given_and_refitted(diagnosis: Diagnosis) -> None:
+    held = diagnosis.heldout
+    assert held is not None
+    record = with_fields(diagnosis.record, heldout=with_fields(held, before="given"))
+    table, charts = error_table(record), diagnosis_charts(replace(diagnosis, record=record))
+    assert table is not None
+    assert [row[0] for row in table.rows[:2]] == ["parameters as given", "refitted"]
+    for name in ("over-time-1", "where"):
+        labels = [mark.label for mark in charts[name].panels[0].marks if isinstance(mark, Line)]
+        assert labels == ["parameters as given", "refitted"]
+
+
 @pytest.mark.parametrize(
     ("value", "interval", "text"),
     [
@@ -259,9 +271,11 @@ def test_what_cannot_be_told_from_what_was_named_is_not_called_refused(diagnosis
     assert chart.panels[0].has_lone_bars()
 
 
-@pytest.mark.parametrize(("named", "scales"), [(True, [False, True] * 2), (False, [True] * 2)])
-def test_maps_side_by_side_share_one_colour_scale(diagnosis: Diagnosis, named: bool, scales: list[bool]) -> None:
-    chart = plane_chart(diagnosis.evidence.series, Units(), named=named)
+@pytest.mark.parametrize(("models", "scales"), [(("one", "two"), [False, True] * 2), (("one",), [True] * 2)])
+def test_maps_side_by_side_share_one_colour_scale(
+    diagnosis: Diagnosis, models: tuple[str, ...], scales: list[bool]
+) -> None:
+    chart = plane_chart(diagnosis.evidence.series, Units(), models)
     assert chart is not None
     maps = [mark for panel in chart.panels for mark in panel.marks if isinstance(mark, HeatMap)]
     assert [bool(mark.color_label) for mark in maps] == scales

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec.structs import replace as with_fields
 
 from fricomp.recording import Recording, RecordingMetadata
 from fricomp.sim_bench.diagnosis import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord, HeldOut, NamedEffect, Quantity
@@ -84,6 +85,20 @@ def test_a_bristle_is_named_where_something_unknown_was_left() -> None:
 def test_a_good_answer_and_a_base_at_its_noise_are_kept(verdict: str, share: float | None) -> None:
     answer = _answer(verdict, share, _BRAKE)
     assert second_look([_braked()], answer) is answer
+
+
+def test_parameters_that_are_off_hide_nothing_from_the_second_look() -> None:
+    given = _answer("parameters", 0.9, _SLOW)
+    held = given.heldout
+    assert held is not None
+    held = with_fields(held, before="given", rmse_before=5.0, rmse_after=0.4, noise_floor=0.1)
+    looked = second_look([_waving(0.5)], replace(given, record=with_fields(given.record, heldout=held)))
+    assert [(effect.name, effect.share > 0.0) for effect in looked.effects] == [
+        ("cogging", True),
+        ("encoder_eccentricity", False),
+    ]
+    assert looked.heldout is not None
+    assert looked.heldout.before == "refitted"
 
 
 def test_a_bristle_that_the_base_has_itself_is_none() -> None:
