@@ -21,6 +21,7 @@ from .track import FloatArray
 
 __all__ = ["agreeing", "hold"]
 
+_LEAST_GRAVITY = 0.4  # of the scale in which the base measures gravity: a fiftieth of friction or of gravity itself
 _HELD = 0.002  # relative deviation of inertia and gravity that are held at those of the simulation
 _NEAR, _MOST_NEAR = 0.9, 2  # of the best gain, from which an explanation is tried with the simulation's parameters
 _MOST_STARTS = 4
@@ -100,8 +101,11 @@ def _others(contexts: Sequence[Context], name: str) -> list[Candidate]:
 
 
 def hold(box: Box, rigid: RigidJoint) -> Box:
-    """`box` with a narrow prior on inertia and gravity."""
-    gravity = _HELD * max(float(np.hypot(*rigid.gravity)), 1e-9)
+    """`box` with a narrow prior on inertia and gravity.
+
+    About a vertical axis there is no gravity, and one held to exactly nothing would drown all else that is fitted.
+    """
+    gravity = _HELD * max(float(np.hypot(*rigid.gravity)), _LEAST_GRAVITY * float(box.scale[1]))
     centre: FloatArray = np.concatenate([[np.log(rigid.inertia), *rigid.gravity], box.centre[3:]])
     precision = box.precision.copy()
     precision[range(3), range(3)] = np.array([_HELD, gravity, gravity]) ** -2.0

@@ -18,10 +18,11 @@ from .track import FloatArray
 
 __all__ = ["fit_as_given"]
 
+_BODY = ("log_inertia", "gravity_cos", "gravity_sin")
 _RIGID = {
     "inertia_error": ("log_inertia",),
-    "payload_error": ("log_inertia", "gravity_cos", "gravity_sin"),
-    "torque_gain_error": ("log_inertia", "gravity_cos", "gravity_sin"),
+    "payload_error": _BODY,
+    "torque_gain_error": _BODY,
 }
 _UNEVEN = ("torque_offset", "direction_asymmetry")
 _ITERATIONS = 6
@@ -32,11 +33,15 @@ def fit_as_given(
 ) -> Fit | None:
     """The base fitted with the parameters of the effects `names` as given; None where these were not given.
 
-    Everything else is refitted, so that the error of this fit is that of these parameters alone.
+    Everything else is refitted, so that the error of this fit is that of these parameters alone; inertia and gravity,
+    where a simulation says them, stay where the refit found them.
     """
-    fixed = _rigid_values(names, rigid) | _uneven_values(names, prepared.fit.theta, friction)
+    theta = prepared.fit.theta
+    fixed = _rigid_values(names, rigid) | _uneven_values(names, theta, friction)
     if not fixed:
         return None
+    if rigid is not None:  # over a short range gravity would take up a constant torque
+        fixed = dict(zip(_BODY, theta[: len(_BODY)].tolist(), strict=True)) | fixed
     at = [BASE_NAMES.index(name) for name in fixed]
     lower, upper, start = (values.copy() for values in (prepared.box.lower, prepared.box.upper, prepared.fit.theta))
     lower[at] = upper[at] = start[at] = list(fixed.values())
@@ -63,4 +68,4 @@ def _uneven_values(names: Collection[str], theta: FloatArray, friction: Friction
     forward, reverse = "forward.coulomb_torque", "reverse.coulomb_torque"
     level = 0.5 * float(theta[BASE_NAMES.index(forward)] + theta[BASE_NAMES.index(reverse)])
     odd = 0.5 * (friction.forward.coulomb_torque - friction.reverse.coulomb_torque)
-    return {"offset": 0.0, forward: level + odd, reverse: level - odd}
+    return {"offset": 0.0, forward: max(level + odd, 0.0), reverse: max(level - odd, 0.0)}

@@ -140,7 +140,7 @@ def _with_forward(
         return diagnosis
     named = {effect.name for effect in diagnosis.effects}  # without the overtones of a ripple
     held = diagnosis.record.heldout
-    confirmed = held is not None and held.explained > 0.0
+    confirmed = held is not None and held.explained > 0.0 and held.before == "refitted"
     chosen = found.best if found.best is not None and confirmed and named & set(found.best.names) else None
     forward = forward_error(recording, prepared, chosen, loop)
     if forward is None:

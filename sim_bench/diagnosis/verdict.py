@@ -155,7 +155,9 @@ def _propose(
     answer: Answer, chosen: Explanation | None, refitted: Refitted
 ) -> tuple[NextExperiment, dict[str, FloatArray]] | None:
     """The motion that tells what was named from what fits as well."""
-    rivals = {rival.names: rival for rival in reversed(told(answer.found))}
+    rivals: dict[tuple[str, ...], Explanation] = {}
+    for rival in told(answer.found):  # best first, one of each set of effects
+        rivals.setdefault(rival.names, rival)
     if chosen is None or not rivals:
         return None
     box = answer.prepared.box

@@ -123,7 +123,6 @@ class Effect(ABC):
     citation: ClassVar[str]
     says: ClassVar[str]
     shown_at_rest: ClassVar[bool] = False  # else only rows in which the joint slides speak for it
-    contains: ClassVar[tuple[str, ...]] = ()
 
     @abstractmethod
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:

@@ -21,7 +21,6 @@ class SpringTorque(Effect):
     citation = ""
     says = "a spring pulls the joint"
     shown_at_rest = True
-    contains = ("torque_offset",)
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = contexts[0].scale

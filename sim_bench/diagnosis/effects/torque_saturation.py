@@ -19,7 +19,6 @@ class TorqueSaturation(Effect):
     equation = "tau = tau_recorded - c tau_recorded^3"
     citation = "pillay1989"
     says = "the torque falls short of the recorded one at high torque"
-    contains = ("torque_gain_error",)
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         largest = max(float(np.max(np.abs(c.torque))) for c in contexts)

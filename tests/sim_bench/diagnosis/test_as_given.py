@@ -52,6 +52,17 @@ def test_directions_that_differ_are_held_together(prepared: Prepared) -> None:
     assert found.rmse_before > found.rmse_after
 
 
+def test_gravity_of_a_simulation_does_not_take_up_a_constant_torque(prepared: Prepared) -> None:
+    forward, reverse = StribeckCurve(2.6, 2.6, 0.1, 0.5), StribeckCurve(1.7, 1.7, 0.1, 0.5)
+    uneven = FrictionModel(FrictionLaw((BidirectionalStribeck(forward, reverse),)))
+    rigid = RigidJoint(ToyJoint().inertia, _GRAVITY, 0.0, 0.0, 0.0, True)
+    free, held = (fit_as_given(prepared, ["direction_asymmetry"], one, uneven) for one in (None, rigid))
+    assert free is not None
+    assert held is not None
+    np.testing.assert_array_equal(held.theta[:3], prepared.fit.theta[:3])
+    assert held.cost > 2.0 * free.cost
+
+
 def test_nothing_is_as_given_where_nothing_was(prepared: Prepared) -> None:
     assert fit_as_given(prepared, ["inertia_error", "direction_asymmetry"], None, None) is None
     assert fit_as_given(prepared, ["velocity_filter_lag"], RigidJoint(1.0, _GRAVITY, 0.0, 0.0, 0.0, True), None) is None

@@ -9,6 +9,12 @@ import pytest
 from fricomp.model import decode_model, encode_model
 from fricomp.sim_bench import diagnose
 from fricomp.sim_bench.diagnosis import RigidJoint
+from fricomp.sim_bench.diagnosis.agreement import hold
+from fricomp.sim_bench.diagnosis.loading import build_tracks
+from fricomp.sim_bench.diagnosis.observer import Observer
+from fricomp.sim_bench.diagnosis.preparation import prepare
+from fricomp.sim_bench.diagnosis.refit import fit_from
+from fricomp.sim_bench.diagnosis.structure import Candidate
 
 from .toy_joint import ToyJoint, recording
 
@@ -71,6 +77,18 @@ def test_quadratic_drag_is_named_measured_and_added() -> None:
     model = diagnosis.extended_model
     assert model is not None
     assert decode_model(encode_model(model)).law.parameters() == model.law.parameters()
+
+
+def test_gravity_held_to_none_about_a_vertical_axis_lets_the_rest_be_fitted() -> None:
+    joint = ToyJoint(gravity=0.0, quadratic_drag=0.6)
+    given = RigidJoint(joint.inertia, (0.0, 0.0), 0.0, 0.0, 0.0, True)
+    tracks = build_tracks([recording(joint, "fourier", 20.0)])
+    prepared = prepare(tracks, observer=Observer(), nulls=8, seed=0, rigid=given)
+    drag = (Candidate("quadratic_drag", (("coefficient", 0.0),)),)
+    (free,) = fit_from(prepared, [(drag, prepared.fit.theta)], prepared.box)
+    (held,) = fit_from(prepared, [(drag, prepared.fit.theta)], hold(prepared.box, given))
+    assert held.gain > 0.7 * free.gain
+    assert held.values["quadratic_drag"]["coefficient"] == pytest.approx(joint.quadratic_drag, abs=0.05)
 
 
 def test_a_wrong_inertia_is_a_parameter_and_no_physics() -> None:
