@@ -67,7 +67,7 @@ def identify(
     resume: Annotated[bool, typer.Option("--resume", help="Of a fleet: go on with the one in --out.")] = False,
 ) -> None:
     """Identify friction; with a recording, inertia, gravity and offset first."""
-    from fricomp.calibration.identification import Status
+    from fricomp.control import find_doubt_in_status
 
     _refuse_dynamic_law(law)
     settings = _Settings(method, noise, loss, law, gravity, seed, depart)
@@ -81,7 +81,7 @@ def identify(
         for note in found.notes:
             typer.echo(note)
         departs = found.free is not None and found.free.departs  # then the network is what was asked for
-        if found.result.status is not Status.CONVERGED and not departs:
+        if find_doubt_in_status(found.result.status, "") is not None and not departs:
             raise typer.Exit(EXIT_NOT_USABLE)
 
 
@@ -277,6 +277,7 @@ def _finish(result: IdentificationResult, free: DiscrepancyNetwork | None, out: 
 
     from fricomp.calibration.identification import Status, save_discrepancy, save_identification
     from fricomp.cli.terminal import console
+    from fricomp.control import find_doubt_in_status
 
     files = save_identification(result, out)
     table = Table("parameter", "value", "standard deviation", "unit", box=None, pad_edge=False)
@@ -285,10 +286,13 @@ def _finish(result: IdentificationResult, free: DiscrepancyNetwork | None, out: 
         table.add_row(name, f"{value:.5g}", _deviation(result.standard_deviations[name]), units[name])
     screen = console()
     screen.print(table)
-    if result.status is Status.CONVERGED:
-        screen.print(f"{result.status}: {result.message}", markup=False)
+    said = f"{result.status}: {result.message}"
+    if find_doubt_in_status(result.status, "") is not None:
+        screen.print(f"NOT USABLE, {said}", style="bold red", markup=False)
+    elif result.status is Status.CONVERGED:
+        screen.print(said, markup=False)
     else:
-        screen.print(f"NOT USABLE, {result.status}: {result.message}", style="bold red", markup=False)
+        screen.print(f"Careful, {said}", style="yellow", markup=False)
     screen.print(f"Model {files.model}, network {files.network}, report {out / 'report.html'}")
     if free is None:
         return

@@ -1,3 +1,5 @@
+from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -6,6 +8,7 @@ from typer.testing import CliRunner
 
 from fricomp.calibration.benchmark.problem import PaperProblem
 from fricomp.calibration.comparison import compare_models
+from fricomp.calibration.identification import Status
 from fricomp.calibration.table import is_friction_table, read_friction_table
 from fricomp.cli.identify import app
 from fricomp.errors import IdentificationError, RecordingError
@@ -38,6 +41,22 @@ def test_a_model_that_is_not_usable_is_written_and_ends_with_1(tmp_path: Path) -
     assert done.exit_code == 1, done.output
     assert "NOT USABLE, not_identifiable: " in done.output
     assert {"friction.json", "friction.onnx", "report.html"} <= {path.name for path in out.iterdir()}
+
+
+def test_a_second_basin_nearly_as_likely_is_a_warning(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    module = import_module("fricomp.cli.identify")
+    plain = module._identify_file
+
+    def doubtful(file: Path, out: Path, settings: object) -> object:
+        found = plain(file, out, settings)
+        doubt = replace(found.result, status=Status.WRONG_BASIN_SUSPECTED, message="a second basin is near")
+        return replace(found, result=doubt)
+
+    monkeypatch.setattr(module, "_identify_file", doubtful)
+    call = [str(_table(tmp_path / "points.csv")), "--out", str(tmp_path / "out"), "--method", "least_squares"]
+    done = CliRunner().invoke(app, [*call, "--noise", "absolute"], env={"COLUMNS": "300"})
+    assert done.exit_code == 0, done.output
+    assert "Careful, wrong_basin_suspected: a second basin is near" in done.output
 
 
 def test_a_network_departs_where_held_out_points_ask_for_it(tmp_path: Path) -> None:
