@@ -119,8 +119,8 @@ parameter that no point depends on, or that only acts together with another, has
 model files it is a million times the value, because JSON has no infinity, and `compare` and the gain give it no weight.
 Coulomb and static torque are at most ten times the largest torque measured. The model file keeps the status, its
 sentence, the largest friction of the data and the slowest speeds; `Compensator` and the exports refuse a model whose
-status is neither `converged` nor `wrong_basin_suspected` unless `any_status=True`. A viscous coefficient near zero counts as known where it is worth less than 5 %
-of the largest torque at the fastest speed.
+status is neither `converged` nor `wrong_basin_suspected` unless `any_status=True`. A viscous coefficient near zero
+counts as known where it is worth less than 5 % of the largest torque at the fastest speed.
 
 **A recorded motion** cannot tell a constant torque offset from friction that differs between the directions. The
 bidirectional law takes the whole of it and the message says how large the offset would be with the same friction in
