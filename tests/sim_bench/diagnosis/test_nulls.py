@@ -82,4 +82,4 @@ def test_what_moved_the_joint_is_no_noise_of_its_nulls() -> None:
         prepare(build_tracks([one], [loop]), observer=Observer(), nulls=16, seed=0) for loop in (LOOP, None)
     )
     assert with_loop.noise_ratio == pytest.approx(1.0, abs=0.1)
-    assert np.median(with_loop.nulls.weights.spread[0]) < 0.95 * np.median(without.nulls.weights.spread[0])
+    assert np.median(with_loop.nulls.weights.spread[0]) < 0.97 * np.median(without.nulls.weights.spread[0])
