@@ -13,7 +13,7 @@ from concurrent.futures import Executor
 from itertools import count, islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 import numpy as np
@@ -169,11 +169,17 @@ def _compare(score: Score, first: BlindAnswer, second: BlindAnswer) -> GapScore:
         truth=score.truth,
         named=score.named,
         top_right=score.top_right,
-        before=found.get("rmse_before"),
+        before=_refitted(found),
         after=found.get("rmse_after"),
-        reachable=bare.get("rmse_before"),
+        reachable=_refitted(bare),
         floor=found.get("noise_floor"),
     )
+
+
+def _refitted(held: dict[str, Any]) -> float | None:
+    """Error of the refitted joint alone; where only parameters were off, that is the error after."""
+    error: float | None = held.get("rmse_after" if held.get("before") == "given" else "rmse_before")
+    return error
 
 
 def format_gaps(scores: Sequence[GapScore], reproduce: str) -> str:

@@ -77,9 +77,9 @@ def test_no_answer_is_heard_without_a_loop_or_steps(how: dict[str, Any]) -> None
 
 @pytest.mark.slow
 def test_what_moved_the_joint_is_no_noise_of_its_nulls() -> None:
-    one = recording(JOINT, "fourier", 30.0)
+    one = recording(replace(JOINT, torque_noise=0.01), "fourier", 30.0)  # so that the steps show above the noise
     with_loop, without = (
         prepare(build_tracks([one], [loop]), observer=Observer(), nulls=16, seed=0) for loop in (LOOP, None)
     )
     assert with_loop.noise_ratio == pytest.approx(1.0, abs=0.1)
-    assert np.median(with_loop.nulls.weights.spread[0]) < 0.97 * np.median(without.nulls.weights.spread[0])
+    assert np.median(with_loop.nulls.weights.spread[0]) < 0.95 * np.median(without.nulls.weights.spread[0])

@@ -59,6 +59,15 @@ def test_the_floor_is_that_of_the_recording_without_the_concealed_torque(tmp_pat
     np.testing.assert_array_equal(_column(answers.seen[0], "position"), _column(answers.seen[1], "position"))
 
 
+def test_reachable_is_the_error_of_the_refitted_joint_where_parameters_were_off(tmp_path: Path) -> None:
+    def diagnose(files: dict[str, bytes]) -> BlindAnswer:
+        heldout = {"rmse_before": 0.3, "rmse_after": 0.1, "noise_floor": 0.1, "before": "given"}
+        return answer("parameters", ["payload_error"], heldout=heldout)
+
+    (score,) = measure_gaps([PlannedCase("single", _SPEC)], tmp_path, (SerialExecutor(), 1), diagnose=diagnose)
+    assert (score.before, score.after, score.reachable) == (0.1, 0.1, 0.1)
+
+
 def test_what_is_measured_is_not_measured_again(tmp_path: Path) -> None:
     planned, pool, answers = [PlannedCase("single", _SPEC)], (SerialExecutor(), 1), _Answers()
     first = measure_gaps(planned, tmp_path, pool, diagnose=answers)
