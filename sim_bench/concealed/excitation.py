@@ -134,12 +134,13 @@ def _fourier(duration: float, speed: float, rng: np.random.Generator) -> Samples
 
 
 def _slow_reversals(duration: float, speed: float, rng: np.random.Generator) -> Samples:
-    """One-directional strokes at slow speeds between reversals of different depth."""
-    depths = rng.permutation(np.geomspace(0.02, 1.2, 7))
+    """One-directional strokes at slow speeds between reversals of different depth, a dozen of them at least."""
+    depths, longest = rng.permutation(np.geomspace(0.02, 1.2, 7)), duration / 12.0
     slow = np.geomspace(0.02, 0.25, 7) * speed
 
     def piece() -> Samples:
-        moves = [m for d, v in zip(depths, rng.permutation(slow), strict=True) for m in (_stroke(d, v), _stroke(-d, v))]
+        pairs = [(min(d, v * longest), v) for d, v in zip(depths, rng.permutation(slow), strict=True)]
+        moves = [move for d, v in pairs for move in (_stroke(d, v), _stroke(-d, v))]
         return np.concatenate([*moves, _rest(0.4)])
 
     return _repeat(piece, duration)

@@ -19,6 +19,7 @@ from .hypotheses import narrowed
 from .nulls import Nulls, make_nulls
 from .observer import Contribution, Observer
 from .order import order_hints
+from .other_bristle import with_other_bristle
 from .problem import Problem, observer_for
 from .rigid import RigidJoint
 from .screening import orthonormal, project_out
@@ -119,8 +120,9 @@ def prepare(
         rigid: Inertia and gravity as the simulation has them; a motion at one speed says nothing about the inertia.
     """
     raw, fit, box = _first_fit(tracks, observer, rigid)
-    for count in (_FIRST_NULLS, nulls):
-        fit, problem, found = _reweigh(raw, fit, box, count, seed)
+    fit, problem, _ = _reweigh(raw, fit, box, _FIRST_NULLS, seed)
+    fit = with_other_bristle(problem, fit, box)
+    fit, problem, found = _reweigh(raw, fit, box, nulls, seed)
     prepared = Prepared(problem, _structure(problem, fit, box), fit, box, found)
     return _level_noise(_recoloured(prepared))
 

@@ -10,6 +10,8 @@ from ..kernel import dwell
 from ..observer import Contribution
 from .effect import Context, Effect, EffectParameter, Values, register
 
+_LEAST = 0.02  # of the static friction, that a rise must reach in the longest rest
+
 
 @register
 class DwellStiction(Effect):
@@ -41,4 +43,8 @@ class DwellStiction(Effect):
         return "the joint never rests" if rests < 0.01 else None
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        return "the static friction would fall at rest" if values["rise"] <= 0.0 else None
+        if values["rise"] <= 0.0:
+            return "the static friction would fall at rest"
+        reached = max(float(np.max(self.contribution(c, values).level)) for c in contexts)
+        least = _LEAST * max(max(c.plant.forward[1], c.plant.reverse[1]) for c in contexts)
+        return "the rise is smaller than what laws of presliding differ by" if reached < least else None
