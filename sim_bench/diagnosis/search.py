@@ -138,12 +138,18 @@ def _singles(prepared: Prepared, first: Screen) -> list[Explanation]:
     """
     groups, contexts = _ranked(first, _SINGLES), prepared.structure.contexts
     others = [group for group in _grouped(first) if group not in groups]
-    suspected = [group for group in others if group[0].candidate.effect.suspected(contexts)]
-    tried = _refitted(prepared, [*groups, *suspected])
+    suspected = [group for group in _grouped(first) if group[0].candidate.effect.suspected(contexts)]
+    tried = _refitted(prepared, groups) + _near_the_edge(prepared, suspected)
     if prepared.noise_ratio > _BENT and all(explanation.coverage < _MOST for explanation in tried):
         tried += _refitted(prepared, [group for group in others if group not in suspected])
         tried += _from_afar(prepared)
     return sorted(tried, key=preference, reverse=True)
+
+
+def _near_the_edge(prepared: Prepared, suspected: Sequence[Sequence[Column]]) -> list[Explanation]:
+    """Effects into which the base has bent as far as it may go: its Jacobian there says little about the way on."""
+    candidates = [column.candidate for group in suspected for column in _options(prepared, group)]
+    return fit_from(prepared, [((one,), prepared.fit.theta) for one in candidates], prepared.box)
 
 
 def _from_afar(prepared: Prepared) -> list[Explanation]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..dynamics import SAMPLE_PERIOD
 from ..effect import Change, Effect, Form, Scene, Truth
 
 __all__ = ["EFFECTS"]
@@ -46,6 +47,12 @@ def _heating(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change
 EFFECTS = (
     Effect("torque_saturation", "physics", (_saturation(0.0), _saturation(1.0)), lambda scene: (0.01, 0.35)),
     Effect("supply_sag", "physics", (Form("power", _sag),), lambda scene: (0.02, 0.5)),
-    Effect("drive_lag", "measurement", (_lag(1.0), _lag(2.0)), lambda scene: (1e-3, 1.2e-2)),
+    Effect(
+        "drive_lag",
+        "measurement",
+        (_lag(1.0), _lag(2.0)),
+        lambda scene: (1e-3, 1.2e-2),
+        smallest=lambda scene: SAMPLE_PERIOD,  # less is where in its sample a torque belongs
+    ),
     Effect("torque_constant_heating", "physics", (Form("copper", _heating),), lambda scene: (5e-4, 8e-3)),
 )

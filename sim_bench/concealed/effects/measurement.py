@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..dynamics import SAMPLE_PERIOD
 from ..effect import Change, Effect, Form, Scene, Truth
 
 __all__ = ["EFFECTS"]
@@ -42,7 +43,14 @@ def _hysteresis(bouc_wen: float) -> Form:
 EFFECTS = (
     Effect("torque_gain_error", "measurement", (Form("gain", _gain),), lambda scene: (0.01, 0.2), against="friction"),
     Effect("velocity_filter_lag", "measurement", (Form("first order", _velocity_lag),), lambda scene: (2e-3, 3e-2)),
-    Effect("torque_delay", "measurement", (Form("pure", _delay),), lambda scene: (1e-3, 1.2e-2), localised=True),
+    Effect(
+        "torque_delay",
+        "measurement",
+        (Form("pure", _delay),),
+        lambda scene: (1e-3, 1.2e-2),
+        localised=True,
+        smallest=lambda scene: SAMPLE_PERIOD,  # less is where in its sample a torque belongs
+    ),
     Effect("encoder_eccentricity", "measurement", (Form("sine", _eccentricity),), lambda scene: (1e-4, 4e-2)),
     Effect(
         "torque_sensor_hysteresis", "measurement", (_hysteresis(0.0), _hysteresis(1.0)), lambda scene: (0.005, 0.15)
