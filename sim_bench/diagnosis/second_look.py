@@ -125,8 +125,7 @@ def _finer(harmonic: Harmonic, coarse: tuple[float, float]) -> bool:
 
 
 def _lawless(recordings: Sequence[Recording], held: HeldOut) -> bool:
-    left = held.rmse_after if held.before == "given" else held.rmse_before  # by the base refitted
-    return left > _NO_MOTION_LAW * max(float(np.std(one.torque)) for one in recordings)
+    return held.rmse_refitted > _NO_MOTION_LAW * max(float(np.std(one.torque)) for one in recordings)
 
 
 def _with_ripple(

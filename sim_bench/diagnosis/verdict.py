@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from msgspec.structs import replace as with_fields
@@ -75,6 +76,20 @@ class Answer:
         return self.recordings[0].metadata.position_unit
 
 
+class _Trial(NamedTuple):
+    """The best explanation on data that took no part.
+
+    Attributes:
+        chosen: It; None where there is none that covers the mismatch, or the held-out error does not fall for sure.
+        failed: It, where the held-out error does not fall for sure; else None.
+        held: Held-out errors with what was chosen; None where nothing was.
+    """
+
+    chosen: Explanation | None = None
+    failed: Explanation | None = None
+    held: Confirmation | None = None
+
+
 def conclude(answer: Answer) -> Diagnosis:
     """Draw the verdict and collect what supports it."""
 
@@ -84,17 +99,13 @@ def conclude(answer: Answer) -> Diagnosis:
     answer = replace(answer, found=agreeing(answer.prepared, answer.found, answer.rigid, differs))
     prepared, found = answer.prepared, answer.found
     best = found.best
-    chosen = best if best is not None and covers(best, found, prepared) and best.common_order is None else None
-    held, failed = _confirm(answer, chosen), None
-    if chosen is not None and not confirmed(held, chosen, found.threshold):
-        failed, chosen = chosen, None
-        held = _confirm(answer, None)
+    chosen, failed, held = _try(answer)
     tone = vibration(prepared) if chosen is None else None
     unknown = chosen is None and (tone is not None or stands_out(found, prepared))
     refitted = Refitted.of(prepared, chosen)
     compared = _compare(answer, refitted, UNEXPLAINED if unknown else PLAIN if chosen is None else NAMED)
     given = None if unknown or chosen is not None else _as_given(answer, compared.effects)
-    if given is not None:
+    if held is None:
         held = confirm(prepared, prepared.structure, prepared.fit, answer.seed, given=given)
     series = _series(prepared, given or prepared.fit, refitted)
     named: list[NamedEffect] = []
@@ -151,6 +162,14 @@ def conclude(answer: Answer) -> Diagnosis:
     )
 
 
+def _try(answer: Answer) -> _Trial:
+    prepared, found, best = answer.prepared, answer.found, answer.found.best
+    if best is None or not covers(best, found, prepared) or best.common_order is not None:
+        return _Trial()
+    held = confirm(prepared, best.structure, best.fit, answer.seed)
+    return _Trial(chosen=best, held=held) if confirmed(held, best, found.threshold) else _Trial(failed=best)
+
+
 def _propose(
     answer: Answer, chosen: Explanation | None, refitted: Refitted
 ) -> tuple[NextExperiment, dict[str, FloatArray]] | None:
@@ -168,11 +187,6 @@ def _propose(
         return None
     why = f"{proposal.title}, where the explanations differ by {proposal.difference:.3g} {answer.unit} and more"
     return NextExperiment(motion="motion.csv", separates=proposal.separates, why=why), proposal.motion
-
-
-def _confirm(answer: Answer, chosen: Explanation | None) -> Confirmation:
-    one = answer.prepared if chosen is None else chosen
-    return confirm(answer.prepared, one.structure, one.fit, answer.seed)
 
 
 def _series(prepared: Prepared, before: Fit, after: Refitted) -> tuple[RowSeries, ...]:
