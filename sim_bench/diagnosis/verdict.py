@@ -112,7 +112,7 @@ def conclude(answer: Answer) -> Diagnosis:
     effects, location = list(compared.effects), Location()
     if chosen is not None:
         named, location = _explained(answer, chosen, refitted, held.explained, series)
-        effects = [*named, *effects]
+        effects = _each_once(named, effects)
     elif unknown:
         location = _where_unknown(series, tone)
     elif given is not None:
@@ -229,6 +229,26 @@ def _explained(
             )
         )
     return effects, locate(series, whole)
+
+
+def _each_once(named: Sequence[NamedEffect], compared: Sequence[NamedEffect]) -> list[NamedEffect]:
+    """What was chosen, with what the comparison says under the same name, and the rest of the comparison.
+
+    So it is with a load that differs between the recordings, and in the first of them from the simulation's.
+    """
+    rest = {one.name: one for one in compared}
+    same = {one.name: rest.pop(one.name) for one in named if one.name in rest}
+    joined = [
+        with_fields(
+            one,
+            parameters=one.parameters | same[one.name].parameters,
+            sentence=f"{one.sentence}; {same[one.name].sentence}",
+        )
+        if one.name in same
+        else one
+        for one in named
+    ]
+    return [*joined, *rest.values()]
 
 
 def _compare(answer: Answer, refitted: Refitted, doubt: Doubt) -> Comparison:
