@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from msgspec.structs import replace as with_fields
@@ -17,12 +16,12 @@ from .alias import aliases, distinguishability, told
 from .as_given import fit_as_given
 from .base import BASE_NAMES
 from .comparison import NAMED, PLAIN, UNEXPLAINED, Comparison, Doubt, compare_friction, compare_rigid
-from .confirmation import Confirmation, confirm
+from .confirmation import confirm
 from .effect_energy import effect_energy
 from .experiment import propose
 from .explanation import Explanation
 from .extension import base_model, extended_model
-from .gates import confirmed, covers, stands_out, vibration
+from .gates import put_to_trial, stands_out, vibration
 from .location import change_points, excess_maps, locate, row_series
 from .order import order_spectrum
 from .overtone import overtones
@@ -76,20 +75,6 @@ class Answer:
         return self.recordings[0].metadata.position_unit
 
 
-class _Trial(NamedTuple):
-    """The best explanation on data that took no part.
-
-    Attributes:
-        chosen: It; None where there is none that covers the mismatch, or the held-out error does not fall for sure.
-        failed: It, where the held-out error does not fall for sure; else None.
-        held: Held-out errors with what was chosen; None where nothing was.
-    """
-
-    chosen: Explanation | None = None
-    failed: Explanation | None = None
-    held: Confirmation | None = None
-
-
 def conclude(answer: Answer) -> Diagnosis:
     """Draw the verdict and collect what supports it."""
 
@@ -99,7 +84,7 @@ def conclude(answer: Answer) -> Diagnosis:
     answer = replace(answer, found=agreeing(answer.prepared, answer.found, answer.rigid, differs))
     prepared, found = answer.prepared, answer.found
     best = found.best
-    chosen, failed, held = _try(answer)
+    chosen, failed, held = put_to_trial(prepared, found, answer.seed)
     tone = vibration(prepared) if chosen is None else None
     unknown = chosen is None and (tone is not None or stands_out(found, prepared))
     refitted = Refitted.of(prepared, chosen)
@@ -160,14 +145,6 @@ def conclude(answer: Answer) -> Diagnosis:
         motion=proposal[1] if proposal is not None else None,
         detent_order=detent,
     )
-
-
-def _try(answer: Answer) -> _Trial:
-    prepared, found, best = answer.prepared, answer.found, answer.found.best
-    if best is None or not covers(best, found, prepared) or best.common_order is not None:
-        return _Trial()
-    held = confirm(prepared, best.structure, best.fit, answer.seed)
-    return _Trial(chosen=best, held=held) if confirmed(held, best, found.threshold) else _Trial(failed=best)
 
 
 def _propose(
