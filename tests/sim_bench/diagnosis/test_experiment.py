@@ -64,7 +64,8 @@ def test_a_rival_at_the_edge_of_its_domain_is_not_simulated_beyond_it(
     box = prepared.box.joined(driving.structure.box())
     late = np.arange(box.upper.size) == BASE_NAMES.index("delay")
     at_edge = replace(driving, fit=replace(driving.fit, theta=np.where(late, box.upper, driving.fit.theta)))
-    simulated, rows = [], _Motion.rows
+    simulated: list[FloatArray] = []
+    rows = _Motion.rows
 
     def watched(motion: _Motion, explanation: Explanation, points: Sequence[FloatArray]) -> FloatArray:
         simulated.extend(points if explanation is at_edge else ())
