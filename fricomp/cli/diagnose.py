@@ -107,7 +107,7 @@ def run_diagnosis(
 
     from fricomp.cli.diagnosis_folder import remove_earlier_diagnosis
     from fricomp.cli.terminal import progress
-    from fricomp.sim_bench.diagnosis.presentation import with_names, write_diagnosis
+    from fricomp.sim_bench.diagnosis_report import with_names, write_diagnosis
 
     start = perf_counter()
     with progress(quiet=quiet) as bar:
@@ -207,7 +207,7 @@ def _facts(
 
 def _print_diagnosis(run: DiagnosisRun, out: Path) -> None:
     from fricomp.cli.terminal import console
-    from fricomp.sim_bench.diagnosis.presentation import change_table, effect_table, error_table, forward_table
+    from fricomp.sim_bench.diagnosis_report import change_table, effect_table, error_table, forward_table
 
     show, record = console(), run.diagnosis.record
     for warning in run.warnings:
@@ -231,7 +231,7 @@ def _diagnose_fleet(
     from functools import partial
 
     from fricomp.cli.terminal import console
-    from fricomp.sim_bench.diagnosis.presentation import fleet_table, write_fleet
+    from fricomp.sim_bench.diagnosis_report import fleet_table, write_fleet
     from fricomp.sim_bench.fleet import FleetJoint, list_joints
 
     defaults = FleetJoint("", (), options["simulation"], options["joint"], given["friction"])
@@ -249,7 +249,7 @@ def _diagnose_fleet(
 
 def _diagnose_one(joint: FleetJoint, out: Path, *, options: dict[str, Any], given: dict[str, Path | None]) -> FleetRow:
     """On a worker: diagnose one joint of a fleet."""
-    from fricomp.sim_bench.diagnosis.presentation import fleet_row
+    from fricomp.sim_bench.diagnosis_report import fleet_row
 
     options = options | {"simulation": joint.simulation, "joint": joint.joint}
     run = run_diagnosis(joint.recordings, out, options, given | {"friction": joint.friction}, quiet=True)

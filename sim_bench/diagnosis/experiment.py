@@ -20,7 +20,7 @@ from .explanation import Explanation
 from .observer import Contribution, Job, Plant
 from .preparation import Prepared
 from .problem import Problem, observer_for
-from .solver import Box
+from .solver import Box, inward_steps
 from .structure import N_BASE
 from .track import FloatArray, Track, smooth_derivative
 
@@ -32,6 +32,7 @@ _ENOUGH = 30.0  # gain that a rival must lack: it is told while it lacks 12, and
 _PLENTY = 10.0  # times that, beyond which more is no better
 _HELD = 1e-8  # scale of a parameter that is not fitted
 _DIFFERENCE = 0.1  # of a parameter's scale
+_LARGEST = 1e50  # of a row, or its derivative, beyond which nothing was simulated
 
 
 class Range(NamedTuple):
@@ -134,14 +135,21 @@ class _Motion:
         return np.asarray(lfilter(self.whitener, [1.0], np.stack(missing) / self.noise, axis=1))
 
     def lacking(self, chosen: Explanation, rival: Explanation, box: Box) -> float:
-        """Gain that `rival` would lack on this motion where `chosen` is right, after it is fitted to all recordings."""
+        """Gain that `rival` would lack on this motion where `chosen` is right, after it is fitted to all recordings.
+
+        0 where one of the two, or the rival beside its fit, does not simulate on this motion.
+        """
         box, theta = box.joined(rival.structure.box()), rival.fit.theta
-        steps = _DIFFERENCE * box.scale
+        steps = inward_steps(theta, box, _DIFFERENCE)
         free = np.flatnonzero(box.scale > _HELD)
         at, *moved = self.rows(rival, [theta, *(theta + steps[i] * np.eye(theta.size)[i] for i in free)])
         difference = at - self.rows(chosen, [chosen.fit.theta])[0]
         here = (rival.fit.jacobian * box.scale)[:, free]
-        there = np.stack([(row - at) / _DIFFERENCE for row in moved], axis=1)
+        signed = np.copysign(_DIFFERENCE, steps[free])
+        there = np.stack([(row - at) / part for row, part in zip(moved, signed, strict=True)], axis=1)
+        # A row that ran away squares to infinity, on which the solution of the normal equations need not even end.
+        if not np.all(np.abs(np.column_stack([difference, there])) < _LARGEST):
+            return 0.0
         known = here.T @ here + box.scaled_precision[np.ix_(free, free)] + there.T @ there
         along = there.T @ difference
         return float(difference @ difference - along @ np.linalg.lstsq(known, along, rcond=1e-10)[0])

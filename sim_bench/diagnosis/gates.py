@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from .confirmation import Confirmation
+from typing import NamedTuple
+
+from .confirmation import Confirmation, confirm
 from .explanation import Explanation
 from .preparation import Prepared
 from .search import Found
 from .tone import Tone, find_tone
 
-__all__ = ["confirmed", "covers", "stands_out", "vibration"]
+__all__ = ["Trial", "confirmed", "covers", "put_to_trial", "stands_out", "vibration"]
 
 _COVERED, _MOSTLY_COVERED = 0.88, 0.7
 _FAINTLY_COVERED = 0.5  # where no more is left than nulls leave
@@ -23,6 +25,35 @@ _EXPLAINED = 0.7  # on held-out data, of what shows in a few blocks only or leav
 _STILL_LOUD = 1.5  # energy over that of the noise
 _MUCH = 3.0  # thresholds of gain of what shows in a few blocks only
 _SURE, _HALF = 10.0, 0.5  # thresholds from which half of what was to be explained there is enough
+
+
+class Trial(NamedTuple):
+    """The best explanation on data that took no part.
+
+    Attributes:
+        chosen: It; None where there is none that covers the mismatch, or the held-out error does not fall for sure.
+        failed: It, where the held-out error does not fall for sure; else None.
+        held: Held-out errors with what was chosen; None where nothing was.
+    """
+
+    chosen: Explanation | None = None
+    failed: Explanation | None = None
+    held: Confirmation | None = None
+
+
+def put_to_trial(prepared: Prepared, found: Found, seed: int) -> Trial:
+    """Confirm the best explanation, where it covers the mismatch and is no one part that ripples torque and friction.
+
+    Args:
+        prepared: Base model and recordings.
+        found: Explanations, best first.
+        seed: Of the bootstrap.
+    """
+    best = found.best
+    if best is None or not covers(best, found, prepared) or best.common_order is not None:
+        return Trial()
+    held = confirm(prepared, best.structure, best.fit, seed)
+    return Trial(chosen=best, held=held) if confirmed(held, best, found.threshold) else Trial(failed=best)
 
 
 def covers(best: Explanation, found: Found, prepared: Prepared) -> bool:

@@ -99,6 +99,11 @@ class HeldOut(msgspec.Struct, frozen=True, kw_only=True):
     explained: float
     before: Literal["refitted", "given"] = "refitted"
 
+    @property
+    def rmse_refitted(self) -> float:
+        """Of the base model refitted, whatever the first error belongs to."""
+        return self.rmse_after if self.before == "given" else self.rmse_before
+
 
 class Forward(msgspec.Struct, frozen=True, kw_only=True):
     """Position errors of a forward simulation in MuJoCo under the recorded reference, on time that took no part.

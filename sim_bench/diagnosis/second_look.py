@@ -125,8 +125,7 @@ def _finer(harmonic: Harmonic, coarse: tuple[float, float]) -> bool:
 
 
 def _lawless(recordings: Sequence[Recording], held: HeldOut) -> bool:
-    left = held.rmse_after if held.before == "given" else held.rmse_before  # by the base refitted
-    return left > _NO_MOTION_LAW * max(float(np.std(one.torque)) for one in recordings)
+    return held.rmse_refitted > _NO_MOTION_LAW * max(float(np.std(one.torque)) for one in recordings)
 
 
 def _with_ripple(
@@ -252,13 +251,16 @@ def _with_drive_path(recordings: Sequence[Recording], diagnosis: Diagnosis, path
 
 
 def _record(diagnosis: Diagnosis, verdict: str, effects: tuple[NamedEffect, ...], held: HeldOut) -> DiagnosisRecord:
-    """The record with another answer; what the search named before joins the refused rivals."""
-    old = diagnosis.record
+    """The record with another answer; what the search named before joins the refused rivals, but for the same name."""
+    old, name = diagnosis.record, effects[0].name
     refused = [
         Rival(effects=(e.name,), gain=0.0, refused=f"covers {e.share:.0%} of the mismatch in the rows, less here")
         for e in old.effects
-        if _searched(diagnosis) and e.share > 0.0
+        if _searched(diagnosis) and e.share > 0.0 and e.name != name
     ]
+    same = [rival for rival in old.rivals if not rival.refused and rival.effects == (name,)]
+    others = [_superseded(rival) for rival in old.rivals if rival not in same]
+    named = same or [Rival(effects=tuple(e.name for e in effects), gain=0.0)]
     record = with_fields(
         old,
         verdict=verdict,
@@ -267,7 +269,7 @@ def _record(diagnosis: Diagnosis, verdict: str, effects: tuple[NamedEffect, ...]
         location={},
         noise_ratio=held.rmse_before / max(held.noise_floor, 1e-30),
         coverage=held.explained,
-        rivals=(Rival(effects=tuple(e.name for e in effects), gain=0.0), *refused, *map(_superseded, old.rivals)),
+        rivals=(*named, *refused, *others),
         next_experiment=None,
         sentences=(),
     )

@@ -10,7 +10,7 @@ from scipy.linalg import block_diag
 
 from .track import FloatArray
 
-__all__ = ["Box", "Descent", "Fit", "at_least", "descend", "minimise", "together"]
+__all__ = ["Box", "Descent", "Fit", "at_least", "descend", "inward_steps", "minimise", "together"]
 
 _DIFFERENCE = 0.02  # of a parameter's scale
 _DAMPINGS = (1.0, 30.0, 900.0)  # tried at once, as simulations come in batches
@@ -147,7 +147,7 @@ def descend(
     """
     theta = box.clip(theta)
     known = np.zeros((0, 0)) if jacobian is None else jacobian
-    steps = _differences(theta, box)
+    steps = inward_steps(theta, box)
     at, *moved = yield [theta, *_points(theta, steps, range(known.shape[1], theta.size))]
     residual, cost = at, _cost(at, theta, box)
     if not np.isfinite(cost):  # a start that does not simulate
@@ -184,14 +184,14 @@ def descend(
 
 def _jacobian(theta: FloatArray, at: FloatArray, box: Box) -> Generator[list[FloatArray], list[FloatArray], FloatArray]:
     """Fresh Jacobian at `theta`, where the residual is `at`. Shape (m, p)."""
-    steps = _differences(theta, box)
+    steps = inward_steps(theta, box)
     moved = yield _points(theta, steps, range(theta.size))
     return _columns(moved, at, steps)
 
 
-def _differences(theta: FloatArray, box: Box) -> FloatArray:
-    """One-sided steps that stay inside. Shape (p,)."""
-    step = _DIFFERENCE * box.scale
+def inward_steps(theta: FloatArray, box: Box, part: float = _DIFFERENCE) -> FloatArray:
+    """One-sided steps for differences, `part` of each parameter's scale, that stay inside. Shape (p,)."""
+    step = part * box.scale
     return np.where(theta + step > box.upper, -step, step)
 
 

@@ -16,12 +16,12 @@ from .alias import aliases, distinguishability, told
 from .as_given import fit_as_given
 from .base import BASE_NAMES
 from .comparison import NAMED, PLAIN, UNEXPLAINED, Comparison, Doubt, compare_friction, compare_rigid
-from .confirmation import Confirmation, confirm
+from .confirmation import confirm
 from .effect_energy import effect_energy
 from .experiment import propose
 from .explanation import Explanation
 from .extension import base_model, extended_model
-from .gates import confirmed, covers, stands_out, vibration
+from .gates import put_to_trial, stands_out, vibration
 from .location import change_points, excess_maps, locate, row_series
 from .order import order_spectrum
 from .overtone import overtones
@@ -84,24 +84,20 @@ def conclude(answer: Answer) -> Diagnosis:
     answer = replace(answer, found=agreeing(answer.prepared, answer.found, answer.rigid, differs))
     prepared, found = answer.prepared, answer.found
     best = found.best
-    chosen = best if best is not None and covers(best, found, prepared) and best.common_order is None else None
-    held, failed = _confirm(answer, chosen), None
-    if chosen is not None and not confirmed(held, chosen, found.threshold):
-        failed, chosen = chosen, None
-        held = _confirm(answer, None)
+    chosen, failed, held = put_to_trial(prepared, found, answer.seed)
     tone = vibration(prepared) if chosen is None else None
     unknown = chosen is None and (tone is not None or stands_out(found, prepared))
     refitted = Refitted.of(prepared, chosen)
     compared = _compare(answer, refitted, UNEXPLAINED if unknown else PLAIN if chosen is None else NAMED)
     given = None if unknown or chosen is not None else _as_given(answer, compared.effects)
-    if given is not None:
+    if held is None:
         held = confirm(prepared, prepared.structure, prepared.fit, answer.seed, given=given)
     series = _series(prepared, given or prepared.fit, refitted)
     named: list[NamedEffect] = []
     effects, location = list(compared.effects), Location()
     if chosen is not None:
         named, location = _explained(answer, chosen, refitted, held.explained, series)
-        effects = [*named, *effects]
+        effects = _each_once(named, effects)
     elif unknown:
         location = _where_unknown(series, tone)
     elif given is not None:
@@ -170,11 +166,6 @@ def _propose(
     return NextExperiment(motion="motion.csv", separates=proposal.separates, why=why), proposal.motion
 
 
-def _confirm(answer: Answer, chosen: Explanation | None) -> Confirmation:
-    one = answer.prepared if chosen is None else chosen
-    return confirm(answer.prepared, one.structure, one.fit, answer.seed)
-
-
 def _series(prepared: Prepared, before: Fit, after: Refitted) -> tuple[RowSeries, ...]:
     """Rows of the base, as given or refitted, and of the joint that the verdict is about."""
     problem, weights = prepared.problem, prepared.nulls.weights
@@ -215,6 +206,26 @@ def _explained(
             )
         )
     return effects, locate(series, whole)
+
+
+def _each_once(named: Sequence[NamedEffect], compared: Sequence[NamedEffect]) -> list[NamedEffect]:
+    """What was chosen, with what the comparison says under the same name, and the rest of the comparison.
+
+    So it is with a load that differs between the recordings, and in the first of them from the simulation's.
+    """
+    rest = {one.name: one for one in compared}
+    same = {one.name: rest.pop(one.name) for one in named if one.name in rest}
+    joined = [
+        with_fields(
+            one,
+            parameters=one.parameters | same[one.name].parameters,
+            sentence=f"{one.sentence}; {same[one.name].sentence}",
+        )
+        if one.name in same
+        else one
+        for one in named
+    ]
+    return [*joined, *rest.values()]
 
 
 def _compare(answer: Answer, refitted: Refitted, doubt: Doubt) -> Comparison:

@@ -13,7 +13,7 @@ from concurrent.futures import Executor
 from itertools import count, islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
@@ -21,6 +21,7 @@ import numpy as np
 from fricomp.errors import DiagnosisError
 
 from ..concealed import CATALOGUE, CaseSpec, generate, write_answer, write_case
+from ..diagnosis import HeldOut
 from ..fleet import stream
 from .blind import BlindAnswer, diagnose_blind
 from .making import name_of
@@ -163,23 +164,22 @@ def _take_away(torque: NDArray[np.float64], gear_ratio: float, recording: Path) 
 
 
 def _compare(score: Score, first: BlindAnswer, second: BlindAnswer) -> GapScore:
-    found, bare = (read_diagnosis(each.diagnosis).get("heldout") or {} for each in (first, second))
+    found, bare = (_held_out(each) for each in (first, second))
     return GapScore(
         case=score.case,
         truth=score.truth,
         named=score.named,
         top_right=score.top_right,
-        before=_refitted(found),
-        after=found.get("rmse_after"),
-        reachable=_refitted(bare),
-        floor=found.get("noise_floor"),
+        before=found.rmse_refitted if found else None,
+        after=found.rmse_after if found else None,
+        reachable=bare.rmse_refitted if bare else None,
+        floor=found.noise_floor if found else None,
     )
 
 
-def _refitted(held: dict[str, Any]) -> float | None:
-    """Error of the refitted joint alone; where only parameters were off, that is the error after."""
-    error: float | None = held.get("rmse_after" if held.get("before") == "given" else "rmse_before")
-    return error
+def _held_out(answer: BlindAnswer) -> HeldOut | None:
+    """Held-out errors of a diagnosis; None where it gave none."""
+    return msgspec.convert(read_diagnosis(answer.diagnosis).get("heldout"), HeldOut | None)
 
 
 def format_gaps(scores: Sequence[GapScore], reproduce: str) -> str:

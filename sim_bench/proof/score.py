@@ -50,9 +50,9 @@ class Score:
         false_names: Names that are neither concealed, nor accepted, nor come with a concealed one in their set.
         verdict_right: The verdict is the expected one, or was accepted for it.
         overlap: Intersection over union of the located and the true time; NaN where the effect is not localised.
-        gap_closed: Energy above the diagnosis' own noise floor that was removed on held-out data; NaN where nothing
-            was named that changes the residual. That floor is at most the error that is left, so this is no share of
-            what the right structure could close: `gap` measures that.
+        gap_closed: Energy above the diagnosis' own noise floor that was removed on held-out data; NaN where no effect
+            of physics or measurement was named that changes the residual. That floor is at most the error that is
+            left, so this is no share of what the right structure could close: `gap` measures that.
         noise_ratio: Residual of the base model over its noise floor, as the diagnosis sees it; NaN where not given.
         parameters: Number of parameters that can be compared.
         covered: How many of their 95 % intervals hold the truth.
@@ -219,7 +219,8 @@ def _score_location(truth: dict[str, Any], said: dict[str, Any], duration: float
 
 def _gap_closed(said: dict[str, Any]) -> float:
     heldout = said.get("heldout")
-    if not heldout or not any(each.get("share", 0.0) > 0.0 for each in said["effects"]):
+    named = [each for each in said["effects"] if each["kind"] != "parameter" and each.get("share", 0.0) > 0.0]
+    if not heldout or not named:
         return float("nan")
     before, after, floor = (heldout[name] ** 2 for name in ("rmse_before", "rmse_after", "noise_floor"))
     return float((before - after) / (before - floor)) if before > floor else float("nan")

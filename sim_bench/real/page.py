@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..diagnosis.presentation import VERDICT_TITLES, format_quantity
+from ..diagnosis_report import VERDICT_TITLES, format_quantity
 from .run import RealOutcome
 
 __all__ = ["write_real_page"]

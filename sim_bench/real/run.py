@@ -12,7 +12,7 @@ from fricomp.errors import FricompError
 from fricomp.recording import read_public
 
 from ..diagnosis import Diagnosis, DiagnosisRecord, Quantity, diagnose, load_diagnosis
-from ..diagnosis.presentation import derived_parameters, with_names, write_diagnosis
+from ..diagnosis_report import derived_parameters, with_names, write_diagnosis
 from .arm import ARMS, arm_xml
 from .cases import RealCase
 

@@ -99,6 +99,19 @@ def test_a_wrong_inertia_is_a_parameter_and_no_physics() -> None:
     assert [effect.name for effect in diagnosis.effects] == ["inertia_error"]
 
 
+def test_a_load_that_differs_between_recordings_and_from_the_simulation_is_one_effect() -> None:
+    joint, heavier = ToyJoint(), ToyJoint(inertia=0.40, gravity=7.2)
+    recordings = [recording(joint, "fourier", 20.0), recording(heavier, "fourier", 20.0, seed=3)]
+    given = RigidJoint(0.9 * joint.inertia, (0.85 * 1.773, 0.85 * 5.732), 0.0, 0.0, 0.0, True)
+    diagnosis = diagnose(recordings, given)
+    assert diagnosis.verdict == "parameters"
+    (effect,) = diagnosis.effects
+    assert effect.name == "payload_error"
+    truths = {"inertia_2": 0.05, "gravity_sin_2": 1.2 * 0.9553, "inertia_change": 0.035, "gravity_sin_change": 0.860}
+    for name, value in truths.items():
+        assert effect.parameters[name].value == pytest.approx(value, rel=0.02), name
+
+
 def test_a_spring_that_stiffens_is_told_from_another_gravity_by_the_simulation() -> None:
     joint = ToyJoint(spring=(2.5, 0.15, 0.4))
     given = RigidJoint(joint.inertia, (1.773, 5.732), 0.0, 0.0, 0.0, True)

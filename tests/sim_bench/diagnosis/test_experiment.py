@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from fricomp.sim_bench.diagnosis.experiment import _ENOUGH, _worth, propose
+from fricomp.sim_bench.diagnosis.base import BASE_NAMES
+from fricomp.sim_bench.diagnosis.experiment import _ENOUGH, _Motion, _worth, propose
 from fricomp.sim_bench.diagnosis.explanation import Explanation
 from fricomp.sim_bench.diagnosis.loading import build_tracks
 from fricomp.sim_bench.diagnosis.observer import Observer
@@ -13,7 +17,7 @@ from fricomp.sim_bench.diagnosis.preparation import Prepared, prepare
 from fricomp.sim_bench.diagnosis.refit import fit_from
 from fricomp.sim_bench.diagnosis.structure import Candidate
 
-from .toy_joint import ToyJoint, recording
+from .toy_joint import FloatArray, ToyJoint, recording
 
 _JOINT = ToyJoint(load_coulomb=0.01)
 
@@ -51,6 +55,41 @@ def test_a_faster_motion_tells_what_a_slow_one_cannot(prepared: Prepared, fitted
     wanted = proposal.motion["position_reference"]
     assert track.position.min() < wanted.min() < wanted.max() < track.position.max()
     assert np.ptp(np.diff(proposal.motion["time"])) < 1e-9
+
+
+def test_a_rival_at_the_edge_of_its_domain_is_not_simulated_beyond_it(
+    prepared: Prepared, fitted: list[Explanation], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    linear, driving, _ = fitted
+    box = prepared.box.joined(driving.structure.box())
+    late = np.arange(box.upper.size) == BASE_NAMES.index("delay")
+    at_edge = replace(driving, fit=replace(driving.fit, theta=np.where(late, box.upper, driving.fit.theta)))
+    simulated: list[FloatArray] = []
+    rows = _Motion.rows
+
+    def watched(motion: _Motion, explanation: Explanation, points: Sequence[FloatArray]) -> FloatArray:
+        simulated.extend(points if explanation is at_edge else ())
+        return rows(motion, explanation, points)
+
+    monkeypatch.setattr(_Motion, "rows", watched)
+    propose(prepared, linear, [at_edge], prepared.box)
+    assert len(simulated) > box.upper.size
+    assert np.all(np.array(simulated) <= box.upper)
+
+
+def test_a_rival_that_does_not_simulate_on_a_motion_is_not_told_by_it(
+    prepared: Prepared, fitted: list[Explanation], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    linear, driving, saturating = fitted
+    rows = _Motion.rows
+
+    def runs_away(motion: _Motion, explanation: Explanation, points: Sequence[FloatArray]) -> FloatArray:
+        result = rows(motion, explanation, points)
+        result[1:] *= np.inf if explanation is saturating else 1.0
+        return result
+
+    monkeypatch.setattr(_Motion, "rows", runs_away)
+    assert propose(prepared, linear, [driving, saturating], prepared.box) is None
 
 
 def test_two_rivals_told_apart_are_worth_more_than_one_told_clearly() -> None:

@@ -42,6 +42,13 @@ def test_round_trip(tmp_path: Path) -> None:
     assert load_diagnosis(path) == example()
 
 
+def test_the_error_of_the_refitted_base_is_the_second_where_the_first_is_of_parameters_as_given() -> None:
+    held = example().heldout
+    assert held is not None
+    assert held.rmse_refitted == 0.23
+    assert msgspec.structs.replace(held, before="given").rmse_refitted == 0.03
+
+
 def test_numbers_of_numpy_are_written_as_numbers(tmp_path: Path) -> None:
     path = tmp_path / "diagnosis.json"
     save_diagnosis(msgspec.structs.replace(example(), noise_ratio=np.float64(1.5), coverage=np.float32(0.5)), path)

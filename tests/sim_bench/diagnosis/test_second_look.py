@@ -7,7 +7,15 @@ import pytest
 from msgspec.structs import replace as with_fields
 
 from fricomp.recording import Recording, RecordingMetadata
-from fricomp.sim_bench.diagnosis import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord, HeldOut, NamedEffect, Quantity
+from fricomp.sim_bench.diagnosis import (
+    DIAGNOSIS_SCHEMA,
+    Diagnosis,
+    DiagnosisRecord,
+    HeldOut,
+    NamedEffect,
+    Quantity,
+    Rival,
+)
 from fricomp.sim_bench.diagnosis.fine_ripple import find_fine_ripple
 from fricomp.sim_bench.diagnosis.proving import base_recording, beyond_the_base, softer_than_the_base
 from fricomp.sim_bench.diagnosis.second_look import second_look
@@ -99,6 +107,21 @@ def test_parameters_that_are_off_hide_nothing_from_the_second_look() -> None:
     ]
     assert looked.heldout is not None
     assert looked.heldout.before == "refitted"
+
+
+def test_a_coarse_ripple_that_gives_way_to_a_finer_one_is_not_refused_under_the_same_name() -> None:
+    coarse = {"order": 100.0, "sine": 0.1, "cosine": 0.0}
+    parameters = {name: Quantity(value, "", (value, value)) for name, value in coarse.items()}
+    named = NamedEffect(name="cogging", kind="physics", parameters=parameters, share=0.99)
+    rivals = (
+        Rival(effects=("cogging",), gain=300.0, coverage=0.99),
+        Rival(effects=("end_stop",), gain=9.0, refused="-"),
+    )
+    answer = _answer("missing_physics", 0.99, _SLOW)
+    answer = replace(answer, record=with_fields(answer.record, effects=(named,), rivals=rivals))
+    looked = second_look([_waving(0.5)], answer)
+    assert looked.effects[0].parameters["order"].value == pytest.approx(700.0, rel=1e-3)
+    assert looked.record.rivals == rivals
 
 
 def test_a_bristle_that_the_base_has_itself_is_none() -> None:

@@ -4,7 +4,9 @@ import io
 import math
 from itertools import count
 from pathlib import Path
+from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 from pyarrow import parquet
@@ -13,12 +15,27 @@ from typer.testing import CliRunner
 from fricomp.cli.bench import mismatch
 from fricomp.errors import DiagnosisError
 from fricomp.sim_bench.concealed import CATALOGUE, CaseSpec, generate
+from fricomp.sim_bench.diagnosis import HeldOut
 from fricomp.sim_bench.fleet import SerialExecutor
 from fricomp.sim_bench.proof import GAP, GapScore, PlannedCase, format_gaps, measure_gaps, plan_gaps
 from fricomp.sim_bench.proof.blind import BlindAnswer
 from tests.sim_bench.proof.answering import answer
 
 _SPEC = CaseSpec(1, ("cogging",), "clear", "rich", 8.0, "white", "dahl", "harmonic")
+
+
+def _errors(before: float, after: float, floor: float, *, given: bool = False) -> dict[str, Any]:
+    held = HeldOut(
+        rmse_before=before,
+        rmse_after=after,
+        noise_floor=floor,
+        unit="N·m",
+        ci95_reduction=(0.0, 1.0),
+        explained=0.9,
+        before="given" if given else "refitted",
+    )
+    errors: dict[str, Any] = msgspec.to_builtins(held)
+    return errors
 
 
 class _Answers:
@@ -30,9 +47,8 @@ class _Answers:
     def __call__(self, files: dict[str, bytes]) -> BlindAnswer:
         self.seen.append(files)
         if len(self.seen) == 1:
-            heldout = {"rmse_before": 0.4, "rmse_after": 0.2, "noise_floor": 0.2}
-            return answer("missing_physics", ["cogging"], heldout=heldout)
-        return answer("consistent", heldout={"rmse_before": 0.1, "rmse_after": 0.1, "noise_floor": 0.1})
+            return answer("missing_physics", ["cogging"], heldout=_errors(0.4, 0.2, 0.2))
+        return answer("consistent", heldout=_errors(0.1, 0.1, 0.1))
 
 
 def _column(files: dict[str, bytes], name: str) -> np.ndarray:
@@ -61,8 +77,7 @@ def test_the_floor_is_that_of_the_recording_without_the_concealed_torque(tmp_pat
 
 def test_reachable_is_the_error_of_the_refitted_joint_where_parameters_were_off(tmp_path: Path) -> None:
     def diagnose(files: dict[str, bytes]) -> BlindAnswer:
-        heldout = {"rmse_before": 0.3, "rmse_after": 0.1, "noise_floor": 0.1, "before": "given"}
-        return answer("parameters", ["payload_error"], heldout=heldout)
+        return answer("parameters", ["payload_error"], heldout=_errors(0.3, 0.1, 0.1, given=True))
 
     (score,) = measure_gaps([PlannedCase("single", _SPEC)], tmp_path, (SerialExecutor(), 1), diagnose=diagnose)
     assert (score.before, score.after, score.reachable) == (0.1, 0.1, 0.1)

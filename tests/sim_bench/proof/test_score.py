@@ -153,12 +153,17 @@ def test_location_counts_for_localised_effects_only() -> None:
     assert math.isnan(_score(_truth(_effect("end_stop")), said).overlap)
 
 
-@pytest.mark.parametrize(("share", "closed"), [(0.9, 1.0), (0.0, math.nan)])
-def test_gap_closed_is_energy_above_the_floor_where_the_residual_changes(share: float, closed: float) -> None:
+@pytest.mark.parametrize(
+    ("kind", "share", "closed"),
+    [("physics", 0.9, 1.0), ("measurement", 0.9, 1.0), ("parameter", 0.9, math.nan), ("physics", 0.0, math.nan)],
+)
+def test_gap_closed_is_energy_above_the_floor_where_physics_or_measurement_changes_the_residual(
+    kind: str, share: float, closed: float
+) -> None:
     heldout = {"rmse_before": 0.5, "rmse_after": 0.3, "noise_floor": 0.3}
     said = answer("missing_physics", ["cogging"], heldout=heldout)
     record = json.loads(said.diagnosis)
-    record["effects"][0]["share"] = share
+    record["effects"][0] |= {"kind": kind, "share": share}
     score = _score(_truth(_effect("cogging")), replace(said, diagnosis=json.dumps(record).encode()))
     assert score.gap_closed == pytest.approx(closed, nan_ok=True)
 

@@ -29,7 +29,7 @@ from fricomp.sim_bench.diagnosis import (
     RowSeries,
     load_diagnosis,
 )
-from fricomp.sim_bench.diagnosis.presentation import (
+from fricomp.sim_bench.diagnosis_report import (
     Units,
     WrittenDiagnosis,
     diagnosis_charts,
@@ -39,8 +39,8 @@ from fricomp.sim_bench.diagnosis.presentation import (
     with_names,
     write_diagnosis,
 )
-from fricomp.sim_bench.diagnosis.presentation.maps import plane_chart
-from fricomp.sim_bench.diagnosis.presentation.weighing import rival_chart, rival_table
+from fricomp.sim_bench.diagnosis_report.maps import plane_chart
+from fricomp.sim_bench.diagnosis_report.weighing import rival_chart, rival_table
 
 _CURVE = StribeckCurve(2.0, 2.8, 0.05, 1.1)
 _JOINT = """<mujoco><worldbody><body><joint name="elbow" axis="0 1 0"/>

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from fricomp.report import Chart, ReportPage, Section, Table
 
-from ..result import Diagnosis, NamedEffect
+from ..diagnosis.result import Diagnosis, NamedEffect
 from .maps import map_chart, plane_chart
 from .over_time import models_of, motion_chart, time_chart
 from .tables import base_table, change_table, effect_table, error_table, forward_table, location_table

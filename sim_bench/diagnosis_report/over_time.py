@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from fricomp.laws import FloatArray
 from fricomp.report import Band, Chart, Line, Mark, Panel, Rule
 
-from ..result import DiagnosisRecord, RowSeries
-from ..track import FloatArray
+from ..diagnosis.result import DiagnosisRecord, RowSeries
 from .wording import Units, words
 
 __all__ = [

@@ -8,7 +8,7 @@ from math import ceil, floor, isfinite, log10, pi
 
 from msgspec.structs import replace as with_fields
 
-from ..result import Diagnosis, Location, NamedEffect, Quantity
+from ..diagnosis.result import Diagnosis, Location, NamedEffect, Quantity
 
 __all__ = [
     "AXIS_TITLES",

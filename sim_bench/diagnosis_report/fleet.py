@@ -11,7 +11,7 @@ import numpy as np
 
 from fricomp.report import Chart, HeatMap, Panel, ReportPage, Section, Table, write_report
 
-from ..result import DiagnosisRecord
+from ..diagnosis.result import DiagnosisRecord
 from .wording import VERDICT_TITLES
 
 __all__ = ["fleet_row", "fleet_table", "write_fleet"]

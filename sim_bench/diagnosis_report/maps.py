@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from fricomp.laws import FloatArray
 from fricomp.report import Band, Chart, HeatMap, Line, Mark, Panel, Rule
 
-from ..result import Evidence, Interval, Location, RowSeries
-from ..track import FloatArray
+from ..diagnosis.result import Evidence, Interval, Location, RowSeries
 from .over_time import AFTER, BEFORE, NOISE
 from .wording import AXIS_TITLES, Units, words
 

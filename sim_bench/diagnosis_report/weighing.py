@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from fricomp.laws import FloatArray
 from fricomp.report import Bars, Chart, HeatMap, Line, Panel, Rule, Table
 
-from ..result import DiagnosisRecord, Distinguishability, NamedEffect, Rival
-from ..track import FloatArray
+from ..diagnosis.result import DiagnosisRecord, Distinguishability, NamedEffect, Rival
 from .over_time import AFTER, BASE, BEFORE, NAMED, NOISE
 from .wording import Units
 

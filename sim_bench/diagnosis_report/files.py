@@ -12,11 +12,11 @@ import numpy as np
 
 from fricomp.errors import DiagnosisError, FricompError
 from fricomp.export import apply_to_mjcf, export_mjcf
+from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel, save_model
 from fricomp.report import draw_png, write_report
 
-from ..result import Diagnosis, save_diagnosis
-from ..track import FloatArray
+from ..diagnosis.result import Diagnosis, save_diagnosis
 from .network import save_extended_network
 from .over_time import motion_columns
 from .page import diagnosis_charts, diagnosis_page
