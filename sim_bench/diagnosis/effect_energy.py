@@ -12,13 +12,15 @@ from .preparation import Prepared
 from .problem import Problem, observer_for
 from .rows import RowGrid
 from .structure import Structure
-from .track import FloatArray, Track
+from .track import FloatArray, Track, smooth_derivative
 
 __all__ = ["effect_energy"]
 
 _SAME = 1e-9  # part of a column, below which it is one of the others
 _FEWEST = 50  # rows in which the joint slides that tell the noise
-_TIGHTER = 3.0  # than the observer of the residual
+_TIGHTER = 3.0  # at least, than the observer of the residual
+_STIFFER = 4.0  # at least, than the bristle
+_FASTEST = 10.0  # [rad] a sample, which its substeps still follow
 
 
 def effect_energy(
@@ -41,12 +43,11 @@ def effect_energy(
         Energy of each sample, by recording; 0 where no window fits. Shapes (n_samples,).
     """
     problem, plant = prepared.problem, structure.plant(theta)
-    motion = structure.observe(problem, theta)
-    tight = _held_to(motion, problem, plant)
+    tight = _held_tightly(problem, plant)
     complete, without = structure.with_and_without(tight, theta, names)
     torque, columns = [], []
-    for i, (track, grid, seen) in enumerate(zip(tight.tracks, tight.grids, motion, strict=True)):
-        rests = (np.abs(seen.velocity) < problem.observer.rest_speed).astype(float)
+    for i, (track, grid) in enumerate(zip(tight.tracks, tight.grids, strict=True)):
+        rests = (np.abs(track.velocity) < problem.observer.rest_speed).astype(float)
         level = _noise(prepared.nulls.weights.spread[i], problem.grids[i].of(rests))
         step = plant.sigma_0 * track.resolution / np.sqrt(12.0)
         noise = np.hypot(level, grid.everywhere(rests) * step)
@@ -60,17 +61,24 @@ def effect_energy(
     return [np.pad(part, grid.window.size // 2) for part, grid in zip(parts, tight.grids, strict=True)]
 
 
-def _held_to(motion: list[Observation], problem: Problem, plant: Plant) -> Problem:
-    """The same recordings moved as in `motion`, and held to it more tightly.
+def _held_tightly(problem: Problem, plant: Plant) -> Problem:
+    """The same recordings, smoothed as far as that keeps reversals, and an observer that holds joints to them tightly.
 
-    The observer answers an effect late and blurred, and the joint without the effect strays until it does. The
-    simulated motion has little noise, so that it may be followed closely.
+    That of the residual must not answer to the noise of the encoder, so that it answers an effect late and blurred, and
+    a joint without the effect strays until it does; a stiff bristle even holds it against the observer. What two joints
+    on the same motion differ by has little noise.
     """
     tracks = [
-        replace(track, position=one.position, velocity=one.velocity)
-        for track, one in zip(problem.tracks, motion, strict=True)
+        replace(
+            track,
+            position=smooth_derivative(track.position, track.dt, order=0),
+            velocity=smooth_derivative(track.position, track.dt),
+        )
+        for track in problem.tracks
     ]
-    return observer_for(tracks, plant, replace(problem.observer, bandwidth=_TIGHTER * problem.observer.bandwidth))
+    bandwidth = max(_TIGHTER * problem.observer.bandwidth, float(np.sqrt(_STIFFER * plant.sigma_0 / plant.inertia)))
+    bandwidth = min(bandwidth, _FASTEST / max(track.dt for track in tracks))
+    return observer_for(tracks, plant, replace(problem.observer, bandwidth=bandwidth))
 
 
 def _noise(spread: FloatArray, resting: FloatArray) -> float:

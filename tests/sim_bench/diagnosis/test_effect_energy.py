@@ -25,17 +25,15 @@ _SENSE = np.tanh(_VELOCITY / 1e-2)  # a bristle turns within some samples
 
 
 def _energy(
-    torque: FloatArray, *, resolution: float = 0.0, velocity: FloatArray = _VELOCITY, spread: FloatArray | float = 0.1
+    torque: FloatArray, *, resolution: float = 0.0, position: FloatArray = _POSITION, spread: FloatArray | float = 0.1
 ) -> FloatArray:
     """Energy, sample by sample, of effects that add `torque` to a joint with this motion."""
-    track = replace(Track.build(_DT, _POSITION, np.zeros_like(_TIME)), resolution=resolution)
+    track = replace(Track.build(_DT, position, np.zeros_like(_TIME)), resolution=resolution)
     problem = observer_for([track], _PLANT, Observer())
-    forth, back = (c + (s - c) * np.exp(-((velocity / v) ** 2)) for c, s, v, _ in (_PLANT.forward, _PLANT.reverse))
-    complete = Observation(np.zeros_like(torque), _POSITION, velocity, _SENSE * np.where(_SENSE > 0.0, forth, back))
+    forth, back = (c + (s - c) * np.exp(-((_VELOCITY / v) ** 2)) for c, s, v, _ in (_PLANT.forward, _PLANT.reverse))
+    complete = Observation(np.zeros_like(torque), _POSITION, _VELOCITY, _SENSE * np.where(_SENSE > 0.0, forth, back))
     runs = [complete], [complete._replace(missing=torque)]
-    structure = SimpleNamespace(
-        plant=lambda theta: _PLANT, observe=lambda *_: runs[0], with_and_without=lambda *_: runs
-    )
+    structure = SimpleNamespace(plant=lambda theta: _PLANT, with_and_without=lambda *_: runs)
     spreads = [np.broadcast_to(spread, problem.grids[0].centres.shape)]
     weights = SimpleNamespace(weights=SimpleNamespace(spread=spreads))
     prepared = cast(Prepared, SimpleNamespace(problem=problem, nulls=weights))
@@ -71,8 +69,8 @@ def test_where_the_bristle_holds_a_torque_below_one_step_of_the_encoder_is_no_tr
     """A step of 1e-4 rad on 4e4 N·m/rad is 1.15 N·m; a row at rest half as loud says less than a quiet one sliding."""
     resting = (_TIME > 6.0) & (_TIME < 7.0)
     torque = np.where(resting, 0.6, 0.2) * np.sin(40.0 * _TIME)
-    velocity = np.where(resting, 0.0, _VELOCITY)
-    loud, fair = _energy(torque, velocity=velocity), _energy(torque, velocity=velocity, resolution=1e-4)
+    position = _DT * np.cumsum(np.where(resting, 0.0, _VELOCITY))
+    loud, fair = _energy(torque, position=position), _energy(torque, position=position, resolution=1e-4)
     assert np.mean(loud[resting]) > 5.0 * np.mean(loud[~resting])
     assert np.mean(fair[resting]) < 0.2 * np.mean(fair[~resting])
 
@@ -94,9 +92,7 @@ def test_an_impact_shorter_than_the_way_between_rows_shows_when_it_happens() -> 
     def runs(of: Problem, *_: object) -> list[list[Observation]]:
         return of.runs([_PLANT, _PLANT], [[kick], [Contribution()]])
 
-    structure = SimpleNamespace(
-        plant=lambda theta: _PLANT, observe=lambda of, theta: runs(of)[0], with_and_without=runs
-    )
+    structure = SimpleNamespace(plant=lambda theta: _PLANT, with_and_without=runs)
     spreads = [np.full(problem.grids[0].centres.size, 0.1)]
     nulls = SimpleNamespace(weights=SimpleNamespace(spread=spreads))
     prepared = cast(Prepared, SimpleNamespace(problem=problem, nulls=nulls))
