@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from .effect import Change, Scene, merge
 from .excitation import settle
-from .refit import compute_enr, left_after_refit
+from .refit import build_rows, compute_enr, find_intervals, left_after_refit
 from .spec import CaseSpec
 from .strength import Concealed, conceal, conceal_again
 from .trial import Outcome, Trial
@@ -33,6 +33,7 @@ class Case:
         outcome: Of the run with all effects.
         enr: Of all effects together.
         left: What survives the refit over the noise, shape (n_rows,).
+        intervals: Times at which most of it does [s].
         start: First sample of the recording.
         temperature: Of the joint [°C], shape (n_samples,).
         change: All effects.
@@ -46,6 +47,7 @@ class Case:
     outcome: Outcome
     enr: float
     left: NDArray[np.float64]
+    intervals: list[tuple[float, float]]
     start: int
     temperature: NDArray[np.float64]
     change: Change
@@ -81,6 +83,7 @@ def _finish(trial: Trial, concealed: tuple[Concealed, ...]) -> Case:
     references = {each.effect.against for each in concealed} or {"refit"}
     against = next(name for name in ("nothing", "friction", "refit") if name in references)
     left = left_after_refit(outcome.torque, outcome.rows, against)
+    everywhere = build_rows(outcome.motion, outcome.sensed, trial.joint, step=1)
     return Case(
         spec=trial.spec,
         scene=trial.scene,
@@ -89,6 +92,7 @@ def _finish(trial: Trial, concealed: tuple[Concealed, ...]) -> Case:
         outcome=outcome,
         enr=compute_enr(left),
         left=left,
+        intervals=find_intervals(left_after_refit(outcome.torque, everywhere, against), everywhere.step),
         start=trial.start,
         temperature=trial.temperature(change)[trial.start :],
         change=change,

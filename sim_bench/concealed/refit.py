@@ -5,6 +5,9 @@ noise of the position enters through phi'' instead of through a second differenc
 sticks are known only as well as the bristle is, which is as well as the encoder resolves it.
 
     ENR = RMS over rows of (what is left / noise of the row)
+
+Where an effect acts is asked of every sample, with a window about each: what it leaves at a reversal or an impact is
+shorter than the way from one row to the next, and two grids of such rows agree on half of it.
 """
 
 from __future__ import annotations
@@ -16,6 +19,8 @@ import numpy as np
 from .dynamics import SAMPLE_PERIOD
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from .dynamics import Motion
@@ -27,6 +32,7 @@ __all__ = ["Rows", "build_rows", "compute_enr", "find_intervals", "left_after_re
 _WIDTH, _STEP = 42, 21  # [samples] of a window, between windows
 _REST = 2e-3  # [rad/s] below it a joint counts as sticking
 _SHARE = 0.8  # of the energy that a location must carry
+_BLOCK = 2**15  # rows
 
 
 class Rows(NamedTuple):
@@ -36,11 +42,13 @@ class Rows(NamedTuple):
         friction: Columns of a Stribeck curve for each direction, divided by the noise; shape (n_rows, 8).
         body: Inertia, two gravity and an offset column, divided by the noise; shape (n_rows, 4).
         deviation: Noise of each row [N·m], shape (n_rows,).
+        step: Samples between windows.
     """
 
     friction: NDArray[np.float64]
     body: NDArray[np.float64]
     deviation: NDArray[np.float64]
+    step: int = _STEP
 
 
 def _window() -> NDArray[np.float64]:
@@ -48,20 +56,23 @@ def _window() -> NDArray[np.float64]:
     return np.asarray(values / values.sum())
 
 
-def weak_form(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Means of columns under the windows; shape (n_samples,) or (n_samples, k) to (n_rows,) or (n_rows, k)."""
-    count = (values.shape[0] - _WIDTH) // _STEP + 1
-    starts = _STEP * np.arange(count)
-    windows = values[starts[:, None] + np.arange(_WIDTH)]
-    return np.asarray(np.einsum("rw...,w->r...", windows, _window()))
+def weak_form(values: NDArray[np.float64], step: int = _STEP) -> NDArray[np.float64]:
+    """Means of columns under windows `step` samples apart; shape (n_samples, ...) to (n_rows, ...)."""
+    blocks = _windows(values, step)
+    return np.concatenate([np.einsum("rw...,w->r...", block, _window()) for block in blocks])
 
 
-def _second_form(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _second_form(values: NDArray[np.float64], step: int) -> NDArray[np.float64]:
     """phi'' * values: the weak form of their second derivative."""
     curvature = np.gradient(np.gradient(_window(), SAMPLE_PERIOD), SAMPLE_PERIOD)
-    count = (values.size - _WIDTH) // _STEP + 1
-    starts = _STEP * np.arange(count)
-    return np.asarray(values[starts[:, None] + np.arange(_WIDTH)] @ curvature)
+    return np.concatenate([block @ curvature for block in _windows(values, step)])
+
+
+def _windows(values: NDArray[np.float64], step: int) -> Iterator[NDArray[np.float64]]:
+    """The samples under each window; a window about each sample of a recording is more than memory should hold."""
+    starts = step * np.arange((values.shape[0] - _WIDTH) // step + 1)
+    for first in range(0, starts.size, _BLOCK):
+        yield values[starts[first : first + _BLOCK, None] + np.arange(_WIDTH)]
 
 
 def _friction_columns(motion: Motion, joint: Joint) -> NDArray[np.float64]:
@@ -76,22 +87,29 @@ def _friction_columns(motion: Motion, joint: Joint) -> NDArray[np.float64]:
     return np.stack(columns, axis=1)
 
 
-def _row_noise(motion: Motion, sensed: Sensed, joint: Joint) -> NDArray[np.float64]:
-    noise = weak_form(sensed.torque_error) - joint.fields["inertia"] * _second_form(sensed.position_error)
-    sticking = weak_form((np.abs(motion.velocity) < _REST).astype(np.float64))
+def _row_noise(motion: Motion, sensed: Sensed, joint: Joint, step: int) -> NDArray[np.float64]:
+    noise = weak_form(sensed.torque_error, step) - joint.fields["inertia"] * _second_form(sensed.position_error, step)
+    sticking = weak_form((np.abs(motion.velocity) < _REST).astype(np.float64), step)
     moving = sticking == 0.0
     level = np.std(noise[moving]) if moving.sum() > 50 else np.std(noise)
     bristle = joint.fields["base_sigma_0"] * joint.fields["resolution"] / np.sqrt(12.0)
     return np.asarray(np.sqrt(level**2 + sticking * bristle**2))
 
 
-def build_rows(motion: Motion, sensed: Sensed, joint: Joint) -> Rows:
-    """Regressors of the rigid joint along the true motion, each row over its noise."""
+def build_rows(motion: Motion, sensed: Sensed, joint: Joint, step: int = _STEP) -> Rows:
+    """Regressors of the rigid joint along the true motion, each row over its noise.
+
+    Args:
+        motion: The true one.
+        sensed: What was recorded of it.
+        joint: Without effects.
+        step: Samples between windows; 1 for one about each sample.
+    """
     q = motion.position
     body = np.stack([motion.acceleration, np.sin(q), np.cos(q), np.ones_like(q)], axis=1)
-    deviation = _row_noise(motion, sensed, joint)
-    friction = weak_form(_friction_columns(motion, joint)) / deviation[:, None]
-    return Rows(friction, weak_form(body) / deviation[:, None], deviation)
+    deviation = _row_noise(motion, sensed, joint, step)
+    friction = weak_form(_friction_columns(motion, joint), step) / deviation[:, None]
+    return Rows(friction, weak_form(body, step) / deviation[:, None], deviation, step)
 
 
 def left_after_refit(
@@ -108,10 +126,10 @@ def left_after_refit(
         against: Which terms are refitted.
         also: A further torque whose amplitude is refitted with them.
     """
-    wanted = weak_form(torque) / rows.deviation
+    wanted = weak_form(torque, rows.step) / rows.deviation
     parts = {"refit": [rows.friction, rows.body], "friction": [rows.friction], "nothing": []}[against]
     if also is not None:
-        parts = [*parts, (weak_form(also) / rows.deviation)[:, None]]
+        parts = [*parts, (weak_form(also, rows.step) / rows.deviation)[:, None]]
     if not parts:
         return np.asarray(wanted)
     columns = np.concatenate(parts, axis=1)
@@ -126,16 +144,19 @@ def compute_enr(left: NDArray[np.float64]) -> float:
     return float(np.sqrt(np.mean(left**2)))
 
 
-def find_intervals(left: NDArray[np.float64], start_time: float) -> list[tuple[float, float]]:
-    """The fewest rows that carry 80 % of the energy, as intervals of time [s]."""
+def find_intervals(left: NDArray[np.float64], step: int) -> list[tuple[float, float]]:
+    """The fewest rows that carry 80 % of the energy, as intervals of time since the first sample [s].
+
+    Args:
+        left: What a refit leaves, over the noise; shape (n_rows,).
+        step: Samples between the rows.
+    """
     energy = left**2
     order = np.argsort(energy)[::-1]
     needed = int(np.searchsorted(np.cumsum(energy[order]), _SHARE * energy.sum())) + 1
     inside = np.zeros(energy.size + 2, dtype=bool)
     inside[1:-1][order[:needed]] = True
     edges = np.flatnonzero(np.diff(inside.astype(np.int8)))
-    centre = 0.5 * (_WIDTH - _STEP) * SAMPLE_PERIOD
-    return [
-        (start_time + centre + a * _STEP * SAMPLE_PERIOD, start_time + centre + b * _STEP * SAMPLE_PERIOD)
-        for a, b in zip(edges[::2], edges[1::2], strict=True)
-    ]
+    first = 0.5 * (_WIDTH - 1 - step)  # [samples] half a step before the middle of the first window
+    times = SAMPLE_PERIOD * (first + step * edges)
+    return [(float(a), float(b)) for a, b in zip(times[::2], times[1::2], strict=True)]

@@ -15,7 +15,7 @@ from .belief import format_controller, format_friction, format_simulation
 from .catalogue_fit import fit_catalogue
 from .dynamics import SAMPLE_PERIOD
 from .fault import apply_fault
-from .refit import compute_enr, find_intervals, left_after_refit
+from .refit import compute_enr, left_after_refit
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -161,7 +161,7 @@ def _answer(case: Case) -> dict[str, Any]:
         "shifted_parameters": shifted,
         "enr": case.enr,
         "rows": int(case.left.size),
-        "location": {"time": find_intervals(case.left, 0.0)},
+        "location": {"time": case.intervals},
         "joint": case.scene.joint.fields
         | {
             "family": case.scene.joint.family,

@@ -98,15 +98,23 @@ def merged(intervals: Sequence[Interval], gap: float) -> list[Interval]:
     return result
 
 
-def locate(series: Sequence[RowSeries], energy: Sequence[FloatArray], *, rows: int = 1) -> Location:
+def locate(
+    series: Sequence[RowSeries],
+    energy: Sequence[FloatArray],
+    *,
+    rows: int = 1,
+    samples: tuple[FloatArray, FloatArray] | None = None,
+) -> Location:
     """Intervals of each quantity that hold most of `energy`; a quantity that singles nothing out is left out.
 
     Args:
         series: Rows of each recording.
         energy: Of each row. Shapes (n_rows,).
         rows: Neighbouring rows that are averaged where the energy is noisy.
+        samples: Time [s] and energy of every sample of the first recording, where they are known. Shapes (n,).
     """
-    location: Location = {"time": _times(series, energy, rows)}
+    time, over_time = (series[0].time, energy[0]) if samples is None else samples
+    location: Location = {"time": _times(time, over_time, rows)}
     pooled = np.concatenate(list(energy))
     for name in ("velocity", "position", "load_torque", "acceleration", "time_since_reversal", "temperature"):
         parts = [getattr(s, name) for s in series]
@@ -122,9 +130,9 @@ def locate(series: Sequence[RowSeries], energy: Sequence[FloatArray], *, rows: i
     return location
 
 
-def _times(series: Sequence[RowSeries], energy: Sequence[FloatArray], rows: int) -> list[Interval]:
-    """Time windows of the first recording whose rows carry most of the energy."""
-    e, time = np.maximum(energy[0], 0.0), series[0].time
+def _times(time: FloatArray, energy: FloatArray, rows: int) -> list[Interval]:
+    """The shortest time that carries most of the energy of rows or samples at `time`."""
+    e = np.maximum(energy, 0.0)
     smooth = np.convolve(e, np.ones(rows) / rows, mode="same")
     order = np.argsort(-smooth)
     held = np.cumsum(e[order]) / max(float(e.sum()), 1e-30)

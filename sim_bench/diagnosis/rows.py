@@ -38,3 +38,7 @@ class RowGrid:
         half = self.window.size // 2
         result: FloatArray = sliding_window_view(samples, self.window.size)[self.centres - half] @ self.window
         return result
+
+    def everywhere(self, samples: FloatArray) -> FloatArray:
+        """Windowed means of `samples` about each of them, but for half a window at both ends. Shape (n - m + 1,)."""
+        return np.convolve(samples, self.window, mode="valid")

@@ -144,10 +144,10 @@ class Track:
         )
 
 
-def smooth_derivative(values: FloatArray, dt: float, window: float = _VELOCITY_WINDOW) -> FloatArray:
-    """Derivative by a local cubic (Savitzky and Golay) over `window` [s]."""
+def smooth_derivative(values: FloatArray, dt: float, window: float = _VELOCITY_WINDOW, order: int = 1) -> FloatArray:
+    """Derivative by a local cubic (Savitzky and Golay) over `window` [s]; of order 0 the smoothed values."""
     samples = min(max(_SHORTEST_WINDOW, 2 * round(window / dt / 2) + 1), values.size - 1 + values.size % 2)
-    result: FloatArray = savgol_filter(values, samples, 3, deriv=1, delta=dt)
+    result: FloatArray = savgol_filter(values, samples, 3, deriv=order, delta=dt)
     return result
 
 

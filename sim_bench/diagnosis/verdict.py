@@ -198,14 +198,14 @@ def _explained(
                 kind=effect.kind,
                 parameters=refitted.parameters(effect.name, answer.unit, answer.position_unit),
                 indistinguishable_from=aliases(answer.found, effect.name),
-                location=locate(series, energies[effect.name]),
+                location=_located(answer, series, energies[effect.name]),
                 share=explained * own / max(sum(sums.values()), 1e-30),
                 equation=effect.equation,
                 sentence=effect.says + "".join(f"; its form shows at the order {tone:.4g} too" for tone in tones),
                 citation=effect.citation,
             )
         )
-    return effects, locate(series, whole)
+    return effects, _located(answer, series, whole)
 
 
 def _each_once(named: Sequence[NamedEffect], compared: Sequence[NamedEffect]) -> list[NamedEffect]:
@@ -265,6 +265,13 @@ def _moved(
 
 def _energy(answer: Answer, chosen: Explanation, names: Collection[str]) -> list[FloatArray]:
     return effect_energy(answer.prepared, chosen.structure, chosen.fit.theta, names)
+
+
+def _located(answer: Answer, series: tuple[RowSeries, ...], energy: Sequence[FloatArray]) -> Location:
+    """Where effects add most, of whose torque the energy of every sample is known."""
+    prepared = answer.prepared
+    rows = [one[grid.centres] for one, grid in zip(energy, prepared.problem.grids, strict=True)]
+    return locate(series, rows, samples=(prepared.structure.contexts[0].time, energy[0]))
 
 
 def _where_unknown(series: tuple[RowSeries, ...], tone: Tone | None) -> Location:

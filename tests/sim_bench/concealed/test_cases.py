@@ -22,7 +22,9 @@ from fricomp.sim_bench.concealed import (
     write_answer,
     write_case,
 )
-from fricomp.sim_bench.concealed.refit import compute_enr, find_intervals, left_after_refit
+from fricomp.sim_bench.concealed.dynamics import Motion
+from fricomp.sim_bench.concealed.refit import build_rows, compute_enr, find_intervals, left_after_refit
+from fricomp.sim_bench.concealed.sensing import Sensed
 from fricomp.sim_bench.concealed.writing import expected_verdict
 
 _NAMES_OF_THE_CATALOGUE = [
@@ -130,16 +132,36 @@ def test_the_refit_takes_up_what_the_simulation_has(cogging: Case) -> None:
     assert compute_enr(left_after_refit(in_span, rows, "nothing")) > 1.0
 
 
-def test_location_holds_the_energy_of_a_localised_effect() -> None:
-    case = generate(_spec("external_disturbance", strength="clear"))
-    intervals = find_intervals(case.left, 0.0)
-    time = 1e-3 * np.arange(case.outcome.torque.size)
+def _within(intervals: list[tuple[float, float]], time: np.ndarray) -> np.ndarray:
     inside = np.zeros(time.size, dtype=bool)
     for start, end in intervals:
         inside |= (time >= start) & (time < end)
+    return inside
+
+
+def test_location_holds_the_energy_of_a_localised_effect() -> None:
+    case = generate(_spec("external_disturbance", strength="clear"))
+    inside = _within(case.intervals, 1e-3 * np.arange(case.outcome.torque.size))
     energy = case.outcome.torque**2
     assert 0.7 < energy[inside].sum() / energy.sum() <= 1.0
     assert inside.mean() < 0.3
+
+
+def test_location_hangs_on_no_grid_of_rows() -> None:
+    """What a lag leaves at a reversal is shorter than a row: the same recording without its first 10 ms."""
+    case, later = generate(_spec("frictional_lag", strength="2")), 10
+    motion, sensed = case.outcome.motion, case.outcome.sensed
+    cut = Motion(*(values[later:] for values in motion)), Sensed(*(values[later:] for values in sensed))
+    time = 1e-3 * (np.arange(motion.position.size) + 0.5)
+    found = []
+    for step in (1, 21):
+        rows = build_rows(*cut, case.scene.joint, step)
+        intervals = find_intervals(left_after_refit(case.outcome.torque[later:], rows, "refit"), step)
+        found.append(_within([(a + 1e-3 * later, b + 1e-3 * later) for a, b in intervals], time))
+    inside = _within(case.intervals, time)
+    overlap = [float(np.sum(inside & one) / np.sum(inside | one)) for one in found]
+    assert overlap[0] > 0.95
+    assert overlap[1] < 0.85  # rows alone know no better
 
 
 def test_two_effects_are_both_there_and_separable() -> None:

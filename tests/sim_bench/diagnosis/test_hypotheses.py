@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.signal import lsim
+from scipy.signal import lsim, savgol_filter
 
 from fricomp.recording import Recording
 from fricomp.sim_bench.diagnosis.loading import build_tracks
@@ -68,3 +68,23 @@ def test_the_order_of_an_uneven_gear_is_found(columns: dict[str, NDArray[np.floa
     missing = 0.6 * JOINT.inertia * (2.0 * slope * a - n**2 * error * v**2)
     orders = hints(prepared(columns, missing), "dynamic_order")
     assert orders[0] == pytest.approx(n, rel=0.03)
+
+
+def test_the_share_of_the_load_behind_a_small_gap_is_found() -> None:
+    """Its share of the inertia tells when it changes sides; no refit finds its way there from impacts elsewhere."""
+    joint, share, gap, own, substeps = ToyJoint(), 0.62, 1e-4, 600.0, 4
+    columns = record(joint, "rich", 20.0)
+    position, h = columns["true_position"], 1e-3 / substeps
+    load, speed, twist = position[0], 0.0, np.zeros_like(position)
+    for k in range(position.size - 1):
+        twist[k], rate = position[k] - load, (position[k + 1] - position[k]) / 1e-3
+        for i in range(substeps):
+            away = position[k] + rate * h * i - load
+            stretch = away - min(max(away, -0.5 * gap), 0.5 * gap)
+            pushed = own**2 * stretch + own * (rate - speed) if stretch else 0.0
+            speed += h * (pushed - joint.gravity * np.sin(position[k] + joint.phase) / (share * joint.inertia))
+            load += h * speed
+    missing = -share * joint.inertia * savgol_filter(twist, 15, 3, deriv=2, delta=1e-3)
+    missing[:50] = missing[-50:] = 0.0
+    start = hints(prepared(columns, missing), "start:backlash")
+    assert min(abs(one - share) for one in start[1::2]) < 0.015
