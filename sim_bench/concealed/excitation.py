@@ -17,6 +17,7 @@ __all__ = ["EXCITATIONS", "LEAD_IN", "build_reference", "settle"]
 
 Samples = NDArray[np.float64]
 
+_QUIET = 0.7  # [s] at rest at the beginning of the recording
 LEAD_IN = 1.5  # [s] at rest before the recording starts, so that it starts from an ordinary state
 _SMOOTHING = 0.04  # [s] of each of two moving averages
 
@@ -24,14 +25,16 @@ _SMOOTHING = 0.04  # [s] of each of two moving averages
 def build_reference(kind: str, duration: float, speed: float, rng: np.random.Generator) -> Samples:
     """Position [rad] and velocity [rad/s] references after a lead-in at rest, shape (n_samples, 2).
 
+    The recording starts at rest too: the first breakaway belongs to it, with what came before it in sight.
+
     Args:
         kind: Key of `EXCITATIONS`.
         duration: Of the recording [s]; the motion fills it.
         speed: Largest speed [rad/s].
         rng: Draws range, order and phases.
     """
-    n = round(duration / SAMPLE_PERIOD)
-    velocity = EXCITATIONS[kind](duration, speed, rng)
+    n, quiet = round(duration / SAMPLE_PERIOD), round(_QUIET / SAMPLE_PERIOD)
+    velocity = np.concatenate([np.zeros(quiet), EXCITATIONS[kind](duration, speed, rng)])
     lead = round(LEAD_IN / SAMPLE_PERIOD)
     padded = np.zeros(lead + n)
     usable = min(n, velocity.size)
