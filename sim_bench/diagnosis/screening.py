@@ -78,10 +78,11 @@ def screen(
     theta: FloatArray,
     residual: FloatArray,
     jacobian: FloatArray,
+    candidates: Sequence[Candidate] | None = None,
 ) -> Screen:
-    """Score every effect that `structure` does not have yet, linearised about `theta`."""
+    """Score `candidates`, or every effect that `structure` does not have yet, linearised about `theta`."""
     basis = orthonormal(jacobian)
-    candidates = candidates_for(structure.contexts, structure.names)
+    candidates = candidates_for(structure.contexts, structure.names) if candidates is None else candidates
     points: list[tuple[Candidate, FloatArray, float]] = []
     for candidate in candidates:
         points += _points(structure, candidate)

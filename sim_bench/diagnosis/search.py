@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,6 +22,7 @@ _SINGLES = 8  # effects refitted on their own
 _FAINT = 0.03  # of the strongest effect's energy: weaker ones are not refitted
 _CAREFUL = 3  # of them refined with fresh Jacobians
 _MORE_CAREFUL = 6  # of them where none of those explains enough
+_HYPOTHESES = 2  # of an effect that are refitted
 _PARTNERS = 4  # partners tried for each explanation that is grown
 _ALIKE = 0.9  # of the energy of a partner's best hypothesis, from which its next one is tried as well
 # Residual over noise, and coverage, from and to which effects that screened badly are refitted as well.
@@ -66,9 +67,9 @@ def search(prepared: Prepared) -> Found:
     tried = _singles(prepared, first)
     accepted = acceptable(tried, threshold)
     if accepted:
-        tried += _grow(prepared, accepted[:1], threshold, first)
-        tried += _grow(prepared, _partners(tried, accepted[0], threshold), threshold)
-        tried += _grow(prepared, _pairs(tried, threshold)[:1], threshold)
+        tried += _grow(prepared, tried, accepted[:1], threshold, first)
+        tried += _grow(prepared, tried, _partners(tried, accepted[0], threshold), threshold)
+        tried += _grow(prepared, tried, _pairs(tried, threshold)[:1], threshold)
         tried += _swapped(prepared, tried, threshold)
     best = choose(prepared, tried, threshold)
     if best is not None:
@@ -136,20 +137,36 @@ def _singles(prepared: Prepared, first: Screen) -> list[Explanation]:
     """Each strong effect on its own: a quick refit of its best hypotheses, and a careful one of the best effects; all
     other effects where none of those explains most, as a base that is bent far screens badly.
     """
-    groups, contexts = _ranked(first, _SINGLES), prepared.structure.contexts
-    others = [group for group in _grouped(first) if group not in groups]
+    strong, contexts = _ranked(first, _SINGLES), prepared.structure.contexts
+    replacing = _replacing(prepared, first, prepared.fit)
     suspected = [group for group in _grouped(first) if group[0].candidate.effect.suspected(contexts)]
-    tried = _refitted(prepared, groups) + _near_the_edge(prepared, suspected)
+    groups = [*strong, *(group for group in suspected if group not in strong)]
+    tried = _refitted(prepared, [group for group in groups if group not in replacing])
+    tried += _with_care(prepared, replacing, (), prepared.fit)
     if prepared.noise_ratio > _BENT and all(explanation.coverage < _MOST for explanation in tried):
-        tried += _refitted(prepared, [group for group in others if group not in suspected])
+        tried += _refitted(prepared, [group for group in _grouped(first) if group not in groups])
         tried += _from_afar(prepared)
     return sorted(tried, key=preference, reverse=True)
 
 
-def _near_the_edge(prepared: Prepared, suspected: Sequence[Sequence[Column]]) -> list[Explanation]:
-    """Effects into which the base has bent as far as it may go: its Jacobian there says little about the way on."""
-    candidates = [column.candidate for group in suspected for column in _options(prepared, group)]
-    return fit_from(prepared, [((one,), prepared.fit.theta) for one in candidates], prepared.box)
+def _replacing(prepared: Prepared, screened: Screen, fit: Fit) -> list[list[Column]]:
+    """Candidates, grouped by effect, that take the place of parameters which stand at a bound in a fitted base."""
+    plant = prepared.structure.plant(fit.theta)
+    contexts = [replace(context, plant=plant) for context in prepared.structure.contexts]
+    suspected = [group for group in _grouped(screened) if group[0].candidate.effect.suspected(contexts)]
+    alone = [Structure(prepared.structure.contexts, (group[0].candidate,)) for group in suspected]
+    added = [structure.contributions(structure.start()) for structure in alone]
+    return [group for group, each in zip(suspected, added, strict=True) if any(one.plant for one in each)]
+
+
+def _with_care(
+    prepared: Prepared, groups: Sequence[Sequence[Column]], beside: tuple[Candidate, ...], fit: Fit
+) -> list[Explanation]:
+    """Effects that replace what stands at its bound in the base, with fresh Jacobians: all else there is bent to make
+    up for that bound, and no column of the base is that of the joint without it.
+    """
+    wanted = [((*beside, c.candidate), fit.theta[:N_BASE]) for group in groups for c in group[:_HYPOTHESES]]
+    return fit_from(prepared, wanted, prepared.box)
 
 
 def _from_afar(prepared: Prepared) -> list[Explanation]:
@@ -174,9 +191,9 @@ def _refitted(prepared: Prepared, groups: Sequence[Sequence[Column]]) -> list[Ex
 def _options(prepared: Prepared, group: Sequence[Column]) -> Sequence[Column]:
     """The hypotheses of one effect that are worth a refit."""
     if group[0].candidate.effect.suspected(prepared.structure.contexts):
-        return group[:2]
+        return group[:_HYPOTHESES]
     least = max(0.3 * group[0].energy, float(np.log(prepared.fit.residual.size)))
-    return [column for column in group if column.energy > least][:2]
+    return [column for column in group if column.energy > least][:_HYPOTHESES]
 
 
 def _ranked(screened: Screen, count: int) -> list[list[Column]]:
@@ -194,21 +211,31 @@ def _grouped(screened: Screen) -> list[list[Column]]:
 
 
 def _grow(
-    prepared: Prepared, seeds: Sequence[Explanation], threshold: float, first: Screen | None = None
+    prepared: Prepared,
+    tried: Sequence[Explanation],
+    seeds: Sequence[Explanation],
+    threshold: float,
+    first: Screen | None = None,
 ) -> list[Explanation]:
     """One more effect on top of each seed, found by screening about the seed's own minimum; the pairs that `first`
-    scores highest besides. Where a seed covers about all that a generic basis sees, only effects that stand out.
+    scores highest besides. Where a seed covers about all that a generic basis sees, only effects that stand out, and
+    what stands at a bound in its base, where that was not tried.
     """
+    known = {explanation.names for explanation in tried}
+    grown: list[Explanation] = []
     wanted: list[tuple[tuple[Candidate, ...], Fit]] = []
     seen: set[tuple[str, ...]] = set()
     for seed in seeds:
         screened = screen(prepared.problem, seed.structure, seed.fit.theta, seed.fit.residual, seed.fit.jacobian)
+        replacing = [g for g in _replacing(prepared, screened, seed.fit) if _names(seed, g) not in known]
+        grown += _with_care(prepared, replacing, seed.settled, seed.fit)
+        seen |= {_names(seed, group) for group in replacing}
         for columns in _ranked(screened, _PARTNERS):
-            names = tuple(sorted((*seed.names, columns[0].candidate.name)))
+            names = _names(seed, columns)
             if names in seen or (seed.coverage > ENOUGH and columns[0].energy < _STANDS_OUT * threshold):
                 continue
             seen.add(names)
-            alike = [c.candidate for c in columns[:2] if c.energy > _ALIKE * columns[0].energy]
+            alike = [c.candidate for c in columns[:_HYPOTHESES] if c.energy > _ALIKE * columns[0].energy]
             wanted += [((*seed.settled, candidate), seed.fit) for candidate in alike]
     unfinished = any(seed.coverage <= ENOUGH for seed in seeds)
     for pair in first.pairs(prepared.fit.residual, _PARTNERS) if first is not None and unfinished else ():
@@ -216,4 +243,8 @@ def _grow(
         if names not in seen:
             seen.add(names)
             wanted.append((pair, prepared.fit))
-    return refit(prepared, wanted)
+    return grown + refit(prepared, wanted)
+
+
+def _names(seed: Explanation, group: Sequence[Column]) -> tuple[str, ...]:
+    return tuple(sorted((*seed.names, group[0].candidate.name)))

@@ -24,7 +24,7 @@ from .extension import base_model, extended_model
 from .gates import put_to_trial, stands_out, vibration
 from .location import change_points, excess_maps, locate, row_series
 from .order import order_spectrum
-from .overtone import overtones
+from .overtone import explained_by_overtone, overtones
 from .preparation import Prepared
 from .refitted import Refitted
 from .result import (
@@ -184,7 +184,11 @@ def _explained(
     whole = energies[chosen.names[0]] if len(energies) == 1 else _energy(answer, chosen, chosen.names)
     sums = {name: float(np.sum(np.concatenate(energy))) for name, energy in energies.items()}
     span = max(float(np.ptp(context.position)) for context in chosen.structure.contexts)
-    forms = overtones(chosen, sums, span)
+
+    def as_well(name: str, other: str, order: float) -> bool:
+        return explained_by_overtone(answer.prepared, answer.found.explanations, chosen, name, other, order)
+
+    forms = overtones(chosen, sums, span, as_well)
     effects = []
     for candidate in chosen.structure.candidates:
         effect = candidate.effect

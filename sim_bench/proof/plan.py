@@ -33,6 +33,7 @@ _MOTIONS = ("rich", "fourier", "rich", "sweep", "rich", "fourier", "pick_and_pla
 _NOISES = ("white", "coloured", "jittered", "quantised", "heavy_tailed")
 _HIDDEN = ("load_coulomb", "thermal_friction", "load_stribeck", "load_quadratic")
 _PARAMETERS = ("inertia_error", "payload_error", "torque_offset", "direction_asymmetry")
+_LAWLESS = ("external_disturbance", "neighbour_coupling")  # pushes and unlogged neighbours: no names for two
 _LONGEST_SKIP = 1000  # designs of a group that an order may leave out at its beginning: several rounds of effects
 
 
@@ -145,7 +146,7 @@ def _triple(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
 
 
 def _several(rng: np.random.Generator, number: int) -> Iterator[dict[str, Any]]:
-    names = [name for name in CATALOGUE if name not in _PARAMETERS and name != "external_disturbance"]
+    names = [name for name in CATALOGUE if name not in _PARAMETERS + _LAWLESS]
     for fields, strength in zip(_settings(rng), cycle(("2", "1", "5", "clear", "0.5")), strict=False):
         drawn = rng.choice(names, number, replace=False)
         yield fields | {"effects": tuple(str(n) for n in drawn), "strength": strength, "excitation": "rich"}

@@ -1,0 +1,25 @@
+"""What the search finds in recordings of a joint whose physics is known."""
+
+from __future__ import annotations
+
+import pytest
+
+from fricomp.recording import Recording
+from fricomp.sim_bench.diagnosis.loading import build_tracks
+from fricomp.sim_bench.diagnosis.observer import Observer
+from fricomp.sim_bench.diagnosis.preparation import prepare
+from fricomp.sim_bench.diagnosis.search import search
+
+from .toy_joint import ToyJoint, record
+
+pytestmark = pytest.mark.slow
+
+
+def test_a_soft_bristle_is_found_beside_a_stronger_effect() -> None:
+    """The base makes up for it by a bristle at its bound, so that its column is faint."""
+    joint = ToyJoint(sigma_0=2.2 / 6e-4, quadratic_drag=0.5)
+    columns = record(joint, "rich", 20.0)
+    recording = Recording(columns["time"], columns["position"], columns["torque"])
+    found = search(prepare(build_tracks([recording]), observer=Observer(), nulls=12, seed=0))
+    assert found.best is not None
+    assert found.best.names == ("presliding_hysteresis", "quadratic_drag")
