@@ -20,6 +20,7 @@ __all__ = ["Explanation", "evidence", "judged", "spread_excess"]
 _MOST_OF_A_ROW = 9.0  # gain that one row may add to what counts against the threshold
 _FAIR = 0.5  # of what an effect of sliding would explain in the rows that slide, were it spread evenly, that it must
 _LOUD_ABOUT_REST = 0.6  # gain per row there; the form of the bristle has been seen to leave 0.3 of nothing missing
+_FORM_OF_BRISTLE = 0.1  # gain per row there, that effects like a bristle take up of its form alone
 _BRISTLE = 0.3  # such energy per row there, that is not held against an explanation
 # Gain per row of all, and coverage, of an explanation that counts wherever it shows. Joints with nothing missing
 # reach 0.25 and 0.99 by the form of their bristle, all of it about rest.
@@ -106,7 +107,8 @@ def evidence(
     """Fall of the cost in rows that can show the effects `names`, none counting for more than a few.
 
     Nothing where too little of it lies where the joint slides: effects of sliding reach rest only by bending the
-    bristle. A fall about rest that no error of the bristle's form reaches counts for any of them.
+    bristle. A fall about rest that no error of the bristle's form reaches counts for any of them; those that are
+    like a bristle take up a part of that error themselves.
 
     Args:
         prepared: Base model and recordings.
@@ -120,6 +122,8 @@ def evidence(
     if at is not None:
         fall, rows = fall[at], rows[at]
     about_rest = float(np.mean(fall[~rows])) if not np.all(rows) else 0.0
+    if any(EFFECTS[name].like_a_bristle for name in names):
+        return float(np.sum(fall) - _FORM_OF_BRISTLE * np.sum(~rows))
     if plain or about_rest > _LOUD_ABOUT_REST or any(EFFECTS[name].shown_at_rest for name in names):
         return float(np.sum(fall))
     sliding, fair = float(np.sum(fall[rows])), float(np.sum(fall)) * float(np.mean(rows))

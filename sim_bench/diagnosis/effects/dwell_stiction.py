@@ -10,8 +10,6 @@ from ..kernel import dwell
 from ..observer import Contribution
 from .effect import Context, Effect, EffectParameter, Values, register
 
-_LEAST = 0.02  # of the static friction, that a rise must reach in the longest rest
-
 
 @register
 class DwellStiction(Effect):
@@ -23,19 +21,22 @@ class DwellStiction(Effect):
     citation = "armstrong1994survey"
     says = "the breakaway torque grows with the time at rest"
     shown_at_rest = True
+    like_a_bristle = True
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (
             EffectParameter("rise", "{torque}", 0.05 * contexts[0].scale, -1e4, 1e4, form=0.4),
-            EffectParameter("time_constant", "s", 0.0, 0.0, 1e3, linear=False),
-            EffectParameter("travel", "{position}", 0.0, 0.0, 1.0, linear=False),
+            _size("time_constant", "s", (0.05, 60.0), prior=0.6, form=0.5),
+            _size("travel", "{position}", (1e-3, 0.1), prior=1.1, form=0.2),
         )
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        return [{"time_constant": t, "travel": d} for t in (0.3, 2.0, 10.0) for d in (1e-3, 1e-2)]
+        sizes = [(t, d) for t in (0.3, 2.0, 10.0) for d in (2e-3, 1e-2)]
+        return [{"time_constant": float(np.log(t)), "travel": float(np.log(d))} for t, d in sizes]
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        grown = dwell(context.velocity, np.array([context.dt, values["time_constant"], values["travel"], 3e-3]))
+        time, travel = np.exp(values["time_constant"]), np.exp(values["travel"])
+        grown = dwell(context.velocity, np.array([context.dt, time, travel, 3e-3]))
         return Contribution(level=values["rise"] * grown)
 
     def unavailable(self, contexts: Sequence[Context]) -> str | None:
@@ -43,8 +44,10 @@ class DwellStiction(Effect):
         return "the joint never rests" if rests < 0.01 else None
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        if values["rise"] <= 0.0:
-            return "the static friction would fall at rest"
-        reached = max(float(np.max(self.contribution(c, values).level)) for c in contexts)
-        least = _LEAST * max(max(c.plant.forward[1], c.plant.reverse[1]) for c in contexts)
-        return "the rise is smaller than what laws of presliding differ by" if reached < least else None
+        return "the static friction would fall at rest" if values["rise"] <= 0.0 else None
+
+
+def _size(name: str, unit: str, limits: tuple[float, float], *, prior: float, form: float) -> EffectParameter:
+    """A positive number that a recording may hardly fix, fitted as its logarithm."""
+    low, high = (float(np.log(limit)) for limit in limits)
+    return EffectParameter(name, unit, 0.3, low, high, linear=False, prior=prior, logarithmic=True, form=form)

@@ -123,6 +123,7 @@ class Effect(ABC):
     citation: ClassVar[str]
     says: ClassVar[str]
     shown_at_rest: ClassVar[bool] = False  # else only rows in which the joint slides speak for it
+    like_a_bristle: ClassVar[bool] = False  # takes up what the form of the bristle leaves about rest
 
     @abstractmethod
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:

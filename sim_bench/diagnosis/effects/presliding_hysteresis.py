@@ -23,6 +23,7 @@ class PreslidingHysteresis(Effect):
     citation = "canudas1995lugre"
     says = "after each reversal the friction builds up over a visible travel"
     shown_at_rest = True
+    like_a_bristle = True
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         low, high = float(np.log(_LEAST)), float(np.log(5e-2))

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from fricomp.sim_bench.diagnosis.choice import acceptable, choose
+from fricomp.sim_bench.diagnosis.explanation import evidence
 from fricomp.sim_bench.diagnosis.preparation import Prepared
 
-from .known import known
+from .known import fit_of, known
 
 _ROWS = 400
 _SLIDING = np.arange(_ROWS) % 4 > 0
@@ -28,6 +29,16 @@ def test_what_rest_alone_gains_does_not_make_a_pair() -> None:
     assert choose(_PREPARED, [hidden, pair], 50.0) is hidden
     ended = known(("cogging", "end_stop"), 5000.0, _QUIET, coverage=0.99)
     assert choose(_PREPARED, [hidden, ended], 50.0) is ended
+
+
+def test_an_effect_like_a_bristle_yields_what_the_form_of_the_bristle_leaves() -> None:
+    rest = int(np.sum(~_SLIDING))
+    for per_row in (0.76, 0.2):
+        before = fit_of(np.where(_SLIDING, 0.0, np.sqrt(per_row)))
+        rises = evidence(_PREPARED, ["dwell_stiction"], before, fit_of(np.zeros(_ROWS)))
+        stops = evidence(_PREPARED, ["end_stop"], before, fit_of(np.zeros(_ROWS)))
+        assert stops == pytest.approx(per_row * rest)
+        assert rises == pytest.approx((per_row - 0.1) * rest)
 
 
 @pytest.mark.parametrize(("gain", "named"), [(20_600.0, False), (22_000.0, True)])
