@@ -24,6 +24,7 @@ __all__ = ["NAMED", "PLAIN", "SPLIT", "UNEXPLAINED", "Comparison", "Doubt", "com
 _SAME_FACTOR = ("payload_error", "torque_gain_error")
 _USUAL_GAIN = 0.1  # largest gain error of a torque signal that is usual; masses are off by more
 _FOLLOWS = 9.0  # chi squared of the inertia's own shift, from which it is seen to follow gravity
+_ALSO = 5.0  # chi squared that a gain may leave of all three shifts: they have two degrees of freedom left
 _SIGNIFICANT = 25.0  # fall of chi squared that a change must bring
 _SIMPLER = 4.0  # chi squared that one more parameter must be worth
 # A joint that slides shows offset plus half the difference of the directions; only its presliding tells one from the
@@ -104,6 +105,7 @@ def compare_rigid(
     alike = best in _SAME_FACTOR and scores["torque_gain_error"] <= scores["payload_error"] + _SIMPLER
     if alike:
         follows = shift[0] ** 2 > _FOLLOWS * (covariance[0, 0] + floor[0, 0])
+        follows = follows and scores["torque_gain_error"] - _SIMPLER < _ALSO
         usual = abs(float(fitted["torque_gain_error"][0])) <= _USUAL_GAIN
         best = "torque_gain_error" if follows and usual else "payload_error"
     deviation = np.sqrt(np.diag(covariance))
