@@ -142,7 +142,7 @@ def _result_of(future: Future[Any], pending: _Pending) -> BlindAnswer | Prepared
     """
     try:
         result: BlindAnswer | Prepared = future.result()
-    except (BrokenExecutor, AssertionError, DiagnosisError):
+    except (BrokenExecutor, AssertionError, DiagnosisError, ImportError):  # an installation that makes no case
         raise
     except Exception as error:  # of a generator or of the cluster
         reason = f"{type(error).__name__}: {error}"
