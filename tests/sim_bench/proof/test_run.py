@@ -181,6 +181,18 @@ def test_a_diagnosis_that_is_lost_is_an_answer_that_failed(tmp_path: Path) -> No
     assert not read_refused(tmp_path)
 
 
+def test_an_installation_that_makes_no_case_ends_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A module that does not import would have every case refused, one after the other."""
+
+    def missing(spec: CaseSpec, salt: str) -> None:
+        raise ModuleNotFoundError("No module named 'numba'")
+
+    monkeypatch.setattr("fricomp.sim_bench.proof.run.prepare", missing)
+    with pytest.raises(ModuleNotFoundError, match="numba"):
+        run_proof(_PLANNED[:1], tmp_path, (SerialExecutor(), 1), salt="s", diagnose=always_consistent)
+    assert not read_refused(tmp_path)
+
+
 def test_page_and_list_of_failures_are_written(tmp_path: Path) -> None:
     scores = run_proof(_PLANNED, tmp_path / "run", (SerialExecutor(), 1), salt="s", diagnose=always_cogging)
     page = tmp_path / "docs" / "proof.md"
