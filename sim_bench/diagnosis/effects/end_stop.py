@@ -12,6 +12,8 @@ from fricomp.laws import Term
 from ..observer import Contribution, Plant
 from .effect import Context, Effect, EffectParameter, Values, register
 
+_WIDEST = 0.35  # of the samples and of the range; a stop is at its end
+
 
 @register
 class EndStop(Effect):
@@ -33,8 +35,7 @@ class EndStop(Effect):
         )
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        low = min(float(c.position.min()) for c in contexts)
-        high = max(float(c.position.max()) for c in contexts)
+        low, high = _range(contexts)
         span = high - low
         upper = [{"edge": high - f * span, "side": 1.0} for f in (0.02, 0.06, 0.12, 0.2)]
         return upper + [{"edge": low + f * span, "side": -1.0} for f in (0.02, 0.06, 0.12, 0.2)]
@@ -48,7 +49,15 @@ class EndStop(Effect):
         if values["stiffness"] <= 0.0:
             return "the stop would pull outwards"
         inside = [np.mean(values["side"] * (c.position - values["edge"]) > 0.0) for c in contexts]
-        return "it would act over more than a third of the range" if float(np.mean(inside)) > 0.35 else None
+        low, high = _range(contexts)
+        reach = high - values["edge"] if values["side"] > 0.0 else values["edge"] - low
+        widest = max(float(np.mean(inside)), reach / (high - low))
+        return "it would act over more than a third of the range" if widest > _WIDEST else None
 
     def term(self, values: Values, plant: Plant) -> Term | None:
         return EndStopTerm(values["stiffness"], values["edge"], values["side"])
+
+
+def _range(contexts: Sequence[Context]) -> tuple[float, float]:
+    """Least and largest position of all recordings [rad] or [m]."""
+    return min(float(c.position.min()) for c in contexts), max(float(c.position.max()) for c in contexts)

@@ -216,6 +216,17 @@ def test_an_effect_says_what_it_cannot_see(context: Context) -> None:
     assert EFFECTS["dwell_stiction"].unavailable([still])
 
 
+def test_a_stop_is_at_an_end_of_the_range_however_seldom_the_joint_is_there(context: Context) -> None:
+    seldom = np.full(context.position.size, 0.1)
+    seldom[:40] = np.linspace(-1.0, 1.0, 40)
+    at = replace(context, position=seldom)
+    stop = {"stiffness": 5.0, "side": 1.0}
+    assert EFFECTS["end_stop"].refuse(stop | {"edge": 0.7}, [at]) is None
+    assert EFFECTS["end_stop"].refuse(stop | {"edge": 0.2}, [at])
+    assert EFFECTS["end_stop"].refuse(stop | {"side": -1.0, "edge": -0.7}, [at]) is None
+    assert EFFECTS["end_stop"].refuse(stop | {"side": -1.0, "edge": -0.2}, [at])
+
+
 def test_a_ripple_has_a_phase_of_its_own_in_each_recording(context: Context) -> None:
     effect, second = EFFECTS["cogging"], replace(context, index=1)
     names = [parameter.name for parameter in effect.parameters([context, second])]
