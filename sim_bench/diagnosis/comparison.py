@@ -100,14 +100,15 @@ def compare_rigid(
     best = min(scores, key=lambda name: scores[name])
     if not best or scores[""] - scores[best] < _SIGNIFICANT:
         return Comparison()
-    # Inertia and gravity that are off by the same factor are a gain as well as another mass; where the inertia is not
-    # seen to follow, nothing speaks for the gain.
+    # Inertia and gravity that are off by the same factor are a gain as well as another mass. The gain is named where
+    # the inertia is seen to follow gravity, one factor leaves nothing of the three shifts and torque signals are off by
+    # as much: otherwise nothing speaks for it.
     alike = best in _SAME_FACTOR and scores["torque_gain_error"] <= scores["payload_error"] + _SIMPLER
     if alike:
         follows = shift[0] ** 2 > _FOLLOWS * (covariance[0, 0] + floor[0, 0])
-        follows = follows and scores["torque_gain_error"] - _SIMPLER < _ALSO
+        fits = scores["torque_gain_error"] - _SIMPLER < _ALSO
         usual = abs(float(fitted["torque_gain_error"][0])) <= _USUAL_GAIN
-        best = "torque_gain_error" if follows and usual else "payload_error"
+        best = "torque_gain_error" if follows and fits and usual else "payload_error"
     deviation = np.sqrt(np.diag(covariance))
     changes = [
         _change("inertia", given.inertia, plant.inertia, plant.inertia * float(deviation[0]), "kg·m²"),

@@ -13,13 +13,13 @@ from scipy.ndimage import minimum_filter1d
 from scipy.signal import lfilter
 
 from .base import BASE_NAMES, BaseModel, unpack
+from .base_fit import fit_base, with_other_bristle
 from .context import build_contexts
 from .generic import generic_rows
 from .hypotheses import narrowed
 from .nulls import Nulls, make_nulls
 from .observer import Contribution, Observer
 from .order import order_hints
-from .other_bristle import with_other_bristle
 from .problem import Problem, observer_for
 from .rigid import RigidJoint
 from .screening import orthonormal, project_out
@@ -35,9 +35,6 @@ _SLIDING = 2.0  # rest speeds
 _SETTLED = 0.16  # [s] about a row, in which observer and whitener still answer to a start or a stop
 _SELDOM = 0.1  # share of the rows
 _ASTRAY = 0.5  # of the first fit's cost, that a fit from another start must stay below
-# Steps of a weighted fit, and fall of the cost in units of the noise that ends it: Coulomb, static and viscous torque
-# of a slow motion lie along a narrow valley, and a fit that stops on its way down leaves the rest to any effect.
-_STEPS, _SETTLED_FIT = 48, 0.3
 _FIRST_NULLS = 12  # for the weights of the first refit
 _HALF_STEPS = 6  # towards the colour of the nulls
 _SAME_COLOUR = 0.08  # difference of correlations that chance may bring
@@ -234,8 +231,7 @@ def _reweigh(problem: Problem, fit: Fit, box: Box, count: int, seed: int) -> tup
     problem = replace(problem.with_velocity(problem.runs([plant], [nothing])[0]), weights=None)
     nulls = make_nulls(problem, plant, nothing, count=count, seed=seed)
     problem = replace(problem, weights=nulls.weights)
-    evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
-    return minimise(evaluate, fit.theta, box, iterations=_STEPS, refresh=2, tolerance=_SETTLED_FIT), problem, nulls
+    return fit_base(problem, fit.theta, box), problem, nulls
 
 
 def _structure(problem: Problem, fit: Fit, box: Box) -> Structure:

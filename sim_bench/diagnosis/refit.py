@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -35,9 +34,7 @@ def polish(
     """The same explanations at the minima of fresh Jacobians, their effects computed for the joint that was found."""
     descents = []
     for explanation in explanations:
-        plant = explanation.structure.plant(explanation.fit.theta)
-        contexts = tuple(replace(context, plant=plant) for context in prepared.structure.contexts)
-        structure = Structure(contexts, explanation.settled)
+        structure = Structure(prepared.structure.contexts_at(explanation.fit.theta), explanation.settled)
         descent = structure.descent(explanation.fit.theta, prepared.box, iterations=iterations, refresh=refresh)
         descents.append((structure, descent))
     return [max(pair, key=preference) for pair in zip(explanations, _fitted(prepared, descents), strict=True)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -151,8 +151,7 @@ def _singles(prepared: Prepared, first: Screen) -> list[Explanation]:
 
 def _replacing(prepared: Prepared, screened: Screen, fit: Fit) -> list[list[Column]]:
     """Candidates, grouped by effect, that take the place of parameters which stand at a bound in a fitted base."""
-    plant = prepared.structure.plant(fit.theta)
-    contexts = [replace(context, plant=plant) for context in prepared.structure.contexts]
+    contexts = prepared.structure.contexts_at(fit.theta)
     suspected = [group for group in _grouped(screened) if group[0].candidate.effect.suspected(contexts)]
     alone = [Structure(prepared.structure.contexts, (group[0].candidate,)) for group in suspected]
     added = [structure.contributions(structure.start()) for structure in alone]

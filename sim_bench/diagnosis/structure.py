@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -121,6 +121,11 @@ class Structure:
     def plant(self, theta: FloatArray) -> Plant:
         """The base part of `theta`."""
         return unpack(theta[:N_BASE])
+
+    def contexts_at(self, theta: FloatArray) -> tuple[Context, ...]:
+        """The motion of each recording, with the joint of `theta`."""
+        plant = self.plant(theta)
+        return tuple(replace(context, plant=plant) for context in self.contexts)
 
     def residuals(self, problem: Problem, points: Sequence[FloatArray]) -> list[FloatArray]:
         """Weighted residual vectors at several points."""

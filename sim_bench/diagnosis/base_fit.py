@@ -1,4 +1,4 @@
-"""Another try at the bristle of the base, where its fit ran away from what friction looks like."""
+"""The weighted fit of the base, and another try where its bristle ran away from what friction looks like."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .problem import Problem
 from .solver import Box, Fit, minimise
 from .track import FloatArray
 
-__all__ = ["with_other_bristle"]
+__all__ = ["fit_base", "with_other_bristle"]
 
 _BREAKAWAY, _DAMPING = BASE_NAMES.index("log_breakaway"), BASE_NAMES.index("damping_time")
 _FORWARD, _REVERSE = (BASE_NAMES.index(f"{side}.coulomb_torque") for side in ("forward", "reverse"))
@@ -17,7 +17,15 @@ _OFFSET = BASE_NAMES.index("offset")
 _STARTS = (1e-6, 3e-5)  # [rad] presliding distances to start from
 _LOUD = 1.1  # residual over noise
 _NEAR = 0.9  # of the largest damping of a bristle
-_STEPS, _SETTLED = 48, 0.3  # of each fit, and fall of its cost in units of the noise that ends it
+# Steps of a weighted fit, and fall of the cost in units of the noise that ends it: Coulomb, static and viscous torque
+# of a slow motion lie along a narrow valley, and a fit that stops on its way down leaves the rest to any effect.
+_STEPS, _SETTLED = 48, 0.3
+
+
+def fit_base(problem: Problem, theta: FloatArray, box: Box) -> Fit:
+    """The base fitted from `theta` with the problem's weights, to the bottom of its valley."""
+    evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
+    return minimise(evaluate, theta, box, iterations=_STEPS, refresh=2, tolerance=_SETTLED)
 
 
 def with_other_bristle(problem: Problem, fit: Fit, box: Box) -> Fit:
@@ -35,9 +43,7 @@ def with_other_bristle(problem: Problem, fit: Fit, box: Box) -> Fit:
     loud = fit.residual @ fit.residual > _LOUD**2 * fit.residual.size
     if not loud or fit.theta[_DAMPING] < _NEAR * box.upper[_DAMPING]:
         return fit
-    evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
-    starts = [_with_bristle(fit.theta, box, distance) for distance in _STARTS]
-    tried = [minimise(evaluate, one, box, iterations=_STEPS, refresh=2, tolerance=_SETTLED) for one in starts]
+    tried = [fit_base(problem, _with_bristle(fit.theta, box, distance), box) for distance in _STARTS]
     return min([fit, *tried], key=lambda one: one.cost)
 
 

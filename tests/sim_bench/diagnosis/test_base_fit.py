@@ -1,4 +1,4 @@
-"""Another try at the bristle: taken where a fit ran away, and only there."""
+"""Another try at the bristle of the base: taken where a fit ran away, and only there."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from fricomp.sim_bench.diagnosis.base import BASE_NAMES, SOFTEST
+from fricomp.sim_bench.diagnosis.base_fit import with_other_bristle
 from fricomp.sim_bench.diagnosis.loading import build_tracks
 from fricomp.sim_bench.diagnosis.observer import Observer
-from fricomp.sim_bench.diagnosis.other_bristle import with_other_bristle
 from fricomp.sim_bench.diagnosis.preparation import Prepared, prepare
 from fricomp.sim_bench.diagnosis.solver import Fit, minimise
 
