@@ -40,10 +40,6 @@ def _ripple(motion: Motion, given: Mapping[str, Truth]) -> _Columns:
     return {"sine": np.sin(angle), "cosine": np.cos(angle)}
 
 
-def _spring(motion: Motion, given: Mapping[str, Truth]) -> _Columns:
-    return {"stiffness": motion.position}
-
-
 def _saturation(motion: Motion, given: Mapping[str, Truth]) -> _Columns:
     return {"coefficient": motion.torque**3}
 
@@ -52,7 +48,6 @@ _FITS: dict[str, Callable[[Motion, Mapping[str, Truth]], _Columns]] = {
     "load_coulomb": _load,
     "position_coulomb": _wave,
     "cogging": _ripple,
-    "spring_torque": _spring,
     "torque_saturation": _saturation,
 }
 
