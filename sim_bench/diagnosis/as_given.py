@@ -37,7 +37,8 @@ def fit_as_given(
     where a simulation says them, stay where the refit found them.
     """
     theta = prepared.fit.theta
-    fixed = _rigid_values(names, rigid) | _uneven_values(names, theta, friction)
+    offset = 0.0 if rigid is None else rigid.offset
+    fixed = _rigid_values(names, rigid) | _uneven_values(names, theta, friction, offset)
     if not fixed:
         return None
     if rigid is not None:  # over a short range gravity would take up a constant torque
@@ -60,12 +61,14 @@ def _rigid_values(names: Collection[str], rigid: RigidJoint | None) -> dict[str,
     return {slot: given[slot] for name in names for slot in _RIGID.get(name, ())}
 
 
-def _uneven_values(names: Collection[str], theta: FloatArray, friction: FrictionModel | None) -> dict[str, float]:
-    """No offset, and the given difference of the directions about the level that was found: a joint that slides
+def _uneven_values(
+    names: Collection[str], theta: FloatArray, friction: FrictionModel | None, offset: float
+) -> dict[str, float]:
+    """The given offset, and the given difference of the directions about the level that was found: a joint that slides
     shows the sum of both only, so that one of them alone would take up what the other is held at."""
     if friction is None or not set(_UNEVEN) & set(names):
         return {}
     forward, reverse = "forward.coulomb_torque", "reverse.coulomb_torque"
     level = 0.5 * float(theta[BASE_NAMES.index(forward)] + theta[BASE_NAMES.index(reverse)])
     odd = 0.5 * (friction.forward.coulomb_torque - friction.reverse.coulomb_torque)
-    return {"offset": 0.0, forward: max(level + odd, 0.0), reverse: max(level - odd, 0.0)}
+    return {"offset": offset, forward: max(level + odd, 0.0), reverse: max(level - odd, 0.0)}

@@ -19,7 +19,17 @@ from .result import Change, NamedEffect, Quantity
 from .rigid import RigidJoint
 from .track import FloatArray
 
-__all__ = ["NAMED", "PLAIN", "SPLIT", "UNEXPLAINED", "Comparison", "Doubt", "compare_friction", "compare_rigid"]
+__all__ = [
+    "NAMED",
+    "PLAIN",
+    "SPLIT",
+    "UNEXPLAINED",
+    "Comparison",
+    "Doubt",
+    "GivenFriction",
+    "compare_friction",
+    "compare_rigid",
+]
 
 _SAME_FACTOR = ("payload_error", "torque_gain_error")
 _USUAL_GAIN = 0.1  # largest gain error of a torque signal that is usual; masses are off by more
@@ -163,14 +173,23 @@ def _named(
     return _effect(name, "parameter", numbers, "the load is not the simulation's")
 
 
+@dataclass(frozen=True)
+class GivenFriction:
+    """What a refit is compared with.
+
+    Attributes:
+        model: The friction model.
+        offset: Constant load of the simulation [N·m] or [N].
+        rigid: The simulation, where the refit does not move its inertia and gravity by more than their error.
+    """
+
+    model: FrictionModel
+    offset: float = 0.0
+    rigid: RigidJoint | None = None
+
+
 def compare_friction(
-    plant: Plant,
-    covariance: FloatArray,
-    given: FrictionModel,
-    unit: str,
-    doubt: Doubt,
-    acceleration: float,
-    rigid: RigidJoint | None = None,
+    plant: Plant, covariance: FloatArray, given: GivenFriction, unit: str, doubt: Doubt, acceleration: float
 ) -> Comparison:
     """Compare offset and the symmetry of the friction with a given friction model.
 
@@ -181,19 +200,18 @@ def compare_friction(
     Args:
         plant: Refitted joint.
         covariance: Of log inertia, gravity, offset and both curves, in the order of the base. Shape (12, 12).
-        given: The friction model.
+        given: The friction model, beside the simulation.
         unit: Unit of torque.
         doubt: Of the refitted parameters.
         acceleration: RMS of the motion's, in unit of position/s².
-        rigid: The simulation, where the refit does not move its inertia and gravity by more than their error.
     """
     try:
-        forward, reverse = given.forward, given.reverse
+        forward, reverse = given.model.forward, given.model.reverse
     except ParameterError:
         return Comparison()
     level = max(0.5 * (forward.coulomb_torque + reverse.coulomb_torque), 1e-9)
     curves = [_numbers(_curve(one)) for one in (forward, reverse)]
-    odd = _odd_shift(plant, covariance, curves, rigid)
+    odd = _odd_shift(plant, covariance, curves, given)
     strays = _strays(odd, level, doubt, _inertia_strays(plant, doubt, acceleration))
     effects = _uneven(odd, strays, (level, unit))
     deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
@@ -234,8 +252,8 @@ class _Odd:
     gravity: float | None
 
 
-def _odd_shift(plant: Plant, covariance: FloatArray, curves: Sequence[FloatArray], rigid: RigidJoint | None) -> _Odd:
-    body = np.array([log(plant.inertia), *plant.gravity, plant.offset])
+def _odd_shift(plant: Plant, covariance: FloatArray, curves: Sequence[FloatArray], given: GivenFriction) -> _Odd:
+    body, rigid = np.array([log(plant.inertia), *plant.gravity, plant.offset - given.offset]), given.rigid
     if rigid is not None:
         body[:_LEVELS] -= [log(rigid.inertia), *rigid.gravity]
     refitted = [_numbers(one) for one in (plant.forward, plant.reverse)]

@@ -15,7 +15,7 @@ from .observer import Plant
 from .preparation import Prepared
 from .result import Quantity
 from .solver import Fit
-from .structure import N_BASE, Structure
+from .structure import N_BASE, Structure, fit_all
 from .track import FloatArray
 
 __all__ = ["SPLIT_BY_PRESLIDING", "Refitted"]
@@ -42,9 +42,11 @@ class Refitted:
 
     @classmethod
     def of(cls, prepared: Prepared, chosen: Explanation | None) -> Refitted:
-        """The base with the chosen effects; alone where none are."""
+        """The base with the chosen effects; alone where none are. Derivatives are fresh: a descent updates its own."""
         one = prepared if chosen is None else chosen
-        return cls(one.structure, one.fit, covariance(one.fit, prepared.box.joined(one.structure.box())))
+        descent = one.structure.descent(one.fit.theta, prepared.box, iterations=0)
+        (fit,) = fit_all(prepared.problem, [(one.structure, descent)])
+        return cls(one.structure, fit, covariance(fit, prepared.box.joined(one.structure.box())))
 
     @cached_property
     def plant(self) -> Plant:

@@ -262,6 +262,8 @@ class Diagnosis:
         motion: Columns of the motion that would tell the aliases apart; None where none is needed.
         detent_order: Order over the position of torque and friction that one unknown part ripples [1/rad] or [1/m];
             None where none was seen.
+        covariance: Of the refitted base, shape (17, 17), in the order and coordinates of `BASE_NAMES`; None where
+            the verdict is not about such a fit.
     """
 
     record: DiagnosisRecord
@@ -270,6 +272,7 @@ class Diagnosis:
     extended_model: FrictionModel | None = None
     motion: dict[str, FloatArray] | None = None
     detent_order: float | None = None
+    covariance: FloatArray | None = None
 
     @property
     def verdict(self) -> Verdict:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from fricomp.errors import DiagnosisError, MissingExtraError
+
+from .track import FloatArray
 
 __all__ = ["RigidJoint", "read_simulation"]
 
@@ -23,6 +25,8 @@ class RigidJoint:
         damping: Viscous friction [N·m·s/rad] or [N·s/m].
         friction_loss: Dry friction [N·m] or [N].
         rotary: Whether the joint turns.
+        covariance: Of log inertia, gravity, offset and both friction curves, shape (12, 12) in the order of the
+            diagnosis' base, where all of them were read off a recording; None where they are exact.
     """
 
     inertia: float
@@ -31,6 +35,7 @@ class RigidJoint:
     damping: float
     friction_loss: float
     rotary: bool
+    covariance: FloatArray | None = field(default=None, compare=False)
 
 
 def read_simulation(path: str | Path, joint: str | None = None) -> RigidJoint:

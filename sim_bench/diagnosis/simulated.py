@@ -5,18 +5,25 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
 from msgspec.structs import replace as with_fields
 
 from fricomp.errors import DiagnosisError
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
+from .base import BASE_NAMES
+from .comparison import SPLIT
 from .diagnose import diagnose
 from .result import Diagnosis
 from .rigid import RigidJoint
 from .sentence import sentences
+from .track import FloatArray
 
 __all__ = ["SimulatedJoint", "read_simulated", "without_known"]
+
+# How an offset and the difference of the directions make up for each other while the joint slides.
+_PARTING = {"offset": 1.0, "forward.coulomb_torque": -1.0, "reverse.coulomb_torque": 1.0}
 
 
 @dataclass(frozen=True)
@@ -51,6 +58,13 @@ def read_simulated(
             "the simulated recording obeys no law of its joint's own motion, so no simulation can be read from it: "
             "give one that moves freely, or the simulation itself with --simulation"
         )
+    if found.verdict == "unknown_physics":
+        raise DiagnosisError(
+            f"the simulated recording shows something that no effect explains ({found.record.noise_ratio:.3g} times its "
+            "noise is left), so its inertia, gravity and friction cannot be read off it: give the simulation itself "
+            "with --simulation"
+        )
+    level = 0.5 * (base["forward.coulomb_torque"].value + base["reverse.coulomb_torque"].value)
     rigid = RigidJoint(
         inertia=base["inertia"].value,
         gravity=(base["gravity_cos"].value, base["gravity_sin"].value),
@@ -58,8 +72,22 @@ def read_simulated(
         damping=0.0,
         friction_loss=0.0,
         rotary=recording.metadata.motion == "rotary",
+        covariance=None if found.covariance is None else _body_and_curves(found.covariance, level),
     )
     return SimulatedJoint(rigid, found.base_model, tuple(effect.name for effect in found.effects))
+
+
+def _body_and_curves(covariance: FloatArray, level: float) -> FloatArray:
+    """Covariance of inertia, gravity, offset and curves; what sliding cannot part is known no better than in a refit.
+
+    Args:
+        covariance: Of the base. Shape (17, 17).
+        level: Coulomb torque.
+    """
+    named = BASE_NAMES[: BASE_NAMES.index("log_breakaway")]
+    parting = np.array([_PARTING.get(name, 0.0) for name in named]) * SPLIT * level
+    result: FloatArray = covariance[: len(named), : len(named)] + np.outer(parting, parting)
+    return result
 
 
 def without_known(diagnosis: Diagnosis, simulated: SimulatedJoint) -> Diagnosis:

@@ -15,7 +15,16 @@ from .agreement import agreeing, hold
 from .alias import aliases, distinguishability, told
 from .as_given import fit_as_given
 from .base import BASE_NAMES
-from .comparison import NAMED, PLAIN, UNEXPLAINED, Comparison, Doubt, compare_friction, compare_rigid
+from .comparison import (
+    NAMED,
+    PLAIN,
+    UNEXPLAINED,
+    Comparison,
+    Doubt,
+    GivenFriction,
+    compare_friction,
+    compare_rigid,
+)
 from .confirmation import confirm
 from .effect_energy import effect_energy
 from .experiment import propose
@@ -144,6 +153,7 @@ def conclude(answer: Answer) -> Diagnosis:
         extended_model=extended_model(answer.recordings, prepared, chosen),
         motion=proposal[1] if proposal is not None else None,
         detent_order=detent,
+        covariance=refitted.covariance[: len(BASE_NAMES), : len(BASE_NAMES)],
     )
 
 
@@ -234,15 +244,18 @@ def _each_once(named: Sequence[NamedEffect], compared: Sequence[NamedEffect]) ->
 
 def _compare(answer: Answer, refitted: Refitted, doubt: Doubt) -> Comparison:
     """What the refit moved of the given simulation and friction."""
-    cov, plant = refitted.covariance, refitted.plant
+    cov, plant = refitted.covariance[:_BODY_AND_CURVES, :_BODY_AND_CURVES], refitted.plant
     result = Comparison()
     rigid = answer.rigid if answer.rigid is not None and answer.rigid.rotary else None
+    if rigid is not None and rigid.covariance is not None:
+        cov = cov + rigid.covariance
     acceleration = float(np.sqrt(np.mean(np.concatenate([c.acceleration for c in refitted.structure.contexts]) ** 2)))
     if rigid is not None:
         result = compare_rigid(plant, cov[:3, :3], rigid, answer.unit, doubt, acceleration)
     if answer.friction is not None:
-        held, known = None if result.effects else rigid, cov[:_BODY_AND_CURVES, :_BODY_AND_CURVES]
-        more = compare_friction(plant, known, answer.friction, answer.unit, doubt, acceleration, held)
+        held, offset = None if result.effects else rigid, 0.0 if answer.rigid is None else answer.rigid.offset
+        given = GivenFriction(answer.friction, offset, held)
+        more = compare_friction(plant, cov, given, answer.unit, doubt, acceleration)
         result = Comparison(result.effects + more.effects, result.changes + more.changes)
     return result
 

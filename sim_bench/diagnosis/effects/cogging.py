@@ -10,7 +10,7 @@ from fricomp.laws import Cogging as CoggingTerm
 from fricomp.laws import Term
 
 from ..observer import Contribution, Plant
-from .effect import Context, Effect, EffectParameter, Values, lowest_order, register
+from .effect import Context, Effect, EffectParameter, Values, lowest_order, register, too_long
 
 
 @register
@@ -43,6 +43,9 @@ class Cogging(Effect):
         number = f"_{context.index + 1}" if context.index else ""
         sine, cosine = (values[f"{name}{number}"] for name in ("sine", "cosine"))
         return Contribution(additive=sine * np.sin(angle) + cosine * np.cos(angle))
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        return too_long(values["order"], contexts)
 
     def term(self, values: Values, plant: Plant) -> Term | None:
         return CoggingTerm(values["sine"], values["cosine"], values["order"])

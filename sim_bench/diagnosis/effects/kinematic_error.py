@@ -8,7 +8,7 @@ import numpy as np
 
 from ..observer import Contribution
 from ..transmission import uneven_running
-from .effect import Context, Effect, EffectParameter, Values, lowest_order, register
+from .effect import Context, Effect, EffectParameter, Values, lowest_order, register, too_long
 
 
 @register
@@ -38,3 +38,6 @@ class KinematicError(Effect):
         wave = np.exp(1j * values["order"] * context.position)
         torque = wave * uneven_running(context, values["order"], values["load_share"])
         return Contribution(additive=values["sine"] * torque.imag + values["cosine"] * torque.real)
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        return too_long(values["order"], contexts)

@@ -14,6 +14,7 @@ from fricomp.sim_bench.diagnosis.comparison import (
     PLAIN,
     UNEXPLAINED,
     Comparison,
+    GivenFriction,
     compare_friction,
     compare_rigid,
 )
@@ -26,9 +27,9 @@ _GRAVITY_FOR_OFFSET = np.eye(12)[3] - np.eye(12)[1]
 _BRISK, _GENTLE = 10.0, 1.0  # RMS accelerations [rad/s²]
 
 
-def _given() -> FrictionModel:
+def _given(rigid: RigidJoint | None = None, offset: float = 0.0) -> GivenFriction:
     curve = StribeckCurve(2.0, 2.6, 0.05, 1.0)
-    return FrictionModel(law=FrictionLaw((BidirectionalStribeck(curve, curve),)))
+    return GivenFriction(FrictionModel(law=FrictionLaw((BidirectionalStribeck(curve, curve),))), offset, rigid)
 
 
 def _friction(offset: float, odd: float, deviation: float = 1e-3, static: float = 1.0) -> Comparison:
@@ -126,9 +127,16 @@ def test_an_offset_that_gravity_could_fill_in_for_shows_where_gravity_is_as_give
     rigid = RigidJoint(0.3, (1.0, 6.0), 0.0, 0.0, 0.0, True)
     covariance = _hardly_told_from_gravity()
     assert not compare_friction(plant, covariance, _given(), "N·m", PLAIN, _BRISK).effects
-    (effect,) = compare_friction(plant, covariance, _given(), "N·m", PLAIN, _BRISK, rigid).effects
+    (effect,) = compare_friction(plant, covariance, _given(rigid), "N·m", PLAIN, _BRISK).effects
     assert effect.name == "torque_offset"
     assert effect.parameters["offset"].value == pytest.approx(0.04, abs=0.005)
+
+
+def test_an_offset_that_the_simulation_has_itself_is_none() -> None:
+    plant = replace(_PLANT, offset=0.3)
+    covariance = np.diag(np.full(12, 1e-3)) ** 2
+    assert not compare_friction(plant, covariance, _given(offset=0.3), "N·m", PLAIN, _BRISK).effects
+    assert compare_friction(plant, covariance, _given(), "N·m", PLAIN, _BRISK).effects
 
 
 def test_gravity_that_is_not_quite_as_given_is_no_offset() -> None:
@@ -136,9 +144,9 @@ def test_gravity_that_is_not_quite_as_given_is_no_offset() -> None:
     rigid = RigidJoint(0.3, (1.0, 6.0), 0.0, 0.0, 0.0, True)
     covariance = _hardly_told_from_gravity()
     astray = replace(_PLANT, offset=0.05, gravity=(0.95, 6.0))
-    assert not compare_friction(astray, covariance, _given(), "N·m", PLAIN, _BRISK, rigid).effects
+    assert not compare_friction(astray, covariance, _given(rigid), "N·m", PLAIN, _BRISK).effects
     elsewhere = replace(_PLANT, gravity=(1.0, 6.2))
-    assert not compare_friction(elsewhere, covariance, _given(), "N·m", PLAIN, _BRISK, rigid).effects
+    assert not compare_friction(elsewhere, covariance, _given(rigid), "N·m", PLAIN, _BRISK).effects
 
 
 def test_directions_that_differ_in_shape_alone_get_no_name() -> None:
