@@ -13,7 +13,7 @@ from .observer import Observation, Plant
 from .problem import Problem
 from .track import FloatArray, Track, smooth_derivative
 
-__all__ = ["build_contexts"]
+__all__ = ["build_contexts", "loaded"]
 
 _SMOOTH = 0.061  # [s]
 _SAME = 0.01  # part of a recorded load that gravity and acceleration may leave unexplained
@@ -59,6 +59,13 @@ def _context(track: Track, plant: Plant, seen: Observation, hints: Mapping[str, 
         channels=track.channels,
         hints=hints,
     )
+
+
+def loaded(context: Context, plant: Plant, further: FloatArray) -> Context:
+    """The same motion of another plant, which carries a further load [N·m]; a recorded load stays. Shape (n,)."""
+    gravity = plant.gravity_torque(context.position, context.rotary) - plant.offset + further
+    recorded = "load_torque" in context.channels
+    return replace(context, plant=plant, gravity=gravity, load_torque=context.load_torque if recorded else gravity)
 
 
 def smoothed(values: FloatArray, dt: float) -> FloatArray:

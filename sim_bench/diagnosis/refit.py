@@ -8,7 +8,7 @@ import numpy as np
 
 from .explanation import Explanation, judged
 from .preparation import Prepared
-from .solver import Box, Descent, Fit
+from .solver import Box, Descent
 from .structure import N_BASE, Candidate, Structure, fit_all
 from .track import FloatArray
 
@@ -17,11 +17,15 @@ __all__ = ["LAST_STEPS", "fit_from", "polish", "preference", "refit"]
 LAST_STEPS = 12  # of an explanation that was chosen and of rivals close to it
 
 
-def refit(prepared: Prepared, wanted: Sequence[tuple[tuple[Candidate, ...], Fit]]) -> list[Explanation]:
-    """Fit base and candidates jointly in the simulator, each set from a fit without them, and judge what they leave."""
+def refit(
+    prepared: Prepared, wanted: Sequence[tuple[tuple[Candidate, ...], Prepared | Explanation]]
+) -> list[Explanation]:
+    """Fit base and candidates jointly in the simulator, each set from what was fitted without some of them, and judge
+    what they leave.
+    """
     descents = []
-    for candidates, fit in wanted:
-        structure = Structure(prepared.structure.contexts, candidates)
+    for candidates, before in wanted:
+        structure, fit = Structure(before.structure.contexts, candidates), before.fit
         start = np.concatenate([fit.theta[:N_BASE], structure.start()])
         descent = structure.descent(start, prepared.box, jacobian=fit.jacobian, iterations=5, refresh=99)
         descents.append((structure, descent))
@@ -34,7 +38,7 @@ def polish(
     """The same explanations at the minima of fresh Jacobians, their effects computed for the joint that was found."""
     descents = []
     for explanation in explanations:
-        structure = Structure(prepared.structure.contexts_at(explanation.fit.theta), explanation.settled)
+        structure = Structure(explanation.structure.contexts_at(explanation.fit.theta), explanation.settled)
         descent = structure.descent(explanation.fit.theta, prepared.box, iterations=iterations, refresh=refresh)
         descents.append((structure, descent))
     return [max(pair, key=preference) for pair in zip(explanations, _fitted(prepared, descents), strict=True)]

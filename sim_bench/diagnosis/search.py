@@ -105,7 +105,7 @@ def _swapped(prepared: Prepared, tried: Sequence[Explanation], threshold: float)
         for p in close_to(own[0], pairs)[1:]
         if len({*p.names, *triples[0].names}) == 4 and third[0].name not in p.names
     ]
-    return refit(prepared, [((*pair.settled, *third), pair.fit) for pair in others])
+    return refit(prepared, [((*pair.settled, *third), pair) for pair in others])
 
 
 def _parts(prepared: Prepared, best: Explanation | None) -> list[Explanation]:
@@ -138,7 +138,7 @@ def _singles(prepared: Prepared, first: Screen) -> list[Explanation]:
     other effects where none of those explains most, as a base that is bent far screens badly.
     """
     strong, contexts = _ranked(first, _SINGLES), prepared.structure.contexts
-    replacing = _replacing(prepared, first, prepared.fit)
+    replacing = _replacing(prepared, first)
     suspected = [group for group in _grouped(first) if group[0].candidate.effect.suspected(contexts)]
     groups = [*strong, *(group for group in suspected if group not in strong)]
     tried = _refitted(prepared, [group for group in groups if group not in replacing])
@@ -149,11 +149,11 @@ def _singles(prepared: Prepared, first: Screen) -> list[Explanation]:
     return sorted(tried, key=preference, reverse=True)
 
 
-def _replacing(prepared: Prepared, screened: Screen, fit: Fit) -> list[list[Column]]:
+def _replacing(at: Prepared | Explanation, screened: Screen) -> list[list[Column]]:
     """Candidates, grouped by effect, that take the place of parameters which stand at a bound in a fitted base."""
-    contexts = prepared.structure.contexts_at(fit.theta)
+    contexts = at.structure.contexts_at(at.fit.theta)
     suspected = [group for group in _grouped(screened) if group[0].candidate.effect.suspected(contexts)]
-    alone = [Structure(prepared.structure.contexts, (group[0].candidate,)) for group in suspected]
+    alone = [Structure(contexts, (group[0].candidate,)) for group in suspected]
     added = [structure.contributions(structure.start()) for structure in alone]
     return [group for group, each in zip(suspected, added, strict=True) if any(one.plant for one in each)]
 
@@ -178,7 +178,7 @@ def _from_afar(prepared: Prepared) -> list[Explanation]:
 def _refitted(prepared: Prepared, groups: Sequence[Sequence[Column]]) -> list[Explanation]:
     """The best hypothesis of each effect refitted; the best effects with care."""
     options = [_options(prepared, group) for group in groups]
-    trials = iter(refit(prepared, [((c.candidate,), prepared.fit) for part in options for c in part]))
+    trials = iter(refit(prepared, [((c.candidate,), prepared) for part in options for c in part]))
     quick = [max((next(trials) for _ in part), key=preference) for part in options if part]
     quick.sort(key=preference, reverse=True)
     careful = polish(prepared, quick[:_CAREFUL])
@@ -222,11 +222,11 @@ def _grow(
     """
     known = {explanation.names for explanation in tried}
     grown: list[Explanation] = []
-    wanted: list[tuple[tuple[Candidate, ...], Fit]] = []
+    wanted: list[tuple[tuple[Candidate, ...], Prepared | Explanation]] = []
     seen: set[tuple[str, ...]] = set()
     for seed in seeds:
         screened = screen(prepared.problem, seed.structure, seed.fit.theta, seed.fit.residual, seed.fit.jacobian)
-        replacing = [g for g in _replacing(prepared, screened, seed.fit) if _names(seed, g) not in known]
+        replacing = [g for g in _replacing(seed, screened) if _names(seed, g) not in known]
         grown += _with_care(prepared, replacing, seed.settled, seed.fit)
         seen |= {_names(seed, group) for group in replacing}
         for columns in _ranked(screened, _PARTNERS):
@@ -235,13 +235,13 @@ def _grow(
                 continue
             seen.add(names)
             alike = [c.candidate for c in columns[:_HYPOTHESES] if c.energy > _ALIKE * columns[0].energy]
-            wanted += [((*seed.settled, candidate), seed.fit) for candidate in alike]
+            wanted += [((*seed.settled, candidate), seed) for candidate in alike]
     unfinished = any(seed.coverage <= ENOUGH for seed in seeds)
     for pair in first.pairs(prepared.fit.residual, _PARTNERS) if first is not None and unfinished else ():
         names = tuple(sorted(c.name for c in pair))
         if names not in seen:
             seen.add(names)
-            wanted.append((pair, prepared.fit))
+            wanted.append((pair, prepared))
     return grown + refit(prepared, wanted)
 
 

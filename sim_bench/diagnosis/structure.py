@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from .base import BASE_NAMES, unpack
+from .context import loaded
 from .effects import EFFECTS, Context, Effect, EffectParameter
 from .observer import Contribution, Observation, Plant
 from .problem import Problem
@@ -123,9 +124,17 @@ class Structure:
         return unpack(theta[:N_BASE])
 
     def contexts_at(self, theta: FloatArray) -> tuple[Context, ...]:
-        """The motion of each recording, with the joint of `theta`."""
-        plant = self.plant(theta)
-        return tuple(replace(context, plant=plant) for context in self.contexts)
+        """The motion of each recording, with the joint of `theta` and the load that it carries there.
+
+        A base that is fitted without friction under load bends its gravity, and with it the load.
+        """
+        plant, values = self.plant(theta), self.values(theta[N_BASE:])
+
+        def further(context: Context) -> FloatArray:
+            carried = [candidate.effect.load(context, values[candidate.name]) for candidate in self.candidates]
+            return np.zeros_like(context.position) + sum(carried)
+
+        return tuple(loaded(context, plant, further(context)) for context in self.contexts)
 
     def residuals(self, problem: Problem, points: Sequence[FloatArray]) -> list[FloatArray]:
         """Weighted residual vectors at several points."""

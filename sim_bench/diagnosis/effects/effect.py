@@ -169,6 +169,10 @@ class Effect(ABC):
         """The effect as a term of a friction law; None where it is none."""
         return None
 
+    def load(self, context: Context, values: Values) -> FloatArray | float:
+        """Further load by this effect, which other effects feel as well [N·m]. Shape (n,)."""
+        return 0.0
+
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         """Why these values are not physical; None where they are."""
         return None

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..observer import Contribution
+from ..track import FloatArray
 from .effect import Context, Effect, EffectParameter, Values, register
 
 
@@ -36,13 +37,16 @@ class PayloadError(Effect):
         return "there is one recording only" if len(contexts) < 2 else None
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        number, q = context.index + 1, context.position
-        if number == 1:
+        if context.index == 0:
             return Contribution()
-        torque = values[f"inertia_{number}"] * context.acceleration
-        if context.rotary:
-            torque = torque + values[f"gravity_cos_{number}"] * np.cos(q) + values[f"gravity_sin_{number}"] * np.sin(q)
-        return Contribution(additive=torque)
+        inertia = values[f"inertia_{context.index + 1}"]
+        return Contribution(additive=inertia * context.acceleration + self.load(context, values))
+
+    def load(self, context: Context, values: Values) -> FloatArray | float:
+        if context.index == 0 or not context.rotary:
+            return 0.0
+        number, (cosine, sine) = context.index + 1, context.waves
+        return values[f"gravity_cos_{number}"] * cosine + values[f"gravity_sin_{number}"] * sine
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         lost = [-value for name, value in values.items() if name.startswith("inertia_")]
