@@ -23,8 +23,10 @@ def build_contexts(
     problem: Problem, plant: Plant, observations: Sequence[Observation], hints: Mapping[str, tuple[float, ...]]
 ) -> list[Context]:
     """One context for each recording."""
+    temperatures = [track.channels.get("temperature", np.zeros(1)) for track in problem.tracks]
+    usual = float(np.mean([np.mean(one) for one in temperatures]))
     return [
-        replace(_context(track, plant, one, hints), index=i)
+        replace(_context(track, plant, one, hints), index=i, usual_temperature=usual)
         for i, (track, one) in enumerate(zip(problem.tracks, observations, strict=True))
     ]
 

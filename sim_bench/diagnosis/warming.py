@@ -23,9 +23,11 @@ def warming(power: FloatArray, dt: float, time_constant: float) -> FloatArray:
 
 
 def heat_of(context: Context, time_constant: float) -> FloatArray:
-    """Rise of the joint's temperature over its mean [K], or its estimate from friction losses [1]. Shape (n,)."""
+    """Rise of the joint's temperature [K], over its mean of all recordings, or its estimate from friction losses [1],
+    over that of this one. Shape (n,).
+    """
     recorded = context.channels.get("temperature")
     if recorded is not None:
-        return recorded - float(np.mean(recorded))
+        return recorded - context.usual_temperature
     rise = warming(np.abs(context.friction * context.velocity), context.dt, time_constant)
     return rise - float(np.mean(rise))

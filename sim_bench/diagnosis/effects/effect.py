@@ -43,6 +43,7 @@ class Context:
         channels: Further recorded columns by name.
         scale: Typical friction torque, for scaling parameters [N·m].
         usual_load: Typical load [N·m], the same in all recordings and whatever is fitted.
+        usual_temperature: Mean temperature of all recordings [°C]; 0 where it was not recorded.
         noise: Standard deviation of the noise in the recorded torque [N·m] or [N].
         index: Which of the recordings this is, counted from 0.
         hints: Starting values found in the residual, such as the orders over position that stand out.
@@ -61,6 +62,7 @@ class Context:
     rotary: bool
     scale: float
     usual_load: float = 1.0
+    usual_temperature: float = 0.0
     channels: Mapping[str, FloatArray] = field(default_factory=dict)
     noise: float = 0.0
     index: int = 0

@@ -9,6 +9,7 @@ import numpy as np
 from ..observer import Contribution
 from ..warming import heat_of
 from .effect import Context, Effect, EffectParameter, Values, register
+from .heating_time import HEATING_TIME, heating_times
 
 _STRONGEST = 3.0  # most that the logarithm of viscous friction may change
 
@@ -26,31 +27,29 @@ class ThermalFriction(Effect):
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         viscous = max(max(c.plant.forward[3], c.plant.reverse[3]) for c in contexts)
         largest = max(float(np.max(np.abs(heat_of(c, 30.0)))) for c in contexts)
-        recorded = "temperature" in contexts[0].channels
+        recorded = all("temperature" in context.channels for context in contexts)
         per_kelvin = "/K" if recorded else ""
         slope = 0.05 * (viscous + 0.1 * contexts[0].scale) / largest
         level = 0.05 * contexts[0].scale / largest
-        return (
-            EffectParameter("viscous_slope", "{torque}·s/{position}" + per_kelvin, slope, -1e6, 1e6),
-            EffectParameter("coulomb_slope", "{torque}" + per_kelvin, level if recorded else 0.0, -1e6, 1e6),
-            EffectParameter("time_constant", "s", 0.0, 0.0, 1e4, linear=False),
-        )
+        viscous_slope = EffectParameter("viscous_slope", "{torque}·s/{position}" + per_kelvin, slope, -1e6, 1e6)
+        if not recorded:  # an estimated temperature hardly tells a second slope from its own time constant
+            return viscous_slope, HEATING_TIME
+        return viscous_slope, EffectParameter("coulomb_slope", "{torque}" + per_kelvin, level, -1e6, 1e6)
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        if "temperature" in contexts[0].channels:
-            return [{"time_constant": 0.0}]
-        return [{"time_constant": tau} for tau in (10.0, 30.0, 100.0)]
+        recorded = all("temperature" in context.channels for context in contexts)
+        return [{}] if recorded else heating_times()
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        heat, plant = heat_of(context, values["time_constant"]), context.plant
+        heat, plant = heat_of(context, float(np.exp(values.get("time_constant", 0.0)))), context.plant
         viscous = np.where(context.velocity >= 0.0, plant.forward[3], plant.reverse[3])
         viscous = np.maximum(viscous, 0.1 * context.scale / max(float(np.max(np.abs(context.velocity))), 1e-9))
         fall = np.clip(values["viscous_slope"] * heat / viscous, -_STRONGEST, _STRONGEST)
         return Contribution(
-            additive=viscous * np.expm1(-fall) * context.velocity, level=-values["coulomb_slope"] * heat
+            additive=viscous * np.expm1(-fall) * context.velocity, level=-values.get("coulomb_slope", 0.0) * heat
         )
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         speed = max(float(np.sqrt(np.mean(c.velocity**2))) for c in contexts)
-        rises = values["viscous_slope"] * speed + values["coulomb_slope"] <= 0.0
+        rises = values["viscous_slope"] * speed + values.get("coulomb_slope", 0.0) <= 0.0
         return "friction would rise with temperature" if rises else None

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from ..observer import Contribution
 from ..warming import warming
 from .effect import Context, Effect, EffectParameter, Values, register
+from .heating_time import HEATING_TIME, heating_times
 
 
 @register
@@ -20,16 +23,13 @@ class TorqueConstantHeating(Effect):
     says = "the torque constant falls as the motor warms"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        return (
-            EffectParameter("loss", "1", 0.02, -0.9, 0.9),
-            EffectParameter("time_constant", "s", 0.0, 0.0, 1e4, linear=False),
-        )
+        return EffectParameter("loss", "1", 0.02, -0.9, 0.9), HEATING_TIME
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        return [{"time_constant": tau} for tau in (10.0, 30.0, 100.0)]
+        return heating_times()
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        heat = warming(context.torque**2, context.dt, values["time_constant"])
+        heat = warming(context.torque**2, context.dt, float(np.exp(values["time_constant"])))
         return Contribution(additive=values["loss"] * heat * context.torque)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
