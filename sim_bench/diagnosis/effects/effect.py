@@ -172,7 +172,7 @@ class Effect(ABC):
         return None
 
     def load(self, context: Context, values: Values) -> FloatArray | float:
-        """Further load by this effect, which other effects feel as well [N·m]. Shape (n,)."""
+        """Further load that the joint carries by this effect, which others feel as well [N·m]. Shape (n,)."""
         return 0.0
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:

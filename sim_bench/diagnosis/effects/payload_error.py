@@ -37,16 +37,16 @@ class PayloadError(Effect):
         return "there is one recording only" if len(contexts) < 2 else None
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        if context.index == 0:
-            return Contribution()
-        inertia = values[f"inertia_{context.index + 1}"]
-        return Contribution(additive=inertia * context.acceleration + self.load(context, values))
+        return Contribution(additive=self.load(context, values))
 
     def load(self, context: Context, values: Values) -> FloatArray | float:
-        if context.index == 0 or not context.rotary:
+        if context.index == 0:
             return 0.0
         number, (cosine, sine) = context.index + 1, context.waves
-        return values[f"gravity_cos_{number}"] * cosine + values[f"gravity_sin_{number}"] * sine
+        torque = values[f"inertia_{number}"] * context.acceleration
+        if context.rotary:
+            torque = torque + values[f"gravity_cos_{number}"] * cosine + values[f"gravity_sin_{number}"] * sine
+        return torque
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         lost = [-value for name, value in values.items() if name.startswith("inertia_")]

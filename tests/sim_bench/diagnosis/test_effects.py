@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fricomp.sim_bench.diagnosis.base import pack
 from fricomp.sim_bench.diagnosis.effects import EFFECTS, Context, EffectParameter
 from fricomp.sim_bench.diagnosis.explanation import Explanation
 from fricomp.sim_bench.diagnosis.observer import Plant, behind
@@ -137,9 +138,9 @@ def test_intervals_allow_for_the_form_of_the_law(parameter: EffectParameter, val
 
 
 def test_warmth_thins_the_oil_and_changes_the_level(context: Context) -> None:
-    warm = replace(context, channels={"temperature": 25.0 + 10.0 * np.sin(context.time)})
-    heat = warm.channels["temperature"] - np.mean(warm.channels["temperature"])
-    values = {"viscous_slope": 0.04, "coulomb_slope": -0.01, "time_constant": 0.0}
+    heat = 10.0 * np.sin(context.time)
+    warm = replace(context, channels={"temperature": 25.0 + heat}, usual_temperature=25.0)
+    values = {"viscous_slope": 0.04, "coulomb_slope": -0.01}
     found = EFFECTS["thermal_friction"].contribution(warm, values)
     viscous = np.where(warm.velocity >= 0.0, 1.0, 1.1)
     oil = viscous * (np.exp(-0.04 * heat / viscous) - 1.0) * warm.velocity
@@ -256,3 +257,34 @@ def test_ripple_of_torque_and_friction_at_one_order_is_one_mechanism(
 def test_a_push_is_named_only_if_it_lasts_for_some_rows(end: float, refused: bool, context: Context) -> None:
     values = {"torque_1": 3.0, "start_1": 1.0, "end_1": end, "roundness_1": 0.0}
     assert (EFFECTS["external_disturbance"].refuse(values, [context]) is not None) is refused
+
+
+def test_joints_of_two_temperatures_differ_though_each_of_them_stays_at_its_own(context: Context) -> None:
+    cold, warm = (
+        replace(context, channels={"temperature": np.full_like(context.position, t)}, usual_temperature=30.0)
+        for t in (20.0, 40.0)
+    )
+    slopes = {"coulomb_slope": 0.01, "viscous_slope": 0.0}
+    for one, level in ((cold, 0.1), (warm, -0.1)):
+        found = EFFECTS["thermal_friction"].contribution(one, slopes).level
+        np.testing.assert_allclose(found, level)
+
+
+def test_load_is_that_of_the_joint_that_was_found_and_of_what_it_carries(context: Context) -> None:
+    second = replace(context, index=1)
+    values = {"gravity_cos_2": 0.5, "gravity_sin_2": 2.0, "inertia_2": 0.1}
+    structure = Structure((context, second), (Candidate("payload_error", tuple(values.items())),))
+    plant = replace(context.plant, gravity=(0.0, 3.0))
+    own, carrying = structure.contexts_at(np.concatenate([pack(plant), structure.start()]))
+    np.testing.assert_allclose(own.load_torque, 3.0 * np.sin(context.position), atol=1e-9)
+    payload = 0.5 * np.cos(context.position) + 2.0 * np.sin(context.position) + 0.1 * context.acceleration
+    np.testing.assert_allclose(carrying.load_torque - own.load_torque, payload, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["cogging", "kinematic_error"])
+def test_a_ripple_whose_order_went_to_its_bound_is_none(name: str, context: Context) -> None:
+    effect = EFFECTS[name]
+    (order,) = (p for p in effect.parameters([context]) if p.name == "order")
+    values = {p.name: 0.1 for p in effect.parameters([context])}
+    assert effect.refuse(values | {"order": order.lower}, [context])
+    assert effect.refuse(values | {"order": 1.1 * order.lower}, [context]) is None
