@@ -21,6 +21,7 @@ _OVERWHELMING = 10.0  # thresholds from which they count wherever they show; a b
 # What of its gain an explanation counts for that would fill in for others: pushes in windows of time for anything that
 # comes and goes, a friction wave of any order for friction under a load that follows the position.
 _FILLS_IN = {"external_disturbance": 0.8, "position_coulomb": 0.98}
+_MORE_FORMS = {"load_quadratic": 0.998}  # the same for an effect that has a form nearly that of a simpler one
 _NEAR, _FINALISTS = 0.1, 2  # of its gain that a rival may lack, and how many of them there are
 
 
@@ -98,8 +99,9 @@ def _fill_in(names: Collection[str]) -> bool:
 
 
 def _weighed(explanation: Explanation) -> float:
-    """Gain, less a share for effects that fill in for others."""
-    return explanation.gain * min(_FILLS_IN.get(name, 1.0) for name in explanation.names)
+    """Gain, less a share for effects that fill in for others, or have more forms than those."""
+    shares = _FILLS_IN | _MORE_FORMS
+    return explanation.gain * min(shares.get(name, 1.0) for name in explanation.names)
 
 
 def close_to(best: Explanation, accepted: Sequence[Explanation]) -> list[Explanation]:
