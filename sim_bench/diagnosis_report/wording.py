@@ -94,7 +94,8 @@ def format_number(value: float, step: float | None = None) -> str:
     """`value` with the digits that `step` leaves meaningful; four significant ones without it."""
     if not isfinite(value):
         return "–"
-    size = max(abs(value), abs(step or 0.0))
+    step = step if step and isfinite(step) else None
+    size = max(abs(value), step or 0.0)
     if size and not 1e-3 <= size < 1e6:
         figures = 3 if not step else min(9, max(0, ceil(log10(size / step)) + 1)) if value else 1
         return f"{value:.{figures}g}" if figures else "0"
