@@ -95,3 +95,9 @@ def test_every_command_shows_its_help(name: str) -> None:
 def test_every_benchmark_shows_its_help(name: str) -> None:
     result = CliRunner().invoke(main.app, ["bench", name, "--help"])
     assert result.exit_code == 0, result.output
+
+
+def test_the_package_runs_as_a_module() -> None:
+    command = [sys.executable, "-m", "fricomp", "--version"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == f"fricomp {fricomp.__version__}"
