@@ -138,9 +138,13 @@ def _presliding(problem: Problem, plant: Plant, effects: Sequence[Contribution])
     """How far each row moves with the law of the bristle, which no recording fixes to the last digit [N·m].
 
     The base has one bristle of one stiffness; real presliding has a spectrum of them [albender2005gms]. The rows
-    after reversals are trusted less, in proportion to what another stiffness would change there.
+    after reversals are trusted less, in proportion to what another stiffness would change there, and another velocity
+    about which friction that creeps turns over.
     """
-    variants = [replace(plant, sigma_0=plant.sigma_0 * factor) for factor in (1.0 / _STIFFNESS, _STIFFNESS)]
+    variants = [
+        replace(plant, sigma_0=plant.sigma_0 * factor, creep_velocity=plant.creep_velocity / factor)
+        for factor in (1.0 / _STIFFNESS, _STIFFNESS)
+    ]
     softer, stiffer = problem.runs(variants, [effects, effects])
     return [0.5 * np.abs(a - b) for a, b in zip(problem.rows(softer), problem.rows(stiffer), strict=True)]
 

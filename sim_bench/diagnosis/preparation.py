@@ -13,7 +13,7 @@ from scipy.ndimage import minimum_filter1d
 from scipy.signal import lfilter
 
 from .base import BASE_NAMES, BaseModel, unpack
-from .base_fit import fit_base, with_other_bristle
+from .base_fit import fit_base, with_creep, with_other_bristle
 from .context import build_contexts
 from .generic import generic_rows
 from .hypotheses import narrowed
@@ -119,6 +119,7 @@ def prepare(
     raw, fit, box = _first_fit(tracks, observer, rigid)
     fit, problem, _ = _reweigh(raw, fit, box, _FIRST_NULLS, seed)
     fit = with_other_bristle(problem, fit, box)
+    fit, box = with_creep(problem, fit, box, _top_speed(tracks))
     fit, problem, found = _reweigh(raw, fit, box, nulls, seed)
     prepared = Prepared(problem, _structure(problem, fit, box), fit, box, found)
     return _level_noise(_recoloured(prepared))
@@ -126,8 +127,7 @@ def prepare(
 
 def _first_fit(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | None) -> tuple[Problem, Fit, Box]:
     """The base fitted without weights; from the second start only where the first one leads far astray."""
-    top = max(float(np.quantile(np.abs(track.velocity), 0.995)) for track in tracks)
-    tried = []
+    top, tried = _top_speed(tracks), []
     for plant in estimate_plants(tracks):
         start = plant if rigid is None else replace(plant, inertia=rigid.inertia)
         base = BaseModel.around(start, dt=tracks[0].dt, top_speed=top, rotary=tracks[0].rotary, known=rigid)
@@ -136,6 +136,10 @@ def _first_fit(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | 
         tried.append((problem, minimise(evaluate, base.start, base.box, iterations=10, refresh=2), base.box))
     usual, *others = tried
     return next((other for other in others if other[1].cost < _ASTRAY * usual[1].cost), usual)
+
+
+def _top_speed(tracks: Sequence[Track]) -> float:
+    return max(float(np.quantile(np.abs(track.velocity), 0.995)) for track in tracks)
 
 
 def _noise_parts(prepared: Prepared) -> tuple[FloatArray, list[FloatArray]]:
