@@ -1,4 +1,4 @@
-"""The weighted fit of the base, and another try where its bristle ran away from what friction looks like."""
+"""The weighted fit of the base, and other tries where it is loud: with another bristle, with friction that creeps."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .problem import Problem
 from .solver import Box, Fit, minimise
 from .track import FloatArray
 
-__all__ = ["fit_base", "with_creep", "with_other_bristle"]
+__all__ = ["creeping", "fit_base", "loud", "with_other_bristle"]
 
 _BREAKAWAY, _DAMPING = BASE_NAMES.index("log_breakaway"), BASE_NAMES.index("damping_time")
 _FORWARD, _REVERSE = (BASE_NAMES.index(f"{side}.coulomb_torque") for side in ("forward", "reverse"))
@@ -22,10 +22,13 @@ _CREEP, _LEAD = BASE_NAMES.index("creep_velocity"), BASE_NAMES.index("creep_lead
 _SHARPNESS = BASE_NAMES.index("sharpness")
 _SLOWEST, _FASTEST = 1e-3, 0.1  # creep velocity, of the fastest motion
 _LONGEST_LEAD = 0.03  # [s]
+# Steps towards creep, after which the better start goes on unless its cost is this many times that of a bristle: by
+# the weights of a bristle, which hardly lets a joint at rest be noisy, friction that does creep has left twice as much
+# and joints that stick 5 to 8000 times as much.
+_FIRST_STEPS, _HOPELESS = 12, 4.0
 # MuJoCo's friction loss with its usual impedance: F = d (tau + b J v), cut off at the level, with d = 0.9 and a rate b
 # of 105 1/s or, in a stiffer simulation, ten times that.
-_IMPEDANCE, _RATES = 0.9, (105.0, 1050.0)
-_EXCESS = 0.95  # of the energy above the noise that creep must explain
+_IMPEDANCE, _RATES = 0.9, (105.0, 1050.0)  # [1/s]
 _NEAR = 0.9  # of the largest damping of a bristle
 # Steps of a weighted fit, and fall of the cost in units of the noise that ends it: Coulomb, static and viscous torque
 # of a slow motion lie along a narrow valley, and a fit that stops on its way down leaves the rest to any effect.
@@ -36,6 +39,11 @@ def fit_base(problem: Problem, theta: FloatArray, box: Box) -> Fit:
     """The base fitted from `theta` with the problem's weights, to the bottom of its valley."""
     evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
     return minimise(evaluate, theta, box, iterations=_STEPS, refresh=2, tolerance=_SETTLED)
+
+
+def loud(fit: Fit) -> bool:
+    """Whether a weighted fit leaves more than noise."""
+    return float(fit.residual @ fit.residual) > _LOUD**2 * fit.residual.size
 
 
 def with_other_bristle(problem: Problem, fit: Fit, box: Box) -> Fit:
@@ -50,8 +58,7 @@ def with_other_bristle(problem: Problem, fit: Fit, box: Box) -> Fit:
         fit: Of the base, with these weights.
         box: Domain of the base parameters.
     """
-    loud = fit.residual @ fit.residual > _LOUD**2 * fit.residual.size
-    if not loud or fit.theta[_DAMPING] < _NEAR * box.upper[_DAMPING]:
+    if not loud(fit) or fit.theta[_DAMPING] < _NEAR * box.upper[_DAMPING]:
         return fit
     tried = [fit_base(problem, _with_bristle(fit.theta, box, distance), box) for distance in _STARTS]
     return min([fit, *tried], key=lambda one: one.cost)
@@ -72,11 +79,10 @@ def _with_bristle(theta: FloatArray, box: Box, distance: float) -> FloatArray:
     return start
 
 
-def with_creep(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[Fit, Box]:
-    """The fit and its domain, or those of friction that never holds, where it leaves about nothing.
+def creeping(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[Fit, Box] | None:
+    """The base fitted with friction that never holds, and its domain; None where that leads nowhere.
 
-    Friction of many simulators is no bristle: below a creep velocity it is viscous, and at rest it fades. Whatever is
-    missing may look a little like that, so creep must explain all of a loud residual, not the better part.
+    Friction of many simulators is no bristle: below a creep velocity it is viscous, and at rest it fades.
 
     Args:
         problem: Recordings and weights.
@@ -84,21 +90,17 @@ def with_creep(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[
         box: Domain of the base parameters.
         top_speed: Of the recorded motion [rad/s].
     """
-    energy = float(fit.residual @ fit.residual)
-    if energy <= _LOUD**2 * fit.residual.size:
-        return fit, box
-    starts = [_creeping(fit.theta, rate) for rate in _RATES]
-    tried = [(fit_base(problem, start, free), free) for start, free in ((s, _with_free_creep(box, s, top_speed)) for s in starts)]
+    evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
+    tried = []
+    for rate in _RATES:
+        start = _with_creep(fit.theta, rate)
+        free = _with_free_creep(box, start, top_speed)
+        tried.append((minimise(evaluate, start, free, iterations=_FIRST_STEPS, refresh=2), free))
     best, free = min(tried, key=lambda one: one[0].cost)
-    left = float(best.residual @ best.residual)
-    print("CREEP", (energy / best.residual.size) ** 0.5, [((t[0].residual @ t[0].residual) / best.residual.size) ** 0.5 for t in tried], unpack(best.theta))
-    above = energy - fit.residual.size
-    if left <= _LOUD**2 * fit.residual.size or energy - left > _EXCESS * above:
-        return best, free
-    return fit, box
+    return (fit_base(problem, best.theta, free), free) if best.cost < _HOPELESS * fit.cost else None
 
 
-def _creeping(theta: FloatArray, rate: float) -> FloatArray:
+def _with_creep(theta: FloatArray, rate: float) -> FloatArray:
     """`theta` with the friction loss of MuJoCo at this rate [1/s]. Shape (p,)."""
     start, plant = theta.copy(), unpack(theta)
     start[_SHARPNESS] = 1.0
@@ -108,7 +110,9 @@ def _creeping(theta: FloatArray, rate: float) -> FloatArray:
 
 
 def _with_free_creep(box: Box, start: FloatArray, top_speed: float) -> Box:
+    """`box` in which friction creeps, with scales for a fit from `start`."""
     lower, upper, scale = box.lower.copy(), box.upper.copy(), box.scale.copy()
-    lower[[_CREEP, _LEAD]], upper[[_CREEP, _LEAD]] = (_SLOWEST * top_speed, 0.0), (_FASTEST * top_speed, _LONGEST_LEAD)
-    scale[[_CREEP, _LEAD]] = 0.1 * float(np.clip(start[_CREEP], lower[_CREEP], upper[_CREEP])), 0.1 * start[_LEAD]
+    at = [_CREEP, _LEAD]
+    lower[at], upper[at] = (_SLOWEST * top_speed, 0.0), (_FASTEST * top_speed, _LONGEST_LEAD)
+    scale[at] = 0.1 * max(float(start[_CREEP]), _SLOWEST * top_speed), 0.1 * start[_LEAD]
     return replace(box, lower=lower, upper=upper, scale=scale)

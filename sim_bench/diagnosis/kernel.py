@@ -6,7 +6,13 @@
 x, w, z are the model's own position, velocity and bristle deflection; q, v the recorded ones; u is the torque the
 model lacks, seen through a second-order low pass. A share of the bristle (`sharpness`) yields abruptly at its level
 instead of gradually, as the elements of Maxwell-slip models do [albender2005gms]. Both are advanced exactly over each
-substep [dahl1968], [canudas1995lugre], so any stiffness is stable for them. This is the only module that imports numba.
+substep [dahl1968], [canudas1995lugre], so any stiffness is stable for them. Friction that creeps has no bristle; with
+s = w + T w' it is in its abrupt and its gradual share
+
+    g(w) clip(s / v_c, -1, 1)   and   g(w) s / (|s| + v_c),
+
+solved for the velocity that it leaves itself: the first is MuJoCo's friction loss, d (torque + b J w) cut off at its
+level, with T = 1 / b and v_c = F_c (1 - d) / (d b J). This is the only module that imports numba.
 """
 
 from __future__ import annotations
@@ -99,9 +105,7 @@ def _falling(x: float) -> float:
 
 
 @_inlined
-def _start(
-    state: np.ndarray, plants: np.ndarray, position: np.ndarray, velocity: np.ndarray
-) -> tuple[bool, bool]:
+def _start(state: np.ndarray, plants: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> tuple[bool, bool]:
     """Fill in the plants and the first sample; returns whether any lane needs another Stribeck exponent than two, and
     whether any creeps. Such a lane has no bristle."""
     general, creeping = False, False

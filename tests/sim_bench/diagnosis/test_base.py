@@ -10,7 +10,7 @@ from fricomp.sim_bench.diagnosis.observer import Observer, Plant
 
 _PLANT = Plant(
     0.3, (1.0, 6.0), 0.1, (2.0, 2.6, 0.05, 1.0), (2.4, 2.7, 0.04, 1.2), 4e4, sigma_1=40.0, delay=1e-4, sharpness=0.3,
-    spread=1.7,
+    spread=1.7, creep_velocity=0.01, creep_lead=0.002,
 )  # fmt: skip
 _COULOMB = [BASE_NAMES.index(f"{side}.coulomb_torque") for side in ("forward", "reverse")]
 
