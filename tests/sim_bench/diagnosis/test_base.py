@@ -55,7 +55,8 @@ def test_the_prior_binds_the_difference_of_the_directions_and_not_their_mean() -
 def test_the_start_lies_inside() -> None:
     model = _model()
     np.testing.assert_array_equal(model.box.clip(model.start), model.start)
-    assert np.all(model.box.lower < model.box.upper)
+    held = [BASE_NAMES.index(name) for name in ("creep_velocity", "creep_lead")]  # but where a fit without is loud
+    np.testing.assert_array_equal(np.flatnonzero(model.box.lower >= model.box.upper), held)
 
 
 def test_the_stiffest_bristle_hides_its_travel_from_the_observer() -> None:
