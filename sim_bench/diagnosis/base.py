@@ -31,6 +31,8 @@ BASE_NAMES = (
     "damping_time",
     "sharpness",
     "log_spread",
+    "creep_velocity",
+    "creep_lead",
 )
 
 SOFTEST = 2.5e-4
@@ -43,7 +45,8 @@ _BREAKAWAY = (1e-7, SOFTEST)
 _USUAL_BREAKAWAY = 3.6e-5  # [rad] where it starts
 # Longest step in scales: parameters that enter linearly may go anywhere at once.
 _FRICTION_REACH = [10.0, 10.0, 2.0, 20.0]
-_REACH = np.array([4.0, 40.0, 40.0, 40.0, *_FRICTION_REACH, *_FRICTION_REACH, 3.0, 2.0, 3.0, 2.0, 2.0])
+_REACH = np.array([4.0, 40.0, 40.0, 40.0, *_FRICTION_REACH, *_FRICTION_REACH, 3.0, 2.0, 3.0, 2.0, 2.0, 3.0, 3.0])
+_HELD = 1e-9  # scale of a parameter that is not fitted
 _DAMPING = 0.012  # [s] largest sigma_1 / sigma_0 of a bristle that is part of the base
 _LATEST = 5e-4  # [s] of the torque behind the motion in a usual chain of sensors; more swallows real delays
 _NEAR = 0.9  # of such a bound, from which more may hide behind it
@@ -64,6 +67,8 @@ def pack(plant: Plant) -> FloatArray:
             plant.sigma_1 / plant.sigma_0,
             plant.sharpness,
             np.log(plant.spread),
+            plant.creep_velocity,
+            plant.creep_lead,
         ]
     )
 
@@ -83,6 +88,8 @@ def unpack(theta: FloatArray) -> Plant:
         delay=float(theta[13]),
         sharpness=float(theta[15]),
         spread=float(np.exp(theta[16])),
+        creep_velocity=float(theta[17]),
+        creep_lead=float(theta[18]),
     )
 
 
@@ -140,8 +147,9 @@ class BaseModel:
         upper = [inertia + 3, gravity_free, gravity_free, 100 * size, *friction_high, *friction_high, breakaway[1]]
         scale = [0.05, 0.05 * size, 0.05 * size, 0.05 * level, *friction_scale, *friction_scale, 0.3]
         reach = 0.5 * (_LATEST - _earliest(dt))
-        low = np.array([*lower, _earliest(dt), 0.0, 0.0, 0.0])
-        high = np.array([*upper, _LATEST, _DAMPING, 1.0, 1.5])
+        bristle_scale = [0.5 * reach, 0.2 * _DAMPING, 0.3, 0.5, _HELD, _HELD]
+        low = np.array([*lower, _earliest(dt), 0.0, 0.0, 0.0, 0.0, 0.0])
+        high = np.array([*upper, _LATEST, _DAMPING, 1.0, 1.5, 0.0, 0.0])
         centre = start.copy()
         centre[4] = centre[8] = level
         weight = np.zeros(start.size)
@@ -163,5 +171,5 @@ class BaseModel:
         precision = np.diag(weight**2) + np.outer(difference, difference)
         return cls(
             np.clip(start, low, high),
-            Box(low, high, np.array([*scale, 0.5 * reach, 0.2 * _DAMPING, 0.3, 0.5]), centre, precision, _REACH),
+            Box(low, high, np.array([*scale, *bristle_scale]), centre, precision, _REACH),
         )

@@ -6,7 +6,13 @@
 x, w, z are the model's own position, velocity and bristle deflection; q, v the recorded ones; u is the torque the
 model lacks, seen through a second-order low pass. A share of the bristle (`sharpness`) yields abruptly at its level
 instead of gradually, as the elements of Maxwell-slip models do [albender2005gms]. Both are advanced exactly over each
-substep [dahl1968], [canudas1995lugre], so any stiffness is stable for them. This is the only module that imports numba.
+substep [dahl1968], [canudas1995lugre], so any stiffness is stable for them. Friction that creeps has no bristle; with
+s = w + T w' it is in its abrupt and its gradual share
+
+    g(w) clip(s / v_c, -1, 1)   and   g(w) s / (|s| + v_c),
+
+solved for the velocity that it leaves itself: the first is MuJoCo's friction loss, d (torque + b J w) cut off at its
+level, with T = 1 / b and v_c = F_c (1 - d) / (d b J). This is the only module that imports numba.
 """
 
 from __future__ import annotations
@@ -54,6 +60,8 @@ FRICTION_SLOTS = (
     "lag",
     "sharpness",
     "spread",
+    "creep_velocity",
+    "creep_lead",
 )
 
 
@@ -63,11 +71,11 @@ LANES = 8
 # Rows of the lanes' state: the plant's numbers, what follows from them, the simulated joint, and the sample.
 _N_SLOTS, _REVERSE = len(FRICTION_SLOTS), 5  # and the distance from a number of the forward curve to its reverse one
 _INERTIA, _COULOMB, _STATIC, _SPEED, _VISCOUS, _EXPONENT = 0, 1, 2, 3, 4, 5
-_SIGMA_0, _SIGMA_1, _LAG, _SHARPNESS, _SPREAD = 11, 12, 13, 14, 15
-_MOBILITY, _SOFTNESS, _NARROW, _KEEP, _PER_SPEED, _PER_SPEED_REVERSE = 16, 17, 18, 19, 20, 21
-_X, _W, _Z, _FELT, _MEAN, _FIRST, _SECOND, _THIRD = 22, 23, 24, 25, 26, 27, 28, 29
-_Q, _V, _TAU, _LEVEL, _DQ, _DV, _DTAU, _DLEVEL = 30, 31, 32, 33, 34, 35, 36, 37
-_RATIO, _POWER, _LEAK, _SUM_U, _SUM_BRISTLE, _N_STATE = 38, 39, 40, 41, 42, 43
+_SIGMA_0, _SIGMA_1, _LAG, _SHARPNESS, _SPREAD, _CREEP, _LEAD = 11, 12, 13, 14, 15, 16, 17
+_MOBILITY, _SOFTNESS, _NARROW, _KEEP, _PER_SPEED, _PER_SPEED_REVERSE = 18, 19, 20, 21, 22, 23
+_X, _W, _Z, _FELT, _MEAN, _FIRST, _SECOND, _THIRD = 24, 25, 26, 27, 28, 29, 30, 31
+_Q, _V, _TAU, _LEVEL, _DQ, _DV, _DTAU, _DLEVEL = 32, 33, 34, 35, 36, 37, 38, 39
+_RATIO, _POWER, _LEAK, _SUM_U, _SUM_BRISTLE, _BEFORE, _TOP, _N_STATE = 40, 41, 42, 43, 44, 45, 46, 47
 
 
 def compiled(function: _F) -> _F:
@@ -97,9 +105,10 @@ def _falling(x: float) -> float:
 
 
 @_inlined
-def _start(state: np.ndarray, plants: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> bool:
-    """Fill in the plants and the first sample; returns whether any lane needs another Stribeck exponent than two."""
-    general = False
+def _start(state: np.ndarray, plants: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> tuple[bool, bool]:
+    """Fill in the plants and the first sample; returns whether any lane needs another Stribeck exponent than two, and
+    whether any creeps. Such a lane has no bristle."""
+    general, creeping = False, False
     for j in range(LANES):
         for i in range(_N_SLOTS):
             state[i, j] = plants[i, j]
@@ -108,7 +117,10 @@ def _start(state: np.ndarray, plants: np.ndarray, position: np.ndarray, velocity
         state[_NARROW, j], state[_PER_SPEED, j] = 1.0 / plants[_SPREAD, j], 1.0 / plants[_SPEED, j]
         state[_PER_SPEED_REVERSE, j] = 1.0 / plants[_SPEED + _REVERSE, j]
         state[_X, j], state[_W, j], state[_FELT, j] = position[j, 0], velocity[j, 0], velocity[j, 0]
-    return general
+        if plants[_CREEP, j] > 0.0:
+            creeping = True
+            state[_SIGMA_0, j], state[_SIGMA_1, j] = 0.0, 0.0
+    return general, creeping
 
 
 @_inlined
@@ -171,6 +183,40 @@ def _advance(
         state[_SUM_BRISTLE, j] += bristle
 
 
+@_inlined
+def _remember(state: np.ndarray, middle: float) -> None:
+    """Velocity and friction level at the beginning of a substep, for the lanes that creep."""
+    for j in range(LANES):
+        w = state[_W, j]
+        forth = w >= 0.0
+        c, top = state[_COULOMB, j], state[_STATIC, j]
+        c_r, top_r = state[_COULOMB + _REVERSE, j], state[_STATIC + _REVERSE, j]
+        c, top = c if forth else c_r, top if forth else top_r
+        level = c + (top - c) * _falling(state[_POWER, j]) + state[_LEVEL, j] + state[_DLEVEL, j] * middle
+        state[_BEFORE, j], state[_TOP, j] = w, max(level, 1e-9)
+
+
+@_inlined
+def _creep(state: np.ndarray, h: float) -> None:
+    """Dry friction of the lanes that creep, on top of a substep of `h` [s] without any.
+
+    It depends on the velocity and acceleration that it leaves itself, so that no stiffness is too large for the step.
+    """
+    for j in range(LANES):
+        speed, top, mobility = state[_CREEP, j], state[_TOP, j], state[_MOBILITY, j]
+        if speed > 0.0:
+            free = (state[_W, j] - state[_BEFORE, j]) / h
+            ahead = h + state[_LEAD, j]
+            driven, slip = state[_BEFORE, j] + ahead * free, ahead * mobility
+            abrupt = min(max(top * driven / (speed + top * slip), -top), top)
+            wide = abs(driven) + speed + top * slip
+            gradual = 2.0 * top * driven / (wide + np.sqrt(wide * wide - 4.0 * slip * top * abs(driven)))
+            friction = gradual + state[_SHARPNESS, j] * (abrupt - gradual)
+            state[_W, j] -= h * friction * mobility
+            state[_X, j] -= 0.5 * h * h * friction * mobility
+            state[_SUM_BRISTLE, j] += friction
+
+
 @compiled
 def observe(
     position: np.ndarray,
@@ -189,7 +235,7 @@ def observe(
         velocity: Estimated v [rad/s].
         torque: Applied torque less gravity and offset [N·m].
         level: Torque added to the dry friction level [N·m].
-        plants: Numbers in the order of `FRICTION_SLOTS`. Shape (16, LANES).
+        plants: Numbers in the order of `FRICTION_SLOTS`. Shape (18, LANES).
         observer: dt [s], K [N·m/rad], D [N·m·s/rad], rest speed [rad/s], leak [1/s].
         substeps: In how many steps each sample is taken. Shape (n,).
         out: Filled with u [N·m], x [rad], w [rad/s], bristle torque [N·m]. Shape (4, LANES, n). Position and velocity
@@ -197,7 +243,7 @@ def observe(
     """
     dt, gains, rest_speed, leak = observer[0], (observer[1], observer[2]), observer[3], observer[4]
     n, state, taken, h = position.shape[1], np.zeros((_N_STATE, LANES)), 0, 0.0
-    general = _start(state, plants, position, velocity)
+    general, creeping = _start(state, plants, position, velocity)
     for k in range(n):
         if substeps[k] != taken:
             taken, h = substeps[k], _shortened(state, dt / substeps[k])
@@ -207,12 +253,17 @@ def observe(
             state[_Q, j], state[_V, j], state[_TAU, j], state[_LEVEL, j] = q, v, tau, extra
             state[_DQ, j], state[_DV, j] = position[j, after] - q, velocity[j, after] - v
             state[_DTAU, j], state[_DLEVEL, j] = torque[j, after] - tau, level[j, after] - extra
-            state[_LEAK, j] = leak if abs(v) < rest_speed else 0.0
+            # A joint that creeps returns by itself to where it is recorded.
+            state[_LEAK, j] = leak if abs(v) < rest_speed and state[_CREEP, j] == 0.0 else 0.0
             state[_SUM_U, j], state[_SUM_BRISTLE, j] = 0.0, 0.0
             out[1, j, k], out[2, j, k] = state[_X, j], state[_W, j]
         for s in range(taken):
             _feel(state, general)
+            if creeping:
+                _remember(state, (s + 0.5) / taken)
             _advance(state, s / taken, (s + 0.5) / taken, h, gains, rest_speed)
+            if creeping:
+                _creep(state, h)
         for j in range(LANES):
             out[0, j, k], out[3, j, k] = state[_SUM_U, j] / taken, state[_SUM_BRISTLE, j] / taken
 
@@ -236,7 +287,7 @@ def close_loop(
         velocity: How fast it would be, of which the first one counts [rad/s].
         torque: Torque that moves it so, less gravity and offset [N·m].
         level: Torque added to the dry friction level [N·m].
-        plants: Numbers in the order of `FRICTION_SLOTS`. Shape (16, LANES).
+        plants: Numbers in the order of `FRICTION_SLOTS`. Shape (18, LANES).
         loop: dt [s], P [N·m/rad], D [N·m·s/rad], what its velocity filter keeps from sample to sample.
         encoders: Step [rad], 0 for none, and origin [rad] of each encoder. Shape (2, LANES).
         substeps: In how many steps each sample is taken. Shape (n,).
@@ -247,7 +298,7 @@ def close_loop(
     steps, origins = encoders[0], encoders[1]
     n, state, taken, h = position.shape[1], np.zeros((_N_STATE, LANES)), 0, 0.0
     rate, before = np.zeros(LANES), np.zeros(LANES)
-    general = _start(state, plants, position, velocity)
+    general, creeping = _start(state, plants, position, velocity)
     for k in range(n):
         if substeps[k] != taken:
             taken, h = substeps[k], _shortened(state, dt / substeps[k])
@@ -264,7 +315,11 @@ def close_loop(
             out[0, j, k], out[1, j, k] = answer, seen
         for s in range(taken):
             _feel(state, general)
+            if creeping:
+                _remember(state, (s + 0.5) / taken)
             _advance(state, s / taken, (s + 0.5) / taken, h, (0.0, 0.0), 0.0)
+            if creeping:
+                _creep(state, h)
 
 
 @compiled

@@ -19,6 +19,7 @@ __all__ = ["Nulls", "make_nulls"]
 
 _AR_ORDER = 4
 _STIFFNESS = 1.6  # factor on the bristle stiffness that its unknown law stands for
+_CREEP = 1.1  # factor on the creep velocity: a cut-off line and a smooth curve that turn over alike differ as much
 _DOUBT = 0.5  # part of its effect on a row that counts as uncertain
 _TORQUE_WINDOW = 0.011  # [s] smoothing that separates the applied torque from its noise
 _DELAY_SPREAD = 5e-5  # [s]
@@ -138,9 +139,13 @@ def _presliding(problem: Problem, plant: Plant, effects: Sequence[Contribution])
     """How far each row moves with the law of the bristle, which no recording fixes to the last digit [N·m].
 
     The base has one bristle of one stiffness; real presliding has a spectrum of them [albender2005gms]. The rows
-    after reversals are trusted less, in proportion to what another stiffness would change there.
+    after reversals are trusted less, in proportion to what another stiffness would change there, and another velocity
+    about which friction that creeps turns over.
     """
-    variants = [replace(plant, sigma_0=plant.sigma_0 * factor) for factor in (1.0 / _STIFFNESS, _STIFFNESS)]
+    variants = [
+        replace(plant, sigma_0=plant.sigma_0 * factor, creep_velocity=plant.creep_velocity / slower)
+        for factor, slower in ((1.0 / _STIFFNESS, 1.0 / _CREEP), (_STIFFNESS, _CREEP))
+    ]
     softer, stiffer = problem.runs(variants, [effects, effects])
     return [0.5 * np.abs(a - b) for a, b in zip(problem.rows(softer), problem.rows(stiffer), strict=True)]
 

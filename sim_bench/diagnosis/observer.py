@@ -45,6 +45,8 @@ class Plant:
         stribeck_exponent: Exponent of the falling part, for both directions.
         sharpness: Share of the bristle that yields abruptly instead of gradually, 0 to 1.
         spread: Quotient of the stiffnesses of its neighbouring elements, at least 1.
+        creep_velocity: v_c [rad/s], about which dry friction turns over without ever holding; 0 for a bristle.
+        creep_lead: Time by which such friction is ahead of the velocity [s].
     """
 
     inertia: float
@@ -59,6 +61,8 @@ class Plant:
     stribeck_exponent: float = 2.0
     sharpness: float = 0.0
     spread: float = 1.0
+    creep_velocity: float = 0.0
+    creep_lead: float = 0.0
 
     @property
     def level(self) -> float:
@@ -69,7 +73,8 @@ class Plant:
         """Numbers in the order that the kernel takes."""
         exponent = self.stribeck_exponent
         curves = (*self.forward, exponent, *self.reverse, exponent)
-        values = (self.inertia, *curves, self.sigma_0, self.sigma_1, self.lag, self.sharpness, self.spread)
+        bristle = (self.sigma_0, self.sigma_1, self.lag, self.sharpness, self.spread)
+        values = (self.inertia, *curves, *bristle, self.creep_velocity, self.creep_lead)
         assert len(values) == len(FRICTION_SLOTS)
         return np.array(values)
 
@@ -191,7 +196,7 @@ def lanes_of(jobs: Sequence[Job]) -> tuple[FloatArray, FloatArray]:
 
     Returns:
         Position, velocity, torque without gravity and what effects add, and level of each lane, shape (4, LANES, n),
-        and the numbers of its plant, shape (16, LANES).
+        and the numbers of its plant, shape (18, LANES).
     """
     n = jobs[0].track.size
     assert jobs[0].track.substeps.size == n, "the track is none of a problem: observer_for fixes its substeps"

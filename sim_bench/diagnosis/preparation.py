@@ -13,7 +13,7 @@ from scipy.ndimage import minimum_filter1d
 from scipy.signal import lfilter
 
 from .base import BASE_NAMES, BaseModel, unpack
-from .base_fit import fit_base, with_other_bristle
+from .base_fit import creeping, fit_base, loud, with_other_bristle
 from .context import build_contexts
 from .generic import generic_rows
 from .hypotheses import narrowed
@@ -36,6 +36,9 @@ _SETTLED = 0.16  # [s] about a row, in which observer and whitener still answer 
 _SELDOM = 0.1  # share of the rows
 _ASTRAY = 0.5  # of the first fit's cost, that a fit from another start must stay below
 _FIRST_NULLS = 12  # for the weights of the first refit
+# Residual of friction that creeps over that of its nulls: 1.07 to 1.17 where it does creep, 6 to 48 where it sticks.
+_QUIET = 1.2
+_MOST = 0.95  # of the energy above the noise that creep explains where something else is missing besides
 _HALF_STEPS = 6  # towards the colour of the nulls
 _SAME_COLOUR = 0.08  # difference of correlations that chance may bring
 _DYING, _FAINTER = 0.9, 8  # largest root of a filter that dies away within some rows, and tries to get there
@@ -119,6 +122,7 @@ def prepare(
     raw, fit, box = _first_fit(tracks, observer, rigid)
     fit, problem, _ = _reweigh(raw, fit, box, _FIRST_NULLS, seed)
     fit = with_other_bristle(problem, fit, box)
+    fit, box = _with_creep(raw, problem, fit, box, seed)
     fit, problem, found = _reweigh(raw, fit, box, nulls, seed)
     prepared = Prepared(problem, _structure(problem, fit, box), fit, box, found)
     return _level_noise(_recoloured(prepared))
@@ -126,8 +130,7 @@ def prepare(
 
 def _first_fit(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | None) -> tuple[Problem, Fit, Box]:
     """The base fitted without weights; from the second start only where the first one leads far astray."""
-    top = max(float(np.quantile(np.abs(track.velocity), 0.995)) for track in tracks)
-    tried = []
+    top, tried = _top_speed(tracks), []
     for plant in estimate_plants(tracks):
         start = plant if rigid is None else replace(plant, inertia=rigid.inertia)
         base = BaseModel.around(start, dt=tracks[0].dt, top_speed=top, rotary=tracks[0].rotary, known=rigid)
@@ -136,6 +139,29 @@ def _first_fit(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | 
         tried.append((problem, minimise(evaluate, base.start, base.box, iterations=10, refresh=2), base.box))
     usual, *others = tried
     return next((other for other in others if other[1].cost < _ASTRAY * usual[1].cost), usual)
+
+
+def _with_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int) -> tuple[Fit, Box]:
+    """The fit and its domain, or those of friction that never holds, where it leaves no more than its own nulls do.
+
+    Whatever is missing may look a little like creep, so it must explain all of a loud residual, or all but a trace.
+    A joint that creeps shows more noise at rest than one that sticks, so it is judged by nulls of its own.
+    """
+    tried = creeping(problem, fit, box, _top_speed(raw.tracks)) if loud(fit) else None
+    if tried is None:
+        return fit, box
+    found, free = tried
+    before, after = (float(one.residual @ one.residual) for one in (fit, found))
+    explained = (before - after) / (before - fit.residual.size)
+    found, _, nulls = _reweigh(raw, found, free, _FIRST_NULLS, seed)
+    left = np.mean([vector @ vector for vector in nulls.vectors()])
+    quiet = found.residual @ found.residual <= _QUIET**2 * left
+    return (found, free) if quiet or explained > _MOST else (fit, box)
+
+
+def _top_speed(tracks: Sequence[Track]) -> float:
+    """Speed that next to nothing exceeds [rad/s]."""
+    return max(float(np.quantile(np.abs(track.velocity), 0.995)) for track in tracks)
 
 
 def _noise_parts(prepared: Prepared) -> tuple[FloatArray, list[FloatArray]]:

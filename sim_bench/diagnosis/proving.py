@@ -46,12 +46,21 @@ def _base_torque(recording: Recording, base: Mapping[str, Quantity]) -> FloatArr
     a = smooth_derivative(v, dt)
     curve = {side: _stribeck(v, value, side) for side in ("forward", "reverse")}
     level, viscous = (np.where(v > 0.0, curve["forward"][k], curve["reverse"][k]) for k in (0, 1))
-    z = bristle(q, max(value["breakaway"], 1e-12))
+    creeps = value.get("creep_velocity", 0.0) > 0.0
+    z = _creeping(v + value["creep_lead"] * a, value) if creeps else bristle(q, max(value["breakaway"], 1e-12))
     body = value["inertia"] * a + value["offset"]
     if recording.metadata.motion == "rotary":
         body = body + value["gravity_cos"] * np.cos(q) + value["gravity_sin"] * np.sin(q)
     torque: FloatArray = body + level * z + viscous * v
     return torque
+
+
+def _creeping(velocity: FloatArray, value: Mapping[str, float]) -> FloatArray:
+    """Dry friction that never holds, as part of its level. Shape (n,)."""
+    speed, sharpness = value["creep_velocity"], value["sharpness"]
+    gradual = velocity / (np.abs(velocity) + speed)
+    result: FloatArray = gradual + sharpness * (np.clip(velocity / speed, -1.0, 1.0) - gradual)
+    return result
 
 
 def _stribeck(velocity: FloatArray, value: Mapping[str, float], side: str) -> tuple[FloatArray, float]:

@@ -82,6 +82,8 @@ class Refitted:
             "sharpness": "1",
             "spread": "1",
             "breakaway": position_unit,
+            "creep_lead": "s",
+            "creep_velocity": f"{position_unit}/s",
             "stribeck_velocity": f"{position_unit}/s",
         }
         deviation = self.deviations[:N_BASE].copy()
@@ -89,6 +91,8 @@ class Refitted:
         deviation[split] = np.hypot(deviation[split], SPLIT * self.plant.level)
         result = {}
         for name, value, half in zip(BASE_NAMES, self.fit.theta[:N_BASE], 1.96 * deviation, strict=True):
+            if name in ("creep_velocity", "creep_lead") and self.plant.creep_velocity == 0.0:
+                continue
             plain = name.replace("log_", "")
             unit = units.get(plain.split(".")[-1], torque_unit)
             result[plain] = _quantity(float(value), float(half), unit, logarithmic="log_" in name)

@@ -148,11 +148,13 @@ def descend(
     theta = box.clip(theta)
     known = np.zeros((0, 0)) if jacobian is None else jacobian
     steps = inward_steps(theta, box)
-    at, *moved = yield [theta, *_points(theta, steps, range(known.shape[1], theta.size))]
+    free = [i for i in _free(box) if i >= known.shape[1]]
+    at, *moved = yield [theta, *_points(theta, steps, free)]
     residual, cost = at, _cost(at, theta, box)
     if not np.isfinite(cost):  # a start that does not simulate
         return Fit(theta, residual, np.zeros((at.size, theta.size)), cost)
-    J = np.concatenate([known.reshape(at.size, -1), _columns(moved, at, steps[known.shape[1] :])], axis=1)
+    J = _columns(moved, at, steps, free)
+    J[:, : known.shape[1]] = known.reshape(at.size, -1)
     damping, age = 1e-3, 0
     for _ in range(iterations):
         trials = [_step(J, residual, theta, box, damping * factor) for factor in _DAMPINGS]
@@ -185,8 +187,14 @@ def descend(
 def _jacobian(theta: FloatArray, at: FloatArray, box: Box) -> Generator[list[FloatArray], list[FloatArray], FloatArray]:
     """Fresh Jacobian at `theta`, where the residual is `at`. Shape (m, p)."""
     steps = inward_steps(theta, box)
-    moved = yield _points(theta, steps, range(theta.size))
-    return _columns(moved, at, steps)
+    free = _free(box)
+    moved = yield _points(theta, steps, free)
+    return _columns(moved, at, steps, free)
+
+
+def _free(box: Box) -> list[int]:
+    """Parameters that are not held: those whose bounds differ."""
+    return [int(i) for i in np.flatnonzero(box.lower < box.upper)]
 
 
 def inward_steps(theta: FloatArray, box: Box, part: float = _DIFFERENCE) -> FloatArray:
@@ -199,12 +207,15 @@ def _points(theta: FloatArray, steps: FloatArray, which: Sequence[int]) -> list[
     return [theta + steps[i] * np.eye(theta.size)[i] for i in which]
 
 
-def _columns(moved: Sequence[FloatArray], at: FloatArray, steps: FloatArray) -> FloatArray:
-    if not moved:
-        return np.zeros((at.size, 0))
-    columns = np.stack([(value - at) / step for value, step in zip(moved, steps, strict=True)], axis=1)
-    # A point that does not simulate says nothing about its parameter.
-    return np.where(np.max(np.abs(columns), axis=0) < _LARGEST, columns, 0.0)
+def _columns(moved: Sequence[FloatArray], at: FloatArray, steps: FloatArray, which: Sequence[int]) -> FloatArray:
+    """Derivatives by the parameters `which`, in columns of their own; 0 by all others. Shape (m, p)."""
+    result = np.zeros((at.size, steps.size))
+    for i, value in zip(which, moved, strict=True):
+        column = (value - at) / steps[i]
+        # A point that does not simulate says nothing about its parameter.
+        if np.max(np.abs(column)) < _LARGEST:
+            result[:, i] = column
+    return result
 
 
 def _cost(residual: FloatArray, theta: FloatArray, box: Box) -> float:
@@ -215,7 +226,7 @@ def _cost(residual: FloatArray, theta: FloatArray, box: Box) -> float:
 
 def _step(J: FloatArray, residual: FloatArray, theta: FloatArray, box: Box, damping: float) -> FloatArray:
     """Damped step in scaled parameters; those that would leave the box stay at its edge."""
-    free = np.ones(theta.size, dtype=bool)
+    free = box.lower < box.upper
     target = theta
     for _ in range(3):
         S = box.scale[free]

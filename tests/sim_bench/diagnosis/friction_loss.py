@@ -1,0 +1,96 @@
+"""A pendulum with MuJoCo's own friction loss under a PD loop, for the tests of friction that creeps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from fricomp.recording import Recording
+
+__all__ = ["STICKING", "FrictionLoss", "recording"]
+
+_STEP = 2.5e-4  # [s] of the simulation and of the loop
+_GAINS = (120.0, 6.0)  # [N·m/rad], [N·m·s/rad]
+_FILTER = 0.12  # share by which the loop's velocity follows that of the encoder in a step
+_RESOLUTION = 2.0 * np.pi / 2**18
+_NOISE = 0.06  # [N·m]
+_XML = """<mujoco><option timestep="{step}" integrator="implicitfast"/><worldbody><body pos="0 0 1">
+<joint type="hinge" axis="0 1 0" armature="0.05" damping="0.6" frictionloss="{level}" solreffriction="{time} 1"
+ solimpfriction="{impedance}"/><inertial pos="0 0 -0.2" mass="2" diaginertia="0.03 0.03 0.027"/></body></worldbody>
+</mujoco>"""
+_USUAL = "0.9 0.95 0.001 0.5 2"
+
+STICKING = "0.9999 0.9999 0.001 0.5 2"
+"""Impedance with which a joint at rest hardly creeps."""
+
+
+@dataclass(frozen=True)
+class FrictionLoss:
+    """Truth.
+
+    Attributes:
+        level: Friction loss [N·m].
+        time: Time constant of its constraint [s].
+        impedance: `solimpfriction` of the joint.
+    """
+
+    level: float = 1.5
+    time: float = 0.02
+    impedance: str = _USUAL
+
+    @property
+    def inertia(self) -> float:
+        """About the joint [kg·m²]."""
+        return 0.05 + 0.03 + 2.0 * 0.2**2
+
+    @property
+    def rate(self) -> float:
+        """Rate at which the constraint brakes [1/s]."""
+        return 2.0 / (float(self.impedance.split()[1]) * self.time)
+
+    @property
+    def creep_velocity(self) -> float:
+        """Velocity below which the friction is viscous [rad/s]: F = d (tau + b J v), so F (1 - d) = d J (w' + b v)."""
+        d = float(self.impedance.split()[0])
+        return self.level * (1.0 - d) / (d * self.rate * self.inertia)
+
+
+def _reference(kind: str, duration: float) -> np.ndarray:
+    """Reference position [rad], with rests ("rests"), in sines ("multisine") or ever faster ("sweep"). Shape (n,)."""
+    t = np.arange(round(duration / _STEP), dtype=np.float64) * _STEP
+    if kind == "multisine":
+        return 0.35 * np.asarray(sum(np.sin(2.0 * np.pi * f * t) / (1.0 + f) for f in (0.11, 0.23, 0.47, 0.83)))
+    if kind == "sweep":
+        return 0.5 * np.sin(2.0 * np.pi * (0.1 * t + 0.5 * 0.9 / duration * t**2))
+    rng, knots, place = np.random.default_rng(3), [(0.0, 0.0)], 0.0
+    while knots[-1][0] < duration:
+        place, took = float(rng.uniform(-0.8, 0.8)), float(rng.uniform(0.5, 1.5))
+        knots += [(knots[-1][0] + took, place), (knots[-1][0] + took + float(rng.uniform(0.1, 0.6)), place)]
+    times, places = np.array(knots).T
+    window = np.hanning(1 + round(0.25 / _STEP))
+    return np.convolve(np.interp(t, times, places), window / window.sum(), "same")
+
+
+def recording(truth: FrictionLoss, kind: str, *, duration: float = 30.0, rate: int = 1000, seed: int = 0) -> Recording:
+    """What sensors record of the joint at `rate` [1/s]."""
+    model: Any = mujoco.MjModel.from_xml_string(
+        _XML.format(step=_STEP, level=truth.level, time=truth.time, impedance=truth.impedance)
+    )
+    data: Any = mujoco.MjData(model)
+    wanted = _reference(kind, duration)
+    speeds, shown = np.gradient(wanted, _STEP), np.empty((2, wanted.size))
+    data.qpos[0], seen, before = wanted[0], 0.0, wanted[0]
+    for k in range(wanted.size):
+        position = np.round(data.qpos[0] / _RESOLUTION) * _RESOLUTION
+        seen, before = seen + _FILTER * ((position - before) / _STEP - seen), position
+        torque = _GAINS[0] * (wanted[k] - position) + _GAINS[1] * (speeds[k] - seen)
+        shown[:, k] = position, torque
+        data.qfrc_applied[0] = torque
+        mujoco.mj_step(model, data)
+    each = round(1.0 / (rate * _STEP))
+    position, torque = shown[:, ::each]
+    noise = _NOISE * np.random.default_rng(seed).standard_normal(position.size)
+    return Recording(np.arange(position.size) / rate, position, torque + noise)
