@@ -262,7 +262,7 @@ class Diagnosis:
         motion: Columns of the motion that would tell the aliases apart; None where none is needed.
         detent_order: Order over the position of torque and friction that one unknown part ripples [1/rad] or [1/m];
             None where none was seen.
-        covariance: Of the refitted base, shape (17, 17), in the order and coordinates of `BASE_NAMES`; None where
+        covariance: Of the refitted base, shape (p, p), in the order and coordinates of `BASE_NAMES`; None where
             the verdict is not about such a fit.
     """
 

@@ -81,7 +81,7 @@ def _body_and_curves(covariance: FloatArray, level: float) -> FloatArray:
     """Covariance of inertia, gravity, offset and curves; what sliding cannot part is known no better than in a refit.
 
     Args:
-        covariance: Of the base. Shape (17, 17).
+        covariance: Of the base. Shape (p, p).
         level: Coulomb torque.
     """
     named = BASE_NAMES[: BASE_NAMES.index("log_breakaway")]
