@@ -80,12 +80,13 @@ def diagnose(
     if against:
         return _bad_data(given, against)
     loops = [estimate_controller(one) if controller is None else controller for one in given]
-    tracks = build_tracks(given, loops)
+    known = _in_newton_metres(given, rigid)
+    tracks = build_tracks(given, loops, None if known is None else known.spring)
     observer = Observer(rest_speed=_RESTING * rest_speed_of(tracks))
     observer = replace(observer, bandwidth=_SLOW_BANDWIDTH) if low_rate(given) else observer
     try:
         say("fitting the base model and simulating nulls")
-        count, known = _NULLS_THOROUGH if thorough else _NULLS, _in_newton_metres(given, rigid)
+        count = _NULLS_THOROUGH if thorough else _NULLS
         prepared = prepare(tracks, observer=observer, nulls=count, seed=seed, rigid=known)
         against = [] if known is None else inertia_against(unpack(prepared.fit.theta).inertia, known.inertia)
         if against:
@@ -129,7 +130,10 @@ def _not_compared(
     if given is None or known is not None:
         return ()
     unit = recordings[0].metadata.torque_unit
-    return (f"The torque is in {unit}: inertia and gravity of the simulation were not compared, they are fitted.",)
+    return (
+        f"The torque is in {unit}: inertia, gravity and any spring of the simulation were not compared, they are "
+        "fitted.",
+    )
 
 
 def _with_forward(
