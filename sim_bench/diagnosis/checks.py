@@ -28,8 +28,6 @@ def reasons_against(recordings: Sequence[Recording], joint: str | None) -> list[
         name = recording.metadata.joint
         if joint is not None and name not in (joint, "joint", ""):
             reasons.append(f"{prefix}it was made on joint {name!r}, not on {joint!r}")
-        if recording.metadata.torque_side == "motor":
-            reasons.append(f"{prefix}its torque is on the motor side: multiply by gear ratio and efficiency first")
         reasons += [
             prefix + str(finding)
             for finding in check_recording(recording)
@@ -75,6 +73,10 @@ def remarks_on(recordings: Sequence[Recording]) -> list[str]:
     remarks = []
     for i, recording in enumerate(recordings):
         prefix = f"recording {i + 1}: " if len(recordings) > 1 else ""
+        # A current has no side.
+        if recording.metadata.torque_side == "motor" and recording.metadata.torque_unit in ("N·m", "N"):
+            ratio = f"multiplied by the gear ratio {recording.metadata.gear_ratio:.4g}"
+            remarks.append(f"{prefix}The torque is on the motor side: {ratio}; losses of the gear are in the friction.")
         gaps = _bridged(recording)
         if gaps is not None and gaps.size:
             most = 1e3 * float(gaps.max())

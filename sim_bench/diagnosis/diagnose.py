@@ -79,6 +79,7 @@ def diagnose(
     against = reasons_against(given, joint)
     if against:
         return _bad_data(given, against)
+    remarks, given = remarks_on(given), [one.on_joint_side() for one in given]
     loops = [estimate_controller(one) if controller is None else controller for one in given]
     known = _in_newton_metres(given, rigid)
     tracks = build_tracks(given, loops, None if known is None else known.spring)
@@ -99,7 +100,7 @@ def diagnose(
         if looked is answer:
             say("simulating forward in MuJoCo")
             looked = _with_forward(looked, given[0], prepared, found, loops[0])
-        return _remarked(looked, [*remarks_on(given), *_not_compared(given, rigid, known)])
+        return _remarked(looked, [*remarks, *_not_compared(given, rigid, known)])
     except (np.linalg.LinAlgError, FloatingPointError, ParameterError) as error:
         raise DiagnosisError(f"the recording cannot be explained by any joint model: {error}") from error
 
@@ -116,7 +117,9 @@ def _arm(recordings: Sequence[Recording], simulation: RigidJoint | str | Path | 
         for recording in recordings
         for reason in reasons_against([recording], None)
     ]
-    return _bad_data(recordings, against) if against else diagnose_arm(recordings, simulation)
+    if against:
+        return _bad_data(recordings, against)
+    return diagnose_arm([one.on_joint_side() for one in recordings], simulation)
 
 
 def _in_newton_metres(recordings: Sequence[Recording], rigid: RigidJoint | None) -> RigidJoint | None:

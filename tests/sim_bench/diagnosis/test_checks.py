@@ -36,8 +36,24 @@ def test_a_joint_that_never_moves(good: Recording) -> None:
     assert_bad(diagnose(replace(good, position=np.zeros(len(good)))), "never moves")
 
 
-def test_torque_on_the_motor_side(good: Recording) -> None:
+def test_torque_on_the_motor_side_without_a_ratio(good: Recording) -> None:
     assert_bad(diagnose(replace(good, metadata=RecordingMetadata(torque_side="motor"))), "motor side")
+
+
+def test_torque_on_the_motor_side_is_told_where_the_ratio_is_known(good: Recording) -> None:
+    motor = replace(good, metadata=RecordingMetadata(torque_side="motor", gear_ratio=60.0))
+    assert reasons_against([motor], None) == []
+    (remark,) = remarks_on([motor])
+    assert "gear ratio 60" in remark
+
+
+@pytest.mark.slow
+def test_torque_on_the_motor_side_is_brought_to_the_joint(good: Recording) -> None:
+    torque = np.asarray(good.torque) / 60.0
+    motor = replace(good, torque=torque, metadata=RecordingMetadata(torque_side="motor", gear_ratio=60.0))
+    found = diagnose(motor)
+    assert found.verdict == "consistent"
+    assert found.record.base["inertia"].value == pytest.approx(ToyJoint().inertia, rel=0.01)
 
 
 def test_the_wrong_joint(good: Recording) -> None:
