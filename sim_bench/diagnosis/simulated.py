@@ -61,8 +61,8 @@ def read_simulated(
     if found.verdict == "unknown_physics":
         raise DiagnosisError(
             f"the simulated recording shows something that no effect explains ({found.record.noise_ratio:.3g} times "
-            "its noise is left), so its inertia, gravity and friction cannot be read off it: give the simulation itself "
-            "with --simulation"
+            "its noise is left), so its inertia, gravity and friction cannot be read off it: give the simulation "
+            "itself with --simulation"
         )
     level = 0.5 * (base["forward.coulomb_torque"].value + base["reverse.coulomb_torque"].value)
     rigid = RigidJoint(

@@ -13,24 +13,32 @@ from .observer import Plant
 from .result import Change, NamedEffect, Quantity
 from .rigid import Spring
 
-__all__ = ["SPRING", "SPRING_CHANGE", "compared_with", "spring_change", "whole_spring"]
+__all__ = ["SPRING", "SPRING_CHANGE", "as_it_shows", "spring_change", "whole_spring"]
 
+_NO_CENTRE = "its centre is not determined, since that of a straight one is a constant torque"
 SPRING, SPRING_CHANGE = "spring_torque", "spring_stiffness"
 
 
-def compared_with(effect: NamedEffect, given: Spring | None) -> NamedEffect:
-    """A spring that was found beside the simulation's own is a parameter of that one; other effects stay as they are.
+def as_it_shows(effect: NamedEffect, given: Spring | None) -> NamedEffect:
+    """A spring as the recording shows it; other effects stay as they are.
+
+    The centre of a straight one is an offset, which the base has as well: no recording tells the two apart, and an
+    interval of it would be one of the steps by which the fit's derivatives are taken. A spring beside the
+    simulation's own is a parameter of that one.
 
     Args:
         effect: As it was named: the stiffness is the difference.
         given: Of the simulation; None where it has no spring.
     """
-    if effect.name != SPRING or given is None:
+    if effect.name != SPRING:
         return effect
     if effect.parameters["hardening"].ci95[0] > 0.0:  # the simulation has no term by which its own would stiffen so
-        return with_fields(effect, sentence=f"{effect.sentence}, beside that of the simulation")
-    change, rest = effect.parameters["stiffness"], dict(effect.parameters)
-    del rest["stiffness"]
+        beside = "" if given is None else ", beside that of the simulation"
+        return with_fields(effect, sentence=effect.sentence + beside)
+    rest = {name: one for name, one in effect.parameters.items() if name != "centre"}
+    if given is None:
+        return with_fields(effect, parameters=rest, sentence=f"{effect.sentence}; {_NO_CENTRE}")
+    change = rest.pop("stiffness")
     whole = _whole(change, given)
     unit = change.unit
     if whole.ci95[0] <= 0.0:

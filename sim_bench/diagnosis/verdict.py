@@ -52,7 +52,7 @@ from .rigid import RigidJoint, Spring
 from .search import Found
 from .sentence import NO_MOTION, detent_sentence, sentences
 from .solver import Fit
-from .spring import compared_with, spring_change
+from .spring import as_it_shows, spring_change
 from .tone import Tone
 from .track import FloatArray
 from .velocity_lag import velocity_lag
@@ -213,7 +213,7 @@ def _explained(
         tones = [order for other, order in forms.values() if other == effect.name]
         own = sums[effect.name] + sum(sums[name] for name, (other, _) in forms.items() if other == effect.name)
         effects.append(
-            compared_with(
+            as_it_shows(
                 NamedEffect(
                     name=effect.name,
                     kind=effect.kind,

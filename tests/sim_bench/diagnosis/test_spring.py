@@ -16,7 +16,7 @@ from fricomp.sim_bench.diagnosis.loading import build_tracks
 from fricomp.sim_bench.diagnosis.observer import Contribution, Plant
 from fricomp.sim_bench.diagnosis.result import NamedEffect, Quantity
 from fricomp.sim_bench.diagnosis.rigid import Spring, read_simulation
-from fricomp.sim_bench.diagnosis.spring import compared_with, spring_change, whole_spring
+from fricomp.sim_bench.diagnosis.spring import as_it_shows, spring_change, whole_spring
 
 from .toy_joint import ToyJoint, recording
 
@@ -67,7 +67,7 @@ def test_a_forward_simulation_has_it_back() -> None:
 @pytest.mark.parametrize(("change", "words"), [(-1.96, "does not show"), (1.0, "3 N·m/rad")])
 def test_another_spring_than_the_simulation_s_is_a_parameter(change: float, words: str) -> None:
     given = Spring((2.0,))
-    effect = compared_with(_named(change, 0.2), given)
+    effect = as_it_shows(_named(change, 0.2), given)
     assert effect.kind == "parameter"
     assert words in effect.sentence
     assert effect.parameters["stiffness_change"].value == change
@@ -77,9 +77,18 @@ def test_another_spring_than_the_simulation_s_is_a_parameter(change: float, word
 
 
 def test_a_spring_beside_a_simulation_without_one_and_one_that_stiffens_are_physics() -> None:
-    assert compared_with(_named(1.5, 0.1), None) == _named(1.5, 0.1)
+    assert as_it_shows(_named(1.5, 0.1), None).kind == "physics"
     assert spring_change([_named(1.5, 0.1)], None) == ()
-    assert compared_with(_named(1.5, 0.1, (0.2, 0.4)), Spring((2.0,))).kind == "physics"
+    assert as_it_shows(_named(1.5, 0.1, (0.2, 0.4)), Spring((2.0,))).kind == "physics"
+
+
+def test_the_centre_of_a_straight_spring_is_no_number_and_that_of_one_that_stiffens_is() -> None:
+    straight = as_it_shows(_named(1.5, 0.1), None)
+    assert set(straight.parameters) == {"stiffness", "hardening"}
+    assert "centre is not determined" in straight.sentence
+    stiffens = _named(1.5, 0.1, (0.2, 0.4))
+    assert as_it_shows(stiffens, None) == stiffens
+    assert "centre" not in as_it_shows(_named(-1.5, 0.1), Spring((2.0,))).parameters
 
 
 @pytest.mark.parametrize("hardening", [0.0, 0.3])
