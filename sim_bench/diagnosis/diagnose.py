@@ -14,7 +14,7 @@ from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
 from .base import unpack
-from .checks import inertia_against, reasons_against, remarks_on
+from .checks import inertia_against, kind_against, reasons_against, remarks_on
 from .controller import Controller, estimate_controller
 from .forward import forward_error
 from .loading import build_tracks, low_rate
@@ -76,7 +76,7 @@ def diagnose(
         simulation if isinstance(simulation, RigidJoint) or simulation is None else read_simulation(simulation, joint)
     )
     say("checking the data")
-    against = reasons_against(given, joint)
+    against = [*reasons_against(given, joint), *(kind_against(given, rigid.rotary) if rigid is not None else ())]
     if against:
         return _bad_data(given, against)
     remarks, given = remarks_on(given), [one.on_joint_side() for one in given]

@@ -12,8 +12,8 @@ from scipy.signal import lfilter
 from fricomp.errors import DiagnosisError, RecordingError
 from fricomp.recording import Recording, RecordingMetadata
 from fricomp.sim_bench import diagnose
-from fricomp.sim_bench.diagnosis import Diagnosis
-from fricomp.sim_bench.diagnosis.checks import inertia_against, reasons_against, remarks_on
+from fricomp.sim_bench.diagnosis import Diagnosis, RigidJoint
+from fricomp.sim_bench.diagnosis.checks import inertia_against, kind_against, reasons_against, remarks_on
 from fricomp.sim_bench.diagnosis.loading import build_tracks
 from fricomp.sim_bench.diagnosis.velocity_lag import velocity_lag
 from fricomp.sim_bench.diagnosis.weak_form import rest_speed_of
@@ -85,6 +85,23 @@ def test_an_inertia_that_no_payload_explains(factor: float, word: str) -> None:
     (reason,) = inertia_against(0.3 * factor, 0.3)
     assert word in reason
     assert inertia_against(0.3 * 8.0, 0.3) == []
+
+
+def test_an_inertia_names_the_unit_that_would_make_it() -> None:
+    (larger,), (smaller,) = inertia_against(300.0, 0.3), inertia_against(1e-4, 0.3)
+    assert "mN·m" in larger
+    assert "degrees" not in larger
+    assert "degrees" in smaller
+    assert "mN·m" not in smaller
+
+
+def test_a_joint_that_slides_is_no_simulation_of_one_that_turns(good: Recording) -> None:
+    slide = RigidJoint(8.0, (0.0, 0.0), 0.0, 0.0, 0.0, False)
+    assert_bad(diagnose(good, slide), "joint slides")
+    assert kind_against([good], True) == []
+    linear = replace(good, metadata=replace(good.metadata, motion="linear", torque_unit="N"))
+    (reason,) = kind_against([linear], True)
+    assert "hinge" in reason
 
 
 def test_a_flipped_torque(good: Recording) -> None:
