@@ -29,7 +29,7 @@ from .sentence import forward_sentence
 from .verdict import Answer, conclude
 from .weak_form import rest_speed_of
 
-__all__ = ["diagnose"]
+__all__ = ["diagnose", "with_remarks"]
 
 _NULLS, _NULLS_THOROUGH = 32, 200
 _RESTING = 0.6  # of the slowest speed that counts as sliding
@@ -100,7 +100,7 @@ def diagnose(
         if looked is answer:
             say("simulating forward in MuJoCo")
             looked = _with_forward(looked, given[0], prepared, found, loops[0])
-        return _remarked(looked, [*remarks, *_not_compared(given, rigid, known)])
+        return with_remarks(looked, [*remarks, *_not_compared(given, rigid, known)])
     except (np.linalg.LinAlgError, FloatingPointError, ParameterError) as error:
         raise DiagnosisError(f"the recording cannot be explained by any joint model: {error}") from error
 
@@ -156,7 +156,7 @@ def _with_forward(
     return replace(diagnosis, record=with_fields(record, sentences=(*record.sentences, forward_sentence(forward))))
 
 
-def _remarked(diagnosis: Diagnosis, remarks: Sequence[str]) -> Diagnosis:
+def with_remarks(diagnosis: Diagnosis, remarks: Sequence[str]) -> Diagnosis:
     """The diagnosis with what the checks of the data noticed, last."""
     if not remarks:
         return diagnosis
