@@ -177,7 +177,8 @@ def _diagnose(
     from fricomp.model import load_model
     from fricomp.sim_bench.diagnosis import diagnose as diagnose_joint
     from fricomp.sim_bench.diagnosis import read_controller
-    from fricomp.sim_bench.diagnosis.simulated import read_simulated, without_known
+    from fricomp.sim_bench.diagnosis.diagnose import with_remarks
+    from fricomp.sim_bench.diagnosis.simulated import motion_remarks, read_simulated, without_known
 
     settings: dict[str, Any] = {**options, "progress": say}
     settings["controller"] = read_controller(given["controller"]) if given["controller"] is not None else None
@@ -189,7 +190,8 @@ def _diagnose(
     say("reading the simulation from its recording")
     known = read_simulated(read[given["simulated"]], seed=options["seed"], progress=say)
     settings["simulation"] = known.rigid
-    return without_known(diagnose_joint(series, friction=known.friction, **settings), known)
+    found = without_known(diagnose_joint(series, friction=known.friction, **settings), known)
+    return with_remarks(found, motion_remarks(series, read[given["simulated"]]))
 
 
 def _facts(

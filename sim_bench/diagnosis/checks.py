@@ -10,7 +10,7 @@ from fricomp.recording import Finding, Recording, check_recording
 
 from .track import FloatArray
 
-__all__ = ["inertia_against", "reasons_against", "remarks_on"]
+__all__ = ["inertia_against", "kind_against", "reasons_against", "remarks_on"]
 
 _FATAL_WARNINGS = frozenset({"no_sliding", "stuck", "gap"})
 _OTHER_JOINT = 15.0  # times a simulation's inertia that no payload explains; the base goes up to 20
@@ -28,8 +28,6 @@ def reasons_against(recordings: Sequence[Recording], joint: str | None) -> list[
         name = recording.metadata.joint
         if joint is not None and name not in (joint, "joint", ""):
             reasons.append(f"{prefix}it was made on joint {name!r}, not on {joint!r}")
-        if recording.metadata.torque_side == "motor":
-            reasons.append(f"{prefix}its torque is on the motor side: multiply by gear ratio and efficiency first")
         reasons += [
             prefix + str(finding)
             for finding in check_recording(recording)
@@ -62,11 +60,30 @@ def inertia_against(found: float, given: float) -> list[str]:
     factor = max(found / given, given / found)
     if factor < _OTHER_JOINT:
         return []
-    which = "larger" if found > given else "smaller"
+    larger = "its torque in N·m (mN·m: factor 1000), its position in radians and not in turns"
+    smaller = "its position in radians (degrees: factor 57.3), its torque on the joint side"
+    which, likely = ("larger", larger) if found > given else ("smaller", smaller)
     return [
         f"the motion asks for an inertia {factor:.0f} or more times {which} than that of the simulation: check "
-        "that the recording is of this joint, its position in radians (degrees: factor 57.3), its torque on the joint "
-        "side"
+        f"that the recording is of this joint, {likely}"
+    ]
+
+
+def kind_against(recordings: Sequence[Recording], rotary: bool) -> list[str]:
+    """Why a simulation of such a joint cannot be that of the recordings; empty where it can.
+
+    Args:
+        recordings: Of one joint.
+        rotary: Whether the joint of the simulation turns.
+    """
+    wanted = "rotary" if rotary else "linear"
+    others = [one.metadata.motion for one in recordings if one.metadata.motion != wanted]
+    if not others:
+        return []
+    joint = "turns (a hinge)" if rotary else "slides"
+    return [
+        f"the simulation's joint {joint}, and the recording says motion: {others[0]}: check that it is of this joint, "
+        f"or state motion: {wanted} in its metadata"
     ]
 
 
@@ -75,6 +92,10 @@ def remarks_on(recordings: Sequence[Recording]) -> list[str]:
     remarks = []
     for i, recording in enumerate(recordings):
         prefix = f"recording {i + 1}: " if len(recordings) > 1 else ""
+        # A current has no side.
+        if recording.metadata.torque_side == "motor" and recording.metadata.torque_unit in ("N·m", "N"):
+            ratio = f"multiplied by the gear ratio {recording.metadata.gear_ratio:.4g}"
+            remarks.append(f"{prefix}The torque is on the motor side: {ratio}; losses of the gear are in the friction.")
         gaps = _bridged(recording)
         if gaps is not None and gaps.size:
             most = 1e3 * float(gaps.max())

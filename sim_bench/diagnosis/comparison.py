@@ -36,6 +36,7 @@ _USUAL_GAIN = 0.1  # largest gain error of a torque signal that is usual; masses
 _FOLLOWS = 9.0  # chi squared of the inertia's own shift, from which it is seen to follow gravity
 _ALSO = 5.0  # chi squared that a gain may leave of all three shifts: they have two degrees of freedom left
 _SIGNIFICANT = 25.0  # fall of chi squared that a change must bring
+_MOST_OF_LEVEL = 0.5  # half the difference of the directions, over the Coulomb level, that is told in per cent
 _SIMPLER = 4.0  # chi squared that one more parameter must be worth
 # A joint that slides shows offset plus half the difference of the directions; only its presliding tells one from the
 # other: deviation of that difference over the Coulomb level, of which the fit is far too sure, from simulated joints
@@ -338,7 +339,9 @@ def _uneven_effect(name: str, value: float, half: float, context: tuple[float, s
         "asymmetry": Quantity(ratio, "1", (ratio - wide, ratio + wide)),
         "coulomb_difference": Quantity(2.0 * value, unit, (2.0 * (value - half), 2.0 * (value + half))),
     }
-    sentence = f"friction differs between the directions by {200 * abs(ratio):.0f} %"
+    # A difference beyond the level itself is no share of anything.
+    size = f"{200 * abs(ratio):.0f} %" if abs(ratio) <= _MOST_OF_LEVEL else f"{2 * abs(value):.3g} {unit}"
+    sentence = f"friction differs between the directions by {size}"
     return _effect(name, "parameter", numbers, sentence)
 
 

@@ -14,7 +14,7 @@ from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
 from .base import unpack
-from .checks import inertia_against, reasons_against, remarks_on
+from .checks import inertia_against, kind_against, reasons_against, remarks_on
 from .controller import Controller, estimate_controller
 from .forward import forward_error
 from .loading import build_tracks, low_rate
@@ -29,7 +29,7 @@ from .sentence import forward_sentence
 from .verdict import Answer, conclude
 from .weak_form import rest_speed_of
 
-__all__ = ["diagnose"]
+__all__ = ["diagnose", "with_remarks"]
 
 _NULLS, _NULLS_THOROUGH = 32, 200
 _RESTING = 0.6  # of the slowest speed that counts as sliding
@@ -76,16 +76,18 @@ def diagnose(
         simulation if isinstance(simulation, RigidJoint) or simulation is None else read_simulation(simulation, joint)
     )
     say("checking the data")
-    against = reasons_against(given, joint)
+    against = [*reasons_against(given, joint), *(kind_against(given, rigid.rotary) if rigid is not None else ())]
     if against:
         return _bad_data(given, against)
+    remarks, given = remarks_on(given), [one.on_joint_side() for one in given]
     loops = [estimate_controller(one) if controller is None else controller for one in given]
-    tracks = build_tracks(given, loops)
+    known = _in_newton_metres(given, rigid)
+    tracks = build_tracks(given, loops, None if known is None else known.spring)
     observer = Observer(rest_speed=_RESTING * rest_speed_of(tracks))
     observer = replace(observer, bandwidth=_SLOW_BANDWIDTH) if low_rate(given) else observer
     try:
         say("fitting the base model and simulating nulls")
-        count, known = _NULLS_THOROUGH if thorough else _NULLS, _in_newton_metres(given, rigid)
+        count = _NULLS_THOROUGH if thorough else _NULLS
         prepared = prepare(tracks, observer=observer, nulls=count, seed=seed, rigid=known)
         against = [] if known is None else inertia_against(unpack(prepared.fit.theta).inertia, known.inertia)
         if against:
@@ -98,7 +100,7 @@ def diagnose(
         if looked is answer:
             say("simulating forward in MuJoCo")
             looked = _with_forward(looked, given[0], prepared, found, loops[0])
-        return _remarked(looked, [*remarks_on(given), *_not_compared(given, rigid, known)])
+        return with_remarks(looked, [*remarks, *_not_compared(given, rigid, known)])
     except (np.linalg.LinAlgError, FloatingPointError, ParameterError) as error:
         raise DiagnosisError(f"the recording cannot be explained by any joint model: {error}") from error
 
@@ -115,7 +117,9 @@ def _arm(recordings: Sequence[Recording], simulation: RigidJoint | str | Path | 
         for recording in recordings
         for reason in reasons_against([recording], None)
     ]
-    return _bad_data(recordings, against) if against else diagnose_arm(recordings, simulation)
+    if against:
+        return _bad_data(recordings, against)
+    return diagnose_arm([one.on_joint_side() for one in recordings], simulation)
 
 
 def _in_newton_metres(recordings: Sequence[Recording], rigid: RigidJoint | None) -> RigidJoint | None:
@@ -129,7 +133,10 @@ def _not_compared(
     if given is None or known is not None:
         return ()
     unit = recordings[0].metadata.torque_unit
-    return (f"The torque is in {unit}: inertia and gravity of the simulation were not compared, they are fitted.",)
+    return (
+        f"The torque is in {unit}: inertia, gravity and any spring of the simulation were not compared, they are "
+        "fitted.",
+    )
 
 
 def _with_forward(
@@ -149,7 +156,7 @@ def _with_forward(
     return replace(diagnosis, record=with_fields(record, sentences=(*record.sentences, forward_sentence(forward))))
 
 
-def _remarked(diagnosis: Diagnosis, remarks: Sequence[str]) -> Diagnosis:
+def with_remarks(diagnosis: Diagnosis, remarks: Sequence[str]) -> Diagnosis:
     """The diagnosis with what the checks of the data noticed, last."""
     if not remarks:
         return diagnosis

@@ -14,6 +14,8 @@ from .effects import Context
 from .explanation import Explanation
 from .observer import Plant
 from .preparation import Prepared
+from .rigid import Spring
+from .spring import SPRING, whole_spring
 from .structure import N_BASE
 from .track import FloatArray
 
@@ -27,9 +29,12 @@ def base_model(recordings: Sequence[Recording], prepared: Prepared) -> FrictionM
 
 
 def extended_model(
-    recordings: Sequence[Recording], prepared: Prepared, chosen: Explanation | None
+    recordings: Sequence[Recording], prepared: Prepared, chosen: Explanation | None, given: Spring | None = None
 ) -> FrictionModel | None:
-    """Friction with the named effects, refitted together; None where no effect belongs to a friction law."""
+    """Friction with the named effects, refitted together; None where no effect belongs to a friction law.
+
+    A spring that was named beside the one `given` in the simulation is in it as a whole, in place of that one.
+    """
     if chosen is None:
         return None
     values = chosen.structure.values(chosen.fit.theta[N_BASE:])
@@ -41,7 +46,10 @@ def extended_model(
         exponent = contribution.plant.get("stribeck_exponent", exponent)
         if "sigma_0" in contribution.plant:
             bristle = (contribution.plant["sigma_0"], contribution.plant.get("sigma_1", 0.0))
-        term = candidate.effect.term(values[candidate.name], plant)
+        if candidate.name == SPRING and given is not None:
+            term, plant = whole_spring(values[candidate.name], plant, given)
+        else:
+            term = candidate.effect.term(values[candidate.name], plant)
         terms += [term] if term is not None else []
     changed = bool(terms) or exponent != 2.0 or bristle is not None
     if not changed:

@@ -22,9 +22,9 @@ from .preparation import Prepared
 from .result import Forward
 from .solver import Box, at_least
 from .structure import N_BASE, Structure
-from .track import FloatArray, Track
+from .track import SIMULATED_SPRING, FloatArray, Track
 
-__all__ = ["Run", "forward_error", "simulate_forward"]
+__all__ = ["Run", "forward_error", "simulate_forward", "with_spring"]
 
 _HELD_OUT = 1.0 / 3.0  # of the recording, its last part
 _LONGEST = 20.0  # [s]
@@ -104,14 +104,21 @@ def _run(
     start: int,
 ) -> Run:
     structure, theta = model
-    track = prepared.problem.tracks[0]
-    added = structure.contributions(theta[N_BASE:])[0]
+    track, added = with_spring(prepared.problem.tracks[0], structure.contributions(theta[N_BASE:])[0])
     plant = replace(structure.plant(theta), **added.plant)
     time = np.asarray(recording.time) - recording.time[0]
     position = np.interp(track.time, time, np.asarray(recording.position_reference))
     told = recording.velocity_reference
     velocity = np.gradient(position, track.dt) if told is None else np.interp(track.time, time, np.asarray(told))
     return Run(plant, added, track, np.stack([position, velocity]), controller, start, track.size)
+
+
+def with_spring(track: Track, added: Contribution) -> tuple[Track, Contribution]:
+    """Recording and effects with the spring of the simulation, which the torque of a track is without."""
+    spring = track.channels.get(SIMULATED_SPRING)
+    if spring is None:
+        return track, added
+    return replace(track, torque=track.torque + spring), replace(added, additive=added.additive + spring)
 
 
 def _trained(prepared: Prepared, model: tuple[Structure, FloatArray, FloatArray], start: int) -> FloatArray:

@@ -12,7 +12,8 @@ from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
 
 from .controller import Controller
-from .track import FloatArray, Track
+from .rigid import Spring
+from .track import SIMULATED_SPRING, SIMULATED_STIFFNESS, FloatArray, Track, smooth_derivative
 
 __all__ = ["build_tracks", "low_rate"]
 
@@ -25,12 +26,15 @@ def low_rate(recordings: Sequence[Recording]) -> bool:
     return any(recording.sample_period > 3.5e-3 for recording in recordings)
 
 
-def build_tracks(recordings: Sequence[Recording], loops: Sequence[Controller | None] = ()) -> list[Track]:
+def build_tracks(
+    recordings: Sequence[Recording], loops: Sequence[Controller | None] = (), spring: Spring | None = None
+) -> list[Track]:
     """One track for each recording, all on the same grid.
 
     Args:
         recordings: Of one joint.
         loops: What moved the joint in each of them; none where that is not known.
+        spring: Of the simulation. Its torque is taken off: the joint without it is what is fitted and compared.
 
     Raises:
         DiagnosisError: The recordings mix rotary and linear joints.
@@ -40,10 +44,18 @@ def build_tracks(recordings: Sequence[Recording], loops: Sequence[Controller | N
     dt = min(recording.sample_period for recording in recordings)
     dt = float(np.clip(dt, 2.5e-4, 2.5e-3)) if dt < 3.5e-3 else dt / np.ceil(dt / 2.5e-3)
     known = loops or [None] * len(recordings)
-    return [
+    tracks = [
         _track(recording, loop, dt, f"recording {i + 1}")
         for i, (recording, loop) in enumerate(zip(recordings, known, strict=True))
     ]
+    return tracks if spring is None else [_without_spring(track, spring) for track in tracks]
+
+
+def _without_spring(track: Track, spring: Spring) -> Track:
+    """The track without the torque that the simulation's spring takes, which is kept as a channel."""
+    taken = spring.torque(smooth_derivative(track.position, track.dt, order=0))
+    more = {SIMULATED_SPRING: taken, SIMULATED_STIFFNESS: np.full(track.size, spring.stiffness)}
+    return replace(track, torque=track.torque - taken, channels={**track.channels, **more})
 
 
 def _track(recording: Recording, loop: Controller | None, dt: float, name: str) -> Track:

@@ -66,7 +66,7 @@ class Refitted:
         for (owner, parameter), value, deviation in zip(self.structure.parameters(), values, deviations, strict=True):
             if owner != name:
                 continue
-            unit = parameter.unit.replace("{torque}", torque_unit).replace("{position}", position_unit)
+            unit = _plain(parameter.unit.replace("{torque}", torque_unit).replace("{position}", position_unit))
             half = 1.96 * float(np.hypot(deviation, parameter.deviation_of_form(float(value))))
             half = half if parameter.scale > 0.0 else 0.0
             result[parameter.name] = _quantity(float(value), half, unit, logarithmic=parameter.logarithmic)
@@ -75,7 +75,7 @@ class Refitted:
     def base(self, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
         """Parameters of the base, with their intervals."""
         units = {
-            "inertia": {"N·m": "kg·m²", "N": "kg"}.get(torque_unit, f"{torque_unit}·s²/{position_unit}"),
+            "inertia": _plain(f"{torque_unit}·s²/{position_unit}"),
             "delay": "s",
             "damping_time": "s",
             "viscous_coefficient": f"{torque_unit}·s/{position_unit}",
@@ -97,6 +97,11 @@ class Refitted:
             unit = units.get(plain.split(".")[-1], torque_unit)
             result[plain] = _quantity(float(value), float(half), unit, logarithmic="log_" in name)
         return result
+
+
+def _plain(unit: str) -> str:
+    """A unit by the name that it usually has."""
+    return {"N·m·s²/rad": "kg·m²", "N·s²/m": "kg"}.get(unit, unit)
 
 
 def _quantity(value: float, half: float, unit: str, *, logarithmic: bool) -> Quantity:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,30 @@ from fricomp.errors import DiagnosisError, MissingExtraError
 
 from .track import FloatArray
 
-__all__ = ["RigidJoint", "read_simulation"]
+__all__ = ["RigidJoint", "Spring", "read_simulation"]
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A spring of a simulation: its torque is a polynomial of x, the position less the reference.
+
+    Attributes:
+        coefficients: Of x, x² and x³ [N·m/rad, N·m/rad², N·m/rad³]; further ones of higher powers.
+        reference: Position at which it is at rest [rad] or [m].
+    """
+
+    coefficients: tuple[float, ...]
+    reference: float = 0.0
+
+    @property
+    def stiffness(self) -> float:
+        """At rest [N·m/rad] or [N/m]."""
+        return self.coefficients[0]
+
+    def torque(self, position: FloatArray) -> FloatArray:
+        """Torque that holds the joint against the spring [N·m] or [N]. Shape (n,)."""
+        powers = np.array([*self.coefficients[::-1], 0.0], dtype=np.float64)
+        return np.asarray(np.polyval(powers, position - self.reference), dtype=np.float64)
 
 
 @dataclass(frozen=True)
@@ -25,6 +49,7 @@ class RigidJoint:
         damping: Viscous friction [N·m·s/rad] or [N·s/m].
         friction_loss: Dry friction [N·m] or [N].
         rotary: Whether the joint turns.
+        spring: Between the joint and its base; None where there is none.
         covariance: Of log inertia, gravity, offset and both friction curves, shape (12, 12) in the order of the
             diagnosis' base, where all of them were read off a recording; None where they are exact.
     """
@@ -35,6 +60,7 @@ class RigidJoint:
     damping: float
     friction_loss: float
     rotary: bool
+    spring: Spring | None = None
     covariance: FloatArray | None = field(default=None, compare=False)
 
 
@@ -87,4 +113,13 @@ def _measure(mujoco: object, model: object, index: int) -> RigidJoint:
         damping=float(np.ravel(m.dof_damping[dof])[0]),  # type: ignore[attr-defined]
         friction_loss=float(m.dof_frictionloss[dof]),  # type: ignore[attr-defined]
         rotary=rotary,
+        spring=_spring(m, index),
     )
+
+
+def _spring(model: Any, index: int) -> Spring | None:
+    """The spring of one joint; older versions of MuJoCo know straight ones only."""
+    further = np.ravel(model.jnt_stiffnesspoly[index]) if hasattr(model, "jnt_stiffnesspoly") else np.zeros(0)
+    coefficients = (float(np.ravel(model.jnt_stiffness[index])[0]), *map(float, further))
+    reference = float(model.qpos_spring[int(model.jnt_qposadr[index])])
+    return Spring(coefficients, reference) if any(coefficients) else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .result import DiagnosisRecord, Forward, HeldOut, NamedEffect
+from .result import DiagnosisRecord, Forward, HeldOut, NamedEffect, Quantity
 
 __all__ = ["NO_MOTION", "detent_sentence", "forward_sentence", "sentences"]
 
@@ -65,8 +65,7 @@ def _improvement(held: HeldOut) -> str:
 
 def _effect(effect: NamedEffect) -> str:
     numbers = ", ".join(
-        f"{name.replace('_', ' ')} {q.value:.4g}{_unit(q.unit)} ({q.ci95[0]:.4g} to {q.ci95[1]:.4g})"
-        for name, q in effect.parameters.items()
+        f"{name.replace('_', ' ')} {q.value:.4g}{_unit(q.unit)}{_interval(q)}" for name, q in effect.parameters.items()
     )
     text = f"{effect.name}: {effect.sentence}"
     text += f" [{effect.equation}]" if effect.equation else ""
@@ -74,6 +73,12 @@ def _effect(effect: NamedEffect) -> str:
     if effect.indistinguishable_from:
         text += f" This recording cannot tell it from {' or '.join(effect.indistinguishable_from)}."
     return text
+
+
+def _interval(quantity: Quantity) -> str:
+    """In brackets; nothing for a number that was chosen among a few, such as the order of a filter."""
+    low, high = quantity.ci95
+    return "" if low == high else f" ({low:.4g} to {high:.4g})"
 
 
 def _unit(unit: str) -> str:

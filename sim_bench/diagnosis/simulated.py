@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,8 +20,12 @@ from .rigid import RigidJoint
 from .sentence import sentences
 from .track import FloatArray
 
-__all__ = ["SimulatedJoint", "read_simulated", "without_known"]
+__all__ = ["SimulatedJoint", "motion_remarks", "read_simulated", "without_known"]
 
+_SHORT = 0.8  # of the recording's duration, below which a simulated one is told to be shorter
+# Unrelated motions of one size differ by the square root of two, in standard deviations of the position; the same one
+# by how differently two joints follow a command.
+_SAME_MOTION = 0.5
 # How an offset and the difference of the directions make up for each other while the joint slides.
 _PARTING = {"offset": 1.0, "forward.coulomb_torque": -1.0, "reverse.coulomb_torque": 1.0}
 
@@ -109,3 +113,30 @@ def without_known(diagnosis: Diagnosis, simulated: SimulatedJoint) -> Diagnosis:
         diagnosis.extended_model,
         diagnosis.motion,
     )
+
+
+def motion_remarks(recordings: Sequence[Recording], simulated: Recording) -> tuple[str, ...]:
+    """What tells that a simulated recording was not made under the commands of the recordings, in sentences."""
+    longest = max(one.duration for one in recordings)
+    if simulated.duration < _SHORT * longest:
+        return (
+            f"The simulated recording lasts {simulated.duration:.3g} s and the recording {longest:.3g} s: what it says "
+            "about the simulation holds for the part of the motion that it has.",
+        )
+    apart = min(_apart(one, simulated) for one in recordings)
+    if apart < _SAME_MOTION:
+        return ()
+    return (
+        f"The simulated recording has another motion (positions at the same times differ by {apart:.2g} times the "
+        "spread of the recorded ones): let the simulator follow the same commands, since a motion that shows less of "
+        "its joint leaves the comparison in doubt.",
+    )
+
+
+def _apart(recording: Recording, simulated: Recording) -> float:
+    """RMS difference of the positions at the same time since the start, over the standard deviation of the recorded."""
+    time = np.asarray(recording.time) - recording.time[0]
+    shared = time <= simulated.duration
+    moved = np.interp(time[shared], np.asarray(simulated.time) - simulated.time[0], np.asarray(simulated.position))
+    position = np.asarray(recording.position)[shared]
+    return float(np.sqrt(np.mean((moved - position) ** 2)) / max(float(np.std(position)), 1e-12))

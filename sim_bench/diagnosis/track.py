@@ -17,9 +17,12 @@ from scipy.signal import lfilter, savgol_filter
 if TYPE_CHECKING:
     from .controller import Controller
 
-__all__ = ["FloatArray", "TorqueNoise", "Track", "smooth_derivative"]
+__all__ = ["SIMULATED_SPRING", "SIMULATED_STIFFNESS", "FloatArray", "TorqueNoise", "Track", "smooth_derivative"]
 
 FloatArray = NDArray[np.float64]
+
+SIMULATED_SPRING, SIMULATED_STIFFNESS = "simulated_spring", "simulated_stiffness"
+"""Channels of a track: torque of the simulation's own spring, which its torque is without, and the stiffness."""
 
 _VELOCITY_WINDOW = 0.021  # [s] longest Savitzky-Golay window that keeps the reversals of a joint
 _SPIKE = 5.0  # noise deviations from the median of seven samples, beyond which a sample is no measurement

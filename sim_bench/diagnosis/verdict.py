@@ -48,10 +48,11 @@ from .result import (
     Rival,
     RowSeries,
 )
-from .rigid import RigidJoint
+from .rigid import RigidJoint, Spring
 from .search import Found
 from .sentence import NO_MOTION, detent_sentence, sentences
 from .solver import Fit
+from .spring import as_it_shows, spring_change
 from .tone import Tone
 from .track import FloatArray
 from .velocity_lag import velocity_lag
@@ -77,6 +78,11 @@ class Answer:
     def unit(self) -> str:
         """Unit of torque."""
         return self.recordings[0].metadata.torque_unit
+
+    @property
+    def spring(self) -> Spring | None:
+        """Of the simulation."""
+        return None if self.rigid is None else self.rigid.spring
 
     @property
     def position_unit(self) -> str:
@@ -130,7 +136,7 @@ def conclude(answer: Answer) -> Diagnosis:
         noise_ratio=prepared.noise_ratio,
         coverage=best.coverage if best is not None else None,
         base=refitted.base(answer.unit, answer.position_unit),
-        changes=compared.changes,
+        changes=(*compared.changes, *spring_change(named, answer.spring)),
         rivals=_rivals(found, chosen, failed),
         distinguishability=distinguishability(prepared, found.first),
         recordings=tuple(track.name for track in prepared.problem.tracks),
@@ -150,7 +156,7 @@ def conclude(answer: Answer) -> Diagnosis:
         record=record,
         evidence=_evidence(answer, series),
         base_model=base_model(answer.recordings, prepared),
-        extended_model=extended_model(answer.recordings, prepared, chosen),
+        extended_model=extended_model(answer.recordings, prepared, chosen, answer.spring),
         motion=proposal[1] if proposal is not None else None,
         detent_order=detent,
         covariance=refitted.covariance[: len(BASE_NAMES), : len(BASE_NAMES)],
@@ -207,16 +213,19 @@ def _explained(
         tones = [order for other, order in forms.values() if other == effect.name]
         own = sums[effect.name] + sum(sums[name] for name, (other, _) in forms.items() if other == effect.name)
         effects.append(
-            NamedEffect(
-                name=effect.name,
-                kind=effect.kind,
-                parameters=refitted.parameters(effect.name, answer.unit, answer.position_unit),
-                indistinguishable_from=aliases(answer.found, effect.name),
-                location=_located(answer, series, energies[effect.name]),
-                share=explained * own / max(sum(sums.values()), 1e-30),
-                equation=effect.equation,
-                sentence=effect.says + "".join(f"; its form shows at the order {tone:.4g} too" for tone in tones),
-                citation=effect.citation,
+            as_it_shows(
+                NamedEffect(
+                    name=effect.name,
+                    kind=effect.kind,
+                    parameters=refitted.parameters(effect.name, answer.unit, answer.position_unit),
+                    indistinguishable_from=aliases(answer.found, effect.name),
+                    location=_located(answer, series, energies[effect.name]),
+                    share=explained * own / max(sum(sums.values()), 1e-30),
+                    equation=effect.equation,
+                    sentence=effect.says + "".join(f"; its form shows at the order {tone:.4g} too" for tone in tones),
+                    citation=effect.citation,
+                ),
+                answer.spring,
             )
         )
     return effects, _located(answer, series, whole)

@@ -17,6 +17,7 @@ from fricomp.model import FrictionModel, save_model
 from fricomp.report import draw_png, write_report
 
 from ..diagnosis.result import Diagnosis, save_diagnosis
+from ..diagnosis.spring import SPRING_CHANGE
 from .network import save_extended_network
 from .over_time import motion_columns
 from .page import diagnosis_charts, diagnosis_page
@@ -85,12 +86,13 @@ def _write_models(
         save_model(model, folder / "friction.json")
         files.append(folder / "friction.json")
         law = " + ".join(term.name for term in model.law.terms)
-        notes.append(f"friction.json: the {kind} friction law: {law}{_left_out(diagnosis)}.")
+        notes.append(f"friction.json: the {kind} friction law: {law}{_left_out(diagnosis)}.{_whole_spring(diagnosis)}")
         for name, write in (("friction.onnx", save_extended_network), ("friction.xml", _save_mjcf(simulation, joint))):
             try:
                 notes.append(f"{name}: {write(model, folder / name)}.")
                 files.append(folder / name)
-                if name == "friction.xml" and simulation is not None and diagnosis.record.changes:
+                moved = any(change.name != SPRING_CHANGE for change in diagnosis.record.changes)
+                if name == "friction.xml" and simulation is not None and moved:
                     notes[-1] += " Inertia and gravity in it are those of the simulation given, not the refitted ones."
             except FricompError as error:
                 (folder / name).unlink(missing_ok=True)
@@ -102,6 +104,13 @@ def _write_models(
             "then fricomp diagnose this recording together with its motion-alone.csv."
         )
     return files, notes
+
+
+def _whole_spring(diagnosis: Diagnosis) -> str:
+    """What a law with a spring means beside a simulation that has one of its own."""
+    if all(change.name != SPRING_CHANGE for change in diagnosis.record.changes):
+        return ""
+    return " The spring in it is the joint's whole one, in place of that of the simulation."
 
 
 def _left_out(diagnosis: Diagnosis) -> str:

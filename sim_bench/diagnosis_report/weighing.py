@@ -114,7 +114,7 @@ def order_chart(orders: Mapping[str, FloatArray], record: DiagnosisRecord, units
     named = [
         Rule(effect.parameters["order"].value, "x", f"{effect.name}: {effect.parameters['order'].value:.5g}", color=4)
         for effect in record.effects
-        if "order" in effect.parameters
+        if "order" in effect.parameters and effect.parameters["order"].unit != "1"  # that of a filter
     ]
     rotary = units.position == "rad"
     label = "order: waves in a turn [1]" if rotary else f"order [rad/{units.position}]"

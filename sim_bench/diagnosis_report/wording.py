@@ -105,8 +105,10 @@ def format_number(value: float, step: float | None = None) -> str:
 
 
 def format_interval(quantity: Quantity) -> str:
-    """The 95 % interval, without its unit."""
+    """The 95 % interval, without its unit; none of a number that was chosen among a few, such as a filter's order."""
     low, high = quantity.ci95
+    if low == high:
+        return "–"
     if not (isfinite(low) and isfinite(high)):
         return "not determined"
     step = 0.5 * (high - low) or None
@@ -138,9 +140,10 @@ def derived_parameters(effect: NamedEffect) -> Mapping[str, Quantity]:
     """Parameters of an effect, and what people look up instead: a ripple's period and amplitude."""
     found = dict(effect.parameters)
     order = found.get("order")
-    if order is not None and "period" not in found and order.value > 0.0:
+    # The order of a filter, or of an encoder's wave in a turn, is no order over position.
+    if order is not None and order.unit in ("1/rad", "1/m") and "period" not in found and order.value > 0.0:
         low, high = order.ci95
-        unit = order.unit.removeprefix("1/").removeprefix("rad/") or "rad"
+        unit = order.unit.removeprefix("1/")
         interval = (2.0 * pi / high, 2.0 * pi / low) if low > 0.0 else (float("nan"), float("nan"))
         found["period"] = Quantity(2.0 * pi / order.value, unit, interval)
     sine, cosine = found.get("sine"), found.get("cosine")

@@ -8,7 +8,10 @@ from fricomp.laws import SpringTorque as SpringTorqueTerm
 from fricomp.laws import Term
 
 from ..observer import Contribution, Plant
+from ..track import SIMULATED_STIFFNESS
 from .effect import Context, Effect, EffectParameter, Values, register
+
+_FORM = 0.1  # of a spring that the joint lacks, by which the fit may find more of it missing
 
 
 @register
@@ -40,7 +43,12 @@ class SpringTorque(Effect):
         return Contribution(additive=values["stiffness"] * stretch * (1.0 + values["hardening"] * stretch**2))
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        return "the spring would push away from its centre" if values["stiffness"] <= 0.0 else None
+        given = contexts[0].channels.get(SIMULATED_STIFFNESS)
+        if given is None:
+            return "the spring would push away from its centre" if values["stiffness"] <= 0.0 else None
+        # Beside a simulation with a spring it is the difference: a joint without any shows less all of that one.
+        least = -(1.0 + _FORM) * float(given[0])
+        return "with the simulation's it would push away from its centre" if values["stiffness"] < least else None
 
     def term(self, values: Values, plant: Plant) -> Term | None:
         return SpringTorqueTerm(values["stiffness"], values["centre"], values["hardening"])

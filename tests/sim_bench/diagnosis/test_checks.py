@@ -12,8 +12,8 @@ from scipy.signal import lfilter
 from fricomp.errors import DiagnosisError, RecordingError
 from fricomp.recording import Recording, RecordingMetadata
 from fricomp.sim_bench import diagnose
-from fricomp.sim_bench.diagnosis import Diagnosis
-from fricomp.sim_bench.diagnosis.checks import inertia_against, reasons_against, remarks_on
+from fricomp.sim_bench.diagnosis import Diagnosis, RigidJoint
+from fricomp.sim_bench.diagnosis.checks import inertia_against, kind_against, reasons_against, remarks_on
 from fricomp.sim_bench.diagnosis.loading import build_tracks
 from fricomp.sim_bench.diagnosis.velocity_lag import velocity_lag
 from fricomp.sim_bench.diagnosis.weak_form import rest_speed_of
@@ -36,8 +36,24 @@ def test_a_joint_that_never_moves(good: Recording) -> None:
     assert_bad(diagnose(replace(good, position=np.zeros(len(good)))), "never moves")
 
 
-def test_torque_on_the_motor_side(good: Recording) -> None:
+def test_torque_on_the_motor_side_without_a_ratio(good: Recording) -> None:
     assert_bad(diagnose(replace(good, metadata=RecordingMetadata(torque_side="motor"))), "motor side")
+
+
+def test_torque_on_the_motor_side_is_told_where_the_ratio_is_known(good: Recording) -> None:
+    motor = replace(good, metadata=RecordingMetadata(torque_side="motor", gear_ratio=60.0))
+    assert reasons_against([motor], None) == []
+    (remark,) = remarks_on([motor])
+    assert "gear ratio 60" in remark
+
+
+@pytest.mark.slow
+def test_torque_on_the_motor_side_is_brought_to_the_joint(good: Recording) -> None:
+    torque = np.asarray(good.torque) / 60.0
+    motor = replace(good, torque=torque, metadata=RecordingMetadata(torque_side="motor", gear_ratio=60.0))
+    found = diagnose(motor)
+    assert found.verdict == "consistent"
+    assert found.record.base["inertia"].value == pytest.approx(ToyJoint().inertia, rel=0.01)
 
 
 def test_the_wrong_joint(good: Recording) -> None:
@@ -69,6 +85,23 @@ def test_an_inertia_that_no_payload_explains(factor: float, word: str) -> None:
     (reason,) = inertia_against(0.3 * factor, 0.3)
     assert word in reason
     assert inertia_against(0.3 * 8.0, 0.3) == []
+
+
+def test_an_inertia_names_the_unit_that_would_make_it() -> None:
+    (larger,), (smaller,) = inertia_against(300.0, 0.3), inertia_against(1e-4, 0.3)
+    assert "mN·m" in larger
+    assert "degrees" not in larger
+    assert "degrees" in smaller
+    assert "mN·m" not in smaller
+
+
+def test_a_joint_that_slides_is_no_simulation_of_one_that_turns(good: Recording) -> None:
+    slide = RigidJoint(8.0, (0.0, 0.0), 0.0, 0.0, 0.0, False)
+    assert_bad(diagnose(good, slide), "joint slides")
+    assert kind_against([good], True) == []
+    linear = replace(good, metadata=replace(good.metadata, motion="linear", torque_unit="N"))
+    (reason,) = kind_against([linear], True)
+    assert "hinge" in reason
 
 
 def test_a_flipped_torque(good: Recording) -> None:

@@ -15,6 +15,7 @@ from fricomp.sim_bench.diagnosis.comparison import (
     UNEXPLAINED,
     Comparison,
     GivenFriction,
+    _uneven_effect,
     compare_friction,
     compare_rigid,
 )
@@ -103,6 +104,12 @@ def test_a_split_beyond_all_doubt_gets_both_names() -> None:
     assert effects[0].parameters["offset"].value == pytest.approx(1.5, abs=0.1)
     assert effects[1].parameters["coulomb_difference"].value == pytest.approx(-2.6, abs=0.2)
     assert effects[1].parameters["asymmetry"].value == pytest.approx(-0.65, abs=0.05)
+
+
+@pytest.mark.parametrize(("half", "words"), [(1.3, "by 2.6 N·m"), (0.3, "by 30 %")])
+def test_directions_that_differ_by_more_than_the_level_are_told_in_torque(half: float, words: str) -> None:
+    effect = _uneven_effect("direction_asymmetry", half, 0.1, (2.0, "N·m"))
+    assert effect.sentence.endswith(words)
 
 
 def test_a_split_that_leaves_the_sum_as_it_is_names_nothing() -> None:

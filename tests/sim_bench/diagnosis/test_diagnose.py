@@ -110,6 +110,7 @@ def test_a_load_that_differs_between_recordings_and_from_the_simulation_is_one_e
     truths = {"inertia_2": 0.05, "gravity_sin_2": 1.2 * 0.9553, "inertia_change": 0.035, "gravity_sin_change": 0.860}
     for name, value in truths.items():
         assert effect.parameters[name].value == pytest.approx(value, rel=0.02), name
+    assert effect.parameters["inertia_2"].unit == "kg·m²"
 
 
 def test_a_spring_that_stiffens_is_told_from_another_gravity_by_the_simulation() -> None:

@@ -29,6 +29,7 @@ from fricomp.sim_bench.diagnosis import (
     RowSeries,
     load_diagnosis,
 )
+from fricomp.sim_bench.diagnosis.sentence import sentences
 from fricomp.sim_bench.diagnosis_report import (
     Units,
     WrittenDiagnosis,
@@ -146,6 +147,18 @@ def test_the_table_has_period_and_amplitude_of_a_ripple(diagnosis: Diagnosis) ->
     assert rows["period"][2:4] == ("0.12566 rad", "0.12541 to 0.12592")
     assert rows["amplitude"][2] == "0.300 N·m"
     assert table.rows[0][4:] == ("97%", "kinematic_error")
+
+
+def test_the_order_of_a_filter_has_no_period_and_no_interval(diagnosis: Diagnosis) -> None:
+    numbers = {"time_constant": Quantity(4e-3, "s", (3e-3, 5e-3)), "order": Quantity(2.0, "1", (2.0, 2.0))}
+    lag = NamedEffect(name="drive_lag", kind="measurement", parameters=numbers, sentence="it lags")
+    record = with_fields(diagnosis.record, effects=(lag,))
+    table = effect_table(record)
+    assert table is not None
+    rows = {row[1]: row for row in table.rows}
+    assert set(rows) == {"time constant", "order"}
+    assert rows["order"][3] == "–"
+    assert "order 2." in " ".join(sentences(record))
 
 
 def test_errors_stand_beside_the_noise_floor(diagnosis: Diagnosis) -> None:
