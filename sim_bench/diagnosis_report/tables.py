@@ -10,7 +10,7 @@ from .wording import Units, derived_parameters, format_interval, format_location
 
 __all__ = ["base_table", "change_table", "effect_table", "error_table", "forward_table", "location_table"]
 
-_BASE = f"{BASE}: the simulation, refitted"
+_BASE = f"{BASE}: rigid joint and friction, refitted"
 
 
 def effect_table(record: DiagnosisRecord) -> Table | None:
