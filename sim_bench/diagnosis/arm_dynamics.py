@@ -94,6 +94,9 @@ def read_arm(path: str | Path) -> ArmDynamics:
     if model.nq != model.njnt or model.nv != model.njnt:
         raise DiagnosisError(f"{path} has joints that are neither hinges nor slides: give the arm alone")
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
+    model.jnt_stiffness[:] = 0.0  # a spring is no mass: it would stand in the columns of every body
+    if hasattr(model, "jnt_stiffnesspoly"):
+        model.jnt_stiffnesspoly[:] = 0.0
     model.body_sameframe[:] = 0  # the masses are moved about, so no frame is another one's any more
     names = tuple(model.joint(i).name for i in range(model.njnt))
     bodies = tuple(i for i in range(1, model.nbody) if model.body_weldid[i] == i)

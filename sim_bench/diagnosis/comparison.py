@@ -20,6 +20,7 @@ from .rigid import RigidJoint
 from .track import FloatArray
 
 __all__ = [
+    "FRICTION_CHANGES",
     "NAMED",
     "PLAIN",
     "SPLIT",
@@ -29,6 +30,7 @@ __all__ = [
     "GivenFriction",
     "compare_friction",
     "compare_rigid",
+    "friction_changes",
 ]
 
 _SAME_FACTOR = ("payload_error", "torque_gain_error")
@@ -43,6 +45,9 @@ _SIMPLER = 4.0  # chi squared that one more parameter must be worth
 # with nothing missing.
 SPLIT = 0.22
 _FORWARD, _REVERSE = 4, 8  # where the curves of the two directions begin among the base's parameters
+_VISCOUS = 3  # which number of a curve is the viscous coefficient; the first is the Coulomb torque
+FRICTION_CHANGES = ("frictionloss", "damping")
+"""Changes of a simulation's own friction, by the names that MJCF has for it."""
 _LEVELS, _SHAPE = 3, 5  # where offset and levels begin in a shift, and the shape of the curves
 
 
@@ -233,6 +238,36 @@ def compare_friction(
         ),
     )
     return Comparison(effects, changes if effects else ())
+
+
+def friction_changes(
+    plant: Plant, covariance: FloatArray, given: RigidJoint, units: tuple[str, str], doubt: Doubt
+) -> tuple[Change, ...]:
+    """Dry and viscous friction of a simulation beside the refitted ones, where they differ for sure.
+
+    The friction of a joint is identified, so that they say nothing about the verdict. A simulation with neither has its
+    friction elsewhere.
+
+    Args:
+        plant: Refitted joint.
+        covariance: Of log inertia, gravity, offset and both curves, in the order of the base. Shape (12, 12).
+        given: The simulation.
+        units: Of torque and position.
+        doubt: Of the refitted parameters.
+    """
+    if not (given.damping or given.friction_loss):
+        return ()
+    changes = []
+    for name, at, value, unit in (
+        (FRICTION_CHANGES[0], 0, given.friction_loss, units[0]),
+        (FRICTION_CHANGES[1], _VISCOUS, given.damping, f"{units[0]}·s/{units[1]}"),
+    ):
+        refitted, both = 0.5 * (plant.forward[at] + plant.reverse[at]), [_FORWARD + at, _REVERSE + at]
+        deviation = 0.5 * float(np.sqrt(max(np.sum(covariance[np.ix_(both, both)]), 0.0)))
+        stray = float(np.hypot(deviation, doubt.uneven * refitted))
+        if (refitted - value) ** 2 > _SIGNIFICANT * stray**2:
+            changes.append(_change(name, value, refitted, deviation, unit))
+    return tuple(changes)
 
 
 @dataclass(frozen=True)

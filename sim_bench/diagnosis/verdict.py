@@ -24,6 +24,7 @@ from .comparison import (
     GivenFriction,
     compare_friction,
     compare_rigid,
+    friction_changes,
 )
 from .confirmation import confirm
 from .effect_energy import effect_energy
@@ -265,7 +266,10 @@ def _compare(answer: Answer, refitted: Refitted, doubt: Doubt) -> Comparison:
         held, offset = None if result.effects else rigid, 0.0 if answer.rigid is None else answer.rigid.offset
         given = GivenFriction(answer.friction, offset, held)
         more = compare_friction(plant, cov, given, answer.unit, doubt, acceleration)
-        result = Comparison(result.effects + more.effects, result.changes + more.changes)
+        return Comparison(result.effects + more.effects, result.changes + more.changes)
+    if answer.rigid is not None:
+        units = (answer.unit, answer.position_unit)
+        return replace(result, changes=result.changes + friction_changes(plant, cov, answer.rigid, units, doubt))
     return result
 
 

@@ -16,6 +16,7 @@ from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel, save_model
 from fricomp.report import draw_png, write_report
 
+from ..diagnosis.comparison import FRICTION_CHANGES
 from ..diagnosis.result import Diagnosis, save_diagnosis
 from ..diagnosis.spring import SPRING_CHANGE
 from .network import save_extended_network
@@ -24,6 +25,7 @@ from .page import diagnosis_charts, diagnosis_page
 
 __all__ = ["WrittenDiagnosis", "write_diagnosis"]
 
+_WRITTEN = (SPRING_CHANGE, *FRICTION_CHANGES)  # changes that the written model holds
 _MECHANICAL = {"rotary": "N·m", "linear": "N"}
 
 
@@ -91,7 +93,7 @@ def _write_models(
             try:
                 notes.append(f"{name}: {write(model, folder / name)}.")
                 files.append(folder / name)
-                moved = any(change.name != SPRING_CHANGE for change in diagnosis.record.changes)
+                moved = any(change.name not in _WRITTEN for change in diagnosis.record.changes)
                 if name == "friction.xml" and simulation is not None and moved:
                     notes[-1] += " Inertia and gravity in it are those of the simulation given, not the refitted ones."
             except FricompError as error:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fricomp.report import Table
 
+from ..diagnosis.comparison import FRICTION_CHANGES
 from ..diagnosis.result import DiagnosisRecord
 from .over_time import BASE, NAMED, models_of
 from .wording import Units, derived_parameters, format_interval, format_location, format_number, format_quantity, words
@@ -76,7 +77,10 @@ def change_table(record: DiagnosisRecord) -> Table | None:
         )
         for change in record.changes
     )
-    return Table(("parameter", "given", "refitted", "95 % interval", "unit"), rows) if rows else None
+    friction = any(change.name in FRICTION_CHANGES for change in record.changes)
+    caption = "Friction is identified from the recording: that of the simulation is no part of the verdict."
+    columns = ("parameter", "given", "refitted", "95 % interval", "unit")
+    return Table(columns, rows, caption if friction else "") if rows else None
 
 
 def base_table(record: DiagnosisRecord) -> Table | None:

@@ -18,6 +18,7 @@ from fricomp.sim_bench.diagnosis.comparison import (
     _uneven_effect,
     compare_friction,
     compare_rigid,
+    friction_changes,
 )
 from fricomp.sim_bench.diagnosis.observer import Plant
 from fricomp.sim_bench.diagnosis.track import FloatArray
@@ -104,6 +105,19 @@ def test_a_split_beyond_all_doubt_gets_both_names() -> None:
     assert effects[0].parameters["offset"].value == pytest.approx(1.5, abs=0.1)
     assert effects[1].parameters["coulomb_difference"].value == pytest.approx(-2.6, abs=0.2)
     assert effects[1].parameters["asymmetry"].value == pytest.approx(-0.65, abs=0.05)
+
+
+def test_friction_of_the_simulation_stands_beside_the_refitted_one_where_they_differ() -> None:
+    covariance, units = np.diag(np.full(12, 1e-3)) ** 2, ("N·m", "rad")
+
+    def changes(damping: float, loss: float) -> list[tuple[str, float, float]]:
+        given = RigidJoint(0.3, (1.0, 6.0), 0.0, damping, loss, True)
+        found = friction_changes(_PLANT, covariance, given, units, PLAIN)
+        return [(one.name, one.given, one.refitted.value) for one in found]
+
+    assert changes(1.0, 2.0) == []
+    assert changes(0.6, 1.5) == [("frictionloss", 1.5, 2.0), ("damping", 0.6, 1.0)]
+    assert changes(0.0, 0.0) == []  # its friction is elsewhere
 
 
 @pytest.mark.parametrize(("half", "words"), [(1.3, "by 2.6 N·m"), (0.3, "by 30 %")])

@@ -11,6 +11,7 @@ import pytest
 from fricomp.laws import OperatingPoint, SpringTorque
 from fricomp.sim_bench import diagnose
 from fricomp.sim_bench.diagnosis import RigidJoint
+from fricomp.sim_bench.diagnosis.arm_dynamics import ArmMotion, read_arm
 from fricomp.sim_bench.diagnosis.forward import with_spring
 from fricomp.sim_bench.diagnosis.loading import build_tracks
 from fricomp.sim_bench.diagnosis.observer import Contribution, Plant
@@ -132,3 +133,13 @@ def test_a_spring_of_the_simulation_that_the_joint_lacks_is_said_plainly() -> No
     assert term.stiffness < 0.2
     same = replace(given, spring=None)
     assert diagnose(recording(joint, "rich", 40.0), same).verdict == "consistent"
+
+
+def test_a_spring_is_no_mass_of_an_arm(tmp_path: Path) -> None:
+    columns, motion = [], ArmMotion(*(np.array([[0.1], [0.7]]) for _ in range(3)))
+    for spring in ("", 'stiffness="6" springref="0.3"'):
+        path = tmp_path / "arm.xml"
+        path.write_text(_MJCF.format(spring=spring))
+        arm = read_arm(path)
+        columns.append(arm.body_columns(motion, arm.last))
+    np.testing.assert_allclose(columns[1], columns[0])

@@ -29,10 +29,12 @@ from fricomp.sim_bench.diagnosis import (
     RowSeries,
     load_diagnosis,
 )
+from fricomp.sim_bench.diagnosis.result import Change
 from fricomp.sim_bench.diagnosis.sentence import sentences
 from fricomp.sim_bench.diagnosis_report import (
     Units,
     WrittenDiagnosis,
+    change_table,
     diagnosis_charts,
     effect_table,
     error_table,
@@ -159,6 +161,16 @@ def test_the_order_of_a_filter_has_no_period_and_no_interval(diagnosis: Diagnosi
     assert set(rows) == {"time constant", "order"}
     assert rows["order"][3] == "–"
     assert "order 2." in " ".join(sentences(record))
+
+
+def test_friction_of_the_simulation_is_said_to_be_no_part_of_the_verdict(diagnosis: Diagnosis) -> None:
+    captions = []
+    for name in ("inertia", "damping"):
+        change = Change(name=name, given=1.0, refitted=Quantity(2.0, "1", (1.9, 2.1)))
+        table = change_table(with_fields(diagnosis.record, changes=(change,)))
+        assert table is not None
+        captions.append("no part of the verdict" in table.caption)
+    assert captions == [False, True]
 
 
 def test_errors_stand_beside_the_noise_floor(diagnosis: Diagnosis) -> None:
