@@ -57,7 +57,11 @@ class Nulls:
 
 
 def make_nulls(problem: Problem, plant: Plant, effects: Sequence[Contribution], *, count: int, seed: int) -> Nulls:
-    """Simulate `count` nulls of `plant` with `effects`; their noise is matched to that of the residual."""
+    """Simulate `count` nulls of `plant` with `effects`; their noise is matched to that of the residual.
+
+    Raises:
+        FloatingPointError: The plant does not simulate with that noise.
+    """
     data = problem.rows(problem.runs([plant], [effects])[0])
     calm = replace(problem, tracks=tuple(replace(track, torque=_smooth(track)) for track in problem.tracks))
     truth = calm.runs([plant], [effects])[0]
@@ -104,6 +108,8 @@ class _Chain:
         moved = heard or [(track, self.truth[index].position, self.applied[index])] * count
         nulls = [_null(*each, noise, rng) for each in moved]
         first = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
+        if not all(np.all(np.isfinite(run.missing)) for run in first):
+            raise FloatingPointError("a joint that the recording hardly determines does not simulate with its noise")
         nulls = [improved(null, run) for null, run in zip(nulls, first, strict=True)]
         runs = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
         return np.stack([self.problem.grids[index].of(run.missing) for run in runs])

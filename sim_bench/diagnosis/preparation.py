@@ -153,7 +153,10 @@ def _with_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int) -
     found, free = tried
     before, after = (float(one.residual @ one.residual) for one in (fit, found))
     explained = (before - after) / (before - fit.residual.size)
-    found, _, nulls = _reweigh(raw, found, free, _FIRST_NULLS, seed)
+    try:
+        found, _, nulls = _reweigh(raw, found, free, _FIRST_NULLS, seed)
+    except FloatingPointError:
+        return fit, box
     left = np.mean([vector @ vector for vector in nulls.vectors()])
     quiet = found.residual @ found.residual <= _QUIET**2 * left
     return (found, free) if quiet or explained > _MOST else (fit, box)
