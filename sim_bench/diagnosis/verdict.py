@@ -212,14 +212,16 @@ def _explained(
         if effect.name in forms:
             continue
         tones = [order for other, order in forms.values() if other == effect.name]
-        own = sums[effect.name] + sum(sums[name] for name, (other, _) in forms.items() if other == effect.name)
+        # Which of two laws draws a ripple and which its overtone is a matter of the fit.
+        drawn = [name for name, (other, _) in forms.items() if other == effect.name]
+        own = sums[effect.name] + sum(sums[name] for name in drawn)
         effects.append(
             as_it_shows(
                 NamedEffect(
                     name=effect.name,
                     kind=effect.kind,
                     parameters=refitted.parameters(effect.name, answer.unit, answer.position_unit),
-                    indistinguishable_from=aliases(answer.found, effect.name),
+                    indistinguishable_from=tuple(dict.fromkeys([*aliases(answer.found, effect.name), *drawn])),
                     location=_located(answer, series, energies[effect.name]),
                     share=explained * own / max(sum(sums.values()), 1e-30),
                     equation=effect.equation,
