@@ -19,7 +19,7 @@ from fricomp.model import Covariance, FrictionModel
 from .correlated_fit import CorrelatedFit, solve_correlated
 from .identification import IdentificationOptions, IdentificationResult, Status, identify
 from .identification.form import separable_law
-from .identification.verdict import find_vague, vague_message
+from .identification.verdict import BASIN_GAP, RIVAL, find_vague, vague_message
 from .joint_samples import FEWEST_SAMPLES, JointSamples, RegressionSettings, sample_joint, split_for
 
 __all__ = ["JointSamples", "MotionIdentification", "RegressionSettings", "RigidBodyFit", "fit_rigid_body",
@@ -144,6 +144,9 @@ def identify_motion(
     together = fit.together(result)
     n_body = fit.columns.shape[1]
     result = _with_covariance(result, together.covariance[n_body:, n_body:])
+    alone = _fit_together(fit.columns, fit.left, result, np.flatnonzero(fit.rows), reach=1)
+    ratio = np.diag(together.covariance)[n_body:] / np.maximum(np.diag(alone.covariance)[n_body:], 1e-300)
+    result = _weigh_rivals(result, fit.found, max(1.0, float(np.max(ratio))))
     if fit.shares_offset:
         result = _with_offset_note(result, fit.symmetric_offset)
     return MotionIdentification(fit.rigid, result, np.stack([velocity, friction], axis=1), presliding)
@@ -249,6 +252,7 @@ def _fit_together(
     found: IdentificationResult,
     at: np.ndarray[tuple[int], np.dtype[np.intp]],
     more: FloatArray | None = None,
+    reach: int = _REACH,
 ) -> CorrelatedFit:
     """Rigid body and small changes of the friction parameters, fitted at once.
 
@@ -261,11 +265,12 @@ def _fit_together(
         found: Friction identified so far.
         at: Position of each sample in time. Shape (n,).
         more: One more column, which comes last. Shape (n,).
+        reach: Samples over which errors go together.
     """
     optimum = found.optimum
     slopes = found.observations.sign[:, None] * optimum.jacobian / np.exp(optimum.logs)
     columns = [body, slopes] if more is None else [body, slopes, more[:, None]]
-    return solve_correlated(np.hstack(columns), left, at, _REACH)
+    return solve_correlated(np.hstack(columns), left, at, reach)
 
 
 def _with_body(rigid: RigidBodyFit, fit: CorrelatedFit, gravity: bool, *, has_offset: bool) -> RigidBodyFit:
@@ -301,6 +306,25 @@ def _with_covariance(result: IdentificationResult, covariance: FloatArray) -> Id
     message = vague_message(vague, result.observations)
     provenance = replace(model.provenance, status=str(Status.NOT_IDENTIFIABLE), message=message)
     return replace(result, status=Status.NOT_IDENTIFIABLE, message=message, model=replace(model, provenance=provenance))
+
+
+def _weigh_rivals(result: IdentificationResult, found: IdentificationResult, samples: float) -> IdentificationResult:
+    """`result`, in doubt where another basin is less likely by no more than independent samples could tell.
+
+    Args:
+        result: The friction identified.
+        found: The same from every basin.
+        samples: How many correlated samples are worth one, by the variances: the likelihood counts each of them.
+    """
+    best = found.optimum.negative_log_likelihood
+    gaps = [(other - best) / samples for other in found.optimum.other_basins if other - best > BASIN_GAP]
+    rival = min(gaps, default=np.inf)
+    if result.status is not Status.CONVERGED or rival >= RIVAL:
+        return result
+    message = f"a second basin is less likely by only {rival:.2g} nats, correlated samples counted as one"
+    provenance = replace(result.model.provenance, status=str(Status.WRONG_BASIN_SUSPECTED), message=message)
+    model = replace(result.model, provenance=provenance)
+    return replace(result, status=Status.WRONG_BASIN_SUSPECTED, message=message, model=model)
 
 
 def _with_offset_note(result: IdentificationResult, offset: float) -> IdentificationResult:

@@ -13,13 +13,13 @@ from .observation import Observations
 from .optimum import Optimum
 from .result import Status
 
-__all__ = ["BASIN_GAP", "Verdict", "covariance_of", "find_vague", "judge", "vague_message"]
+__all__ = ["BASIN_GAP", "RIVAL", "Verdict", "covariance_of", "find_vague", "judge", "vague_message"]
 
 BASIN_GAP = 0.01
 """Difference in negative log-likelihood beyond which another basin is better."""
 _CLOSE_ENOUGH = 0.05
 """Distance from the likelihood optimum, in standard deviations of each parameter, that counts as converged."""
-_RIVAL = 2.0
+RIVAL = 2.0
 """A basin less likely by no more than this [nats] cannot be told from the best."""
 _UNKNOWN = 1.0
 """Relative standard deviation from which a positive parameter is not identified."""
@@ -80,7 +80,7 @@ def judge(
         return Verdict(
             Status.NOT_CONVERGED, f"training stopped {distance:.2g} standard deviations from the optimum", distance
         )
-    if not exact and rival < _RIVAL:
+    if not exact and rival < RIVAL:
         return Verdict(
             Status.WRONG_BASIN_SUSPECTED, f"a second basin is less likely by only {rival:.2g} nats", distance
         )
