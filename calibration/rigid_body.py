@@ -1,9 +1,9 @@
 """One joint's inertia, gravity, offset and friction from a recorded motion, by filtered regression.
 
 Torque and regressors pass through the same low-pass filter and are decimated together [gautier1997filtering], so the
-filter cancels; position is differentiated after a zero-phase low-pass. Friction is then refined on what the rigid
-body leaves of the torque. Around a reversal the low-pass mixes the friction of both directions, which a curve over the
-filtered velocity cannot say: what it does to the friction found so far is taken off, a few times over.
+filter cancels; position is differentiated after a zero-phase low-pass. Only samples that slide count: at rest friction
+is whatever holds the joint, such as minus gravity, which a fit would take for gravity and inertia. Rigid body and
+friction law are fitted together, and deviations hold for errors that are correlated.
 """
 
 from __future__ import annotations
@@ -11,94 +11,35 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.signal import butter, sosfiltfilt
 
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
-from fricomp.model import FrictionModel
-from fricomp.recording import Recording
+from fricomp.model import Covariance, FrictionModel
 
-from .identification import IdentificationOptions, IdentificationResult, identify
+from .correlated_fit import CorrelatedFit, solve_correlated
+from .identification import IdentificationOptions, IdentificationResult, Status, identify
 from .identification.form import separable_law
-from .motion_parts import MotionParts, split_motion
+from .identification.verdict import BASIN_GAP, RIVAL, find_vague, vague_message
+from .joint_samples import FEWEST_SAMPLES, JointSamples, RegressionSettings, sample_joint, split_for
 
 __all__ = ["JointSamples", "MotionIdentification", "RegressionSettings", "RigidBodyFit", "fit_rigid_body",
            "identify_motion", "prediction_error", "sample_joint", "split_for"]  # fmt: skip
 
-
-@dataclass(frozen=True)
-class RegressionSettings:
-    """How a recording is filtered.
-
-    Attributes:
-        position_cutoff: Low-pass of the position before it is differentiated [Hz].
-        torque_cutoff: Low-pass of torque and regressors; samples are decimated to five times it [Hz].
-        gravity: Whether gravity acts (a cosine and a sine of the position).
-        slowest: Samples below this fraction of the top speed are left out of the friction curve.
-        margin: Time left out at both ends, where filters start; around gaps too [s].
-    """
-
-    position_cutoff: float = 60.0
-    torque_cutoff: float = 50.0
-    gravity: bool = False
-    slowest: float = 0.01
-    margin: float = 0.05
-
-
 _DEFAULTS = RegressionSettings()
-_FEWEST_SAMPLES = 200
-
-
+_Rows = np.ndarray[tuple[int], np.dtype[np.bool_]]
+_NOT_APART = (
+    "the motion does not tell inertia, friction and gravity apart: record one with several speeds and both directions"
+)
+_REACH = 25
+"""Samples over which errors go together: five periods of the low-pass's cutoff, over which its answer has died out."""
 _REFINEMENTS = 3
 """Times that friction and rigid body are refined; a third one moved parameters by less than a standard deviation."""
-
-
-@dataclass(frozen=True)
-class RecordedVelocity:
-    """The velocity before the low-pass that samples have gone through.
-
-    Attributes:
-        parts: Velocity of each part between gaps, at the recording's own rate [rad/s] or [m/s].
-        low_pass: Second-order sections of the filter, which each part has gone through on its own.
-        index: Positions of the samples in the parts, one after the other. Shape (n,).
-    """
-
-    parts: tuple[FloatArray, ...]
-    low_pass: FloatArray
-    index: np.ndarray[tuple[int], np.dtype[np.intp]]
-
-    def filtered_torque(self, model: FrictionModel) -> FloatArray:
-        """Friction of `model` as the low-pass shows it at the samples [N·m] or [N]. Shape (n,)."""
-        torques = [np.asarray(model.torque(velocity), dtype=np.float64) for velocity in self.parts]
-        return np.concatenate([sosfiltfilt(self.low_pass, torque) for torque in torques])[self.index]
-
-
-@dataclass(frozen=True)
-class JointSamples:
-    """Filtered, decimated samples.
-
-    Attributes:
-        position: [rad] or [m]. Shape (n,).
-        velocity: [rad/s] or [m/s]. Shape (n,).
-        acceleration: [rad/s²] or [m/s²]. Shape (n,).
-        direction: Low-passed sign of the velocity; between -1 and 1 near a reversal. Shape (n,).
-        torque: [N·m], [N] or the recording's unit. Shape (n,).
-        recorded: The velocity that they were filtered from.
-    """
-
-    position: FloatArray
-    velocity: FloatArray
-    acceleration: FloatArray
-    direction: FloatArray
-    torque: FloatArray
-    recorded: RecordedVelocity
-
-    def between(self, begin: float, end: float) -> JointSamples:
-        """The part from `begin` to `end`, as fractions of the whole."""
-        n = len(self.torque)
-        part = slice(round(begin * n), round(end * n))
-        columns = {name: values[part] for name, values in vars(self).items() if name != "recorded"}
-        return JointSamples(**columns, recorded=replace(self.recorded, index=self.recorded.index[part]))
+_LENGTHS = tuple(np.geomspace(1e-5, 0.01, 13).tolist())
+"""Lengths of presliding to try, as fractions of the range of the motion; four of the last are 4 % of the range."""
+_SETTLED = 4.0
+"""Lengths of presliding after which friction is that of sliding: what it lacks has come down to exp(-4) = 2 %."""
+_EVIDENCE = 16.0
+"""Twice the gain in log-likelihood that presliding must bring: four standard deviations."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +52,8 @@ class RigidBodyFit:
         coulomb_torque: [N·m] or [N].
         offset: [N·m] or [N].
         gravity: g_c and g_s [N·m]; zeros where gravity was not fitted.
-        standard_deviations: Of inertia, viscous coefficient, Coulomb torque and offset, residuals taken as white.
+        standard_deviations: Of inertia, viscous coefficient, Coulomb torque and offset, for correlated errors.
+        gravity_deviations: Of g_c and g_s [N·m].
         residual: Root mean square of what is left, as a fraction of the torque's.
     """
 
@@ -121,6 +63,7 @@ class RigidBodyFit:
     offset: float
     gravity: tuple[float, float]
     standard_deviations: tuple[float, ...]
+    gravity_deviations: tuple[float, float]
     residual: float
 
     def rigid_torque(self, samples: JointSamples) -> FloatArray:
@@ -139,89 +82,38 @@ class MotionIdentification:
             the law has friction of its own in each direction: sliding cannot tell one from the other.
         friction: The friction law fitted to what they leave.
         points: Friction points behind it: velocity and torque. Shape (n, 2).
+        presliding: Way after each rest and reversal that is left out since friction builds up on it [rad] or [m].
     """
 
     rigid_body: RigidBodyFit
     friction: IdentificationResult
     points: FloatArray
+    presliding: float = 0.0
 
 
-def sample_joint(recording: Recording, settings: RegressionSettings = _DEFAULTS) -> JointSamples:
-    """Filter and decimate a recording, each part between gaps on its own: nothing is known of the motion in a gap.
-
-    Raises:
-        IdentificationError: The recording is too short for the filters.
-    """
-    rate = 1.0 / recording.sample_period
-    times = [np.arange(part.time[0], part.time[-1], 1.0 / rate) for part in split_for(recording, settings).parts]
-    count = sum(map(len, times))
-    if count < _FEWEST_SAMPLES:
-        raise IdentificationError(
-            f"a motion needs at least {_FEWEST_SAMPLES} samples between gaps, this one has {count}"
-        )
-    low_pass = butter(4, min(settings.torque_cutoff, 0.4 * rate), fs=rate, output="sos")
-    filtered, velocities, kept = zip(*(_filter(even, recording, low_pass, settings) for even in times), strict=True)
-    starts = np.concatenate([[0], np.cumsum([len(even) for even in times])[:-1]])
-    index = np.concatenate([start + part for start, part in zip(starts, kept, strict=True)])
-    position, velocity, acceleration, direction, torque = np.concatenate(filtered, axis=1)
-    recorded = RecordedVelocity(velocities, low_pass, index)
-    return JointSamples(position, velocity, acceleration, direction, torque, recorded)
-
-
-def split_for(recording: Recording, settings: RegressionSettings = _DEFAULTS) -> MotionParts:
-    """The parts of a recording that are filtered; gaps below half a period of the position's cutoff are bridged."""
-    return split_motion(recording, shortest_gap=0.5 / settings.position_cutoff, margin=settings.margin)
-
-
-def _filter(
-    even: FloatArray, recording: Recording, low_pass: FloatArray, settings: RegressionSettings
-) -> tuple[FloatArray, FloatArray, np.ndarray[tuple[int], np.dtype[np.intp]]]:
-    """One part without gaps: the first columns of `JointSamples`, the velocity before its filter, and which are kept.
+def fit_rigid_body(samples: JointSamples, *, gravity: bool = False, rows: _Rows | None = None) -> RigidBodyFit:
+    """Least squares for inertia, symmetric Coulomb and viscous friction, offset, and gravity if asked.
 
     Args:
-        even: Times at the recording's rate [s]. Shape (n,).
-        recording: What is sampled at them.
-        low_pass: Second-order sections of the filter.
-        settings: Cutoffs and margin.
-    """
-    rate = 1.0 / recording.sample_period
-    position = np.interp(even, recording.time, recording.position)
-    torque = np.interp(even, recording.time, recording.torque)
-    smooth = sosfiltfilt(butter(4, min(settings.position_cutoff, 0.4 * rate), fs=rate, output="sos"), position)
-    velocity = np.gradient(smooth, 1.0 / rate)
-    columns = np.stack([smooth, velocity, np.gradient(velocity, 1.0 / rate), np.sign(velocity), torque])
-    factor = max(1, int(rate / (5.0 * settings.torque_cutoff)))
-    skip = max(1, int(settings.margin * rate / factor))
-    kept = np.arange(0, len(even), factor)[skip:-skip]
-    return sosfiltfilt(low_pass, columns, axis=1)[:, kept], velocity, kept
-
-
-def fit_rigid_body(samples: JointSamples, *, gravity: bool = False) -> RigidBodyFit:
-    """Least squares for inertia, symmetric Coulomb and viscous friction, offset, and gravity if asked.
+        samples: Filtered samples.
+        gravity: Whether gravity acts.
+        rows: Which of them count; all by default, which is right only where the joint never rests. Shape (n,).
 
     Raises:
         IdentificationError: The motion does not excite all of them.
     """
-    columns = [samples.acceleration, samples.velocity, samples.direction, np.ones_like(samples.torque)]
-    if gravity:
-        columns += [np.cos(samples.position), np.sin(samples.position)]
-    regressors = np.stack(columns, axis=1)
-    scale = np.maximum(np.linalg.norm(regressors, axis=0), 1e-12)
-    solution, _, rank, _ = np.linalg.lstsq(regressors / scale, samples.torque, rcond=1e-8)
-    if rank < regressors.shape[1]:
-        raise IdentificationError(
-            "the motion does not tell inertia, friction and gravity apart: "
-            "record one with several speeds and both directions"
-        )
-    error = samples.torque - regressors / scale @ solution
-    variance = float(error @ error) / (len(error) - rank)
-    covariance = variance * np.linalg.inv((regressors / scale).T @ (regressors / scale)) / np.outer(scale, scale)
-    values = solution / scale
-    g = (float(values[4]), float(values[5])) if gravity else (0.0, 0.0)
-    deviations = tuple(np.sqrt(np.diag(covariance))[:4].tolist())
-    residual = float(np.sqrt(np.mean(error**2) / np.mean(samples.torque**2)))
-    inertia, viscous, coulomb, offset = values[:4].tolist()
-    return RigidBodyFit(inertia, viscous, coulomb, offset, g, deviations, residual)
+    chosen = np.ones(len(samples.torque), dtype=bool) if rows is None else rows
+    body = _body_columns(samples, gravity, has_offset=True)[chosen]
+    columns = np.column_stack([body, samples.velocity[chosen], samples.direction[chosen]])
+    torque = samples.torque[chosen]
+    fit = solve_correlated(columns, torque, np.flatnonzero(chosen), _REACH)
+    if fit.rank < columns.shape[1]:
+        raise IdentificationError(_NOT_APART)
+    viscous, coulomb = fit.solution[-2:].tolist()
+    deviations = tuple(np.sqrt(np.diag(fit.covariance))[-2:].tolist())
+    residual = float(np.sqrt(np.mean(fit.error**2) / np.mean(torque**2)))
+    empty = RigidBodyFit(0.0, viscous, coulomb, 0.0, (0.0, 0.0), (0.0, *deviations, 0.0), (0.0, 0.0), residual)
+    return _with_body(empty, fit, gravity, has_offset=True)
 
 
 def identify_motion(
@@ -231,49 +123,208 @@ def identify_motion(
     law: str = "stribeck",
     options: IdentificationOptions | None = None,
 ) -> MotionIdentification:
-    """Identify rigid body and friction from filtered samples.
+    """Identify rigid body and friction from the filtered samples that slide.
 
-    Samples near a reversal, where filters mix both directions, are left out of the friction curve. A constant torque
-    and friction that differs between the directions look alike while the joint slides: a law with a curve for each
-    direction takes the whole of it, and says so, unless friction would have to drive the joint in one of them.
+    Where friction has to build up over some way after a rest or a reversal, that way is left out too: neither is it
+    sliding friction. A constant torque and friction that differs between the directions look alike while the joint
+    slides: a law with a curve for each direction takes the whole of it, and says so, unless friction would have to
+    drive the joint in one of them.
 
     Raises:
         IdentificationError: The motion does not tell the parts apart.
     """
-    symmetric = fit_rigid_body(samples, gravity=settings.gravity)
-    shares_offset = separable_law(law).bidirectional and abs(symmetric.offset) < symmetric.coulomb_torque
-    rigid = replace(symmetric, offset=0.0) if shares_offset else symmetric
-    top = float(np.max(np.abs(samples.velocity)))
-    sliding = (np.abs(samples.direction) > 0.98) & (np.abs(samples.velocity) > settings.slowest * top)
-    velocity, mixed = samples.velocity[sliding], np.zeros_like(samples.torque)
     chosen = options or IdentificationOptions()
-    for _ in range(_REFINEMENTS):
-        friction = (samples.torque - rigid.rigid_torque(samples) - mixed)[sliding]
-        model = identify(velocity, friction, None, "least_squares", "absolute", law=law, options=chosen).model
-        filtered = samples.recorded.filtered_torque(model)
-        mixed = filtered - np.asarray(model.torque(samples.velocity))
-        rigid = _refit_body(rigid, samples, filtered, settings.gravity, has_offset=not shares_offset)
-    friction = (samples.torque - rigid.rigid_torque(samples) - mixed)[sliding]
+    fit = _fit_sliding(samples, settings, _sliding(samples, settings.slowest), law, chosen)
+    presliding = _SETTLED * _find_presliding(samples, settings, fit)
+    if presliding > 0.0:
+        fit = _fit_sliding(samples, settings, _sliding(samples, settings.slowest, presliding), law, chosen)
+    friction = fit.friction(samples)
+    velocity = samples.velocity[fit.rows]
     result = identify(velocity, friction, noise="absolute", law=law, options=chosen)
+    together = fit.together(result)
+    n_body = fit.columns.shape[1]
+    result = _with_covariance(result, together.covariance[n_body:, n_body:])
+    alone = _fit_together(fit.columns, fit.left, result, np.flatnonzero(fit.rows), reach=1)
+    ratio = np.diag(together.covariance)[n_body:] / np.maximum(np.diag(alone.covariance)[n_body:], 1e-300)
+    result = _weigh_rivals(result, fit.found, max(1.0, float(np.max(ratio))))
+    if fit.shares_offset:
+        result = _with_offset_note(result, fit.symmetric_offset)
+    return MotionIdentification(fit.rigid, result, np.stack([velocity, friction], axis=1), presliding)
+
+
+@dataclass(frozen=True)
+class _SlidingFit:
+    """Rigid body and friction of the samples that slide.
+
+    Attributes:
+        rows: Which samples. Shape (n_samples,).
+        columns: What the rigid body's parameters multiply, at them. Shape (n, n_body).
+        left: Torque without friction, and without an offset that is not fitted, at them [N·m] or [N]. Shape (n,).
+        mixed: What the low-pass does to friction at all samples [N·m] or [N]. Shape (n_samples,).
+        rigid: The rigid body.
+        found: The friction.
+        shares_offset: Whether friction takes the offset.
+        symmetric_offset: Offset beside symmetric friction [N·m] or [N].
+    """
+
+    rows: _Rows
+    columns: FloatArray
+    left: FloatArray
+    mixed: FloatArray
+    rigid: RigidBodyFit
+    found: IdentificationResult
+    shares_offset: bool
+    symmetric_offset: float
+
+    def friction(self, samples: JointSamples) -> FloatArray:
+        """Friction points: what the rigid body leaves of the torque [N·m] or [N]. Shape (n,)."""
+        return np.asarray((samples.torque - self.rigid.rigid_torque(samples) - self.mixed)[self.rows])
+
+    def together(self, found: IdentificationResult, more: FloatArray | None = None) -> CorrelatedFit:
+        """Rigid body, small changes of friction and `more` fitted at once; more at the end. Shape of more (n,)."""
+        return _fit_together(self.columns, self.left, found, np.flatnonzero(self.rows), more)
+
+
+def _sliding(samples: JointSamples, slowest: float, travel: float = 0.0) -> _Rows:
+    """Which samples slide; refuses a motion with too few. Shape (n,)."""
+    rows = samples.sliding(slowest, travel)
+    count = int(np.count_nonzero(rows))
+    if count < FEWEST_SAMPLES:
+        raise IdentificationError(
+            f"{_NOT_APART}; of {len(rows)} filtered samples {count} slide in one direction for as long as the low-pass "
+            f"sees, and {FEWEST_SAMPLES} are needed"
+        )
+    return rows
+
+
+def _fit_sliding(
+    samples: JointSamples, settings: RegressionSettings, rows: _Rows, law: str, options: IdentificationOptions
+) -> _SlidingFit:
+    """Rigid body and friction in turns, each rigid body fitted together with small changes of the friction."""
+    rigid = fit_rigid_body(samples, gravity=settings.gravity, rows=rows)
+    symmetric_offset = rigid.offset
+    bidirectional = separable_law(law).bidirectional  # its curves hold any offset: fitted beside them it is anything
+    shares_offset = bidirectional and abs(symmetric_offset) < rigid.coulomb_torque
     if shares_offset:
-        result = _with_offset_note(result, symmetric.offset)
-    return MotionIdentification(rigid, result, np.stack([velocity, friction], axis=1))
+        rigid = replace(rigid, offset=0.0, standard_deviations=(*rigid.standard_deviations[:3], 0.0))
+    columns = _body_columns(samples, settings.gravity, has_offset=not bidirectional)[rows]
+    velocity, mixed = samples.velocity[rows], np.zeros_like(samples.torque)
+    for _ in range(_REFINEMENTS):
+        friction = (samples.torque - rigid.rigid_torque(samples) - mixed)[rows]
+        found = identify(velocity, friction, None, "least_squares", "absolute", law=law, options=options)
+        filtered = samples.recorded.filtered_torque(found.model)
+        mixed = filtered - np.asarray(found.model.torque(samples.velocity))
+        left = (samples.torque - filtered)[rows] - (rigid.offset if bidirectional else 0.0)
+        together = _fit_together(columns, left, found, np.flatnonzero(rows))
+        rigid = _with_body(rigid, together, settings.gravity, has_offset=not bidirectional)
+    return _SlidingFit(rows, columns, left, mixed, rigid, found, shares_offset, symmetric_offset)
 
 
-def _refit_body(
-    rigid: RigidBodyFit, samples: JointSamples, friction: FloatArray, gravity: bool, *, has_offset: bool
-) -> RigidBodyFit:
-    """`rigid` with inertia, gravity and offset fitted to what `friction` leaves of the torque."""
+def _find_presliding(samples: JointSamples, settings: RegressionSettings, fit: _SlidingFit) -> float:
+    """Length over which friction builds up after a rest or a reversal [rad] or [m]; 0 where none shows.
+
+    Bristles deflect before they slip: friction lacks a part that dies out exponentially with the way [dahl1968].
+    Errors that go together count as one, else any misfit of the law would pass for presliding.
+    """
+    plain = fit.together(fit.found).error
+    best = float(plain @ plain) * np.exp(-_EVIDENCE * _REACH / len(plain))
+    found = 0.0
+    for length in np.array(_LENGTHS) * np.ptp(samples.position):
+        lacking = samples.recorded.presliding(settings.slowest * samples.top_speed, float(length))[fit.rows]
+        together = fit.together(fit.found, lacking)
+        left_over = float(together.error @ together.error)
+        if left_over < best and together.solution[-1] < 0.0:
+            best, found = left_over, float(length)
+    return found
+
+
+def _body_columns(samples: JointSamples, gravity: bool, *, has_offset: bool) -> FloatArray:
+    """What inertia, gravity and offset multiply, in this order. Shape (n, n_body)."""
     columns = [samples.acceleration]
     columns += [np.cos(samples.position), np.sin(samples.position)] if gravity else []
     columns += [np.ones_like(samples.torque)] if has_offset else []
-    solution = np.linalg.lstsq(np.stack(columns, axis=1), samples.torque - friction, rcond=None)[0].tolist()
+    return np.stack(columns, axis=1)
+
+
+def _fit_together(
+    body: FloatArray,
+    left: FloatArray,
+    found: IdentificationResult,
+    at: np.ndarray[tuple[int], np.dtype[np.intp]],
+    more: FloatArray | None = None,
+    reach: int = _REACH,
+) -> CorrelatedFit:
+    """Rigid body and small changes of the friction parameters, fitted at once.
+
+    Gravity over a short way and friction that differs between the directions are nearly the same: fitted in turns they
+    would creep towards the optimum, and each would look as certain as if the other were known.
+
+    Args:
+        body: Columns of the rigid body at the samples that slide. Shape (n, n_body).
+        left: Torque without the friction of `found` [N·m] or [N]. Shape (n,).
+        found: Friction identified so far.
+        at: Position of each sample in time. Shape (n,).
+        more: One more column, which comes last. Shape (n,).
+        reach: Samples over which errors go together.
+    """
+    optimum = found.optimum
+    slopes = found.observations.sign[:, None] * optimum.jacobian / np.exp(optimum.logs)
+    columns = [body, slopes] if more is None else [body, slopes, more[:, None]]
+    return solve_correlated(np.hstack(columns), left, at, reach)
+
+
+def _with_body(rigid: RigidBodyFit, fit: CorrelatedFit, gravity: bool, *, has_offset: bool) -> RigidBodyFit:
+    """`rigid` with inertia, gravity and, where `fit` has it, offset of `fit`, which come first in it."""
+    values, deviations = fit.solution.tolist(), np.sqrt(np.diag(fit.covariance)).tolist()
+    last = 3 if gravity else 1
+    _, viscous, coulomb, of_offset = rigid.standard_deviations
     return replace(
         rigid,
-        inertia=solution[0],
-        gravity=(solution[1], solution[2]) if gravity else rigid.gravity,
-        offset=solution[-1] if has_offset else rigid.offset,
+        inertia=values[0],
+        gravity=(values[1], values[2]) if gravity else (0.0, 0.0),
+        offset=values[last] if has_offset else rigid.offset,
+        standard_deviations=(deviations[0], viscous, coulomb, deviations[last] if has_offset else of_offset),
+        gravity_deviations=(deviations[1], deviations[2]) if gravity else (0.0, 0.0),
     )
+
+
+def _with_covariance(result: IdentificationResult, covariance: FloatArray) -> IdentificationResult:
+    """`result` with a covariance that knows of the rigid body and of correlated errors, and judged by it.
+
+    What the data say nothing about has no slope, which looks certain to a linear fit, and correlation does not make
+    samples worth more than independent ones: no variance is below that of independent samples.
+    """
+    short = np.maximum(np.diag(result.covariance) - np.diag(covariance), 0.0)
+    covariance = covariance + np.diag(short)
+    model = replace(result.model, covariance=Covariance(result.parameter_names, covariance))
+    result = replace(result, model=model, covariance=covariance)
+    deviations = np.sqrt(np.diag(covariance)).tolist()
+    known = zip(result.parameters.items(), deviations, strict=True)
+    vague = find_vague({name: (value, deviation) for (name, value), deviation in known}, result.observations)
+    if result.status is not Status.CONVERGED or not vague:
+        return result
+    message = vague_message(vague, result.observations)
+    provenance = replace(model.provenance, status=str(Status.NOT_IDENTIFIABLE), message=message)
+    return replace(result, status=Status.NOT_IDENTIFIABLE, message=message, model=replace(model, provenance=provenance))
+
+
+def _weigh_rivals(result: IdentificationResult, found: IdentificationResult, samples: float) -> IdentificationResult:
+    """`result`, in doubt where another basin is less likely by no more than independent samples could tell.
+
+    Args:
+        result: The friction identified.
+        found: The same from every basin.
+        samples: How many correlated samples are worth one, by the variances: the likelihood counts each of them.
+    """
+    best = found.optimum.negative_log_likelihood
+    gaps = [(other - best) / samples for other in found.optimum.other_basins if other - best > BASIN_GAP]
+    rival = min(gaps, default=np.inf)
+    if result.status is not Status.CONVERGED or rival >= RIVAL:
+        return result
+    message = f"a second basin is less likely by only {rival:.2g} nats, correlated samples counted as one"
+    provenance = replace(result.model.provenance, status=str(Status.WRONG_BASIN_SUSPECTED), message=message)
+    model = replace(result.model, provenance=provenance)
+    return replace(result, status=Status.WRONG_BASIN_SUSPECTED, message=message, model=model)
 
 
 def _with_offset_note(result: IdentificationResult, offset: float) -> IdentificationResult:

@@ -124,15 +124,18 @@ counts as known where it is worth less than 5 % of the largest torque at the fas
 
 **A recorded motion** cannot tell a constant torque offset from friction that differs between the directions. The
 bidirectional law takes the whole of it and the message says how large the offset would be with the same friction in
-both; only where friction would have to drive the joint in one direction does the offset stay. Near a reversal the
-low-pass mixes both directions, which biases the static torque by a tenth; what it does to the friction found so far is
-taken off three times. On 40 s at 500 Hz with the paper's table I, inertia 0.1 and noise of 0.005 N·m all eight
-parameters come out within two of their standard deviations.
+both; only where friction would have to drive the joint in one direction does the offset stay. Only
+samples through whose low-pass the joint slides in one direction count, for the rigid body too: at rest friction is
+whatever holds the joint, such as minus gravity. Where friction builds up over a way after rests and reversals, that way
+is left out and named; a static law still gives too low a static torque where that way is long. Rigid body and friction
+are fitted together, and standard deviations allow for both and for correlated errors [newey1987]. The low-pass is
+lowered where the encoder's noise would pass for acceleration. What stays unknown is `not_identifiable`; a recording in
+which fewer than 200 filtered samples slide is refused.
 
 `identify(..., law=...)` takes `coulomb`, `coulomb_viscous`, `tanh`, `arctan`, `symmetric_stribeck`, `stribeck` from
 points, and `dahl`, `lugre` from a time series with reversals (output error; a network of velocity and load has no
 state and takes no part). `choose_law` compares by held-out likelihood. `profile_interval` serves where the likelihood
-is not quadratic, `block_bootstrap` where samples are correlated, as those of a recorded motion are. With
+is not quadratic, `block_bootstrap` where points are correlated. With
 `normal_load` the parameters hold at the mean load of the points, and this is the load that is assumed wherever none is
 known later; `fricomp compare` brings models that know their loads to one load first.
 """

@@ -13,13 +13,13 @@ from .observation import Observations
 from .optimum import Optimum
 from .result import Status
 
-__all__ = ["BASIN_GAP", "Verdict", "covariance_of", "judge"]
+__all__ = ["BASIN_GAP", "RIVAL", "Verdict", "covariance_of", "find_vague", "judge", "vague_message"]
 
 BASIN_GAP = 0.01
 """Difference in negative log-likelihood beyond which another basin is better."""
 _CLOSE_ENOUGH = 0.05
 """Distance from the likelihood optimum, in standard deviations of each parameter, that counts as converged."""
-_RIVAL = 2.0
+RIVAL = 2.0
 """A basin less likely by no more than this [nats] cannot be told from the best."""
 _UNKNOWN = 1.0
 """Relative standard deviation from which a positive parameter is not identified."""
@@ -65,7 +65,7 @@ def judge(
     distance = float(np.max(np.abs(values - best) / (deviation + rounding)))
     gap = found.negative_log_likelihood - reference.negative_log_likelihood
     exact = found.spread() <= 1e-8 * float(np.max(found.magnitude * found.whitened.weight))
-    vague = _find_vague(dict(zip(names, zip(values, deviation, strict=True), strict=True)), points)
+    vague = find_vague(dict(zip(names, zip(values, deviation, strict=True), strict=True)), points)
     gaps = [nll - reference.negative_log_likelihood for nll in reference.other_basins]
     rival = min((other for other in gaps if other > BASIN_GAP), default=np.inf)
     if not exact and gap > BASIN_GAP and distance > 1.0:
@@ -75,12 +75,12 @@ def judge(
             distance,
         )
     if vague:
-        return Verdict(Status.NOT_IDENTIFIABLE, _vague_message(vague, points), distance)
+        return Verdict(Status.NOT_IDENTIFIABLE, vague_message(vague, points), distance)
     if not exact and distance > _CLOSE_ENOUGH:
         return Verdict(
             Status.NOT_CONVERGED, f"training stopped {distance:.2g} standard deviations from the optimum", distance
         )
-    if not exact and rival < _RIVAL:
+    if not exact and rival < RIVAL:
         return Verdict(
             Status.WRONG_BASIN_SUSPECTED, f"a second basin is less likely by only {rival:.2g} nats", distance
         )
@@ -91,7 +91,7 @@ _BELOW = ("static_torque", "stribeck_velocity", "smoothing_velocity")
 """Parameters that show at low speeds."""
 
 
-def _find_vague(found: dict[str, tuple[float, float]], points: Observations) -> list[str]:
+def find_vague(found: dict[str, tuple[float, float]], points: Observations) -> list[str]:
     """Names of the parameters, of these values and standard deviations, that the data do not determine.
 
     A viscous coefficient near zero is known well enough where what it adds at the fastest speed is.
@@ -104,7 +104,7 @@ def _find_vague(found: dict[str, tuple[float, float]], points: Observations) -> 
     ]
 
 
-def _vague_message(vague: list[str], points: Observations) -> str:
+def vague_message(vague: list[str], points: Observations) -> str:
     """What is not determined, and which speeds would determine it."""
     low, high = float(points.speed.min()), float(points.speed.max())
     where = f"below {low:.3g}" if any(name.endswith(_BELOW) for name in vague) else f"outside {low:.3g} to {high:.3g}"

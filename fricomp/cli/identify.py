@@ -51,9 +51,13 @@ def identify(
     out: Annotated[Path, typer.Option(help="Folder for friction.json, friction.onnx and report.html.")] = Path(
         "runs/identify"
     ),
-    method: Annotated[Literal["pinn", "least_squares"], typer.Option(help="Both have the same optimum.")] = "pinn",
-    noise: Annotated[str, typer.Option(help="auto, relative or absolute.")] = "auto",
-    loss: Annotated[Literal["gaussian", "robust"], typer.Option(help="robust: against outliers.")] = "gaussian",
+    method: Annotated[
+        Literal["pinn", "least_squares"], typer.Option(help="For tables only; both have the same optimum.")
+    ] = "pinn",
+    noise: Annotated[str, typer.Option(help="For tables only: auto, relative or absolute.")] = "auto",
+    loss: Annotated[
+        Literal["gaussian", "robust"], typer.Option(help="For tables only; robust: against outliers.")
+    ] = "gaussian",
     law: Annotated[
         str, typer.Option(help="stribeck, symmetric_stribeck, coulomb, ...; for tables also auto.")
     ] = "stribeck",
@@ -243,12 +247,15 @@ def _choose_law(law: str, data: tuple[np.ndarray, np.ndarray, np.ndarray | None]
 
 def _identify_recording(file: Path, gravity: bool, law: str, notes: list[str]) -> MotionIdentification:
     from fricomp.calibration.identification import IdentificationOptions
+    from fricomp.calibration.joint_samples import RegressionSettings, choose_settings, sample_joint, split_for
     from fricomp.calibration.motion_parts import read_motion_recording
-    from fricomp.calibration.rigid_body import RegressionSettings, identify_motion, sample_joint, split_for
+    from fricomp.calibration.rigid_body import identify_motion
     from fricomp.cli.terminal import careful
 
     recording, findings, about = read_motion_recording(file)
-    settings = RegressionSettings(gravity=gravity)
+    settings = choose_settings(recording, gravity=gravity)
+    if settings.torque_cutoff < RegressionSettings.torque_cutoff:
+        notes.append(f"Low-pass: {settings.torque_cutoff:.3g} Hz, so that noise of the position is no acceleration.")
     of_gaps = split_for(recording, settings).notes
     notes += (*about, *of_gaps)
     notes += (careful(finding) for finding in findings if not (of_gaps and finding.code == "gap"))
@@ -259,12 +266,20 @@ def _identify_recording(file: Path, gravity: bool, law: str, notes: list[str]) -
 
 def _rigid_sentence(motion: MotionIdentification) -> str:
     body = motion.rigid_body
-    return (
+    of_inertia, *_, of_offset = body.standard_deviations
+    of_cosine, of_sine = body.gravity_deviations
+    said = (
         f"Rigid body: inertia {body.inertia:.5g}, offset {body.offset:.4g}, gravity {body.gravity[0]:.4g} cos q + "
-        f"{body.gravity[1]:.4g} sin q; symmetric friction beside it: Coulomb {body.coulomb_torque:.5g}, viscous "
-        f"{body.viscous_coefficient:.5g}. Samples of a motion are correlated, so intervals from the covariance are too "
-        "narrow; see block_bootstrap."
+        f"{body.gravity[1]:.4g} sin q, with standard deviations of {of_inertia:.2g}, {of_offset:.2g}, {of_cosine:.2g} "
+        f"and {of_sine:.2g}; symmetric friction beside it: Coulomb {body.coulomb_torque:.5g}, viscous "
+        f"{body.viscous_coefficient:.5g}. {len(motion.points)} samples slide and count; standard deviations allow for "
+        "their correlation."
     )
+    if body.inertia < 2.0 * of_inertia:  # a 95 % interval that holds zero
+        said += " The motion does not determine the inertia: record one with quicker accelerations while it slides."
+    if motion.presliding > 0.0:
+        said += f" Friction builds up after rests and reversals: the first {motion.presliding:.2g} are left out."
+    return said
 
 
 def _deviation(deviation: float) -> str:

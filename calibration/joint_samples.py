@@ -1,0 +1,258 @@
+"""Filtered, decimated samples of a recorded motion, and which of them slide.
+
+Torque and regressors pass through the same low-pass filter and are decimated together [gautier1997filtering], so the
+filter cancels; position is differentiated after a zero-phase low-pass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.signal import butter, sosfiltfilt
+
+from fricomp.errors import IdentificationError
+from fricomp.laws import FloatArray
+from fricomp.model import FrictionModel
+from fricomp.recording import Recording
+
+from .motion_parts import MotionParts, split_motion
+
+__all__ = [
+    "FEWEST_SAMPLES",
+    "JointSamples",
+    "RecordedVelocity",
+    "RegressionSettings",
+    "choose_settings",
+    "sample_joint",
+    "split_for",
+]
+
+
+@dataclass(frozen=True)
+class RegressionSettings:
+    """How a recording is filtered.
+
+    Attributes:
+        position_cutoff: Low-pass of the position before it is differentiated [Hz].
+        torque_cutoff: Low-pass of torque and regressors; samples are decimated to five times it [Hz].
+        gravity: Whether gravity acts (a cosine and a sine of the position).
+        slowest: A joint counts as sliding above this fraction of its top speed. Below, it may rest or creep, where
+            friction is anything up to the static torque, and encoders at rest make up speeds of their own.
+        margin: Time left out at both ends, where filters start; around gaps too [s].
+    """
+
+    position_cutoff: float = 60.0
+    torque_cutoff: float = 50.0
+    gravity: bool = False
+    slowest: float = 0.01
+    margin: float = 0.05
+
+
+_DEFAULTS = RegressionSettings()
+FEWEST_SAMPLES = 200
+"""Least samples of a recording, and least of them that slide."""
+
+_NOISE_SHARE = 1e-3
+"""Share of the acceleration's power that may be noise: inertia comes out too small by it, less than by chance."""
+_PERIODS = 20.0
+"""Least length of each part between gaps, in periods of the cutoff: its margins take a quarter of it."""
+_LOWER = tuple(2.0 ** (-0.5 * step) for step in range(8))
+"""Cutoffs to try, as fractions of the default ones; below the last, 4.4 Hz, few motions keep an acceleration."""
+
+_MIXED = 0.01
+"""Share of the low-pass, by weight, that may see rest or the other direction where a sample counts as sliding. Such a
+sample is wrong by that share of twice the friction, which is about the noise of a torque sensor. The low-pass rings: a
+share of 1.05 is as mixed as one of 0.95."""
+
+
+@dataclass(frozen=True)
+class RecordedVelocity:
+    """The velocity before the low-pass that samples have gone through.
+
+    Attributes:
+        parts: Velocity of each part between gaps, at the recording's own rate [rad/s] or [m/s].
+        low_pass: Second-order sections of the filter, which each part has gone through on its own.
+        index: Positions of the samples in the parts, one after the other. Shape (n,).
+        period: Of the recording [s].
+    """
+
+    parts: tuple[FloatArray, ...]
+    low_pass: FloatArray
+    index: np.ndarray[tuple[int], np.dtype[np.intp]]
+    period: float
+
+    def filtered_torque(self, model: FrictionModel) -> FloatArray:
+        """Friction of `model` as the low-pass shows it at the samples [N·m] or [N]. Shape (n,)."""
+        torques = [np.asarray(model.torque(velocity), dtype=np.float64) for velocity in self.parts]
+        return self._filtered(torques)
+
+    def sliding_direction(self, slowest: float, travel: float = 0.0) -> FloatArray:
+        """Low-passed sign of the velocity, zero where the joint does not slide. Shape (n,).
+
+        Args:
+            slowest: It slides above this speed [rad/s] or [m/s],
+            travel: and after this way from where it last did not, or turned round [rad] or [m].
+        """
+        directions, ways = zip(*(self._strokes(part, slowest) for part in self.parts), strict=True)
+        return self._filtered([np.where(way >= travel, d, 0.0) for d, way in zip(directions, ways, strict=True)])
+
+    def presliding(self, slowest: float, length: float) -> FloatArray:
+        """sgn(v) exp(-way / length) of the way that the joint slides, low-passed: what friction lacks. Shape (n,)."""
+        strokes = [self._strokes(part, slowest) for part in self.parts]
+        return self._filtered([direction * np.exp(-way / length) for direction, way in strokes])
+
+    def _strokes(self, velocity: FloatArray, slowest: float) -> tuple[FloatArray, FloatArray]:
+        """Sign of the velocity where above `slowest`, else 0; way since that sign has changed. Shapes (n,)."""
+        direction = np.where(np.abs(velocity) > slowest, np.sign(velocity), 0.0)
+        path = np.cumsum(np.abs(velocity)) * self.period
+        begins = np.concatenate([[True], np.diff(direction) != 0.0])
+        return direction, path - np.maximum.accumulate(np.where(begins, path, 0.0))
+
+    def _filtered(self, parts: Sequence[FloatArray]) -> FloatArray:
+        """What the low-pass shows of `parts` at the samples. Shape (n,)."""
+        return np.concatenate([sosfiltfilt(self.low_pass, part) for part in parts])[self.index]
+
+
+@dataclass(frozen=True)
+class JointSamples:
+    """Filtered, decimated samples.
+
+    Attributes:
+        position: [rad] or [m]. Shape (n,).
+        velocity: [rad/s] or [m/s]. Shape (n,).
+        acceleration: [rad/s²] or [m/s²]. Shape (n,).
+        direction: Low-passed sign of the velocity; between -1 and 1 near a reversal. Shape (n,).
+        torque: [N·m], [N] or the recording's unit. Shape (n,).
+        recorded: The velocity that they were filtered from.
+    """
+
+    position: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    direction: FloatArray
+    torque: FloatArray
+    recorded: RecordedVelocity
+
+    def sliding(self, slowest: float, travel: float = 0.0) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """Samples through whose low-pass the joint slides in one direction only, so that its friction is known.
+
+        At rest friction is whatever keeps the joint there, such as minus gravity, and around a reversal the low-pass
+        mixes both directions: neither says anything on sliding friction, inertia or gravity. Shape (n,).
+
+        Args:
+            slowest: Fraction of the top speed above which it slides,
+            travel: after this way from rest or a reversal [rad] or [m].
+        """
+        direction = self.recorded.sliding_direction(slowest * self.top_speed, travel)
+        return np.asarray(np.abs(np.abs(direction) - 1.0) < _MIXED)
+
+    @property
+    def top_speed(self) -> float:
+        """[rad/s] or [m/s]."""
+        return float(np.max(np.abs(self.velocity), initial=0.0))
+
+    def between(self, begin: float, end: float) -> JointSamples:
+        """The part from `begin` to `end`, as fractions of the whole."""
+        n = len(self.torque)
+        part = slice(round(begin * n), round(end * n))
+        columns = {name: values[part] for name, values in vars(self).items() if name != "recorded"}
+        return JointSamples(**columns, recorded=replace(self.recorded, index=self.recorded.index[part]))
+
+
+def sample_joint(recording: Recording, settings: RegressionSettings = _DEFAULTS) -> JointSamples:
+    """Filter and decimate a recording, each part between gaps on its own: nothing is known of the motion in a gap.
+
+    Raises:
+        IdentificationError: The recording is too short for the filters.
+    """
+    rate = 1.0 / recording.sample_period
+    times = [np.arange(part.time[0], part.time[-1], 1.0 / rate) for part in split_for(recording, settings).parts]
+    count = sum(map(len, times))
+    if count < FEWEST_SAMPLES:
+        raise IdentificationError(
+            f"a motion needs at least {FEWEST_SAMPLES} samples between gaps, this one has {count}"
+        )
+    low_pass = butter(4, min(settings.torque_cutoff, 0.4 * rate), fs=rate, output="sos")
+    filtered, velocities, kept = zip(*(_filter(even, recording, low_pass, settings) for even in times), strict=True)
+    starts = np.concatenate([[0], np.cumsum([len(even) for even in times])[:-1]])
+    index = np.concatenate([start + part for start, part in zip(starts, kept, strict=True)])
+    position, velocity, acceleration, direction, torque = np.concatenate(filtered, axis=1)
+    recorded = RecordedVelocity(velocities, low_pass, index, recording.sample_period)
+    return JointSamples(position, velocity, acceleration, direction, torque, recorded)
+
+
+def choose_settings(recording: Recording, *, gravity: bool = False) -> RegressionSettings:
+    """The default settings, with cutoffs low enough that noise of the encoder is no acceleration.
+
+    Noise in a regressor shrinks its coefficient by the noise's share of its power [fuller1987measurement]. Of white
+    noise with the density S of a position, the share up to f grows with the fifth power of f:
+    (2 pi)^4 S f^5 / 5 of acceleration. Torque and regressors share the low-pass, so a lower one costs samples alone.
+
+    Args:
+        recording: What is to be sampled.
+        gravity: Whether gravity acts.
+
+    Raises:
+        IdentificationError: The recording is too short for the filters.
+    """
+    density = 2.0 * recording.sample_period * _position_noise(recording) ** 2
+    best, least = replace(_DEFAULTS, gravity=gravity), np.inf
+    for factor in _LOWER:
+        settings = RegressionSettings(
+            position_cutoff=_DEFAULTS.position_cutoff * factor,
+            torque_cutoff=_DEFAULTS.torque_cutoff * factor,
+            gravity=gravity,
+            margin=_DEFAULTS.margin / factor,
+        )
+        parts = split_for(recording, settings).parts
+        if min(part.time[-1] - part.time[0] for part in parts) < _PERIODS / settings.torque_cutoff:
+            break
+        power = float(np.var(sample_joint(recording, settings).acceleration))
+        share = (2.0 * np.pi) ** 4 * density * settings.torque_cutoff**5 / (5.0 * max(power, 1e-300))
+        if share < least:
+            best, least = settings, share
+        if share < _NOISE_SHARE:
+            break
+    return best
+
+
+def _position_noise(recording: Recording) -> float:
+    """Standard deviation of the position's noise, mostly its quantisation [rad] or [m].
+
+    Sixth differences of a motion sampled ten times faster than it changes are nothing beside those of white noise,
+    which have the variance of the binomial coefficients' squares, 924. Those of an encoder at rest are zero and say
+    nothing. The median keeps gaps and glitches out.
+    """
+    differences = np.abs(np.diff(recording.position, 6))
+    moving = differences[differences > 1e-12 * np.ptp(recording.position)]
+    return float(np.median(moving) / 0.6745 / np.sqrt(924.0)) if len(moving) else 0.0
+
+
+def split_for(recording: Recording, settings: RegressionSettings = _DEFAULTS) -> MotionParts:
+    """The parts of a recording that are filtered; gaps below half a period of the position's cutoff are bridged."""
+    return split_motion(recording, shortest_gap=0.5 / settings.position_cutoff, margin=settings.margin)
+
+
+def _filter(
+    even: FloatArray, recording: Recording, low_pass: FloatArray, settings: RegressionSettings
+) -> tuple[FloatArray, FloatArray, np.ndarray[tuple[int], np.dtype[np.intp]]]:
+    """One part without gaps: the first columns of `JointSamples`, the velocity before its filter, and which are kept.
+
+    Args:
+        even: Times at the recording's rate [s]. Shape (n,).
+        recording: What is sampled at them.
+        low_pass: Second-order sections of the filter.
+        settings: Cutoffs and margin.
+    """
+    rate = 1.0 / recording.sample_period
+    position = np.interp(even, recording.time, recording.position)
+    torque = np.interp(even, recording.time, recording.torque)
+    smooth = sosfiltfilt(butter(4, min(settings.position_cutoff, 0.4 * rate), fs=rate, output="sos"), position)
+    velocity = np.gradient(smooth, 1.0 / rate)
+    columns = np.stack([smooth, velocity, np.gradient(velocity, 1.0 / rate), np.sign(velocity), torque])
+    factor = max(1, int(rate / (5.0 * settings.torque_cutoff)))
+    skip = max(1, int(settings.margin * rate / factor))
+    kept = np.arange(0, len(even), factor)[skip:-skip]
+    return sosfiltfilt(low_pass, columns, axis=1)[:, kept], velocity, kept
