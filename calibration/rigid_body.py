@@ -14,13 +14,13 @@ import numpy as np
 
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
-from fricomp.model import Covariance, FrictionModel
+from fricomp.model import FrictionModel
 
 from .correlated_fit import CorrelatedFit, solve_correlated
-from .identification import IdentificationOptions, IdentificationResult, Status, identify
+from .identification import IdentificationOptions, IdentificationResult, identify
 from .identification.form import separable_law
-from .identification.verdict import BASIN_GAP, RIVAL, find_vague, vague_message
 from .joint_samples import FEWEST_SAMPLES, JointSamples, RegressionSettings, sample_joint, split_for
+from .motion_verdict import weigh_rivals, with_covariance, with_offset_note
 
 __all__ = ["JointSamples", "MotionIdentification", "RegressionSettings", "RigidBodyFit", "fit_rigid_body",
            "identify_motion", "prediction_error", "sample_joint", "split_for"]  # fmt: skip
@@ -143,12 +143,12 @@ def identify_motion(
     result = identify(velocity, friction, noise="absolute", law=law, options=chosen)
     together = fit.together(result)
     n_body = fit.columns.shape[1]
-    result = _with_covariance(result, together.covariance[n_body:, n_body:])
+    result = with_covariance(result, together.covariance[n_body:, n_body:])
     alone = _fit_together(fit.columns, fit.left, result, np.flatnonzero(fit.rows), reach=1)
     ratio = np.diag(together.covariance)[n_body:] / np.maximum(np.diag(alone.covariance)[n_body:], 1e-300)
-    result = _weigh_rivals(result, fit.found, max(1.0, float(np.max(ratio))))
+    result = weigh_rivals(result, fit.found, max(1.0, float(np.max(ratio))))
     if fit.shares_offset:
-        result = _with_offset_note(result, fit.symmetric_offset)
+        result = with_offset_note(result, fit.symmetric_offset)
     return MotionIdentification(fit.rigid, result, np.stack([velocity, friction], axis=1), presliding)
 
 
@@ -286,58 +286,6 @@ def _with_body(rigid: RigidBodyFit, fit: CorrelatedFit, gravity: bool, *, has_of
         standard_deviations=(deviations[0], viscous, coulomb, deviations[last] if has_offset else of_offset),
         gravity_deviations=(deviations[1], deviations[2]) if gravity else (0.0, 0.0),
     )
-
-
-def _with_covariance(result: IdentificationResult, covariance: FloatArray) -> IdentificationResult:
-    """`result` with a covariance that knows of the rigid body and of correlated errors, and judged by it.
-
-    What the data say nothing about has no slope, which looks certain to a linear fit, and correlation does not make
-    samples worth more than independent ones: no variance is below that of independent samples.
-    """
-    short = np.maximum(np.diag(result.covariance) - np.diag(covariance), 0.0)
-    covariance = covariance + np.diag(short)
-    model = replace(result.model, covariance=Covariance(result.parameter_names, covariance))
-    result = replace(result, model=model, covariance=covariance)
-    deviations = np.sqrt(np.diag(covariance)).tolist()
-    known = zip(result.parameters.items(), deviations, strict=True)
-    vague = find_vague({name: (value, deviation) for (name, value), deviation in known}, result.observations)
-    if result.status is not Status.CONVERGED or not vague:
-        return result
-    message = vague_message(vague, result.observations)
-    provenance = replace(model.provenance, status=str(Status.NOT_IDENTIFIABLE), message=message)
-    return replace(result, status=Status.NOT_IDENTIFIABLE, message=message, model=replace(model, provenance=provenance))
-
-
-def _weigh_rivals(result: IdentificationResult, found: IdentificationResult, samples: float) -> IdentificationResult:
-    """`result`, in doubt where another basin is less likely by no more than independent samples could tell.
-
-    Args:
-        result: The friction identified.
-        found: The same from every basin.
-        samples: How many correlated samples are worth one, by the variances: the likelihood counts each of them.
-    """
-    best = found.optimum.negative_log_likelihood
-    gaps = [(other - best) / samples for other in found.optimum.other_basins if other - best > BASIN_GAP]
-    rival = min(gaps, default=np.inf)
-    if result.status is not Status.CONVERGED or rival >= RIVAL:
-        return result
-    message = f"a second basin is less likely by only {rival:.2g} nats, correlated samples counted as one"
-    provenance = replace(result.model.provenance, status=str(Status.WRONG_BASIN_SUSPECTED), message=message)
-    model = replace(result.model, provenance=provenance)
-    return replace(result, status=Status.WRONG_BASIN_SUSPECTED, message=message, model=model)
-
-
-def _with_offset_note(result: IdentificationResult, offset: float) -> IdentificationResult:
-    """With a sentence on where the torque offset went, for people and in the model file."""
-    unit = result.model.torque_unit
-    said = (
-        "a constant torque offset cannot be told from friction that differs between the directions and counts as such; "
-        f"with the same friction in both it would be {offset:.4g} {unit}"
-    )
-    provenance = result.model.provenance
-    provenance = replace(provenance, notes={**provenance.notes, "torque_offset": f"0 assumed: {said}"})
-    model = replace(result.model, provenance=provenance)
-    return replace(result, model=model, message=f"{result.message}; {said}")
 
 
 def prediction_error(fit: MotionIdentification, samples: JointSamples, model: FrictionModel | None = None) -> float:
