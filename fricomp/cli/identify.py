@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from fricomp.calibration import IdentificationResult
     from fricomp.calibration.identification import DiscrepancyNetwork
-    from fricomp.calibration.rigid_body import MotionIdentification
+    from fricomp.calibration.motion.rigid_body import MotionIdentification
     from fricomp.sim_bench.fleet import FleetJoint, FleetRow
 
 __all__ = ["app", "identify"]
@@ -247,9 +247,9 @@ def _choose_law(law: str, data: tuple[np.ndarray, np.ndarray, np.ndarray | None]
 
 def _identify_recording(file: Path, gravity: bool, law: str, notes: list[str]) -> MotionIdentification:
     from fricomp.calibration.identification import IdentificationOptions
-    from fricomp.calibration.joint_samples import RegressionSettings, choose_settings, sample_joint, split_for
-    from fricomp.calibration.motion_parts import read_motion_recording
-    from fricomp.calibration.rigid_body import identify_motion
+    from fricomp.calibration.motion.joint_samples import RegressionSettings, choose_settings, sample_joint, split_for
+    from fricomp.calibration.motion.parts import read_motion_recording
+    from fricomp.calibration.motion.rigid_body import identify_motion
     from fricomp.cli.terminal import careful
 
     recording, findings, about = read_motion_recording(file)

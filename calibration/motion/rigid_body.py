@@ -16,11 +16,11 @@ from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 
+from ..identification import IdentificationOptions, IdentificationResult, identify
+from ..identification.form import separable_law
 from .correlated_fit import CorrelatedFit, solve_correlated
-from .identification import IdentificationOptions, IdentificationResult, identify
-from .identification.form import separable_law
 from .joint_samples import FEWEST_SAMPLES, JointSamples, RegressionSettings, sample_joint, split_for
-from .motion_verdict import weigh_rivals, with_covariance, with_offset_note
+from .verdict import weigh_rivals, with_covariance, with_offset_note
 
 __all__ = ["JointSamples", "MotionIdentification", "RegressionSettings", "RigidBodyFit", "fit_rigid_body",
            "identify_motion", "prediction_error", "sample_joint", "split_for"]  # fmt: skip

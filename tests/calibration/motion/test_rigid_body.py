@@ -3,8 +3,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fricomp.calibration.joint_samples import choose_settings
-from fricomp.calibration.rigid_body import (
+from fricomp.calibration.motion.joint_samples import choose_settings
+from fricomp.calibration.motion.rigid_body import (
     RegressionSettings,
     fit_rigid_body,
     identify_motion,

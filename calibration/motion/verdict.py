@@ -9,8 +9,8 @@ import numpy as np
 from fricomp.laws import FloatArray
 from fricomp.model import Covariance
 
-from .identification import IdentificationResult, Status
-from .identification.verdict import BASIN_GAP, RIVAL, find_vague, vague_message
+from ..identification import IdentificationResult, Status
+from ..identification.verdict import BASIN_GAP, RIVAL, find_vague, vague_message
 
 __all__ = ["weigh_rivals", "with_covariance", "with_offset_note"]
 

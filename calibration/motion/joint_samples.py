@@ -17,7 +17,7 @@ from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
-from .motion_parts import MotionParts, split_motion
+from .parts import MotionParts, split_motion
 
 __all__ = [
     "FEWEST_SAMPLES",

@@ -1,0 +1,1 @@
+"""A joint's rigid body and friction from any recorded motion, without a sweep."""
