@@ -13,7 +13,7 @@ from .observation import Observations
 from .optimum import Optimum
 from .result import Status
 
-__all__ = ["BASIN_GAP", "RIVAL", "Verdict", "covariance_of", "find_vague", "judge", "vague_message"]
+__all__ = ["BASIN_GAP", "RIVAL", "Verdict", "covariance_of", "find_vague", "judge", "nearest_rival", "vague_message"]
 
 BASIN_GAP = 0.01
 """Difference in negative log-likelihood beyond which another basin is better."""
@@ -66,8 +66,7 @@ def judge(
     gap = found.negative_log_likelihood - reference.negative_log_likelihood
     exact = found.spread() <= 1e-8 * float(np.max(found.magnitude * found.whitened.weight))
     vague = find_vague(dict(zip(names, zip(values, deviation, strict=True), strict=True)), points)
-    gaps = [nll - reference.negative_log_likelihood for nll in reference.other_basins]
-    rival = min((other for other in gaps if other > BASIN_GAP), default=np.inf)
+    rival = nearest_rival(reference)
     if not exact and gap > BASIN_GAP and distance > 1.0:
         return Verdict(
             Status.WRONG_BASIN_SUSPECTED,
@@ -85,6 +84,12 @@ def judge(
             Status.WRONG_BASIN_SUSPECTED, f"a second basin is less likely by only {rival:.2g} nats", distance
         )
     return Verdict(Status.CONVERGED, "converged to the likelihood optimum", distance)
+
+
+def nearest_rival(optimum: Optimum) -> float:
+    """How much less likely the next basin is than this one [nats]; infinity where there is none."""
+    gaps = [other - optimum.negative_log_likelihood for other in optimum.other_basins]
+    return min((gap for gap in gaps if gap > BASIN_GAP), default=np.inf)
 
 
 _BELOW = ("static_torque", "stribeck_velocity", "smoothing_velocity")

@@ -19,11 +19,10 @@ from fricomp.model import FrictionModel
 from ..identification import IdentificationOptions, IdentificationResult, identify
 from ..identification.form import separable_law
 from .correlated_fit import CorrelatedFit, solve_correlated
-from .joint_samples import FEWEST_SAMPLES, JointSamples, RegressionSettings, sample_joint, split_for
+from .joint_samples import FEWEST_SAMPLES, JointSamples, RegressionSettings
 from .verdict import weigh_rivals, with_covariance, with_offset_note
 
-__all__ = ["JointSamples", "MotionIdentification", "RegressionSettings", "RigidBodyFit", "fit_rigid_body",
-           "identify_motion", "prediction_error", "sample_joint", "split_for"]  # fmt: skip
+__all__ = ["MotionIdentification", "RigidBodyFit", "fit_rigid_body", "identify_motion", "prediction_error"]
 
 _DEFAULTS = RegressionSettings()
 _Rows = np.ndarray[tuple[int], np.dtype[np.bool_]]

@@ -10,7 +10,7 @@ from fricomp.laws import FloatArray
 from fricomp.model import Covariance
 
 from ..identification import IdentificationResult, Status
-from ..identification.verdict import BASIN_GAP, RIVAL, find_vague, vague_message
+from ..identification.verdict import RIVAL, find_vague, nearest_rival, vague_message
 
 __all__ = ["weigh_rivals", "with_covariance", "with_offset_note"]
 
@@ -45,9 +45,7 @@ def weigh_rivals(result: IdentificationResult, found: IdentificationResult, samp
         found: The same from every basin.
         samples: How many correlated samples are worth one, by the variances: the likelihood counts each of them.
     """
-    best = found.optimum.negative_log_likelihood
-    gaps = [(other - best) / samples for other in found.optimum.other_basins if other - best > BASIN_GAP]
-    rival = min(gaps, default=np.inf)
+    rival = nearest_rival(found.optimum) / samples
     if result.status is not Status.CONVERGED or rival >= RIVAL:
         return result
     message = f"a second basin is less likely by only {rival:.2g} nats, correlated samples counted as one"

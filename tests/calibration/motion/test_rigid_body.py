@@ -3,15 +3,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fricomp.calibration.motion.joint_samples import choose_settings
-from fricomp.calibration.motion.rigid_body import (
-    RegressionSettings,
-    fit_rigid_body,
-    identify_motion,
-    prediction_error,
-    sample_joint,
-    split_for,
-)
+from fricomp.calibration.motion.joint_samples import RegressionSettings, choose_settings, sample_joint, split_for
+from fricomp.calibration.motion.rigid_body import fit_rigid_body, identify_motion, prediction_error
 from fricomp.errors import IdentificationError
 from fricomp.laws import BidirectionalStribeck, Coulomb, FloatArray, FrictionLaw, StribeckCurve, Viscous
 from fricomp.model import FrictionModel
