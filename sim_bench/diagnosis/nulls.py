@@ -110,7 +110,8 @@ class _Chain:
         first = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
         if not all(np.all(np.isfinite(run.missing)) for run in first):
             raise FloatingPointError("a joint that the recording hardly determines does not simulate with its noise")
-        nulls = [improved(null, run) for null, run in zip(nulls, first, strict=True)]
+        returning = self.problem.observer.returning
+        nulls = [improved(null, run, returning(null, self.plant, run)) for null, run in zip(nulls, first, strict=True)]
         runs = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
         return np.stack([self.problem.grids[index].of(run.missing) for run in runs])
 

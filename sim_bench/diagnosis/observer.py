@@ -133,6 +133,16 @@ class Observer:
     leak: float = 200.0
     step: float = 0.12
 
+    def returning(self, track: Track, plant: Plant, observation: Observation) -> FloatArray:
+        """How fast the position of a resting model goes back to the recorded one, beside its velocity [rad/s].
+
+        Shape (n,). A model that creeps returns by itself.
+        """
+        resting = np.maximum(np.abs(track.velocity), np.abs(observation.velocity)) < self.rest_speed
+        leak = self.leak if plant.creep_velocity == 0.0 else 0.0
+        result: FloatArray = leak * resting * (track.position - observation.position)
+        return result
+
 
 class Observation(NamedTuple):
     """One run of the observer. Arrays of shape (n,).

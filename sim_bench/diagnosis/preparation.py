@@ -256,8 +256,7 @@ def _typical(values: FloatArray) -> float:
 def _reweigh(problem: Problem, fit: Fit, box: Box, count: int, seed: int) -> tuple[Fit, Problem, Nulls]:
     """Improve the velocities once, as in each null, simulate nulls, and fit again with their weights."""
     plant, nothing = unpack(fit.theta), [Contribution()] * len(problem.tracks)
-    problem = problem.timed_for(plant)
-    problem = replace(problem.with_velocity(problem.runs([plant], [nothing])[0]), weights=None)
+    problem = replace(problem.timed_for(plant).with_velocity_of(plant), weights=None)
     nulls = make_nulls(problem, plant, nothing, count=count, seed=seed)
     problem = replace(problem, weights=nulls.weights)
     return fit_base(problem, fit.theta, box), problem, nulls

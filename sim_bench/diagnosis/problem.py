@@ -109,16 +109,27 @@ class Problem:
         tracks = [replace(track, substeps=_substeps(track, plant, self.observer, self.gains)) for track in self.tracks]
         return replace(self, tracks=tuple(tracks))
 
-    def with_velocity(self, observations: Sequence[Observation]) -> Problem:
+    def with_velocity_of(self, plant: Plant) -> Problem:
         """The same problem with velocities improved by the simulation: its own plus that of the slow innovation."""
-        tracks = tuple(improved(track, one) for track, one in zip(self.tracks, observations, strict=True))
+        (runs,) = self.runs([plant], [[Contribution()] * len(self.tracks)])
+        tracks = tuple(
+            improved(track, one, self.observer.returning(track, plant, one))
+            for track, one in zip(self.tracks, runs, strict=True)
+        )
         return replace(self, tracks=tracks)
 
 
-def improved(track: Track, observation: Observation) -> Track:
-    """`track` with the velocity of the observed model, corrected by the slope of what it missed."""
+def improved(track: Track, observation: Observation, returning: FloatArray) -> Track:
+    """`track` with the velocity of the observed model, corrected by the slope of what it missed.
+
+    Args:
+        track: The recording.
+        observation: Of the model.
+        returning: What the observer adds to the velocity of a resting model's position [rad/s]. Left out, a bristle
+            that is too soft would say that the joint moves while the encoder stands still, and be kept soft by it.
+    """
     slope = smooth_derivative(track.position - observation.position, track.dt, _INNOVATION_WINDOW)
-    return replace(track, velocity=observation.velocity + slope)
+    return replace(track, velocity=observation.velocity + returning + slope)
 
 
 def observer_for(tracks: Sequence[Track], plant: Plant, observer: Observer) -> Problem:
