@@ -6,6 +6,7 @@ The data flow, one module a step: `checks` → `loading` → `weak_form` → `pr
 
 from .controller import Controller, estimate_controller, read_controller
 from .diagnose import diagnose
+from .record_file import diagnosis_json_schema, load_diagnosis, save_diagnosis
 from .result import (
     DIAGNOSIS_SCHEMA,
     Change,
@@ -20,9 +21,6 @@ from .result import (
     Quantity,
     Rival,
     RowSeries,
-    diagnosis_json_schema,
-    load_diagnosis,
-    save_diagnosis,
 )
 from .rigid import RigidJoint, read_simulation
 
