@@ -23,6 +23,7 @@ from .result import (
     RowSeries,
 )
 from .rigid import RigidJoint, read_simulation
+from .simulated import diagnose_against
 
 __all__ = [
     "DIAGNOSIS_SCHEMA",
@@ -41,6 +42,7 @@ __all__ = [
     "Rival",
     "RowSeries",
     "diagnose",
+    "diagnose_against",
     "diagnosis_json_schema",
     "estimate_controller",
     "load_diagnosis",

@@ -59,19 +59,20 @@ def compare_given(answer: Answer, refitted: Refitted, doubt: Doubt) -> Compariso
     cov, plant = refitted.covariance[:BODY_AND_CURVES, :BODY_AND_CURVES], refitted.plant
     result = Comparison()
     rigid = answer.rigid if answer.rigid is not None and answer.rigid.rotary else None
-    if rigid is not None and rigid.covariance is not None:
-        cov = cov + rigid.covariance
+    if answer.rigid is not None and answer.rigid.covariance is not None:
+        cov = cov + answer.rigid.covariance
     acceleration = float(np.sqrt(np.mean(np.concatenate([c.acceleration for c in refitted.structure.contexts]) ** 2)))
     if rigid is not None:
         result = compare_rigid(plant, cov[:3, :3], rigid, answer.unit, doubt, acceleration)
+    read = answer.rigid is not None and answer.rigid.covariance is not None  # its friction with it
+    if answer.rigid is not None and (read or answer.friction is None):
+        units = (answer.unit, answer.position_unit)
+        result = replace(result, changes=result.changes + friction_changes(plant, cov, answer.rigid, units, doubt))
     if answer.friction is not None:
         held, offset = None if result.effects else rigid, 0.0 if answer.rigid is None else answer.rigid.offset
         given = GivenFriction(answer.friction, offset, held)
         more = compare_friction(plant, cov, given, answer.unit, doubt, acceleration)
         return Comparison(result.effects + more.effects, result.changes + more.changes)
-    if answer.rigid is not None:
-        units = (answer.unit, answer.position_unit)
-        return replace(result, changes=result.changes + friction_changes(plant, cov, answer.rigid, units, doubt))
     return result
 
 

@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
-from msgspec.structs import replace as with_fields
 
 from fricomp.errors import DiagnosisError
+from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
-from .base import BASE_NAMES
-from .comparison import SPLIT
-from .diagnose import diagnose
-from .result import Diagnosis
+from .base import BASE_NAMES, BODY_AND_CURVES
+from .checks import reasons_against
+from .comparison import NAMED, PLAIN, SPLIT, UNEXPLAINED, Doubt
+from .controller import Controller
+from .diagnose import diagnose, with_remarks
+from .result import Diagnosis, NamedEffect, Quantity
 from .rigid import RigidJoint
-from .sentence import sentences
+from .sensor_noise import as_sensed
+from .shared_effect import without_known
 from .track import FloatArray
 
-__all__ = ["SimulatedJoint", "motion_remarks", "read_simulated", "without_known"]
+__all__ = ["SimulatedJoint", "diagnose_against", "motion_remarks", "read_simulated"]
 
+_MECHANICAL = {"N·m", "N"}
 _SHORT = 0.8  # of the recording's duration, below which a simulated one is told to be shorter
 # Unrelated motions of one size differ by the square root of two, in standard deviations of the position; the same one
 # by how differently two joints follow a command.
@@ -35,84 +39,176 @@ class SimulatedJoint:
     """What a simulation's recording says about the simulation.
 
     Attributes:
-        rigid: Its inertia and gravity.
+        rigid: Its inertia, gravity and friction.
         friction: Its friction.
         effects: Effects of the catalogue that it has itself.
+        noise_ratio: Residual that no effect explains, over the noise; None where nothing stays unexplained.
     """
 
     rigid: RigidJoint
-    friction: FrictionModel | None
-    effects: tuple[str, ...]
+    friction: FrictionModel
+    effects: tuple[NamedEffect, ...] = ()
+    noise_ratio: float | None = None
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What stays unexplained in it, in a sentence."""
+        if self.noise_ratio is None:
+            return ()
+        return (
+            f"The simulated recording itself shows something that no effect explains ({self.noise_ratio:.3g} times the "
+            "recording's noise): its inertia was read within 2 % and its gravity within 1 % at best, and what this "
+            "recording shows may be in the simulation as well. The simulation itself, with --simulation, would tell.",
+        )
 
 
 def read_simulated(
-    recording: Recording, *, seed: int = 0, progress: Callable[[str], None] | None = None
+    recording: Recording,
+    like: Sequence[Recording] = (),
+    *,
+    seed: int = 0,
+    progress: Callable[[str], None] | None = None,
 ) -> SimulatedJoint:
     """Identify the joint that a simulation has, from its own recording, in the way of any other recording.
+
+    Args:
+        recording: What the simulator made.
+        like: Recordings of the real joint, whose noise it gets where it has less: whatever a simulator does below that
+            noise has no bearing on the comparison with them.
+        seed: Of noise, nulls and bootstraps.
+        progress: Called with a few words before each step.
 
     Raises:
         DiagnosisError: No joint can be identified from it.
     """
-    found = diagnose(recording, seed=seed, progress=progress)
-    if found.verdict == "bad_data":
-        raise DiagnosisError(f"the simulated recording cannot be used: {' '.join(found.sentences[1:])}")
-    base = found.record.base
+    against = reasons_against([recording], None)
+    if against:
+        raise DiagnosisError(f"the simulated recording cannot be used: {'; '.join(against)}")
+    recording = recording.on_joint_side()
+    sensed = as_sensed(recording, [one.on_joint_side() for one in like], seed) if like else recording
+    found = diagnose(sensed, seed=seed, progress=progress)
+    base, unknown = found.record.base, found.verdict == "unknown_physics"
     if not base:
         raise DiagnosisError(
             "the simulated recording obeys no law of its joint's own motion, so no simulation can be read from it: "
             "give one that moves freely, or the simulation itself with --simulation"
         )
-    if found.verdict == "unknown_physics":
-        raise DiagnosisError(
-            f"the simulated recording shows something that no effect explains ({found.record.noise_ratio:.3g} times "
-            "its noise is left), so its inertia, gravity and friction cannot be read off it: give the simulation "
-            "itself with --simulation"
-        )
-    level = 0.5 * (base["forward.coulomb_torque"].value + base["reverse.coulomb_torque"].value)
+
+    friction = _friction(recording, base)
+    forward, reverse = friction.forward, friction.reverse
     rigid = RigidJoint(
         inertia=base["inertia"].value,
         gravity=(base["gravity_cos"].value, base["gravity_sin"].value),
         offset=base["offset"].value,
-        damping=0.0,
-        friction_loss=0.0,
+        damping=0.5 * (forward.viscous_coefficient + reverse.viscous_coefficient),
+        friction_loss=0.5 * (forward.coulomb_torque + reverse.coulomb_torque),
         rotary=recording.metadata.motion == "rotary",
-        covariance=None if found.covariance is None else _body_and_curves(found.covariance, level),
     )
-    return SimulatedJoint(rigid, found.base_model, tuple(effect.name for effect in found.effects))
+    if found.covariance is not None:
+        doubt = UNEXPLAINED if unknown else NAMED if found.effects else PLAIN
+        rigid = replace(rigid, covariance=_body_and_curves(found.covariance, rigid, _level(found, rigid), doubt))
+    return SimulatedJoint(rigid, friction, found.effects, found.record.noise_ratio if unknown else None)
 
 
-def _body_and_curves(covariance: FloatArray, level: float) -> FloatArray:
+def _friction(recording: Recording, base: Mapping[str, Quantity]) -> FrictionModel:
+    """The refitted curves, without the constant torque that a model alone would hold."""
+    curves = (
+        StribeckCurve(
+            base[f"{side}.coulomb_torque"].value,
+            base[f"{side}.coulomb_torque"].value + base[f"{side}.excess"].value,
+            base[f"{side}.stribeck_velocity"].value,
+            base[f"{side}.viscous_coefficient"].value,
+        )
+        for side in ("forward", "reverse")
+    )
+    metadata = recording.metadata
+    law = FrictionLaw((BidirectionalStribeck(*curves),))
+    return FrictionModel(law=law, joint=metadata.joint, motion=metadata.motion, torque_unit=metadata.torque_unit)
+
+
+def _level(found: Diagnosis, read: RigidJoint) -> float:
+    """Dry friction in both directions, with what of it a named effect has taken over from the base."""
+    if found.base_model is None:
+        return read.friction_loss
+    curves = (found.base_model.forward, found.base_model.reverse)
+    return max(read.friction_loss, 0.5 * sum(curve.coulomb_torque for curve in curves))
+
+
+def diagnose_against(
+    recordings: Recording | Sequence[Recording],
+    simulated: Recording,
+    *,
+    joint: str | None = None,
+    controller: Controller | None = None,
+    thorough: bool = False,
+    seed: int = 0,
+    progress: Callable[[str], None] | None = None,
+) -> Diagnosis:
+    """Say what a simulation of a joint leaves out that is known only by what it recorded under the same commands.
+
+    Args:
+        recordings: One or several recordings of the real joint.
+        simulated: What the simulator recorded; it needs no noise.
+        joint: Name of the joint in the recordings; None to take any.
+        controller: The loop that moved the real joint; None to estimate it where the reference was recorded.
+        thorough: Use more nulls for the thresholds.
+        seed: Of noise, nulls and bootstraps; the same seed gives the same answer.
+        progress: Called with a few words before each step.
+
+    Raises:
+        DiagnosisError: No joint can be read off the simulated recording, or the recordings do not belong together.
+    """
+    say = progress or (lambda _: None)
+    given = [recordings] if isinstance(recordings, Recording) else list(recordings)
+    if reasons_against(given, joint):
+        return diagnose(given, joint=joint)  # which says so
+    say("reading the simulation from its recording")
+    known = read_simulated(simulated, given, seed=seed, progress=progress)
+    found = diagnose(
+        given,
+        known.rigid,
+        joint=joint,
+        friction=known.friction if _in_one_unit(simulated, given) else None,
+        controller=controller,
+        thorough=thorough,
+        seed=seed,
+        progress=progress,
+    )
+    found = without_known(found, known.effects)
+    return with_remarks(found, (*known.remarks, *motion_remarks(given, simulated)))
+
+
+def _body_and_curves(covariance: FloatArray, read: RigidJoint, level: float, doubt: Doubt) -> FloatArray:
     """Covariance of inertia, gravity, offset and curves; what sliding cannot part is known no better than in a refit.
 
     Args:
         covariance: Of the base. Shape (p, p).
-        level: Coulomb torque.
+        read: What was read.
+        level: Dry friction.
+        doubt: How far all of it strays beyond what the fit knows of its own error.
     """
-    named = BASE_NAMES[: BASE_NAMES.index("log_breakaway")]
+    named = BASE_NAMES[:BODY_AND_CURVES]
     parting = np.array([_PARTING.get(name, 0.0) for name in named]) * SPLIT * level
-    result: FloatArray = covariance[: len(named), : len(named)] + np.outer(parting, parting)
+    gravity = float(np.hypot(doubt.gravity * float(np.hypot(*read.gravity)), doubt.sliding * level))
+    strays = {"log_inertia": doubt.inertia, "gravity_cos": gravity, "gravity_sin": gravity}
+    strays |= dict.fromkeys(_PARTING, doubt.uneven * level)
+    beyond = np.diag([strays.get(name, 0.0) for name in named]) ** 2
+    result: FloatArray = covariance[: len(named), : len(named)] + np.outer(parting, parting) + beyond
     return result
 
 
-def without_known(diagnosis: Diagnosis, simulated: SimulatedJoint) -> Diagnosis:
-    """The diagnosis without the effects that the simulation has itself."""
-    record = diagnosis.record
-    kept = tuple(effect for effect in record.effects if effect.name not in simulated.effects)
-    if len(kept) == len(record.effects):
-        return diagnosis
-    shared = ", ".join(effect.name for effect in record.effects if effect.name in simulated.effects)
-    kinds = {effect.kind for effect in kept}
-    by_kind = (("physics", "missing_physics"), ("measurement", "measurement"), ("parameter", "parameters"))
-    verdict = next((verdict for kind, verdict in by_kind if kind in kinds), "consistent")
-    record = with_fields(record, effects=kept, verdict=verdict)
-    told = (*sentences(record), f"The simulation shows {shared} as well, so this is not missing in it.")
-    return Diagnosis(
-        with_fields(record, sentences=told),
-        diagnosis.evidence,
-        diagnosis.base_model,
-        diagnosis.extended_model,
-        diagnosis.motion,
-    )
+def _in_one_unit(simulated: Recording, recordings: Sequence[Recording]) -> bool:
+    """Whether the torques are in one unit; with currents the simulation's friction cannot be compared.
+
+    Raises:
+        DiagnosisError: Only the simulated torque is none in N·m or N.
+    """
+    own, *others = (one.on_joint_side().metadata.torque_unit for one in (simulated, *recordings))
+    if own not in _MECHANICAL and set(others) <= _MECHANICAL:
+        raise DiagnosisError(
+            f"the simulated torque is in {own} and the recorded one in {others[0]}: let the simulator record N·m or N"
+        )
+    return set(others) == {own}
 
 
 def motion_remarks(recordings: Sequence[Recording], simulated: Recording) -> tuple[str, ...]:
