@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -22,7 +22,7 @@ _NOTHING = (
 )
 
 
-def without_known(diagnosis: Diagnosis, known: Sequence[NamedEffect]) -> Diagnosis:
+def without_known(diagnosis: Diagnosis, known: Sequence[NamedEffect], *, sure: bool = True) -> Diagnosis:
     """The diagnosis without the effects that the simulation has itself, and what these are in it.
 
     An effect that both have in another size is one of the simulation's parameters; one that the recording does not
@@ -31,7 +31,11 @@ def without_known(diagnosis: Diagnosis, known: Sequence[NamedEffect]) -> Diagnos
     Args:
         diagnosis: Of the recording.
         known: Effects that the simulation's own recording shows.
+        sure: Whether they explain all of it. Where they do not, their sizes say little, and what the recording does not
+            show may stand for something else.
     """
+    if not known:
+        return diagnosis
     effects, told, seen = [], [], set()
     for effect in diagnosis.effects:
         own = next((one for one in known if _same(effect, one)), None)
@@ -39,17 +43,17 @@ def without_known(diagnosis: Diagnosis, known: Sequence[NamedEffect]) -> Diagnos
             effects.append(effect)
             continue
         seen.add(own.name)
-        apart = _apart(effect, own)
+        apart = _apart(effect, own) if sure else []
         if apart:
             effects.append(_resized(effect, own, apart))
         else:
             told.append(f"The simulation shows {own.name} as well, so this is not missing in it.")
+    alone = [one for one in known if one.name not in seen] if sure else []
     told += [
-        f"The simulation shows {one.name} ({_numbers(one)}), which the recording does not: it is too much in it."
-        for one in known
-        if one.name not in seen
+        f"The simulation shows {one.name} ({_numbers(_sizes(one))}), which the recording does not: it is too much in it."
+        for one in alone
     ]
-    return _answer(diagnosis, tuple(effects), told, alone=len(seen) < len(known)) if known else diagnosis
+    return _answer(diagnosis, tuple(effects), told, alone=bool(alone))
 
 
 def _answer(diagnosis: Diagnosis, effects: tuple[NamedEffect, ...], told: Sequence[str], *, alone: bool) -> Diagnosis:
@@ -103,15 +107,15 @@ def _sizes(effect: NamedEffect) -> dict[str, Quantity]:
 
 def _resized(effect: NamedEffect, own: NamedEffect, apart: Sequence[str]) -> NamedEffect:
     """The effect as a parameter of the simulation, which has other numbers there."""
-    sizes = _sizes(own)
-    has = ", ".join(f"{name.replace('_', ' ')} {sizes[name].value:.4g} {sizes[name].unit}".strip() for name in apart)
-    here = ", ".join(f"{_sizes(effect)[name].value:.4g}" for name in apart)
-    return with_fields(
-        effect, kind="parameter", sentence=f"{effect.sentence}; the simulation has it with {has} in place of {here}"
-    )
+    ours, theirs = _sizes(effect), _sizes(own)
+    has = _numbers({name: theirs[name] for name in apart})
+    here = ", ".join(f"{ours[name].value:.3g}" for name in apart)
+    sentence = f"{effect.sentence}; the simulation has it with {has} in place of {here}"
+    return with_fields(effect, kind="parameter", sentence=sentence)
 
 
-def _numbers(effect: NamedEffect) -> str:
+def _numbers(sizes: Mapping[str, Quantity]) -> str:
     return ", ".join(
-        f"{name.replace('_', ' ')} {one.value:.3g} {one.unit}".strip() for name, one in _sizes(effect).items()
+        f"{name.replace('_', ' ')} {one.value:.3g} {'' if one.unit == '1' else one.unit}".strip()
+        for name, one in sizes.items()
     )

@@ -27,6 +27,7 @@ __all__ = ["SimulatedJoint", "diagnose_against", "motion_remarks", "read_simulat
 
 _MECHANICAL = {"N·m", "N"}
 _SHORT = 0.8  # of the recording's duration, below which a simulated one is told to be shorter
+_MORE_THAN_NOISE = 1.5  # times the noise on held-out data, that is left where the named effects are not all
 # Unrelated motions of one size differ by the square root of two, in standard deviations of the position; the same one
 # by how differently two joints follow a command.
 _SAME_MOTION = 0.5
@@ -39,14 +40,14 @@ class SimulatedJoint:
     """What a simulation's recording says about the simulation.
 
     Attributes:
-        rigid: Its inertia, gravity and friction.
-        friction: Its friction.
+        rigid: Its inertia, gravity and friction; without friction where something stays unexplained.
+        friction: Its friction; None where something stays unexplained, since that bends the friction most.
         effects: Effects of the catalogue that it has itself.
         noise_ratio: Residual that no effect explains, over the noise; None where nothing stays unexplained.
     """
 
     rigid: RigidJoint
-    friction: FrictionModel
+    friction: FrictionModel | None
     effects: tuple[NamedEffect, ...] = ()
     noise_ratio: float | None = None
 
@@ -57,8 +58,9 @@ class SimulatedJoint:
             return ()
         return (
             f"The simulated recording itself shows something that no effect explains ({self.noise_ratio:.3g} times the "
-            "recording's noise): its inertia was read within 2 % and its gravity within 1 % at best, and what this "
-            "recording shows may be in the simulation as well. The simulation itself, with --simulation, would tell.",
+            "recording's noise): its inertia and gravity were read within one or two per cent at best, its friction "
+            "and any constant torque were not compared, and what this recording shows may be in the simulation as "
+            "well. The simulation itself, given with --simulation, would tell.",
         )
 
 
@@ -87,7 +89,7 @@ def read_simulated(
     recording = recording.on_joint_side()
     sensed = as_sensed(recording, [one.on_joint_side() for one in like], seed) if like else recording
     found = diagnose(sensed, seed=seed, progress=progress)
-    base, unknown = found.record.base, found.verdict == "unknown_physics"
+    base, left = found.record.base, _left(found)
     if not base:
         raise DiagnosisError(
             "the simulated recording obeys no law of its joint's own motion, so no simulation can be read from it: "
@@ -104,10 +106,21 @@ def read_simulated(
         friction_loss=0.5 * (forward.coulomb_torque + reverse.coulomb_torque),
         rotary=recording.metadata.motion == "rotary",
     )
+    doubt = UNEXPLAINED if left is not None else NAMED if found.effects else PLAIN
     if found.covariance is not None:
-        doubt = UNEXPLAINED if unknown else NAMED if found.effects else PLAIN
         rigid = replace(rigid, covariance=_body_and_curves(found.covariance, rigid, _level(found, rigid), doubt))
-    return SimulatedJoint(rigid, friction, found.effects, found.record.noise_ratio if unknown else None)
+    if left is not None:
+        return SimulatedJoint(replace(rigid, damping=0.0, friction_loss=0.0), None, found.effects, left)
+    return SimulatedJoint(rigid, friction, found.effects)
+
+
+def _left(found: Diagnosis) -> float | None:
+    """What no effect explains, over the noise; None where that is no more than noise."""
+    held = found.heldout
+    if found.verdict == "unknown_physics" or held is None:
+        return found.record.noise_ratio
+    left = held.rmse_after / max(held.noise_floor, 1e-30)
+    return left if left > _MORE_THAN_NOISE else None
 
 
 def _friction(recording: Recording, base: Mapping[str, Quantity]) -> FrictionModel:
@@ -162,19 +175,20 @@ def diagnose_against(
     given = [recordings] if isinstance(recordings, Recording) else list(recordings)
     if reasons_against(given, joint):
         return diagnose(given, joint=joint)  # which says so
+    alike = _in_one_unit(simulated, given)
     say("reading the simulation from its recording")
     known = read_simulated(simulated, given, seed=seed, progress=progress)
     found = diagnose(
         given,
         known.rigid,
         joint=joint,
-        friction=known.friction if _in_one_unit(simulated, given) else None,
+        friction=known.friction if alike else None,
         controller=controller,
         thorough=thorough,
         seed=seed,
         progress=progress,
     )
-    found = without_known(found, known.effects)
+    found = without_known(found, known.effects, sure=known.noise_ratio is None)
     return with_remarks(found, (*known.remarks, *motion_remarks(given, simulated)))
 
 

@@ -82,3 +82,9 @@ def test_nothing_changes_where_the_simulation_shows_nothing_and_unknown_stays_un
     plain = _diagnosis(_cogging(0.3, 0.0))
     assert without_known(plain, []) is plain
     assert without_known(_diagnosis(verdict="unknown_physics"), [_DRAG]).verdict == "unknown_physics"
+
+
+def test_what_does_not_explain_the_simulation_says_nothing_by_its_size_or_its_lack() -> None:
+    found = without_known(_diagnosis(_cogging(0.3, 0.0)), [_cogging(0.1, 0.0), _DRAG], sure=False)
+    assert found.verdict == "consistent"
+    assert not any("too much" in line for line in found.sentences)
