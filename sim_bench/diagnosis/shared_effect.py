@@ -49,10 +49,8 @@ def without_known(diagnosis: Diagnosis, known: Sequence[NamedEffect], *, sure: b
         else:
             told.append(f"The simulation shows {own.name} as well, so this is not missing in it.")
     alone = [one for one in known if one.name not in seen] if sure else []
-    told += [
-        f"The simulation shows {one.name} ({_numbers(_sizes(one))}), which the recording does not: it is too much in it."
-        for one in alone
-    ]
+    too_much = "which the recording does not: it is too much in it."
+    told += [f"The simulation shows {one.name} ({_numbers(_sizes(one))}), {too_much}" for one in alone]
     return _answer(diagnosis, tuple(effects), told, alone=bool(alone))
 
 
