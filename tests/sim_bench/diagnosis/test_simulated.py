@@ -10,9 +10,11 @@ import pytest
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
 from fricomp.sim_bench import diagnose_against
+from fricomp.sim_bench.diagnosis import RigidJoint
 from fricomp.sim_bench.diagnosis.diagnose import with_remarks
 from fricomp.sim_bench.diagnosis.result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord
-from fricomp.sim_bench.diagnosis.simulated import motion_remarks, read_simulated
+from fricomp.sim_bench.diagnosis.simulated import motion_remarks
+from fricomp.sim_bench.diagnosis.simulated_joint import SimulatedJoint, read_simulated
 from fricomp.sim_bench.diagnosis.track import FloatArray
 
 from .friction_loss import STICKING, FrictionLoss, recording, simulated
@@ -99,6 +101,13 @@ def test_what_the_simulation_lacks_is_named_and_what_it_has_is_not() -> None:
     both = diagnose_against(_real(cogging=0.6), simulated(replace(_REAL, cogging=0.6), "rests", duration=_SECONDS))
     assert both.verdict == "consistent", both.sentences
     assert "The simulation shows cogging as well" in both.sentences[-1]
+
+
+def test_what_stays_unexplained_in_a_simulation_is_a_remark() -> None:
+    rigid = RigidJoint(0.16, (0.0, 3.9), 0.0, 0.0, 0.0, True)
+    assert SimulatedJoint(rigid, None).remarks == ()
+    (remark,) = SimulatedJoint(rigid, None, noise_ratio=3.1).remarks
+    assert "something that no effect explains (3.1 times" in remark
 
 
 def test_a_simulated_current_cannot_be_compared() -> None:
