@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from msgspec.structs import replace as with_fields
 
-from .result import Diagnosis, NamedEffect, Quantity
+from .result import Diagnosis, NamedEffect, Quantity, Verdict
 from .sentence import NO_MOTION, sentences
 
 __all__ = ["without_known"]
@@ -17,6 +17,11 @@ _WAVES = ("sine", "cosine")  # a phase has no size, and two encoders start at di
 _FOR_SURE = 2.0  # of both intervals together, that two numbers of one effect must be apart
 _MUCH = 0.1  # of the larger of them besides: no simulation is better than that
 
+_VERDICTS: dict[str, Verdict] = {
+    "physics": "missing_physics",
+    "measurement": "measurement",
+    "parameter": "parameters",
+}
 _NOTHING = (
     "Nothing is missing: what this recording shows beyond a rigid joint with friction, the simulation shows as well."
 )
@@ -58,10 +63,9 @@ def _answer(diagnosis: Diagnosis, effects: tuple[NamedEffect, ...], told: Sequen
     """The diagnosis with these effects; where the simulation has one `alone`, it does not agree."""
     record = diagnosis.record
     verdict = record.verdict
-    if verdict in ("missing_physics", "measurement", "parameters", "consistent"):
+    if verdict == "consistent" or verdict in _VERDICTS.values():
         kinds = {effect.kind for effect in effects} | ({"parameter"} if alone else set())
-        by_kind = (("physics", "missing_physics"), ("measurement", "measurement"), ("parameter", "parameters"))
-        verdict = next((verdict for kind, verdict in by_kind if kind in kinds), "consistent")
+        verdict = next((_VERDICTS[kind] for kind in _VERDICTS if kind in kinds), "consistent")
     said = record.sentences
     if effects != record.effects or verdict != record.verdict:
         before = sentences(record)
@@ -87,9 +91,9 @@ def _apart(effect: NamedEffect, own: NamedEffect) -> list[str]:
 
 
 def _differ(one: Quantity, other: Quantity) -> bool:
-    half = np.hypot(*(0.5 * (q.ci95[1] - q.ci95[0]) for q in (one, other)))
+    ours, theirs = (0.5 * (q.ci95[1] - q.ci95[0]) for q in (one, other))
     largest = max(abs(one.value), abs(other.value))
-    return abs(one.value - other.value) > max(_FOR_SURE * float(half), _MUCH * largest)
+    return abs(one.value - other.value) > max(_FOR_SURE * float(np.hypot(ours, theirs)), _MUCH * largest)
 
 
 def _sizes(effect: NamedEffect) -> dict[str, Quantity]:
@@ -97,10 +101,10 @@ def _sizes(effect: NamedEffect) -> dict[str, Quantity]:
     numbers = {name: one for name, one in effect.parameters.items() if not name.startswith(_WAVES)}
     if not set(_WAVES) <= set(effect.parameters):
         return numbers
-    waves = [effect.parameters[name] for name in _WAVES]
-    size = float(np.hypot(*(wave.value for wave in waves)))
-    half = max(0.5 * (wave.ci95[1] - wave.ci95[0]) for wave in waves)
-    return {"amplitude": Quantity(size, waves[0].unit, (max(size - half, 0.0), size + half)), **numbers}
+    sine, cosine = (effect.parameters[name] for name in _WAVES)
+    size = float(np.hypot(sine.value, cosine.value))
+    half = max(0.5 * (wave.ci95[1] - wave.ci95[0]) for wave in (sine, cosine))
+    return {"amplitude": Quantity(size, sine.unit, (max(size - half, 0.0), size + half)), **numbers}
 
 
 def _resized(effect: NamedEffect, own: NamedEffect, apart: Sequence[str]) -> NamedEffect:

@@ -33,13 +33,13 @@ class SimulatedJoint:
     """What a simulation's recording says about the simulation.
 
     Attributes:
-        rigid: Its inertia, gravity and friction; without friction where something stays unexplained.
-        friction: Its friction; None where something stays unexplained, since that bends the friction most.
+        rigid: Its inertia, gravity and friction; None where something stays unexplained, which bends all of them.
+        friction: Its friction; None in the same case.
         effects: Effects of the catalogue that it has itself.
         noise_ratio: Residual that no effect explains, over the noise; None where nothing stays unexplained.
     """
 
-    rigid: RigidJoint
+    rigid: RigidJoint | None
     friction: FrictionModel | None
     effects: tuple[NamedEffect, ...] = ()
     noise_ratio: float | None = None
@@ -51,9 +51,9 @@ class SimulatedJoint:
             return ()
         return (
             f"The simulated recording itself shows something that no effect explains ({self.noise_ratio:.3g} times the "
-            "recording's noise): its inertia and gravity were read within one or two per cent at best, its friction "
-            "and any constant torque were not compared, and what this recording shows may be in the simulation as "
-            "well. The simulation itself, given with --simulation, would tell.",
+            "recording's noise): its inertia, gravity and friction cannot be read off it and were not compared, and "
+            "what is named here may be in the simulation as well. The simulation itself, given with --simulation, "
+            "would tell.",
         )
 
 
@@ -87,11 +87,11 @@ def read_simulated(
             "the simulated recording obeys no law of its joint's own motion, so no simulation can be read from it: "
             "give one that moves freely, or the simulation itself with --simulation"
         )
-    friction, left = _friction(recording, found.record.base), _left(found)
-    rigid = _rigid(recording, found, friction, certain=left is None)
+    left = _left(found)
     if left is not None:
-        return SimulatedJoint(replace(rigid, damping=0.0, friction_loss=0.0), None, found.effects, left)
-    return SimulatedJoint(rigid, friction, found.effects)
+        return SimulatedJoint(None, None, found.effects, left)
+    friction = _friction(recording, found.record.base)
+    return SimulatedJoint(_rigid(recording, found, friction), friction, found.effects)
 
 
 def _left(found: Diagnosis) -> float | None:
@@ -105,7 +105,7 @@ def _left(found: Diagnosis) -> float | None:
 
 def _friction(recording: Recording, base: Mapping[str, Quantity]) -> FrictionModel:
     """The refitted curves, without the constant torque that a model alone would hold."""
-    curves = (
+    forward, reverse = (
         StribeckCurve(
             base[f"{side}.coulomb_torque"].value,
             base[f"{side}.coulomb_torque"].value + base[f"{side}.excess"].value,
@@ -115,18 +115,17 @@ def _friction(recording: Recording, base: Mapping[str, Quantity]) -> FrictionMod
         for side in ("forward", "reverse")
     )
     metadata = recording.metadata
-    law = FrictionLaw((BidirectionalStribeck(*curves),))
+    law = FrictionLaw((BidirectionalStribeck(forward, reverse),))
     return FrictionModel(law=law, joint=metadata.joint, motion=metadata.motion, torque_unit=metadata.torque_unit)
 
 
-def _rigid(recording: Recording, found: Diagnosis, friction: FrictionModel, *, certain: bool) -> RigidJoint:
+def _rigid(recording: Recording, found: Diagnosis, friction: FrictionModel) -> RigidJoint:
     """Body and friction, and how far they may be off.
 
     Args:
         recording: What the simulator made.
         found: Its diagnosis.
         friction: What was read of its friction.
-        certain: Whether nothing in it stays unexplained.
     """
     base, curves = found.record.base, (friction.forward, friction.reverse)
     rigid = RigidJoint(
@@ -137,8 +136,9 @@ def _rigid(recording: Recording, found: Diagnosis, friction: FrictionModel, *, c
         friction_loss=0.5 * sum(curve.coulomb_torque for curve in curves),
         rotary=recording.metadata.motion == "rotary",
     )
-    certain = certain and found.covariance is not None  # None where the samples showed more than the rows of this fit
-    doubt = UNEXPLAINED if not certain else NAMED if found.effects else PLAIN
+    doubt = NAMED if found.effects else PLAIN
+    if found.covariance is None:  # the samples showed more than the rows of this fit
+        doubt = UNEXPLAINED
     own = np.zeros((BODY_AND_CURVES, BODY_AND_CURVES)) if found.covariance is None else found.covariance
     return replace(rigid, covariance=_body_and_curves(own, rigid, _level(found, rigid), doubt))
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from msgspec.structs import replace as with_fields
+
 from fricomp.sim_bench.diagnosis.result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord, NamedEffect, Quantity
 from fricomp.sim_bench.diagnosis.sentence import NO_MOTION, sentences
 from fricomp.sim_bench.diagnosis.shared_effect import without_known
@@ -27,12 +29,8 @@ _DRAG = NamedEffect(
 
 
 def _diagnosis(*effects: NamedEffect, verdict: str = "missing_physics") -> Diagnosis:
-    record = DiagnosisRecord(schema=DIAGNOSIS_SCHEMA, verdict=verdict, effects=effects)  # type: ignore[arg-type]
-    return Diagnosis(DiagnosisRecord(**{**_fields(record), "sentences": (*sentences(record), NO_MOTION, "last")}))
-
-
-def _fields(record: DiagnosisRecord) -> dict[str, object]:
-    return {name: getattr(record, name) for name in record.__struct_fields__}
+    record = DiagnosisRecord(schema=DIAGNOSIS_SCHEMA, verdict=verdict, effects=effects, sentences=())  # type: ignore[arg-type]
+    return Diagnosis(with_fields(record, sentences=(*sentences(record), NO_MOTION, "last")))
 
 
 def test_what_both_have_is_not_missing() -> None:

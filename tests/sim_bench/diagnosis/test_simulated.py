@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -54,11 +55,11 @@ _SIMULATED, _REAL = FrictionLoss(), FrictionLoss(time=0.002, impedance=STICKING)
 _SECONDS = 14.0
 
 
-def _real(**changes: float) -> Recording:
+def _real(**changes: Any) -> Recording:
     return recording(replace(_REAL, **changes), "rests", duration=_SECONDS)
 
 
-def _simulated(**changes: float) -> Recording:
+def _simulated(**changes: Any) -> Recording:
     return simulated(replace(_SIMULATED, **changes), "rests", duration=_SECONDS)
 
 
@@ -68,6 +69,7 @@ def test_a_simulation_is_read_from_a_recording_without_noise() -> None:
     assert known.effects == ()
     assert known.noise_ratio is None
     assert known.remarks == ()
+    assert known.rigid is not None
     assert known.rigid.inertia == pytest.approx(_SIMULATED.inertia, rel=0.01)
     assert known.rigid.gravity == pytest.approx((0.0, _SIMULATED.mass * 9.81 * 0.2), abs=0.05)
     assert known.rigid.friction_loss == pytest.approx(_SIMULATED.level, rel=0.02)
@@ -106,7 +108,7 @@ def test_what_the_simulation_lacks_is_named_and_what_it_has_is_not() -> None:
 def test_what_stays_unexplained_in_a_simulation_is_a_remark() -> None:
     rigid = RigidJoint(0.16, (0.0, 3.9), 0.0, 0.0, 0.0, True)
     assert SimulatedJoint(rigid, None).remarks == ()
-    (remark,) = SimulatedJoint(rigid, None, noise_ratio=3.1).remarks
+    (remark,) = SimulatedJoint(None, None, noise_ratio=3.1).remarks
     assert "something that no effect explains (3.1 times" in remark
 
 
