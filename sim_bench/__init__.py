@@ -3,15 +3,15 @@
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .diagnosis import diagnose
+    from .diagnosis import diagnose, diagnose_against
 
-__all__ = ["diagnose"]
+__all__ = ["diagnose", "diagnose_against"]
 
 
 def __getattr__(name: str) -> Any:
-    """Import `diagnose` when it is first asked for; it needs the extra `diagnose`."""
-    if name == "diagnose":
-        from .diagnosis import diagnose
+    """Import what diagnoses when it is first asked for; it needs the extra `diagnose`."""
+    if name in __all__:
+        from . import diagnosis
 
-        return diagnose
+        return getattr(diagnosis, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

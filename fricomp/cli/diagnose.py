@@ -176,22 +176,16 @@ def _diagnose(
     from fricomp.errors import DiagnosisError
     from fricomp.model import load_model
     from fricomp.sim_bench.diagnosis import diagnose as diagnose_joint
-    from fricomp.sim_bench.diagnosis import read_controller
-    from fricomp.sim_bench.diagnosis.diagnose import with_remarks
-    from fricomp.sim_bench.diagnosis.simulated import motion_remarks, read_simulated, without_known
+    from fricomp.sim_bench.diagnosis import diagnose_against, read_controller
 
     settings: dict[str, Any] = {**options, "progress": say}
     settings["controller"] = read_controller(given["controller"]) if given["controller"] is not None else None
     if given["simulated"] is None:
         friction = load_model(given["friction"]) if given["friction"] is not None else None
         return diagnose_joint(series, friction=friction, **settings)
-    if options["simulation"] is not None or given["friction"] is not None:
+    if settings.pop("simulation") is not None or given["friction"] is not None:
         raise DiagnosisError("--simulated is the simulation: leave out --simulation and --friction")
-    say("reading the simulation from its recording")
-    known = read_simulated(read[given["simulated"]], seed=options["seed"], progress=say)
-    settings["simulation"] = known.rigid
-    found = without_known(diagnose_joint(series, friction=known.friction, **settings), known)
-    return with_remarks(found, motion_remarks(series, read[given["simulated"]]))
+    return diagnose_against(series, read[given["simulated"]], **settings)
 
 
 def _facts(

@@ -6,6 +6,7 @@ The data flow, one module a step: `checks` → `loading` → `weak_form` → `pr
 
 from .controller import Controller, estimate_controller, read_controller
 from .diagnose import diagnose
+from .record_file import diagnosis_json_schema, load_diagnosis, save_diagnosis
 from .result import (
     DIAGNOSIS_SCHEMA,
     Change,
@@ -20,11 +21,9 @@ from .result import (
     Quantity,
     Rival,
     RowSeries,
-    diagnosis_json_schema,
-    load_diagnosis,
-    save_diagnosis,
 )
 from .rigid import RigidJoint, read_simulation
+from .simulated import diagnose_against
 
 __all__ = [
     "DIAGNOSIS_SCHEMA",
@@ -43,6 +42,7 @@ __all__ = [
     "Rival",
     "RowSeries",
     "diagnose",
+    "diagnose_against",
     "diagnosis_json_schema",
     "estimate_controller",
     "load_diagnosis",

@@ -11,7 +11,7 @@ from .rigid import RigidJoint
 from .solver import Box
 from .track import FloatArray
 
-__all__ = ["BASE_NAMES", "SOFTEST", "BaseModel", "at_earliest", "at_latest", "pack", "unpack"]
+__all__ = ["BASE_NAMES", "BODY_AND_CURVES", "SOFTEST", "BaseModel", "at_earliest", "at_latest", "pack", "unpack"]
 
 BASE_NAMES = (
     "log_inertia",
@@ -34,6 +34,9 @@ BASE_NAMES = (
     "creep_velocity",
     "creep_lead",
 )
+
+BODY_AND_CURVES = BASE_NAMES.index("log_breakaway")
+"""Parameters before it are inertia, gravity, offset and the curves of both directions."""
 
 SOFTEST = 2.5e-4
 """Presliding distance F_c / sigma_0 of the softest bristle that is part of the base [rad]."""

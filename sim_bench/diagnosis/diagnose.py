@@ -13,6 +13,7 @@ from fricomp.errors import DiagnosisError, ParameterError
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
+from .answer import Answer
 from .base import unpack
 from .checks import inertia_against, kind_against, reasons_against, remarks_on
 from .controller import Controller, estimate_controller
@@ -26,7 +27,7 @@ from .rigid import RigidJoint, read_simulation
 from .search import Found, search
 from .second_look import second_look
 from .sentence import forward_sentence
-from .verdict import Answer, conclude
+from .verdict import conclude
 from .weak_form import rest_speed_of
 
 __all__ = ["diagnose", "with_remarks"]

@@ -21,7 +21,7 @@ from fricomp.recording import Recording
 
 from .arm_dynamics import ArmDynamics, ArmMotion, point_positions, read_arm
 from .result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord, NamedEffect, Quantity
-from .second_look import held_out
+from .second_answer import held_out
 from .sentence import sentences
 from .track import FloatArray
 

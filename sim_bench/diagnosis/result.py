@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import msgspec
-import numpy as np
 
-from fricomp.errors import DiagnosisError
 from fricomp.model import FrictionModel
 
 from .track import FloatArray
@@ -28,9 +25,6 @@ __all__ = [
     "Quantity",
     "Rival",
     "RowSeries",
-    "diagnosis_json_schema",
-    "load_diagnosis",
-    "save_diagnosis",
 ]
 
 DIAGNOSIS_SCHEMA = "fricomp.diagnosis/1"
@@ -293,46 +287,3 @@ class Diagnosis:
     def heldout(self) -> HeldOut | None:
         """Errors on held-out blocks."""
         return self.record.heldout
-
-
-def diagnosis_json_schema() -> dict[str, Any]:
-    """The JSON schema of `diagnosis.json`."""
-    return msgspec.json.schema(DiagnosisRecord)
-
-
-def save_diagnosis(diagnosis: Diagnosis | DiagnosisRecord, path: str | Path) -> None:
-    """Write `diagnosis.json`.
-
-    Raises:
-        DiagnosisError: The file cannot be written.
-    """
-    record = diagnosis.record if isinstance(diagnosis, Diagnosis) else diagnosis
-    try:
-        data = msgspec.json.encode(record, enc_hook=_plain_number)
-        Path(path).write_bytes(msgspec.json.format(data, indent=2) + b"\n")
-    except OSError as error:
-        raise DiagnosisError(f"cannot write the diagnosis {path}: {error.strerror or error}") from error
-
-
-def _plain_number(value: Any) -> float:
-    """A number of numpy as one of Python."""
-    if isinstance(value, np.generic):
-        return float(value)
-    raise DiagnosisError(f"a diagnosis holds {value!r} of {type(value).__name__}, which is not a number")
-
-
-def load_diagnosis(path: str | Path) -> DiagnosisRecord:
-    """Read `diagnosis.json`.
-
-    Raises:
-        DiagnosisError: The file is missing, damaged, or of another schema.
-    """
-    try:
-        record = msgspec.json.decode(Path(path).read_bytes(), type=DiagnosisRecord)
-    except OSError as error:
-        raise DiagnosisError(f"cannot read the diagnosis {path}: {error.strerror or error}") from error
-    except msgspec.DecodeError as error:
-        raise DiagnosisError(f"{path} is not a diagnosis, or is damaged: {error}") from error
-    if record.schema != DIAGNOSIS_SCHEMA:
-        raise DiagnosisError(f"{path} has schema {record.schema!r}; this version reads {DIAGNOSIS_SCHEMA!r}")
-    return record

@@ -1,118 +1,87 @@
-"""The user's own simulation, known only by a recording that it made under the same commands."""
+"""The diagnosis against the user's own simulation, known only by a recording that it made under the same commands."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from msgspec.structs import replace as with_fields
 
 from fricomp.errors import DiagnosisError
-from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
-from .base import BASE_NAMES
-from .comparison import SPLIT
-from .diagnose import diagnose
+from .checks import reasons_against
+from .controller import Controller
+from .diagnose import diagnose, with_remarks
 from .result import Diagnosis
-from .rigid import RigidJoint
-from .sentence import sentences
-from .track import FloatArray
+from .shared_effect import without_known
+from .simulated_joint import read_simulated
 
-__all__ = ["SimulatedJoint", "motion_remarks", "read_simulated", "without_known"]
+__all__ = ["diagnose_against", "motion_remarks"]
 
+_MECHANICAL = {"N·m", "N"}
 _SHORT = 0.8  # of the recording's duration, below which a simulated one is told to be shorter
 # Unrelated motions of one size differ by the square root of two, in standard deviations of the position; the same one
 # by how differently two joints follow a command.
 _SAME_MOTION = 0.5
-# How an offset and the difference of the directions make up for each other while the joint slides.
-_PARTING = {"offset": 1.0, "forward.coulomb_torque": -1.0, "reverse.coulomb_torque": 1.0}
 
 
-@dataclass(frozen=True)
-class SimulatedJoint:
-    """What a simulation's recording says about the simulation.
-
-    Attributes:
-        rigid: Its inertia and gravity.
-        friction: Its friction.
-        effects: Effects of the catalogue that it has itself.
-    """
-
-    rigid: RigidJoint
-    friction: FrictionModel | None
-    effects: tuple[str, ...]
-
-
-def read_simulated(
-    recording: Recording, *, seed: int = 0, progress: Callable[[str], None] | None = None
-) -> SimulatedJoint:
-    """Identify the joint that a simulation has, from its own recording, in the way of any other recording.
-
-    Raises:
-        DiagnosisError: No joint can be identified from it.
-    """
-    found = diagnose(recording, seed=seed, progress=progress)
-    if found.verdict == "bad_data":
-        raise DiagnosisError(f"the simulated recording cannot be used: {' '.join(found.sentences[1:])}")
-    base = found.record.base
-    if not base:
-        raise DiagnosisError(
-            "the simulated recording obeys no law of its joint's own motion, so no simulation can be read from it: "
-            "give one that moves freely, or the simulation itself with --simulation"
-        )
-    if found.verdict == "unknown_physics":
-        raise DiagnosisError(
-            f"the simulated recording shows something that no effect explains ({found.record.noise_ratio:.3g} times "
-            "its noise is left), so its inertia, gravity and friction cannot be read off it: give the simulation "
-            "itself with --simulation"
-        )
-    level = 0.5 * (base["forward.coulomb_torque"].value + base["reverse.coulomb_torque"].value)
-    rigid = RigidJoint(
-        inertia=base["inertia"].value,
-        gravity=(base["gravity_cos"].value, base["gravity_sin"].value),
-        offset=base["offset"].value,
-        damping=0.0,
-        friction_loss=0.0,
-        rotary=recording.metadata.motion == "rotary",
-        covariance=None if found.covariance is None else _body_and_curves(found.covariance, level),
-    )
-    return SimulatedJoint(rigid, found.base_model, tuple(effect.name for effect in found.effects))
-
-
-def _body_and_curves(covariance: FloatArray, level: float) -> FloatArray:
-    """Covariance of inertia, gravity, offset and curves; what sliding cannot part is known no better than in a refit.
+def diagnose_against(
+    recordings: Recording | Sequence[Recording],
+    simulated: Recording,
+    *,
+    joint: str | None = None,
+    controller: Controller | None = None,
+    thorough: bool = False,
+    seed: int = 0,
+    progress: Callable[[str], None] | None = None,
+) -> Diagnosis:
+    """Say what a simulation of a joint leaves out that is known only by what it recorded under the same commands.
 
     Args:
-        covariance: Of the base. Shape (p, p).
-        level: Coulomb torque.
+        recordings: One or several recordings of the real joint.
+        simulated: What the simulator recorded; it needs no noise.
+        joint: Name of the joint in the recordings; None to take any.
+        controller: The loop that moved the real joint; None to estimate it where the reference was recorded.
+        thorough: Use more nulls for the thresholds.
+        seed: Of noise, nulls and bootstraps; the same seed gives the same answer.
+        progress: Called with a few words before each step.
+
+    Raises:
+        DiagnosisError: No joint can be read off the simulated recording, or the recordings do not belong together.
     """
-    named = BASE_NAMES[: BASE_NAMES.index("log_breakaway")]
-    parting = np.array([_PARTING.get(name, 0.0) for name in named]) * SPLIT * level
-    result: FloatArray = covariance[: len(named), : len(named)] + np.outer(parting, parting)
-    return result
-
-
-def without_known(diagnosis: Diagnosis, simulated: SimulatedJoint) -> Diagnosis:
-    """The diagnosis without the effects that the simulation has itself."""
-    record = diagnosis.record
-    kept = tuple(effect for effect in record.effects if effect.name not in simulated.effects)
-    if len(kept) == len(record.effects):
-        return diagnosis
-    shared = ", ".join(effect.name for effect in record.effects if effect.name in simulated.effects)
-    kinds = {effect.kind for effect in kept}
-    by_kind = (("physics", "missing_physics"), ("measurement", "measurement"), ("parameter", "parameters"))
-    verdict = next((verdict for kind, verdict in by_kind if kind in kinds), "consistent")
-    record = with_fields(record, effects=kept, verdict=verdict)
-    told = (*sentences(record), f"The simulation shows {shared} as well, so this is not missing in it.")
-    return Diagnosis(
-        with_fields(record, sentences=told),
-        diagnosis.evidence,
-        diagnosis.base_model,
-        diagnosis.extended_model,
-        diagnosis.motion,
+    say = progress or (lambda _: None)
+    given = [recordings] if isinstance(recordings, Recording) else list(recordings)
+    if reasons_against(given, joint):
+        return diagnose(given, joint=joint)  # which says so
+    alike = _in_one_unit(simulated, given)
+    say("reading the simulation from its recording")
+    known = read_simulated(simulated, given, seed=seed, progress=progress)
+    found = diagnose(
+        given,
+        known.rigid,
+        joint=joint,
+        friction=known.friction if alike else None,
+        controller=controller,
+        thorough=thorough,
+        seed=seed,
+        progress=progress,
     )
+    found = without_known(found, known.effects, sure=known.noise_ratio is None)
+    return with_remarks(found, (*known.remarks, *motion_remarks(given, simulated)))
+
+
+def _in_one_unit(simulated: Recording, recordings: Sequence[Recording]) -> bool:
+    """Whether the torques are in one unit; with currents the simulation's friction cannot be compared.
+
+    Raises:
+        DiagnosisError: Only the simulated torque is none in N·m or N.
+    """
+    own, *others = (one.on_joint_side().metadata.torque_unit for one in (simulated, *recordings))
+    if own not in _MECHANICAL and set(others) <= _MECHANICAL:
+        raise DiagnosisError(
+            f"the simulated torque is in {own} and the recorded one in {others[0]}: let the simulator record N·m or N"
+        )
+    return set(others) == {own}
 
 
 def motion_remarks(recordings: Sequence[Recording], simulated: Recording) -> tuple[str, ...]:

@@ -17,7 +17,15 @@ from scipy.signal import lfilter, savgol_filter
 if TYPE_CHECKING:
     from .controller import Controller
 
-__all__ = ["SIMULATED_SPRING", "SIMULATED_STIFFNESS", "FloatArray", "TorqueNoise", "Track", "smooth_derivative"]
+__all__ = [
+    "SIMULATED_SPRING",
+    "SIMULATED_STIFFNESS",
+    "FloatArray",
+    "PositionNoise",
+    "TorqueNoise",
+    "Track",
+    "smooth_derivative",
+]
 
 FloatArray = NDArray[np.float64]
 
@@ -70,6 +78,18 @@ class TorqueNoise(NamedTuple):
             kick = self.coloured * np.sqrt(1.0 - self.memory**2)
             noise = noise + lfilter([kick], [1.0, -self.memory], rng.standard_normal(size + 500))[500:]
         return noise
+
+
+class PositionNoise(NamedTuple):
+    """Noise of a position signal.
+
+    Attributes:
+        white: Standard deviation of its white part, rounding included [rad] or [m].
+        jitter: Standard deviation of the instants at which the samples were taken [s].
+    """
+
+    white: float
+    jitter: float
 
 
 @dataclass(frozen=True)
@@ -186,7 +206,12 @@ def calm_samples(position: FloatArray, velocity: FloatArray, dt: float) -> NDArr
 
 
 def sampling_jitter(position: FloatArray, velocity: FloatArray) -> float:
-    """How unevenly the samples were taken [s]: the white noise of the position that grows with speed.
+    """How unevenly the samples were taken [s]: the white noise of the position that grows with speed."""
+    return position_noise(position, velocity).jitter
+
+
+def position_noise(position: FloatArray, velocity: FloatArray) -> PositionNoise:
+    """White noise of a position, rounding included, and what of it grows with speed.
 
     Fourth differences hold next to nothing of a smooth motion; where they are not white after all, there is no
     telling noise from motion and the answer is 0.
@@ -195,20 +220,20 @@ def sampling_jitter(position: FloatArray, velocity: FloatArray) -> float:
     speed = np.abs(velocity[2:-2])
     moving = speed > 0.05 * np.quantile(speed, 0.98)
     if np.sum(moving) < 100:
-        return 0.0
+        return PositionNoise(0.0, 0.0)
     edges = np.quantile(speed[moving], np.linspace(0.0, 1.0, 7))
     squares, variances = [], []
     for low, high in pairwise(edges):
         inside = (speed >= low) & (speed <= high)
         variance, check = (_trimmed_mean(one[inside[: one.size]]) for one in (fourth, fifth))
         if check < _WHITE * variance and low >= edges[3]:
-            return 0.0
+            return PositionNoise(0.0, 0.0)
         squares.append(float(np.mean(speed[inside] ** 2)))
         variances.append(variance)
     A = np.stack([np.ones(len(squares)), np.array(squares)], axis=1)
     weight = 1.0 / np.maximum(np.array(variances), 1e-30)
     found, _ = nnls(A * weight[:, None], np.array(variances) * weight)
-    return float(np.sqrt(found[1]))
+    return PositionNoise(float(np.sqrt(found[0])), float(np.sqrt(found[1])))
 
 
 def _trimmed_mean(values: FloatArray) -> float:

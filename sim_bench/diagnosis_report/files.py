@@ -16,8 +16,9 @@ from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel, save_model
 from fricomp.report import draw_png, write_report
 
-from ..diagnosis.comparison import FRICTION_CHANGES
-from ..diagnosis.result import Diagnosis, save_diagnosis
+from ..diagnosis.friction_comparison import FRICTION_CHANGES
+from ..diagnosis.record_file import save_diagnosis
+from ..diagnosis.result import Diagnosis
 from ..diagnosis.spring import SPRING_CHANGE
 from .network import save_extended_network
 from .over_time import motion_columns

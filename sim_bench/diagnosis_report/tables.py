@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fricomp.report import Table
 
-from ..diagnosis.comparison import FRICTION_CHANGES
+from ..diagnosis.friction_comparison import FRICTION_CHANGES
 from ..diagnosis.result import DiagnosisRecord
 from .over_time import BASE, NAMED, models_of
 from .wording import Units, derived_parameters, format_interval, format_location, format_number, format_quantity, words

@@ -27,7 +27,7 @@ class ThermalFriction(Effect):
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         viscous = max(max(c.plant.forward[3], c.plant.reverse[3]) for c in contexts)
         largest = max(float(np.max(np.abs(heat_of(c, 30.0)))) for c in contexts)
-        recorded = all("temperature" in context.channels for context in contexts)
+        recorded = _recorded(contexts)
         per_kelvin = "/K" if recorded else ""
         slope = 0.05 * (viscous + 0.1 * contexts[0].scale) / largest
         level = 0.05 * contexts[0].scale / largest
@@ -37,8 +37,7 @@ class ThermalFriction(Effect):
         return viscous_slope, EffectParameter("coulomb_slope", "{torque}" + per_kelvin, level, -1e6, 1e6)
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        recorded = all("temperature" in context.channels for context in contexts)
-        return [{}] if recorded else heating_times()
+        return [{}] if _recorded(contexts) else heating_times()
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         heat, plant = heat_of(context, float(np.exp(values.get("time_constant", 0.0)))), context.plant
@@ -53,3 +52,8 @@ class ThermalFriction(Effect):
         speed = max(float(np.sqrt(np.mean(c.velocity**2))) for c in contexts)
         rises = values["viscous_slope"] * speed + values.get("coulomb_slope", 0.0) <= 0.0
         return "friction would rise with temperature" if rises else None
+
+
+def _recorded(contexts: Sequence[Context]) -> bool:
+    """Whether the temperature stands in every recording."""
+    return all("temperature" in context.channels for context in contexts)

@@ -10,16 +10,17 @@ import numpy as np
 
 from fricomp.recording import Recording
 
-__all__ = ["STICKING", "FrictionLoss", "recording"]
+__all__ = ["STICKING", "FrictionLoss", "recording", "simulated"]
 
 _STEP = 2.5e-4  # [s] of the simulation and of the loop
 _GAINS = (120.0, 6.0)  # [N·m/rad], [N·m·s/rad]
 _FILTER = 0.12  # share by which the loop's velocity follows that of the encoder in a step
 _RESOLUTION = 2.0 * np.pi / 2**18
 _NOISE = 0.06  # [N·m]
+_ORDER = 12.0  # [1/rad] of the cogging
 _XML = """<mujoco><option timestep="{step}" integrator="implicitfast"/><worldbody><body pos="0 0 1">
 <joint type="hinge" axis="0 1 0" armature="0.05" damping="0.6" frictionloss="{level}" solreffriction="{time} 1"
- solimpfriction="{impedance}"/><inertial pos="0 0 -0.2" mass="2" diaginertia="0.03 0.03 0.027"/></body></worldbody>
+ solimpfriction="{impedance}"/><inertial pos="0 0 -0.2" mass="{mass}" diaginertia="0.03 0.03 0.027"/></body></worldbody>
 </mujoco>"""
 _USUAL = "0.9 0.95 0.001 0.5 2"
 
@@ -35,16 +36,20 @@ class FrictionLoss:
         level: Friction loss [N·m].
         time: Time constant of its constraint [s].
         impedance: `solimpfriction` of the joint.
+        mass: Of the pendulum [kg].
+        cogging: Amplitude of a torque ripple of order 12 [N·m].
     """
 
     level: float = 1.5
     time: float = 0.02
     impedance: str = _USUAL
+    mass: float = 2.0
+    cogging: float = 0.0
 
     @property
     def inertia(self) -> float:
         """About the joint [kg·m²]."""
-        return 0.05 + 0.03 + 2.0 * 0.2**2
+        return 0.05 + 0.03 + self.mass * 0.2**2
 
     @property
     def rate(self) -> float:
@@ -76,21 +81,34 @@ def _reference(kind: str, duration: float) -> np.ndarray:
 
 def recording(truth: FrictionLoss, kind: str, *, duration: float = 30.0, rate: int = 1000, seed: int = 0) -> Recording:
     """What sensors record of the joint at `rate` [1/s]."""
+    time, position, torque = _moved(truth, kind, duration, rate, _RESOLUTION)
+    noise = _NOISE * np.random.default_rng(seed).standard_normal(position.size)
+    return Recording(time, position, torque + noise)
+
+
+def simulated(truth: FrictionLoss, kind: str, *, duration: float = 30.0, rate: int = 1000) -> Recording:
+    """What a simulator writes of the joint at `rate` [1/s]: without sensors, in the loop and in the file."""
+    return Recording(*_moved(truth, kind, duration, rate, 0.0))
+
+
+def _moved(
+    truth: FrictionLoss, kind: str, duration: float, rate: int, resolution: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Time [s], position [rad] and torque [N·m] under a loop whose encoder has this resolution. Shapes (n,)."""
     model: Any = mujoco.MjModel.from_xml_string(
-        _XML.format(step=_STEP, level=truth.level, time=truth.time, impedance=truth.impedance)
+        _XML.format(step=_STEP, level=truth.level, time=truth.time, impedance=truth.impedance, mass=truth.mass)
     )
     data: Any = mujoco.MjData(model)
     wanted = _reference(kind, duration)
     speeds, shown = np.gradient(wanted, _STEP), np.empty((2, wanted.size))
     data.qpos[0], seen, before = wanted[0], 0.0, wanted[0]
     for k in range(wanted.size):
-        position = np.round(data.qpos[0] / _RESOLUTION) * _RESOLUTION
+        position = np.round(data.qpos[0] / resolution) * resolution if resolution > 0.0 else data.qpos[0]
         seen, before = seen + _FILTER * ((position - before) / _STEP - seen), position
         torque = _GAINS[0] * (wanted[k] - position) + _GAINS[1] * (speeds[k] - seen)
         shown[:, k] = position, torque
-        data.qfrc_applied[0] = torque
+        data.qfrc_applied[0] = torque + truth.cogging * np.sin(_ORDER * data.qpos[0])
         mujoco.mj_step(model, data)
     each = round(1.0 / (rate * _STEP))
     position, torque = shown[:, ::each]
-    noise = _NOISE * np.random.default_rng(seed).standard_normal(position.size)
-    return Recording(np.arange(position.size) / rate, position, torque + noise)
+    return np.arange(position.size) / rate, position, torque

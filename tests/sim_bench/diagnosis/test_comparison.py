@@ -9,18 +9,15 @@ import pytest
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel
 from fricomp.sim_bench.diagnosis import RigidJoint
-from fricomp.sim_bench.diagnosis.comparison import (
-    NAMED,
-    PLAIN,
-    UNEXPLAINED,
-    Comparison,
+from fricomp.sim_bench.diagnosis.comparison import NAMED, PLAIN, UNEXPLAINED, Comparison
+from fricomp.sim_bench.diagnosis.friction_comparison import (
     GivenFriction,
     _uneven_effect,
     compare_friction,
-    compare_rigid,
     friction_changes,
 )
 from fricomp.sim_bench.diagnosis.observer import Plant
+from fricomp.sim_bench.diagnosis.rigid_comparison import compare_rigid
 from fricomp.sim_bench.diagnosis.track import FloatArray
 
 _PLANT = Plant(0.3, (1.0, 6.0), 0.0, (2.0, 2.6, 0.05, 1.0), (2.0, 2.6, 0.05, 1.0), 4e4)

@@ -1,0 +1,58 @@
+"""The record of a diagnosis as a file, `diagnosis.json`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from fricomp.errors import DiagnosisError
+
+from .result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord
+
+__all__ = ["diagnosis_json_schema", "load_diagnosis", "save_diagnosis"]
+
+
+def diagnosis_json_schema() -> dict[str, Any]:
+    """The JSON schema of `diagnosis.json`."""
+    return msgspec.json.schema(DiagnosisRecord)
+
+
+def save_diagnosis(diagnosis: Diagnosis | DiagnosisRecord, path: str | Path) -> None:
+    """Write `diagnosis.json`.
+
+    Raises:
+        DiagnosisError: The file cannot be written.
+    """
+    record = diagnosis.record if isinstance(diagnosis, Diagnosis) else diagnosis
+    try:
+        data = msgspec.json.encode(record, enc_hook=_plain_number)
+        Path(path).write_bytes(msgspec.json.format(data, indent=2) + b"\n")
+    except OSError as error:
+        raise DiagnosisError(f"cannot write the diagnosis {path}: {error.strerror or error}") from error
+
+
+def _plain_number(value: Any) -> float:
+    """A number of numpy as one of Python."""
+    if isinstance(value, np.generic):
+        return float(value)
+    raise DiagnosisError(f"a diagnosis holds {value!r} of {type(value).__name__}, which is not a number")
+
+
+def load_diagnosis(path: str | Path) -> DiagnosisRecord:
+    """Read `diagnosis.json`.
+
+    Raises:
+        DiagnosisError: The file is missing, damaged, or of another schema.
+    """
+    try:
+        record = msgspec.json.decode(Path(path).read_bytes(), type=DiagnosisRecord)
+    except OSError as error:
+        raise DiagnosisError(f"cannot read the diagnosis {path}: {error.strerror or error}") from error
+    except msgspec.DecodeError as error:
+        raise DiagnosisError(f"{path} is not a diagnosis, or is damaged: {error}") from error
+    if record.schema != DIAGNOSIS_SCHEMA:
+        raise DiagnosisError(f"{path} has schema {record.schema!r}; this version reads {DIAGNOSIS_SCHEMA!r}")
+    return record
