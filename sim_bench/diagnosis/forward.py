@@ -8,6 +8,7 @@ parameters come from the samples before the stretch that is simulated.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import cos, exp, sin
 from typing import Any
 
 import numpy as np
@@ -149,17 +150,21 @@ def simulate_forward(run: Run) -> FloatArray:
     model: Any = mujoco.MjModel.from_xml_string(text)
     data: Any = mujoco.MjData(model)
     data.qpos[0], data.qvel[0] = track.position[run.start], track.velocity[run.start]
-    level, additive = (np.broadcast_to(np.asarray(one), (track.size,)) for one in (run.added.level, run.added.additive))
+    # Single numbers come from lists at a fraction of what an array takes to give them, tens of thousands of times.
+    level, additive = (
+        np.broadcast_to(np.asarray(one), (track.size,)).tolist() for one in (run.added.level, run.added.additive)
+    )
     loop, drive = _Loop(run, step), _Drive(run, step)
+    position, velocity, friction, applied = data.qpos, data.qvel, model.dof_frictionloss, data.qfrc_applied
     out = np.empty(run.stop - run.start)
     for k in range(run.start, run.stop):
-        out[k - run.start] = data.qpos[0]
+        out[k - run.start] = position[0]
         for _ in range(substeps):
-            q, w = float(data.qpos[0]), float(data.qvel[0])
+            q, w = position.item(), velocity.item()
             dry, viscous = _friction(plant, w)
-            model.dof_frictionloss[0] = max(dry + float(level[k]), 1e-9)
+            friction[0] = max(dry + level[k], 1e-9)
             acting = drive.follow(loop.torque(k, q, w)) - _gravity(plant, q, track.rotary)
-            data.qfrc_applied[0] = acting - viscous - additive[k]
+            applied[0] = acting - viscous - additive[k]
             mujoco.mj_step(model, data)
     return out
 
@@ -171,7 +176,9 @@ class _Loop:
         self.run, self.step, self.integral = run, step, 0.0
         self.keep = run.controller.filtered(step)
         self.seen = float(run.track.velocity[run.start])
-        self.acceleration = np.gradient(run.reference[1], run.track.dt)
+        self.wanted: list[float] = run.reference[0].tolist()
+        self.speed: list[float] = run.reference[1].tolist()
+        self.acceleration: list[float] = np.gradient(run.reference[1], run.track.dt).tolist()
         if run.controller.integral_gain:
             start = float(run.track.torque[run.start])
             rest = start - self.torque(run.start, float(run.track.position[run.start]), self.seen)
@@ -179,13 +186,13 @@ class _Loop:
 
     def torque(self, k: int, q: float, w: float) -> float:
         """Torque at sample `k` for the simulated position and velocity [N·m]."""
-        c, (wanted, speed) = self.run.controller, self.run.reference[:, k]
+        c = self.run.controller
         self.seen = w + (self.seen - w) * self.keep
-        error = float(wanted) - q
+        error = self.wanted[k] - q
         self.integral += error * self.step
-        damping = c.derivative_gain * (c.reference_share * float(speed) - self.seen)
+        damping = c.derivative_gain * (c.reference_share * self.speed[k] - self.seen)
         steady = c.proportional_gain * error + c.integral_gain * self.integral + c.bias
-        total = steady + damping + c.acceleration_gain * float(self.acceleration[k])
+        total = steady + damping + c.acceleration_gain * self.acceleration[k]
         limit = c.torque_limit
         return total if limit is None else min(max(total, -limit), limit)
 
@@ -207,14 +214,14 @@ class _Drive:
 def _friction(plant: Plant, w: float) -> tuple[float, float]:
     """Level of dry friction and viscous torque at velocity `w` [N·m]."""
     coulomb, static, speed, viscous = plant.forward if w >= 0.0 else plant.reverse
-    fall = float(np.exp(-min(abs(w / speed) ** plant.stribeck_exponent, 50.0)))
+    fall = exp(-min(abs(w / speed) ** plant.stribeck_exponent, 50.0))
     return coulomb + (static - coulomb) * fall, viscous * w
 
 
 def _gravity(plant: Plant, q: float, rotary: bool) -> float:
     if not rotary:
         return plant.offset
-    return plant.gravity[0] * float(np.cos(q)) + plant.gravity[1] * float(np.sin(q)) + plant.offset
+    return plant.gravity[0] * cos(q) + plant.gravity[1] * sin(q) + plant.offset
 
 
 def _rms(values: FloatArray) -> float:

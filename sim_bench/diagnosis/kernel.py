@@ -65,8 +65,9 @@ FRICTION_SLOTS = (
 )
 
 
-LANES = 8
-"""Joints that `observe` runs at a time."""
+LANES = (8, 16)
+"""Joints that the kernels run at a time. The sums of a substep wait for each other, and other joints are advanced in
+the meantime: sixteen take little longer than eight."""
 
 # Rows of the lanes' state: the plant's numbers, what follows from them, the simulated joint, and the sample.
 _N_SLOTS, _REVERSE = len(FRICTION_SLOTS), 5  # and the distance from a number of the forward curve to its reverse one
@@ -75,7 +76,8 @@ _SIGMA_0, _SIGMA_1, _LAG, _SHARPNESS, _SPREAD, _CREEP, _LEAD = 11, 12, 13, 14, 1
 _MOBILITY, _SOFTNESS, _NARROW, _KEEP, _PER_SPEED, _PER_SPEED_REVERSE = 18, 19, 20, 21, 22, 23
 _X, _W, _Z, _FELT, _MEAN, _FIRST, _SECOND, _THIRD = 24, 25, 26, 27, 28, 29, 30, 31
 _Q, _V, _TAU, _LEVEL, _DQ, _DV, _DTAU, _DLEVEL = 32, 33, 34, 35, 36, 37, 38, 39
-_RATIO, _POWER, _LEAK, _SUM_U, _SUM_BRISTLE, _BEFORE, _TOP, _N_STATE = 40, 41, 42, 43, 44, 45, 46, 47
+_RATIO, _POWER, _LEAK, _SUM_U, _SUM_BRISTLE, _BEFORE, _TOP = 40, 41, 42, 43, 44, 45, 46
+_Q_NEXT, _V_NEXT, _TAU_NEXT, _LEVEL_NEXT, _N_STATE = 47, 48, 49, 50, 51
 
 
 def compiled(function: _F) -> _F:
@@ -105,18 +107,17 @@ def _falling(x: float) -> float:
 
 
 @_inlined
-def _start(state: np.ndarray, plants: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> tuple[bool, bool]:
-    """Fill in the plants and the first sample; returns whether any lane needs another Stribeck exponent than two, and
-    whether any creeps. Such a lane has no bristle."""
+def _start(state: np.ndarray, plants: np.ndarray) -> tuple[bool, bool]:
+    """Fill in the plants; returns whether any lane needs another Stribeck exponent than two, and whether any creeps.
+    Such a lane has no bristle."""
     general, creeping = False, False
-    for j in range(LANES):
+    for j in range(state.shape[1]):
         for i in range(_N_SLOTS):
             state[i, j] = plants[i, j]
         general = general or plants[_EXPONENT, j] != 2.0 or plants[_EXPONENT + _REVERSE, j] != 2.0
         state[_MOBILITY, j], state[_SOFTNESS, j] = 1.0 / plants[_INERTIA, j], 1.0 / plants[_SIGMA_0, j]
         state[_NARROW, j], state[_PER_SPEED, j] = 1.0 / plants[_SPREAD, j], 1.0 / plants[_SPEED, j]
         state[_PER_SPEED_REVERSE, j] = 1.0 / plants[_SPEED + _REVERSE, j]
-        state[_X, j], state[_W, j], state[_FELT, j] = position[j, 0], velocity[j, 0], velocity[j, 0]
         if plants[_CREEP, j] > 0.0:
             creeping = True
             state[_SIGMA_0, j], state[_SIGMA_1, j] = 0.0, 0.0
@@ -126,7 +127,7 @@ def _start(state: np.ndarray, plants: np.ndarray, position: np.ndarray, velocity
 @_inlined
 def _shortened(state: np.ndarray, h: float) -> float:
     """Take substeps of `h` [s] from here on; returns it."""
-    for j in range(LANES):
+    for j in range(state.shape[1]):
         state[_KEEP, j] = np.exp(-h / state[_LAG, j]) if state[_LAG, j] > 0.0 else 0.0
     return h
 
@@ -134,13 +135,13 @@ def _shortened(state: np.ndarray, h: float) -> float:
 @_inlined
 def _feel(state: np.ndarray, general: bool) -> None:
     """The speed that the friction level follows, and the exponent of its fall."""
-    for j in range(LANES):
+    for j in range(state.shape[1]):
         w, forth, back = state[_W, j], state[_PER_SPEED, j], state[_PER_SPEED_REVERSE, j]
         felt = w + (state[_FELT, j] - w) * state[_KEEP, j]
         ratio = abs(felt) * (forth if w >= 0.0 else back)
         state[_FELT, j], state[_RATIO, j], state[_POWER, j] = felt, ratio, ratio * ratio
     if general:
-        for j in range(LANES):
+        for j in range(state.shape[1]):
             exponent = state[_EXPONENT if state[_W, j] >= 0.0 else _EXPONENT + _REVERSE, j]
             if exponent != 2.0:
                 state[_POWER, j] = state[_RATIO, j] ** exponent
@@ -154,7 +155,7 @@ def _advance(
 
     The error is taken where the substep begins, so that its size leaves no trace in it.
     """
-    for j in range(LANES):
+    for j in range(state.shape[1]):
         x, w, z = state[_X, j], state[_W, j], state[_Z, j]
         c_f, c_r = state[_COULOMB, j], state[_COULOMB + _REVERSE, j]
         s_f, s_r = state[_STATIC, j], state[_STATIC + _REVERSE, j]
@@ -186,7 +187,7 @@ def _advance(
 @_inlined
 def _remember(state: np.ndarray, middle: float) -> None:
     """Velocity and friction level at the beginning of a substep, for the lanes that creep."""
-    for j in range(LANES):
+    for j in range(state.shape[1]):
         w = state[_W, j]
         forth = w >= 0.0
         c, top = state[_COULOMB, j], state[_STATIC, j]
@@ -202,7 +203,7 @@ def _creep(state: np.ndarray, h: float) -> None:
 
     It depends on the velocity and acceleration that it leaves itself, so that no stiffness is too large for the step.
     """
-    for j in range(LANES):
+    for j in range(state.shape[1]):
         speed, top, mobility = state[_CREEP, j], state[_TOP, j], state[_MOBILITY, j]
         if speed > 0.0:
             free = (state[_W, j] - state[_BEFORE, j]) / h
@@ -217,109 +218,147 @@ def _creep(state: np.ndarray, h: float) -> None:
             state[_SUM_BRISTLE, j] += friction
 
 
+@_inlined
+def _substep(
+    state: np.ndarray,
+    how: tuple[bool, bool],
+    at: tuple[float, float],
+    h: float,
+    gains: tuple[float, float],
+    rest_speed: float,
+) -> None:
+    """One substep of `h` [s]: by what `_start` returned, between two shares of the sample."""
+    _feel(state, how[0])
+    if how[1]:
+        _remember(state, at[1])
+    _advance(state, at[0], at[1], h, gains, rest_speed)
+    if how[1]:
+        _creep(state, h)
+
+
+@_inlined
+def _look_ahead(state: np.ndarray, signals: tuple[np.ndarray, ...], rows: np.ndarray, k: int) -> None:
+    """Read the sample that ends the next step."""
+    position, velocity, torque, level = signals
+    for j in range(state.shape[1]):
+        state[_Q_NEXT, j], state[_V_NEXT, j] = position[rows[0, j], k], velocity[rows[1, j], k]
+        state[_TAU_NEXT, j], state[_LEVEL_NEXT, j] = torque[rows[2, j], k], level[rows[3, j], k]
+
+
+@_inlined
+def _take(state: np.ndarray, leak: float, rest_speed: float) -> None:
+    """Go on to the sample that was looked ahead to."""
+    for j in range(state.shape[1]):
+        state[_Q, j], state[_V, j] = state[_Q_NEXT, j], state[_V_NEXT, j]
+        state[_TAU, j], state[_LEVEL, j] = state[_TAU_NEXT, j], state[_LEVEL_NEXT, j]
+        # A joint that creeps returns by itself to where it is recorded.
+        state[_LEAK, j] = leak if abs(state[_V, j]) < rest_speed and state[_CREEP, j] == 0.0 else 0.0
+        state[_SUM_U, j], state[_SUM_BRISTLE, j] = 0.0, 0.0
+
+
+@_inlined
+def _aim(state: np.ndarray) -> None:
+    """How far each signal goes until the sample that was looked ahead to."""
+    for j in range(state.shape[1]):
+        state[_DQ, j], state[_DV, j] = state[_Q_NEXT, j] - state[_Q, j], state[_V_NEXT, j] - state[_V, j]
+        state[_DTAU, j] = state[_TAU_NEXT, j] - state[_TAU, j]
+        state[_DLEVEL, j] = state[_LEVEL_NEXT, j] - state[_LEVEL, j]
+
+
 @compiled
 def observe(
-    position: np.ndarray,
-    velocity: np.ndarray,
-    torque: np.ndarray,
-    level: np.ndarray,
+    signals: tuple[np.ndarray, ...],
+    rows: np.ndarray,
     plants: np.ndarray,
     observer: np.ndarray,
     substeps: np.ndarray,
+    lanes: tuple[int, ...],
     out: np.ndarray,
 ) -> None:
-    """Run `LANES` observed joints side by side, each along its own samples.
+    """Run observed joints side by side, each along its own samples; several may share a signal.
 
     Args:
-        position: Recorded q [rad]. Shape (LANES, n), like the next three.
-        velocity: Estimated v [rad/s].
-        torque: Applied torque less gravity and offset [N·m].
-        level: Torque added to the dry friction level [N·m].
-        plants: Numbers in the order of `FRICTION_SLOTS`. Shape (18, LANES).
+        signals: Recorded q [rad], estimated v [rad/s], applied torque less gravity and offset [N·m] and torque added
+            to the dry friction level [N·m]. Shapes (any number, n).
+        rows: Which row of each signal is that of a lane. Shape (4, n_lanes).
+        plants: Numbers in the order of `FRICTION_SLOTS`. Shape (18, n_lanes).
         observer: dt [s], K [N·m/rad], D [N·m·s/rad], rest speed [rad/s], leak [1/s].
         substeps: In how many steps each sample is taken. Shape (n,).
-        out: Filled with u [N·m], x [rad], w [rad/s], bristle torque [N·m]. Shape (4, LANES, n). Position and velocity
-            stand at the sample, torques are means until the next one.
+        lanes: As long as there are lanes, so that their number is known where it is compiled: one of `LANES`.
+        out: Filled with u [N·m], x [rad], w [rad/s], bristle torque [N·m]. Shape (4, n_lanes, n); or (1, n_lanes, n)
+            for u alone. Position and velocity stand at the sample, torques are means until the next one.
     """
     dt, gains, rest_speed, leak = observer[0], (observer[1], observer[2]), observer[3], observer[4]
-    n, state, taken, h = position.shape[1], np.zeros((_N_STATE, LANES)), 0, 0.0
-    general, creeping = _start(state, plants, position, velocity)
+    n, state, taken, h = substeps.shape[0], np.zeros((_N_STATE, len(lanes))), 0, 0.0
+    whole, how = out.shape[0] > 1, _start(state, plants)
+    _look_ahead(state, signals, rows, 0)
+    for j in range(state.shape[1]):
+        state[_X, j], state[_W, j], state[_FELT, j] = state[_Q_NEXT, j], state[_V_NEXT, j], state[_V_NEXT, j]
     for k in range(n):
         if substeps[k] != taken:
             taken, h = substeps[k], _shortened(state, dt / substeps[k])
-        after = min(k + 1, n - 1)
-        for j in range(LANES):
-            q, v, tau, extra = position[j, k], velocity[j, k], torque[j, k], level[j, k]
-            state[_Q, j], state[_V, j], state[_TAU, j], state[_LEVEL, j] = q, v, tau, extra
-            state[_DQ, j], state[_DV, j] = position[j, after] - q, velocity[j, after] - v
-            state[_DTAU, j], state[_DLEVEL, j] = torque[j, after] - tau, level[j, after] - extra
-            # A joint that creeps returns by itself to where it is recorded.
-            state[_LEAK, j] = leak if abs(v) < rest_speed and state[_CREEP, j] == 0.0 else 0.0
-            state[_SUM_U, j], state[_SUM_BRISTLE, j] = 0.0, 0.0
-            out[1, j, k], out[2, j, k] = state[_X, j], state[_W, j]
+        _take(state, leak, rest_speed)
+        _look_ahead(state, signals, rows, min(k + 1, n - 1))
+        _aim(state)
+        if whole:
+            out[1, :, k], out[2, :, k] = state[_X], state[_W]
         for s in range(taken):
-            _feel(state, general)
-            if creeping:
-                _remember(state, (s + 0.5) / taken)
-            _advance(state, s / taken, (s + 0.5) / taken, h, gains, rest_speed)
-            if creeping:
-                _creep(state, h)
-        for j in range(LANES):
-            out[0, j, k], out[3, j, k] = state[_SUM_U, j] / taken, state[_SUM_BRISTLE, j] / taken
+            _substep(state, how, (s / taken, (s + 0.5) / taken), h, gains, rest_speed)
+        for j in range(state.shape[1]):
+            out[0, j, k] = state[_SUM_U, j] / taken
+        if whole:
+            for j in range(state.shape[1]):
+                out[3, j, k] = state[_SUM_BRISTLE, j] / taken
 
 
 @compiled
 def close_loop(
-    position: np.ndarray,
-    velocity: np.ndarray,
-    torque: np.ndarray,
-    level: np.ndarray,
+    signals: np.ndarray,
     plants: np.ndarray,
     loop: tuple[float, float, float, float],
     encoders: np.ndarray,
     substeps: np.ndarray,
+    lanes: tuple[int, ...],
     out: np.ndarray,
 ) -> None:
-    """Run `LANES` joints side by side under a loop that sees their positions in steps and answers to each.
+    """Run joints side by side under a loop that sees their positions in steps and answers to each.
 
     Args:
-        position: Where the joint would be without the steps [rad]. Shape (LANES, n), like the next three.
-        velocity: How fast it would be, of which the first one counts [rad/s].
-        torque: Torque that moves it so, less gravity and offset [N·m].
-        level: Torque added to the dry friction level [N·m].
-        plants: Numbers in the order of `FRICTION_SLOTS`. Shape (18, LANES).
+        signals: Where the joint would be without the steps [rad], how fast it would be, of which the first one counts
+            [rad/s], torque that moves it so, less gravity and offset [N·m], and torque added to the dry friction level
+            [N·m]. Shape (4, n).
+        plants: Numbers in the order of `FRICTION_SLOTS`. Shape (18, n_lanes).
         loop: dt [s], P [N·m/rad], D [N·m·s/rad], what its velocity filter keeps from sample to sample.
-        encoders: Step [rad], 0 for none, and origin [rad] of each encoder. Shape (2, LANES).
+        encoders: Step [rad], 0 for none, and origin [rad] of each encoder. Shape (2, n_lanes).
         substeps: In how many steps each sample is taken. Shape (n,).
+        lanes: As long as there are lanes: one of `LANES`.
         out: Filled with the loop's answer, held until the next sample [N·m], and the position that the encoder shows
-            [rad]. Shape (2, LANES, n).
+            [rad]. Shape (2, n_lanes, n).
     """
     dt, stiffness, damping, filtered = loop
+    position, velocity, torque, level = signals
     steps, origins = encoders[0], encoders[1]
-    n, state, taken, h = position.shape[1], np.zeros((_N_STATE, LANES)), 0, 0.0
-    rate, before = np.zeros(LANES), np.zeros(LANES)
-    general, creeping = _start(state, plants, position, velocity)
+    n, state, taken, h = position.size, np.zeros((_N_STATE, len(lanes))), 0, 0.0
+    rate, before = np.zeros(len(lanes)), np.zeros(len(lanes))
+    how = _start(state, plants)
+    for j in range(state.shape[1]):
+        state[_X, j], state[_W, j], state[_FELT, j] = position[0], velocity[0], velocity[0]
     for k in range(n):
         if substeps[k] != taken:
             taken, h = substeps[k], _shortened(state, dt / substeps[k])
         after = min(k + 1, n - 1)
-        for j in range(LANES):
+        for j in range(state.shape[1]):
             x, step, origin = state[_X, j], steps[j], origins[j]
             seen = step * np.round((x - origin) / step) + origin if step > 0.0 else x
-            error = position[j, k] - seen
+            error = position[k] - seen
             change = (error - before[j]) / dt if k > 0 else 0.0
             rate[j], before[j] = change + (rate[j] - change) * filtered, error
             answer = stiffness * error + damping * rate[j]
-            state[_TAU, j], state[_DTAU, j] = torque[j, k] + answer, torque[j, after] - torque[j, k]
-            state[_LEVEL, j], state[_DLEVEL, j] = level[j, k], level[j, after] - level[j, k]
+            state[_TAU, j], state[_DTAU, j] = torque[k] + answer, torque[after] - torque[k]
+            state[_LEVEL, j], state[_DLEVEL, j] = level[k], level[after] - level[k]
             out[0, j, k], out[1, j, k] = answer, seen
         for s in range(taken):
-            _feel(state, general)
-            if creeping:
-                _remember(state, (s + 0.5) / taken)
-            _advance(state, s / taken, (s + 0.5) / taken, h, (0.0, 0.0), 0.0)
-            if creeping:
-                _creep(state, h)
+            _substep(state, how, (s / taken, (s + 0.5) / taken), h, (0.0, 0.0), 0.0)
 
 
 @compiled

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.signal import lfilter
 
 from .kernel import FRICTION_SLOTS, LANES, observe
@@ -21,8 +22,11 @@ __all__ = [
     "Plant",
     "ahead_of",
     "behind",
-    "lanes_of",
+    "lanes_for",
+    "missing_torques",
+    "plants_of",
     "simulate_all",
+    "torque_of",
 ]
 
 THREADS = 2
@@ -176,51 +180,106 @@ def simulate_all(jobs: Sequence[Job], observer: Observer, gains: tuple[float, fl
         observer: Observer settings.
         gains: K [N·m/rad] and D [N·m·s/rad].
     """
+    return [Observation(*one) for one in _run_all(jobs, observer, gains, seen=4)]
+
+
+def missing_torques(jobs: Sequence[Job], observer: Observer, gains: tuple[float, float]) -> list[FloatArray]:
+    """What `simulate_all` gives as `missing`, without the rest, which takes time to write down. Shapes (n,)."""
+    return [missing for (missing,) in _run_all(jobs, observer, gains, seen=1)]
+
+
+def _run_all(
+    jobs: Sequence[Job], observer: Observer, gains: tuple[float, float], seen: int
+) -> list[tuple[FloatArray, ...]]:
+    """The first so many signals of an observation, for each job."""
     settings = (*gains, observer.rest_speed, observer.leak)
     groups: dict[int, list[int]] = {}
     for index, job in enumerate(jobs):
         groups.setdefault(id(job.track.substeps), []).append(index)
-    batches = [part[i : i + LANES] for part in groups.values() for i in range(0, len(part), LANES)]
-    result: dict[int, Observation] = {}
+    batches = [part[i : i + LANES[-1]] for part in groups.values() for i in range(0, len(part), LANES[-1])]
+    result: dict[int, tuple[FloatArray, ...]] = {}
     with ThreadPoolExecutor(THREADS) as pool:
-        runs = pool.map(lambda batch: _simulate([jobs[i] for i in batch], settings), batches)
+        runs = pool.map(lambda batch: _simulate([jobs[i] for i in batch], settings, seen), batches)
         for batch, observations in zip(batches, runs, strict=True):
             result |= dict(zip(batch, observations, strict=True))
     return [result[index] for index in range(len(jobs))]
 
 
-def _simulate(jobs: Sequence[Job], settings: tuple[float, ...]) -> list[Observation]:
-    """Run at most `LANES` simulations of tracks of one length."""
-    first, (signals, plants) = jobs[0].track, lanes_of(jobs)
-    out = np.empty((4, LANES, first.size))
+def _simulate(jobs: Sequence[Job], settings: tuple[float, ...], seen: int) -> list[tuple[FloatArray, ...]]:
+    """Run simulations of tracks of one length, no more than the kernel has lanes."""
+    first, lanes = jobs[0].track, lanes_for(len(jobs))
+    assert first.substeps.size == first.size, "the track is none of a problem: observer_for fixes its substeps"
+    out = np.empty((seen, len(lanes), first.size))
     observer = np.array([first.dt, *settings])
-    observe(signals[0], signals[1], signals[2], signals[3], plants, observer, first.substeps, out)
-    return [
-        Observation(ahead_of(out[0, lane], job.contribution.lags, first.dt), *out[1:, lane])
-        for lane, job in enumerate(jobs)
-    ]
+    signals, rows = _signals_of(jobs, lanes)
+    observe(signals, rows, plants_of(jobs, lanes), observer, first.substeps, lanes, out)
+    return [(ahead_of(out[0, lane], job.contribution.lags, first.dt), *out[1:, lane]) for lane, job in enumerate(jobs)]
 
 
-def lanes_of(jobs: Sequence[Job]) -> tuple[FloatArray, FloatArray]:
-    """What the kernels take of at most `LANES` simulations; lanes left over repeat the last one.
+def lanes_for(count: int) -> tuple[int, ...]:
+    """The fewest lanes of a kernel that hold `count` joints; those left over repeat the last one."""
+    return tuple(range(next(lanes for lanes in LANES if lanes >= count)))
 
-    Returns:
-        Position, velocity, torque without gravity and what effects add, and level of each lane, shape (4, LANES, n),
-        and the numbers of its plant, shape (18, LANES).
+
+def plants_of(jobs: Sequence[Job], lanes: tuple[int, ...]) -> FloatArray:
+    """Numbers of the plant of each lane. Shape (18, n_lanes)."""
+    each = [_plant(job).slots() for job in jobs]
+    return np.stack([each[min(lane, len(jobs) - 1)] for lane in lanes], axis=1)
+
+
+def _plant(job: Job) -> Plant:
+    return replace(job.plant, **job.contribution.plant) if job.contribution.plant else job.plant
+
+
+def _signals_of(jobs: Sequence[Job], lanes: tuple[int, ...]) -> tuple[tuple[FloatArray, ...], NDArray[np.int64]]:
+    """Position, velocity, torque and level as `observe` takes them, and which row of each is a lane's.
+
+    Points of a Jacobian differ by one parameter: most of them share all signals.
     """
-    n = jobs[0].track.size
-    assert jobs[0].track.substeps.size == n, "the track is none of a problem: observer_for fixes its substeps"
-    signals, plants = np.empty((4, LANES, n)), np.empty((len(FRICTION_SLOTS), LANES))
-    for lane in range(LANES):
-        track, plant, contribution = jobs[min(lane, len(jobs) - 1)]
-        plant = replace(plant, **contribution.plant) if contribution.plant else plant
-        plants[:, lane] = plant.slots()
-        signals[0, lane], signals[1, lane] = track.position, track.velocity
-        held = plant.static_torque(*track.waves) if track.rotary else plant.offset
-        torque = shifted(track.torque, (plant.delay + contribution.delay) / track.dt)
-        signals[2, lane] = behind(torque, contribution.lags, track.dt) - held - contribution.additive
-        signals[3, lane] = contribution.level
-    return signals, plants
+    keys = [(id(job.track), _driven_by(job), _identity(job.contribution.level)) for job in jobs]
+    tracks, driven, levels = (dict(zip(column, jobs, strict=True)) for column in zip(*keys, strict=True))
+    recorded: dict[tuple[object, ...], FloatArray] = {}
+    position, velocity = (
+        np.stack([getattr(job.track, n) for job in tracks.values()]) for n in ("position", "velocity")
+    )
+    torque = np.stack([_torque(job, recorded) for job in driven.values()])
+    level = np.stack([_level(job) for job in levels.values()])
+    places = [{key: row for row, key in enumerate(table)} for table in (tracks, tracks, driven, levels)]
+    each = [[place[key] for place, key in zip(places, (one[0], *one), strict=True)] for one in keys]
+    rows = np.array([each[min(lane, len(jobs) - 1)] for lane in lanes]).T.copy()
+    return (position, velocity, torque, level), rows
+
+
+def _level(job: Job) -> FloatArray:
+    return np.broadcast_to(np.asarray(job.contribution.level, dtype=np.float64), job.track.position.shape)
+
+
+def _driven_by(job: Job) -> tuple[object, ...]:
+    """What the torque of a simulation depends on."""
+    plant, added = _plant(job), job.contribution
+    return id(job.track), plant.delay + added.delay, added.lags, plant.gravity, plant.offset, _identity(added.additive)
+
+
+def _identity(values: FloatArray | float) -> object:
+    """The same for what is the same: a number by its value, an array by its place."""
+    return id(values) if isinstance(values, np.ndarray) else ("number", float(values))
+
+
+def torque_of(job: Job) -> FloatArray:
+    """Torque that drives the bristle: the recorded one less gravity, offset and what effects add. Shape (n,)."""
+    return _torque(job, {})
+
+
+def _torque(job: Job, recorded: dict[tuple[object, ...], FloatArray]) -> FloatArray:
+    """The same, with recorded torques by track, delay and lags where they are known."""
+    track, plant, added = job.track, _plant(job), job.contribution
+    delay = plant.delay + added.delay
+    key = (id(track), delay, added.lags)
+    if key not in recorded:
+        recorded[key] = behind(shifted(track.torque, delay / track.dt), added.lags, track.dt)
+    held = plant.static_torque(*track.waves) if track.rotary else plant.offset
+    result: FloatArray = recorded[key] - held - added.additive
+    return result
 
 
 def shifted(values: FloatArray, samples: float) -> FloatArray:

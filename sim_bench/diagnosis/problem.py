@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import cycle
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from scipy.ndimage import binary_erosion
 from scipy.signal import lfilter
 
 from .base import SOFTEST, unpack
-from .observer import Contribution, Job, Observation, Observer, Plant, simulate_all
+from .observer import Contribution, Job, Observation, Observer, Plant, missing_torques, simulate_all
 from .rows import RowGrid
 from .track import FloatArray, Track, smooth_derivative
 
@@ -73,13 +74,22 @@ class Problem:
 
     def runs(self, plants: Sequence[Plant], contributions: Sequence[Sequence[Contribution]]) -> list[list[Observation]]:
         """Observe every recording for every plant."""
-        jobs = [
+        flat, n = self.observe(self._jobs(plants, contributions)), len(self.tracks)
+        return [flat[i : i + n] for i in range(0, len(flat), n)]
+
+    def vectors(self, plants: Sequence[Plant], contributions: Sequence[Sequence[Contribution]]) -> list[FloatArray]:
+        """The residual as one weighted vector, for every plant. Shapes (m,)."""
+        flat = missing_torques(self._jobs(plants, contributions), self.observer, self.gains)
+        rows = [grid.of(one) for grid, one in zip(cycle(self.grids), flat, strict=False)]
+        n = len(self.tracks)
+        return [self._weighed(rows[i : i + n]) for i in range(0, len(rows), n)]
+
+    def _jobs(self, plants: Sequence[Plant], contributions: Sequence[Sequence[Contribution]]) -> list[Job]:
+        return [
             Job(track, plant, contribution)
             for plant, per_track in zip(plants, contributions, strict=True)
             for track, contribution in zip(self.tracks, per_track, strict=True)
         ]
-        flat, n = self.observe(jobs), len(self.tracks)
-        return [flat[i : i + n] for i in range(0, len(flat), n)]
 
     def rows(self, observations: Sequence[Observation]) -> list[FloatArray]:
         """Missing torque at the rows of each recording [N·m]."""
@@ -87,7 +97,9 @@ class Problem:
 
     def vector(self, observations: Sequence[Observation]) -> FloatArray:
         """The residual as one weighted vector. Shape (m,)."""
-        rows = self.rows(observations)
+        return self._weighed(self.rows(observations))
+
+    def _weighed(self, rows: Sequence[FloatArray]) -> FloatArray:
         return np.concatenate(rows) if self.weights is None else self.weights.apply(rows)
 
     def residual(self, effects: Effects, n_base: int) -> Callable[[Sequence[FloatArray]], list[FloatArray]]:
@@ -96,7 +108,7 @@ class Problem:
         def evaluate(points: Sequence[FloatArray]) -> list[FloatArray]:
             plants = [unpack(point[:n_base]) for point in points]
             contributions = [effects(point[n_base:]) for point in points]
-            return [self.vector(run) for run in self.runs(plants, contributions)]
+            return self.vectors(plants, contributions)
 
         return evaluate
 

@@ -97,10 +97,10 @@ def screen(
         ]
         for candidate, vector, _ in points
     ]
-    runs = problem.runs([structure.plant(theta)] * len(points), contributions)
+    vectors = problem.vectors([structure.plant(theta)] * len(points), contributions)
     columns: dict[Candidate, list[FloatArray]] = {}
-    for (candidate, _, step), run in zip(points, runs, strict=True):
-        columns.setdefault(candidate, []).append((problem.vector(run) - residual) / step)
+    for (candidate, _, step), vector in zip(points, vectors, strict=True):
+        columns.setdefault(candidate, []).append((vector - residual) / step)
     result = []
     for candidate, parts in columns.items():
         if not all(np.all(np.isfinite(part)) for part in parts):

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from .track import FloatArray
@@ -157,7 +158,8 @@ def descend(
     J[:, : known.shape[1]] = known.reshape(at.size, -1)
     damping, age = 1e-3, 0
     for _ in range(iterations):
-        trials = [_step(J, residual, theta, box, damping * factor) for factor in _DAMPINGS]
+        normal = _Normal(J, residual, box)
+        trials = [_step(normal, theta, box, damping * factor) for factor in _DAMPINGS]
         trials += [theta + part * (trials[0] - theta) for part in _PARTS]
         values = yield trials
         costs = [_cost(value, trial, box) for value, trial in zip(values, trials, strict=True)]
@@ -224,19 +226,18 @@ def _cost(residual: FloatArray, theta: FloatArray, box: Box) -> float:
     return value if np.isfinite(value) else np.inf
 
 
-def _step(J: FloatArray, residual: FloatArray, theta: FloatArray, box: Box, damping: float) -> FloatArray:
+def _step(normal: _Normal, theta: FloatArray, box: Box, damping: float) -> FloatArray:
     """Damped step in scaled parameters; those that would leave the box stay at its edge."""
     free = box.lower < box.upper
     target = theta
     for _ in range(3):
         S = box.scale[free]
-        A = J[:, free] * S
-        H = A.T @ A + box.scaled_precision[np.ix_(free, free)]
+        A, H = normal.of(free)
         g = (
-            A.T @ (residual + J[:, ~free] @ (target - theta)[~free])
+            A.T @ (normal.residual + normal.jacobian[:, ~free] @ (target - theta)[~free])
             + S * (box.precision @ (np.where(free, theta, target) - box.centre))[free]
         )
-        H += damping * np.diag(np.diag(H) + 1e-9 * np.trace(H) / H.shape[0])
+        H = H + damping * np.diag(np.diag(H) + 1e-9 * np.trace(H) / H.shape[0])
         move = np.zeros(theta.size)
         move[free] = -S * np.linalg.lstsq(H, g, rcond=1e-12)[0]
         move[~free] = (target - theta)[~free]
@@ -247,3 +248,28 @@ def _step(J: FloatArray, residual: FloatArray, theta: FloatArray, box: Box, damp
             break
         free &= ~outside
     return target
+
+
+@dataclass(frozen=True)
+class _Normal:
+    """The normal equations of a step, which all its dampings share.
+
+    Attributes:
+        jacobian: Shape (m, p).
+        residual: Shape (m,).
+        box: Domain and priors.
+        known: Scaled columns and their products by the parameters that are free.
+    """
+
+    jacobian: FloatArray
+    residual: FloatArray
+    box: Box
+    known: dict[bytes, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
+
+    def of(self, free: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
+        """Scaled columns of the parameters `free`, shape (m, k), and their products with the prior, shape (k, k)."""
+        key = free.tobytes()
+        if key not in self.known:
+            A = self.jacobian[:, free] * self.box.scale[free]
+            self.known[key] = A, A.T @ A + self.box.scaled_precision[np.ix_(free, free)]
+        return self.known[key]

@@ -10,7 +10,7 @@ import numpy as np
 
 from .controller import Controller
 from .kernel import LANES, close_loop
-from .observer import THREADS, Job, Observation, lanes_of, shifted
+from .observer import THREADS, Job, Observation, lanes_for, plants_of, shifted, torque_of
 from .track import FloatArray, Track
 
 __all__ = ["StepAnswer", "step_answers"]
@@ -53,7 +53,7 @@ def step_answers(job: Job, truth: Observation, applied: FloatArray, *, count: in
     told = job._replace(track=replace(track, position=truth.position, velocity=truth.velocity, torque=applied))
     steps = np.array([0.0, *np.full(count, track.resolution)])
     encoders = np.stack([steps, steps * np.random.default_rng(seed).uniform(size=count + 1)])
-    batches = [encoders[:, i : i + LANES] for i in range(0, count + 1, LANES)]
+    batches = [encoders[:, i : i + LANES[-1]] for i in range(0, count + 1, LANES[-1])]
     first = _run(told, loop, batches[0])
     smooth, stepped = first[0], first[1]
     if not _credible(stepped, smooth, truth, track):
@@ -72,11 +72,13 @@ def step_answers(job: Job, truth: Observation, applied: FloatArray, *, count: in
 
 
 def _run(job: Job, loop: Controller, encoders: FloatArray) -> list[StepAnswer]:
-    """At most `LANES` joints under the loop, each with its encoder."""
-    track, (signals, plants) = job.track, lanes_of([job])
+    """Joints under the loop, each with its encoder, no more than the kernel has lanes."""
+    track, lanes = job.track, lanes_for(encoders.shape[1])
+    level = np.broadcast_to(np.asarray(job.contribution.level, dtype=np.float64), track.position.shape)
+    signals = np.stack([track.position, track.velocity, torque_of(job), level])
     settings = (track.dt, loop.proportional_gain, loop.derivative_gain, loop.filtered(track.dt))
-    each, out = np.resize(encoders.T, (LANES, 2)).T.copy(), np.empty((2, LANES, track.size))
-    close_loop(signals[0], signals[1], signals[2], signals[3], plants, settings, each, track.substeps, out)
+    each, out = np.resize(encoders.T, (len(lanes), 2)).T.copy(), np.empty((2, len(lanes), track.size))
+    close_loop(signals, plants_of([job], lanes), settings, each, track.substeps, lanes, out)
     return [StepAnswer(out[1, lane], out[0, lane]) for lane in range(encoders.shape[1])]
 
 

@@ -168,8 +168,7 @@ def fit_all(problem: Problem, descents: Sequence[tuple[Structure, Descent]]) -> 
 
     def evaluate(asked: list[list[FloatArray]]) -> list[list[FloatArray]]:
         pairs = [(s, point) for s, points in zip(structures, asked, strict=True) for point in points]
-        runs = problem.runs([s.plant(p) for s, p in pairs], _contributions(pairs))
-        vectors = iter([problem.vector(run) for run in runs])
+        vectors = iter(problem.vectors([s.plant(p) for s, p in pairs], _contributions(pairs)))
         return [[next(vectors) for _ in points] for points in asked]
 
     return together([descent for _, descent in descents], evaluate)

@@ -61,19 +61,23 @@ def twist(position: np.ndarray, gravity: np.ndarray, gradient: np.ndarray, setti
     n = position.shape[0]
     theta = position[0] - gravity[0] / stiffness - (half if gravity[0] >= 0.0 else -half)
     w = (position[min(8, n - 1)] - position[0]) / (min(8, n - 1) * settings[0])
+    push = h / inertia
     for k in range(n):
         speed = (position[min(k + 1, n - 1)] - position[k]) / settings[0]
         out[k] = position[k] - theta
         for i in range(substeps):
             s = position[k] + speed * h * (i + 0.5) - theta
-            stretch = s - min(max(s, -half), half)
+            # Every sum waits for the last one, so a spring without a gap does without those for the gap.
+            stretch = s if half == 0.0 else s - min(max(s, -half), half)
             torque = 0.0
             if stretch != 0.0 or half == 0.0:
                 elastic = stiffness * stretch
-                torque = elastic * (1.0 + cubic * elastic * elastic) + damping * (speed - w)
+                if cubic > 0.0:
+                    elastic *= 1.0 + cubic * elastic * elastic
+                torque = elastic + damping * (speed - w)
                 if half > 0.0 and torque * stretch < 0.0:
                     torque = 0.0
-            w += h * (torque - gravity[k] + gradient[k] * s) / inertia
+            w += push * (torque + (gradient[k] * s - gravity[k]))
             theta += h * w
     return out
 

@@ -26,9 +26,11 @@ def _held(plant: Plant, speed: float, substeps: int) -> FloatArray:
     """Dry friction of a joint held tightly to a constant speed [N·m]. Shape (n,)."""
     time = np.arange(1000) * DT
     settings, steps = np.array([DT, 1e6, 2e3, 1e-3, 200.0]), np.full(time.size, substeps)
-    signals = [np.tile(one, (LANES, 1)) for one in (speed * time, np.full_like(time, speed), 0 * time, 0 * time)]
-    plants, out = np.tile(plant.slots()[:, None], LANES), np.empty((4, LANES, time.size))
-    observe(signals[0], signals[1], signals[2], signals[3], plants, settings, steps, out)
+    lanes = tuple(range(LANES[0]))
+    signals = (speed * time, np.full_like(time, speed), 0 * time, 0 * time)
+    rows = np.zeros((4, len(lanes)), dtype=np.int64)
+    plants, out = np.tile(plant.slots()[:, None], len(lanes)), np.empty((4, len(lanes), time.size))
+    observe(tuple(one[None] for one in signals), rows, plants, settings, steps, lanes, out)
     return np.asarray(out[3, 0])
 
 

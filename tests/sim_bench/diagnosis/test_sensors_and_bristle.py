@@ -60,9 +60,11 @@ def reversal_torque(plant: Plant, travel: float) -> FloatArray:
     position = np.concatenate([there, back])
     velocity = np.gradient(position, DT)
     settings, substeps = np.array([DT, 1e6, 2e3, 0.0, 0.0]), np.full(position.size, 10)
-    signals = [np.tile(one, (LANES, 1)) for one in (position, velocity, 0.0 * position, 0.0 * position)]
-    plants, out = np.tile(plant.slots()[:, None], LANES), np.empty((4, LANES, position.size))
-    observe(signals[0], signals[1], signals[2], signals[3], plants, settings, substeps, out)
+    lanes = tuple(range(LANES[0]))
+    signals = (position, velocity, 0.0 * position, 0.0 * position)
+    rows = np.zeros((4, len(lanes)), dtype=np.int64)
+    plants, out = np.tile(plant.slots()[:, None], len(lanes)), np.empty((4, len(lanes), position.size))
+    observe(tuple(one[None] for one in signals), rows, plants, settings, substeps, lanes, out)
     return np.asarray(out[3, 0])
 
 
