@@ -38,7 +38,10 @@ _ASTRAY = 0.5  # of the first fit's cost, that a fit from another start must sta
 _FIRST_NULLS = 12  # for the weights of the first refit
 # Residual of friction that creeps over that of its nulls: 1.07 to 1.17 where it does creep, 6 to 48 where it sticks.
 _QUIET = 1.2
-_MOST = 0.95  # of the energy above the noise that creep explains where something else is missing besides
+_MOST = 0.95  # of the energy above the noise that creep explains where a trace of something else is missing besides
+# Energy left with creep, of that with a bristle, where much else is missing: joints that creep beside cogging or load
+# friction had 0.02 to 0.64 of it, those that stick beside any effect 0.76 (a clear frictional lag) and more.
+_MUCH_LESS = 0.7
 _HALF_STEPS = 6  # towards the colour of the nulls
 _SAME_COLOUR = 0.08  # difference of correlations that chance may bring
 _DYING, _FAINTER = 0.9, 8  # largest root of a filter that dies away within some rows, and tries to get there
@@ -144,8 +147,9 @@ def _first_fit(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | 
 def _with_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int) -> tuple[Fit, Box]:
     """The fit and its domain, or those of friction that never holds, where it leaves no more than its own nulls do.
 
-    Whatever is missing may look a little like creep, so it must explain all of a loud residual, or all but a trace.
-    A joint that creeps shows more noise at rest than one that sticks, so it is judged by nulls of its own.
+    Whatever is missing may look a little like creep, so it must explain all of a loud residual, all but a trace, or so
+    much that no joint which sticks has been seen to let it explain. A joint that creeps shows more noise at rest than
+    one that sticks, so it is judged by nulls of its own.
     """
     tried = creeping(problem, fit, box, _top_speed(raw.tracks)) if loud(fit) else None
     if tried is None:
@@ -159,7 +163,7 @@ def _with_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int) -
         return fit, box
     left = np.mean([vector @ vector for vector in nulls.vectors()])
     quiet = found.residual @ found.residual <= _QUIET**2 * left
-    return (found, free) if quiet or explained > _MOST else (fit, box)
+    return (found, free) if quiet or explained > _MOST or after < _MUCH_LESS * before else (fit, box)
 
 
 def _top_speed(tracks: Sequence[Track]) -> float:
