@@ -11,7 +11,7 @@ from .problem import Problem
 from .solver import Box, Fit, minimise
 from .track import FloatArray
 
-__all__ = ["creeping", "fit_base", "loud", "with_other_bristle"]
+__all__ = ["creep_starts", "creeping", "fit_base", "loud", "with_other_bristle"]
 
 _BREAKAWAY, _DAMPING = BASE_NAMES.index("log_breakaway"), BASE_NAMES.index("damping_time")
 _FORWARD, _REVERSE = (BASE_NAMES.index(f"{side}.coulomb_torque") for side in ("forward", "reverse"))
@@ -91,13 +91,24 @@ def creeping(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[Fi
         top_speed: Of the recorded motion [rad/s].
     """
     evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
-    tried = []
-    for rate in _RATES:
-        start = _with_creep(fit.theta, rate)
-        free = _with_free_creep(box, start, top_speed)
-        tried.append((minimise(evaluate, start, free, iterations=_FIRST_STEPS, refresh=2), free))
+    tried = [
+        (minimise(evaluate, start, free, iterations=_FIRST_STEPS, refresh=2), free)
+        for start, free in creep_starts(fit.theta, box, top_speed)
+    ]
     best, free = min(tried, key=lambda one: one[0].cost)
     return (fit_base(problem, best.theta, free), free) if best.cost < _HOPELESS * fit.cost else None
+
+
+def creep_starts(theta: FloatArray, box: Box, top_speed: float) -> list[tuple[FloatArray, Box]]:
+    """Base parameters with friction that creeps in place of a bristle, each with its domain.
+
+    Args:
+        theta: Base parameters. Shape (p,).
+        box: Domain of the base parameters.
+        top_speed: Of the recorded motion [rad/s].
+    """
+    starts = [_with_creep(theta, rate) for rate in _RATES]
+    return [(start, _with_free_creep(box, start, top_speed)) for start in starts]
 
 
 def _with_creep(theta: FloatArray, rate: float) -> FloatArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from .base import unpack
 from .checks import inertia_against, kind_against, reasons_against, remarks_on
 from .controller import Controller, estimate_controller
 from .forward import forward_error
+from .late_creep import creeps_beside
 from .loading import build_tracks, low_rate
 from .observer import Observer
 from .payload import diagnose_arm
@@ -89,12 +91,17 @@ def diagnose(
     try:
         say("fitting the base model and simulating nulls")
         count = _NULLS_THOROUGH if thorough else _NULLS
-        prepared = prepare(tracks, observer=observer, nulls=count, seed=seed, rigid=known)
+        base = partial(prepare, tracks, observer=observer, nulls=count, seed=seed, rigid=known)
+        prepared = base()
         against = [] if known is None else inertia_against(unpack(prepared.fit.theta).inertia, known.inertia)
         if against:
             return _bad_data(given, against)
         say("searching for effects")
         found = search(prepared)
+        if creeps_beside(prepared, found):
+            say("searching again, with friction that creeps")
+            prepared = base(creeps=True)
+            found = search(prepared)
         say("confirming on held-out data")
         answer = conclude(Answer(tuple(given), prepared, found, known, friction, seed))
         looked = second_look(given, answer, seed)

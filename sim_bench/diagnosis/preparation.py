@@ -29,7 +29,7 @@ from .time_window import time_windows
 from .track import FloatArray, Track
 from .weak_form import estimate_plants
 
-__all__ = ["Prepared", "prepare"]
+__all__ = ["Prepared", "prepare", "top_speed"]
 
 _SLIDING = 2.0  # rest speeds
 _SETTLED = 0.16  # [s] about a row, in which observer and whitener still answer to a start or a stop
@@ -111,7 +111,13 @@ class Prepared:
 
 
 def prepare(
-    tracks: Sequence[Track], *, observer: Observer, nulls: int, seed: int, rigid: RigidJoint | None = None
+    tracks: Sequence[Track],
+    *,
+    observer: Observer,
+    nulls: int,
+    seed: int,
+    rigid: RigidJoint | None = None,
+    creeps: bool = False,
 ) -> Prepared:
     """Fit the base model: weak form first, then observed simulation, weighted by nulls of the fitted model.
 
@@ -121,11 +127,12 @@ def prepare(
         nulls: Number of nulls.
         seed: Of their noise.
         rigid: Inertia and gravity as the simulation has them; a motion at one speed says nothing about the inertia.
+        creeps: The friction is known to creep.
     """
     raw, fit, box = _first_fit(tracks, observer, rigid)
     fit, problem, _ = _reweigh(raw, fit, box, _FIRST_NULLS, seed)
     fit = with_other_bristle(problem, fit, box)
-    fit, box = _with_creep(raw, problem, fit, box, seed)
+    fit, box = _with_creep(raw, problem, fit, box, seed, creeps)
     fit, problem, found = _reweigh(raw, fit, box, nulls, seed)
     prepared = Prepared(problem, _structure(problem, fit, box), fit, box, found)
     return _level_noise(_recoloured(prepared))
@@ -133,7 +140,7 @@ def prepare(
 
 def _first_fit(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | None) -> tuple[Problem, Fit, Box]:
     """The base fitted without weights; from the second start only where the first one leads far astray."""
-    top, tried = _top_speed(tracks), []
+    top, tried = top_speed(tracks), []
     for plant in estimate_plants(tracks):
         start = plant if rigid is None else replace(plant, inertia=rigid.inertia)
         base = BaseModel.around(start, dt=tracks[0].dt, top_speed=top, rotary=tracks[0].rotary, known=rigid)
@@ -144,14 +151,14 @@ def _first_fit(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | 
     return next((other for other in others if other[1].cost < _ASTRAY * usual[1].cost), usual)
 
 
-def _with_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int) -> tuple[Fit, Box]:
+def _with_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int, creeps: bool = False) -> tuple[Fit, Box]:
     """The fit and its domain, or those of friction that never holds, where it leaves no more than its own nulls do.
 
     Whatever is missing may look a little like creep, so it must explain all of a loud residual, all but a trace, or so
     much that no joint which sticks has been seen to let it explain. A joint that creeps shows more noise at rest than
     one that sticks, so it is judged by nulls of its own.
     """
-    tried = creeping(problem, fit, box, _top_speed(raw.tracks)) if loud(fit) else None
+    tried = creeping(problem, fit, box, top_speed(raw.tracks)) if loud(fit) else None
     if tried is None:
         return fit, box
     found, free = tried
@@ -163,10 +170,11 @@ def _with_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int) -
         return fit, box
     left = np.mean([vector @ vector for vector in nulls.vectors()])
     quiet = found.residual @ found.residual <= _QUIET**2 * left
-    return (found, free) if quiet or explained > _MOST or after < _MUCH_LESS * before else (fit, box)
+    accepted = creeps or quiet or explained > _MOST or after < _MUCH_LESS * before
+    return (found, free) if accepted else (fit, box)
 
 
-def _top_speed(tracks: Sequence[Track]) -> float:
+def top_speed(tracks: Sequence[Track]) -> float:
     """Speed that next to nothing exceeds [rad/s]."""
     return max(float(np.quantile(np.abs(track.velocity), 0.995)) for track in tracks)
 
