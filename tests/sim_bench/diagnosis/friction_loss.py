@@ -38,6 +38,7 @@ class FrictionLoss:
         impedance: `solimpfriction` of the joint.
         mass: Of the pendulum [kg].
         cogging: Amplitude of a torque ripple of order 12 [N·m].
+        load_friction: Rise of the friction loss with the gravity torque [1].
     """
 
     level: float = 1.5
@@ -45,6 +46,12 @@ class FrictionLoss:
     impedance: str = _USUAL
     mass: float = 2.0
     cogging: float = 0.0
+    load_friction: float = 0.0
+
+    @property
+    def gravity(self) -> float:
+        """Its amplitude [N·m]."""
+        return 9.81 * 0.2 * self.mass
 
     @property
     def inertia(self) -> float:
@@ -107,6 +114,7 @@ def _moved(
         seen, before = seen + _FILTER * ((position - before) / _STEP - seen), position
         torque = _GAINS[0] * (wanted[k] - position) + _GAINS[1] * (speeds[k] - seen)
         shown[:, k] = position, torque
+        model.dof_frictionloss[0] = truth.level + truth.load_friction * truth.gravity * abs(np.sin(data.qpos[0]))
         data.qfrc_applied[0] = torque + truth.cogging * np.sin(_ORDER * data.qpos[0])
         mujoco.mj_step(model, data)
     each = round(1.0 / (rate * _STEP))
