@@ -8,8 +8,17 @@ import numpy as np
 import pytest
 
 from fricomp.sim_bench.diagnosis.kernel import _falling
-from fricomp.sim_bench.diagnosis.observer import Contribution, Job, Observer, Plant, ahead_of, behind, shifted
-from fricomp.sim_bench.diagnosis.problem import observer_for
+from fricomp.sim_bench.diagnosis.observer import (
+    Contribution,
+    Job,
+    Observation,
+    Observer,
+    Plant,
+    ahead_of,
+    behind,
+    shifted,
+)
+from fricomp.sim_bench.diagnosis.problem import improved, observer_for
 from fricomp.sim_bench.diagnosis.track import Track
 from fricomp.sim_bench.diagnosis.weak_form import _curve, estimate_plants
 
@@ -144,3 +153,24 @@ def test_a_shift_reads_later_samples_and_holds_the_ends(samples: float) -> None:
     values = np.random.default_rng(0).standard_normal(50)
     index = np.arange(50.0)
     np.testing.assert_allclose(shifted(values, samples), np.interp(index + samples, index, values), atol=1e-12)
+
+
+@pytest.mark.parametrize(("creep_velocity", "seen"), [(0.0, 0.0), (0.02, 1e-3)])
+def test_a_model_pulled_back_to_a_resting_encoder_rests_as_well(creep_velocity: float, seen: float) -> None:
+    """Its bristle gives way at 1e-3 rad/s while the observer returns its position: the joint does not move."""
+    observer, n = Observer(), 400
+    track = Track.build(1e-3, np.full(n, 0.3), 0.1 * np.random.default_rng(0).standard_normal(n))
+    behind_it = track.position - 1e-3 / observer.leak * np.full(n, -1.0)
+    observation = Observation(np.zeros(n), behind_it, np.full(n, 1e-3), np.zeros(n))
+    plant = replace(true_plant(ToyJoint()), creep_velocity=creep_velocity)
+    velocity = improved(track, observation, observer.returning(track, plant, observation)).velocity
+    assert velocity == pytest.approx(np.full(n, seen), abs=1e-12)
+
+
+def test_a_moving_model_is_not_pulled_back() -> None:
+    track = track_of(ToyJoint(), "fourier", 5.0)
+    ahead = Observation(np.zeros(track.size), track.position + 1e-3, track.velocity, np.zeros(track.size))
+    returning = Observer().returning(track, true_plant(ToyJoint()), ahead)
+    moving = np.abs(track.velocity) > Observer().rest_speed
+    assert not returning[moving].any()
+    assert np.all(returning[~moving] < 0.0)
