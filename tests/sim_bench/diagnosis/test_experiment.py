@@ -46,7 +46,7 @@ def test_no_motion_tells_driving_and_braking_from_friction_under_load_and_anothe
 
 def test_a_faster_motion_tells_what_a_slow_one_cannot(prepared: Prepared, fitted: list[Explanation]) -> None:
     linear, driving, saturating = fitted
-    assert saturating.gain == pytest.approx(linear.gain, abs=1.0)
+    assert saturating.gain == pytest.approx(linear.gain, abs=3.0)  # half of what one more parameter costs
     proposal = propose(prepared, linear, [driving, saturating], prepared.box)
     assert proposal is not None
     assert proposal.separates == ("load_coulomb", "torque_saturation")
