@@ -11,7 +11,17 @@ from .rigid import RigidJoint
 from .solver import Box
 from .track import FloatArray
 
-__all__ = ["BASE_NAMES", "BODY_AND_CURVES", "SOFTEST", "BaseModel", "at_earliest", "at_latest", "pack", "unpack"]
+__all__ = [
+    "BASE_NAMES",
+    "BODY_AND_CURVES",
+    "SOFTEST",
+    "BaseModel",
+    "at_earliest",
+    "at_latest",
+    "evened",
+    "pack",
+    "unpack",
+]
 
 BASE_NAMES = (
     "log_inertia",
@@ -49,6 +59,7 @@ _USUAL_BREAKAWAY = 3.6e-5  # [rad] where it starts
 # Longest step in scales: parameters that enter linearly may go anywhere at once.
 _FRICTION_REACH = [10.0, 10.0, 2.0, 20.0]
 _REACH = np.array([4.0, 40.0, 40.0, 40.0, *_FRICTION_REACH, *_FRICTION_REACH, 3.0, 2.0, 3.0, 2.0, 2.0, 3.0, 3.0])
+_UNEVEN = 0.1  # of the Coulomb torque, by which both directions must differ to be evened
 _HELD = 1e-9  # scale of a parameter that is not fitted
 _DAMPING = 0.012  # [s] largest sigma_1 / sigma_0 of a bristle that is part of the base
 _LATEST = 5e-4  # [s] of the torque behind the motion in a usual chain of sensors; more swallows real delays
@@ -94,6 +105,23 @@ def unpack(theta: FloatArray) -> Plant:
         creep_velocity=float(theta[17]),
         creep_lead=float(theta[18]),
     )
+
+
+def evened(theta: FloatArray) -> FloatArray | None:
+    """`theta` with the difference of the directions put into the offset; None where there is hardly any. Shape (p,).
+
+    Sliding shows their sum alone. What a wrong bristle or an effect that was missed has parted stays so: the way back
+    is a valley along which next to nothing is gained.
+    """
+    forward, reverse, offset = (
+        BASE_NAMES.index(n) for n in ("forward.coulomb_torque", "reverse.coulomb_torque", "offset")
+    )
+    difference = theta[forward] - theta[reverse]
+    if abs(difference) < _UNEVEN * unpack(theta[: len(BASE_NAMES)]).level:
+        return None
+    result = theta.copy()
+    result[[forward, reverse, offset]] += [-0.5 * difference, 0.5 * difference, 0.5 * difference]
+    return result
 
 
 def at_latest(plant: Plant) -> bool:

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .base import BASE_NAMES, unpack
+from .base import BASE_NAMES, evened, unpack
 from .problem import Problem
 from .solver import Box, Fit, minimise
 from .track import FloatArray
@@ -14,8 +14,6 @@ from .track import FloatArray
 __all__ = ["creep_starts", "creeping", "fit_base", "loud", "with_other_bristle"]
 
 _BREAKAWAY, _DAMPING = BASE_NAMES.index("log_breakaway"), BASE_NAMES.index("damping_time")
-_FORWARD, _REVERSE = (BASE_NAMES.index(f"{side}.coulomb_torque") for side in ("forward", "reverse"))
-_OFFSET = BASE_NAMES.index("offset")
 _STARTS = (1e-6, 3e-5)  # [rad] presliding distances to start from
 _LOUD = 1.1  # residual over noise
 _CREEP, _LEAD = BASE_NAMES.index("creep_velocity"), BASE_NAMES.index("creep_lead")
@@ -36,9 +34,14 @@ _STEPS, _SETTLED = 48, 0.3
 
 
 def fit_base(problem: Problem, theta: FloatArray, box: Box) -> Fit:
-    """The base fitted from `theta` with the problem's weights, to the bottom of its valley."""
+    """The base fitted from `theta` with the problem's weights, to the bottom of its valley, and from there with both
+    directions evened where they differ much."""
     evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
-    return minimise(evaluate, theta, box, iterations=_STEPS, refresh=2, tolerance=_SETTLED)
+    fit = minimise(evaluate, theta, box, iterations=_STEPS, refresh=2, tolerance=_SETTLED)
+    even = evened(fit.theta)
+    if even is None:
+        return fit
+    return min(fit, minimise(evaluate, even, box, iterations=_STEPS, refresh=2, tolerance=_SETTLED), key=_by_cost)
 
 
 def loud(fit: Fit) -> bool:
@@ -61,18 +64,20 @@ def with_other_bristle(problem: Problem, fit: Fit, box: Box) -> Fit:
     if not loud(fit) or fit.theta[_DAMPING] < _NEAR * box.upper[_DAMPING]:
         return fit
     tried = [fit_base(problem, _with_bristle(fit.theta, box, distance), box) for distance in _STARTS]
-    return min([fit, *tried], key=lambda one: one.cost)
+    return min([fit, *tried], key=_by_cost)
+
+
+def _by_cost(fit: Fit) -> float:
+    return fit.cost
 
 
 def _with_bristle(theta: FloatArray, box: Box, distance: float) -> FloatArray:
     """`theta` with a bristle of this presliding distance [rad], half of whose elements yield abruptly. Shape (p,).
 
-    The difference of the directions goes into the offset: sliding shows their sum alone, and the wrong bristle has
-    parted them by a start of motion that it had wrong.
+    Both directions are evened: the wrong bristle has parted them by a start of motion that it had wrong.
     """
-    start = theta.copy()
-    difference = theta[_FORWARD] - theta[_REVERSE]
-    start[[_FORWARD, _REVERSE, _OFFSET]] += [-0.5 * difference, 0.5 * difference, 0.5 * difference]
+    even = evened(theta)
+    start = theta.copy() if even is None else even
     usual = {"delay": 0.0, "damping_time": 0.01 * box.upper[_DAMPING], "sharpness": 0.5, "log_spread": 0.3}
     for name, value in {"log_breakaway": float(np.log(distance)), **usual}.items():
         start[BASE_NAMES.index(name)] = value

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from .base import evened
 from .explanation import Explanation, judged
 from .preparation import Prepared
 from .solver import Box, Descent
@@ -63,13 +64,21 @@ def _unsettled(old: Explanation, new: Explanation) -> bool:
 def _polished(
     prepared: Prepared, explanations: Sequence[Explanation], iterations: int, refresh: int
 ) -> list[Explanation]:
-    """Each at the minimum of fresh Jacobians with the contexts of its own joint, or as it was where that is better."""
-    descents = []
-    for explanation in explanations:
+    """Each at the minimum of fresh Jacobians with the contexts of its own joint, from where it was and with both
+    directions evened, or as it was where that is better."""
+    descents, owners = [], []
+    for i, explanation in enumerate(explanations):
         structure = Structure(explanation.structure.contexts_at(explanation.fit.theta), explanation.settled)
-        descent = structure.descent(explanation.fit.theta, prepared.box, iterations=iterations, refresh=refresh)
-        descents.append((structure, descent))
-    return [max(pair, key=preference) for pair in zip(explanations, _fitted(prepared, descents), strict=True)]
+        for start in (explanation.fit.theta, evened(explanation.fit.theta)):
+            if start is not None:
+                descents.append(
+                    (structure, structure.descent(start, prepared.box, iterations=iterations, refresh=refresh))
+                )
+                owners.append(i)
+    result = list(explanations)
+    for i, fitted in zip(owners, _fitted(prepared, descents), strict=True):
+        result[i] = max(result[i], fitted, key=preference)
+    return result
 
 
 def fit_from(
