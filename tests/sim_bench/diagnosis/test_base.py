@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fricomp.sim_bench.diagnosis.base import BASE_NAMES, SOFTEST, BaseModel, pack, unpack
+from fricomp.sim_bench.diagnosis.base import BASE_NAMES, SOFTEST, BaseModel, evened, pack, unpack
 from fricomp.sim_bench.diagnosis.observer import Observer, Plant
 
 _PLANT = Plant(
@@ -69,3 +69,18 @@ def test_the_stiffest_bristle_hides_its_travel_from_the_observer() -> None:
     )
     breakaway = float(np.exp(model.box.lower[BASE_NAMES.index("log_breakaway")]))
     assert 2.0 * breakaway * inertia * Observer().bandwidth ** 2 < 0.005 * level
+
+
+def test_evened_directions_slide_as_before() -> None:
+    """Sliding feels offset plus or less the Coulomb torque: both sums stay, and effects behind the base stay too."""
+    theta = np.append(pack(_PLANT), [7.0, 8.0])
+    even = evened(theta)
+    assert even is not None
+    before, after = unpack(theta[:-2]), unpack(even[:-2])
+    assert after.forward[0] == pytest.approx(after.reverse[0])
+    for sign, curve in ((1.0, "forward"), (-1.0, "reverse")):
+        slid = [one.offset + sign * getattr(one, curve)[0] for one in (before, after)]
+        assert slid[0] == pytest.approx(slid[1])
+    assert after.static_torque(np.array(1.0), np.array(0.0)) != before.static_torque(np.array(1.0), np.array(0.0))
+    np.testing.assert_array_equal(even[-2:], [7.0, 8.0])
+    assert evened(even) is None
