@@ -45,8 +45,9 @@ def test_pushes_are_found_in_time(columns: dict[str, NDArray[np.float64]]) -> No
 
 
 def test_what_returns_with_the_state_is_no_push(columns: dict[str, NDArray[np.float64]]) -> None:
+    """A stop that the joint touches often; one of the last fifth of the range, met a few times, may be offered."""
     position = columns["true_position"]
-    found = prepared(columns, 40.0 * np.maximum(position - 0.8 * position.max(), 0.0))
+    found = prepared(columns, 40.0 * np.maximum(position - 0.7 * position.max(), 0.0))
     assert hints(found, "window") == ()
 
 
