@@ -180,10 +180,11 @@ def _diagnose(
 
     settings: dict[str, Any] = {**options, "progress": say}
     settings["controller"] = read_controller(given["controller"]) if given["controller"] is not None else None
+    simulation = settings.pop("simulation")
     if given["simulated"] is None:
         friction = load_model(given["friction"]) if given["friction"] is not None else None
-        return diagnose_joint(series, friction=friction, **settings)
-    if settings.pop("simulation") is not None or given["friction"] is not None:
+        return diagnose_joint(series, simulation, friction=friction, **settings)
+    if simulation is not None or given["friction"] is not None:
         raise DiagnosisError("--simulated is the simulation: leave out --simulation and --friction")
     return diagnose_against(series, read[given["simulated"]], **settings)
 

@@ -160,8 +160,7 @@ def test_a_model_pulled_back_to_a_resting_encoder_rests_as_well(creep_velocity: 
     """Its bristle gives way at 1e-3 rad/s while the observer returns its position: the joint does not move."""
     observer, n = Observer(), 400
     track = Track.build(1e-3, np.full(n, 0.3), 0.1 * np.random.default_rng(0).standard_normal(n))
-    behind_it = track.position - 1e-3 / observer.leak * np.full(n, -1.0)
-    observation = Observation(np.zeros(n), behind_it, np.full(n, 1e-3), np.zeros(n))
+    observation = Observation(np.zeros(n), track.position + 1e-3 / observer.leak, np.full(n, 1e-3), np.zeros(n))
     plant = replace(true_plant(ToyJoint()), creep_velocity=creep_velocity)
     velocity = improved(track, observation, observer.returning(track, plant, observation)).velocity
     assert velocity == pytest.approx(np.full(n, seen), abs=1e-12)
