@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .effects import EFFECTS
 from .preparation import Prepared
 from .screening import orthonormal, project_out
-from .solver import Fit
+from .solver import Box, Fit
 from .structure import N_BASE, Candidate, Structure
 from .track import FloatArray
 
@@ -26,6 +26,9 @@ _BRISTLE = 0.3  # such energy per row there, that is not held against an explana
 # reach 0.25 and 0.99 by the form of their bristle, all of it about rest.
 _PLAIN, _PLAINLY_COVERED = 0.3, 0.85
 _DETENT, _SAME_ORDER, _LIKE_SIZE = ("cogging", "position_coulomb"), 0.05, 0.25
+# Share of the torque that grows with speed, which is linear, below which a power law has taken the place of viscous
+# friction: it bends then as no power law would where it covers less than this, or is at the edge of its domain.
+_LAW, _DRAG, _TAKEN, _FITS, _AT_EDGE = "power_law_viscous", "quadratic_drag", 0.2, 0.97, 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +38,7 @@ class Explanation:
     Attributes:
         structure: Base and effects.
         fit: The minimum.
+        box: Domain and priors of its base: the usual ones, or with inertia and gravity held to the simulation.
         gain: Fall of the cost from the base, less the BIC penalty.
         certain: The same from rows that can show the effects, none counting for more than a few: rows about rest hang
             on a bristle that no model has quite right, and a handful of rows decides nothing.
@@ -45,6 +49,7 @@ class Explanation:
 
     structure: Structure
     fit: Fit
+    box: Box
     gain: float
     certain: float
     coverage: float
@@ -77,14 +82,33 @@ class Explanation:
         return 0.5 * (low + high) if high - low < _SAME_ORDER * high and small > _LIKE_SIZE * large else None
 
     @property
+    def foreign_curve(self) -> bool:
+        """Whether its friction over speed has another form than its names say: a power law in place of all viscous
+        friction, that drag has to straighten or that does not fit.
+        """
+        values = self.values
+        if _LAW not in values:
+            return False
+        law, drag = values[_LAW], values.get(_DRAG, {"coefficient": 0.0})
+        plant = self.structure.plant(self.fit.theta)
+        top = max(float(np.max(np.abs(context.velocity))) for context in self.structure.contexts)
+        linear = 0.5 * (plant.forward[3] + plant.reverse[3]) * top
+        curved = law["coefficient"] * top ** law["exponent"] + drag["coefficient"] * top**2
+        if linear > _TAKEN * (linear + curved):
+            return False
+        (exponent,) = (p for owner, p in self.structure.parameters() if (owner, p.name) == (_LAW, "exponent"))
+        at_edge = law["exponent"] < exponent.lower + _AT_EDGE
+        return _DRAG in values or at_edge or self.coverage < _FITS
+
+    @property
     def settled(self) -> tuple[Candidate, ...]:
         """Its effects, starting where their fit ended."""
         values = self.values
         return tuple(Candidate(c.name, tuple(values[c.name].items())) for c in self.structure.candidates)
 
 
-def judged(prepared: Prepared, structure: Structure, fit: Fit) -> Explanation:
-    """What speaks for a fitted structure, and against it."""
+def judged(prepared: Prepared, structure: Structure, fit: Fit, box: Box) -> Explanation:
+    """What speaks for a structure whose base was fitted in `box`, and against it."""
     fall = prepared.fit.cost - fit.cost
     penalty = structure.freedom * float(np.log(fit.residual.size))
     left = _left(prepared, fit)
@@ -92,7 +116,7 @@ def judged(prepared: Prepared, structure: Structure, fit: Fit) -> Explanation:
     plain = fall > _PLAIN * fit.residual.size and coverage > _PLAINLY_COVERED
     certain = evidence(prepared, structure.names, prepared.fit, fit, plain=plain)
     refused = _refusal(structure, fit)
-    return Explanation(structure, fit, fall - penalty, certain - penalty, float(coverage), left, refused)
+    return Explanation(structure, fit, box, fall - penalty, certain - penalty, float(coverage), left, refused)
 
 
 def evidence(

@@ -42,7 +42,8 @@ class Trial(NamedTuple):
 
 
 def put_to_trial(prepared: Prepared, found: Found, seed: int) -> Trial:
-    """Confirm the best explanation, where it covers the mismatch and is no one part that ripples torque and friction.
+    """Confirm the best explanation, where it covers the mismatch and is what its names say: no one part that ripples
+    torque and friction, no other curve over speed.
 
     Args:
         prepared: Base model and recordings.
@@ -50,7 +51,7 @@ def put_to_trial(prepared: Prepared, found: Found, seed: int) -> Trial:
         seed: Of the bootstrap.
     """
     best = found.best
-    if best is None or not covers(best, found, prepared) or best.common_order is not None:
+    if best is None or not covers(best, found, prepared) or best.common_order is not None or best.foreign_curve:
         return Trial()
     held = confirm(prepared, best.structure, best.fit, seed)
     return Trial(chosen=best, held=held) if confirmed(held, best, found.threshold) else Trial(failed=best)

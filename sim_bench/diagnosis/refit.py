@@ -33,7 +33,7 @@ def refit(
         start = np.concatenate([fit.theta[:N_BASE], structure.start()])
         descent = structure.descent(start, prepared.box, jacobian=fit.jacobian, iterations=5, refresh=99)
         descents.append((structure, descent))
-    return _fitted(prepared, descents)
+    return _fitted(prepared, descents, [prepared.box] * len(descents))
 
 
 def polish(
@@ -71,12 +71,11 @@ def _polished(
         structure = Structure(explanation.structure.contexts_at(explanation.fit.theta), explanation.settled)
         for start in (explanation.fit.theta, evened(explanation.fit.theta)):
             if start is not None:
-                descents.append(
-                    (structure, structure.descent(start, prepared.box, iterations=iterations, refresh=refresh))
-                )
+                descent = structure.descent(start, explanation.box, iterations=iterations, refresh=refresh)
+                descents.append((structure, descent))
                 owners.append(i)
     result = list(explanations)
-    for i, fitted in zip(owners, _fitted(prepared, descents), strict=True):
+    for i, fitted in zip(owners, _fitted(prepared, descents, [result[i].box for i in owners]), strict=True):
         result[i] = max(result[i], fitted, key=preference)
     return result
 
@@ -96,13 +95,15 @@ def fit_from(
         structure = Structure(prepared.structure.contexts, tuple(candidates))
         start = np.concatenate([theta, structure.start()])
         descents.append((structure, structure.descent(start, box, iterations=LAST_STEPS, refresh=2)))
-    return _fitted(prepared, descents)
+    return _fitted(prepared, descents, [box] * len(descents))
 
 
-def _fitted(prepared: Prepared, descents: Sequence[tuple[Structure, Descent]]) -> list[Explanation]:
-    """Run fits side by side, and judge what they leave."""
+def _fitted(
+    prepared: Prepared, descents: Sequence[tuple[Structure, Descent]], boxes: Sequence[Box]
+) -> list[Explanation]:
+    """Run fits side by side, each with the domain of its base, and judge what they leave."""
     fits = fit_all(prepared.problem, descents)
-    return [judged(prepared, structure, fit) for (structure, _), fit in zip(descents, fits, strict=True)]
+    return [judged(prepared, s, fit, box) for (s, _), fit, box in zip(descents, fits, boxes, strict=True)]
 
 
 def preference(explanation: Explanation) -> float:

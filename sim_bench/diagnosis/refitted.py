@@ -44,9 +44,9 @@ class Refitted:
     def of(cls, prepared: Prepared, chosen: Explanation | None) -> Refitted:
         """The base with the chosen effects; alone where none are. Derivatives are fresh: a descent updates its own."""
         one = prepared if chosen is None else chosen
-        descent = one.structure.descent(one.fit.theta, prepared.box, iterations=0)
+        descent = one.structure.descent(one.fit.theta, one.box, iterations=0)
         (fit,) = fit_all(prepared.problem, [(one.structure, descent)])
-        return cls(one.structure, fit, covariance(fit, prepared.box.joined(one.structure.box())))
+        return cls(one.structure, fit, covariance(fit, one.box.joined(one.structure.box())))
 
     @cached_property
     def plant(self) -> Plant:

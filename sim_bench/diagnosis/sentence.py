@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from .result import DiagnosisRecord, Forward, HeldOut, NamedEffect, Quantity
 
-__all__ = ["NO_MOTION", "detent_sentence", "forward_sentence", "sentences"]
+__all__ = ["FOREIGN_CURVE", "NO_MOTION", "detent_sentence", "forward_sentence", "sentences"]
 
 NO_MOTION = (
     "No motion of those that were tried would tell them apart within the range and speed of this recording: another "
     "load, a wider range or a sensor of the load would have to."
 )
 """Where effects cannot be told apart and nothing is proposed."""
+
+FOREIGN_CURVE = "what is missing follows the speed in a curve that is neither a power law nor drag, as a brake's does"
+"""Where a power law takes the place of all viscous friction and still does not fit."""
 
 _OPENING = {
     "consistent": "Nothing is missing: the residual is what the sensors' noise leaves.",

@@ -34,7 +34,7 @@ from .result import (
     RowSeries,
 )
 from .search import Found
-from .sentence import NO_MOTION, detent_sentence, sentences
+from .sentence import FOREIGN_CURVE, NO_MOTION, detent_sentence, sentences
 from .solver import Fit
 from .spring import spring_change
 from .track import FloatArray
@@ -104,6 +104,8 @@ def conclude(answer: Answer) -> Diagnosis:
     said = sentences(record)
     if proposal is None and any(effect.indistinguishable_from for effect in named):
         said = (*said, NO_MOTION)
+    if unknown and best is not None and best.foreign_curve:
+        said = (*said, f"{FOREIGN_CURVE[0].upper()}{FOREIGN_CURVE[1:]}.")
     if detent is not None:
         said = (*said, detent_sentence(detent, answer.position_unit))
     record = with_fields(record, sentences=said)
@@ -169,6 +171,8 @@ def _rivals(found: Found, chosen: Explanation | None, failed: Explanation | None
             why = "does not exceed what a recording with nothing missing gives"
         elif not why and explanation.common_order is not None:
             why = "ripple of torque and of friction at one order come from one part, such as a detent"
+        elif not why and explanation.foreign_curve:
+            why = FOREIGN_CURVE
         elif not why and explanation is failed:
             why = "does not make the held-out error fall for sure"
         elif not why and chosen is not None and explanation is not chosen:

@@ -35,5 +35,6 @@ def fit_of(residual: FloatArray) -> Fit:
 def known(names: Sequence[str], gain: float, residual: FloatArray | None = None, **more: Any) -> Known:
     """An explanation by the effects `names`, all of whose gain is certain; `more` are its other attributes."""
     structure = Structure((), tuple(Candidate(name, ()) for name in names))
-    plain = Known(structure, fit_of(np.zeros(1) if residual is None else residual), gain, gain, 0.9)
+    fit = fit_of(np.zeros(1) if residual is None else residual)
+    plain = Known(structure, fit, Structure((), ()).box(), gain, gain, 0.9)
     return replace(plain, **more)

@@ -119,9 +119,10 @@ def test_a_spring_that_stiffens_is_told_from_another_gravity_by_the_simulation()
     diagnosis = diagnose(recording(joint, "rich", 40.0), given)
     assert [effect.name for effect in diagnosis.effects] == ["spring_torque"], diagnosis.sentences
     found = diagnosis.effects[0].parameters
-    for name, truth in (("stiffness", joint.spring[0]), ("hardening", joint.spring[2])):
-        assert found[name].ci95[0] <= truth <= found[name].ci95[1], name
-        assert found[name].value == pytest.approx(truth, rel=0.1)
+    for name, truth in zip(("stiffness", "centre", "hardening"), joint.spring, strict=True):
+        low, high = found[name].ci95
+        assert low <= truth <= high, name
+        assert high - low < 0.2 * abs(truth), name  # of a joint held to its simulation
 
 
 def test_the_same_recording_gets_the_same_answer() -> None:

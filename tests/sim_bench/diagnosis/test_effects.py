@@ -250,7 +250,30 @@ def test_ripple_of_torque_and_friction_at_one_order_is_one_mechanism(
         structure = Structure((context,), candidates)
         theta = np.concatenate([np.zeros(N_BASE), structure.start()])
         fit = Fit(theta, np.zeros(1), np.zeros((1, theta.size)), 0.0)
-        assert (Explanation(structure, fit, 1.0, 1.0, 1.0).common_order is not None) == expected
+        assert (Explanation(structure, fit, structure.box(), 1.0, 1.0, 1.0).common_order is not None) == expected
+
+
+@pytest.mark.parametrize(
+    ("viscous", "exponent", "drag", "coverage", "foreign"),
+    [
+        (0.0, 0.5, 0.1, 0.99, True),  # bent both ways, nothing linear left
+        (1.0, 0.5, 0.1, 0.99, False),
+        (0.0, 0.5, None, 0.99, False),  # grease alone may have no linear part
+        (0.0, 0.5, None, 0.9, True),
+        (0.0, 0.35, None, 0.99, True),
+        (1.0, 0.35, None, 0.9, False),
+    ],
+)
+def test_a_power_law_that_takes_the_place_of_viscous_friction_and_does_not_fit_is_another_curve(
+    viscous: float, exponent: float, drag: float | None, coverage: float, foreign: bool, context: Context
+) -> None:
+    law = Candidate("power_law_viscous", (("coefficient", 1.0), ("exponent", exponent)))
+    square = () if drag is None else (Candidate("quadratic_drag", (("coefficient", drag),)),)
+    structure = Structure((context,), (law, *square))
+    plant = replace(context.plant, forward=(2.0, 3.0, 0.05, viscous), reverse=(2.2, 3.1, 0.05, viscous))
+    theta = np.concatenate([pack(plant), structure.start()])
+    fit = Fit(theta, np.zeros(1), np.zeros((1, theta.size)), 0.0)
+    assert Explanation(structure, fit, structure.box(), 1.0, 1.0, coverage).foreign_curve == foreign
 
 
 @pytest.mark.parametrize(("end", "refused"), [(1.05, True), (1.5, False)])

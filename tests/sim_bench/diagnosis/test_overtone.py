@@ -32,7 +32,7 @@ class Ripples(Known):
 
 def ripples(**orders: float) -> Ripples:
     plain = known(tuple(orders), 5000.0)
-    return Ripples(plain.structure, plain.fit, plain.gain, plain.certain, plain.coverage, orders=orders)
+    return Ripples(plain.structure, plain.fit, plain.box, plain.gain, plain.certain, plain.coverage, orders=orders)
 
 
 @pytest.mark.parametrize(
