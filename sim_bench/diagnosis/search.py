@@ -151,17 +151,25 @@ def _singles(prepared: Prepared, first: Screen) -> list[Explanation]:
 
 def _replacing(at: Prepared | Explanation, screened: Screen) -> list[list[Column]]:
     """Candidates, grouped by effect, that take the place of parameters which stand at a bound in a fitted base."""
-    contexts = at.structure.contexts_at(at.fit.theta)
-    suspected = [group for group in _grouped(screened) if group[0].candidate.effect.suspected(contexts)]
+    suspected, contexts = _suspected(at, screened), at.structure.contexts_at(at.fit.theta)
     alone = [Structure(contexts, (group[0].candidate,)) for group in suspected]
     added = [structure.contributions(structure.start()) for structure in alone]
     return [group for group, each in zip(suspected, added, strict=True) if any(one.plant for one in each)]
 
 
+def _suspected(at: Prepared | Explanation, screened: Screen) -> list[list[Column]]:
+    """Candidates, grouped by effect, at which a fitted base points itself: one of its parameters stands at a bound.
+
+    Its own column hides theirs there, however much they would add beyond the bound.
+    """
+    contexts = at.structure.contexts_at(at.fit.theta)
+    return [group for group in _grouped(screened) if group[0].candidate.effect.suspected(contexts)]
+
+
 def _with_care(
     prepared: Prepared, groups: Sequence[Sequence[Column]], beside: tuple[Candidate, ...], fit: Fit
 ) -> list[Explanation]:
-    """Effects that replace what stands at its bound in the base, with fresh Jacobians: all else there is bent to make
+    """Effects that take over what stands at its bound in the base, with fresh Jacobians: all else there is bent to make
     up for that bound, and no column of the base is that of the joint without it.
     """
     wanted = [((*beside, c.candidate), fit.theta[:N_BASE]) for group in groups for c in group[:_HYPOTHESES]]
@@ -226,9 +234,9 @@ def _grow(
     seen: set[tuple[str, ...]] = set()
     for seed in seeds:
         screened = screen(prepared.problem, seed.structure, seed.fit.theta, seed.fit.residual, seed.fit.jacobian)
-        replacing = [g for g in _replacing(seed, screened) if _names(seed, g) not in known]
-        grown += _with_care(prepared, replacing, seed.settled, seed.fit)
-        seen |= {_names(seed, group) for group in replacing}
+        suspected = [g for g in _suspected(seed, screened) if _names(seed, g) not in known | seen]
+        grown += _with_care(prepared, suspected, seed.settled, seed.fit)
+        seen |= {_names(seed, group) for group in suspected}
         for columns in _ranked(screened, _PARTNERS):
             names = _names(seed, columns)
             if names in seen or (seed.coverage > ENOUGH and columns[0].energy < _STANDS_OUT * threshold):

@@ -43,6 +43,9 @@ _CONTRAST = 100.0  # energy of a row above its noise inside, over that outside
 _QUIET = 1.0  # such energy outside that a base model leaves now and then
 _NEAR = 0.06  # of the range of position, speed and acceleration: states as near count as the same
 _VISITED = 0.4  # share of the windows' rows whose state occurs outside as well
+# Share of their energy at positions, speeds and accelerations that occur outside as well: stops that are met once have
+# 0.00 to 0.01, and pushes 0.31 and more.
+_ELSEWHERE = 0.1
 
 
 def push(time: FloatArray, start: float, end: float, roundness: float = 1.0) -> FloatArray:
@@ -67,7 +70,7 @@ def time_windows(problem: Problem, contexts: Sequence[Context], fit: Fit, box: B
     windows = [_fitted(problem, window, left) for window in _intervals(problem, inside, left)]
     energy = [_explained(problem, window, left) for window in windows]
     windows = [window for window, one in zip(windows, energy, strict=True) if one > _FAINT * max(energy)]
-    if len(windows) > _MOST or not _not_of_the_state(problem, contexts, inside):
+    if len(windows) > _MOST or not _not_of_the_state(problem, contexts, inside, left):
         return ()
     return tuple(value for window in windows for value in window)
 
@@ -103,17 +106,38 @@ def _compact(inside: _Mask, left: FloatArray) -> bool:
     return within > 5.0 and outside < max(_QUIET, within / _CONTRAST)
 
 
-def _not_of_the_state(problem: Problem, contexts: Sequence[Context], inside: _Mask) -> bool:
-    """Whether the joint was in the same states outside of the windows as well, where nothing stood out."""
+def _not_of_the_state(problem: Problem, contexts: Sequence[Context], inside: _Mask, left: FloatArray) -> bool:
+    """Whether the joint was in the same states outside of the windows as well, where nothing stood out.
+
+    Most rows of a window may lie at its quiet edges. So where it is loud, position, speed and acceleration must each
+    occur outside as well: what is loud at one end of the range, where the joint was only then, may be a stop.
+    """
+    states = _states(problem, contexts)
+    if float(np.mean(_near(states, inside))) <= _VISITED:
+        return False
+    energy = left[inside] ** 2
+    return all(float(energy @ _near(state[:, None], inside)) > _ELSEWHERE * float(energy.sum()) for state in states.T)
+
+
+def _states(problem: Problem, contexts: Sequence[Context]) -> FloatArray:
+    """Position, speed and acceleration of each row, in their ranges, the last two closer where they are fast.
+
+    Shape (m, 3).
+    """
     states = []
     for name, power in (("position", 1.0), ("velocity", 0.5), ("acceleration", 0.5)):
         rows = [getattr(c, name)[grid.centres] for c, grid in zip(contexts, problem.grids, strict=True)]
         values = np.concatenate(rows)
         values = np.sign(values) * np.abs(values) ** power
         states.append(values / max(float(np.quantile(values, 0.99) - np.quantile(values, 0.01)), 1e-12))
-    points = np.stack(states, axis=1)
+    return np.stack(states, axis=1)
+
+
+def _near(points: FloatArray, inside: _Mask) -> _Mask:
+    """Which points inside have one nearby outside. Shape (n_inside,)."""
     distance, _ = cKDTree(points[~inside]).query(points[inside])
-    return float(np.mean(distance < _NEAR)) > _VISITED
+    result: _Mask = distance < _NEAR
+    return result
 
 
 def _intervals(problem: Problem, inside: _Mask, left: FloatArray) -> list[_Window]:

@@ -44,10 +44,11 @@ def test_pushes_are_found_in_time(columns: dict[str, NDArray[np.float64]]) -> No
     assert hints(found, "window") == pytest.approx((0.0, 4.0, 5.2, 0.0, 12.5, 13.5), abs=0.15)
 
 
-def test_what_returns_with_the_state_is_no_push(columns: dict[str, NDArray[np.float64]]) -> None:
-    """A stop that the joint touches often; one of the last fifth of the range, met a few times, may be offered."""
+@pytest.mark.parametrize("stiffness", [10.0, 20.0, 40.0, 80.0])
+def test_what_returns_with_the_state_is_no_push(columns: dict[str, NDArray[np.float64]], stiffness: float) -> None:
+    """A stop in the last fifth of the range, met once or a few times."""
     position = columns["true_position"]
-    found = prepared(columns, 40.0 * np.maximum(position - 0.7 * position.max(), 0.0))
+    found = prepared(columns, stiffness * np.maximum(position - 0.8 * position.max(), 0.0))
     assert hints(found, "window") == ()
 
 

@@ -23,3 +23,12 @@ def test_a_soft_bristle_is_found_beside_a_stronger_effect() -> None:
     found = search(prepare(build_tracks([recording]), observer=Observer(), nulls=12, seed=0))
     assert found.best is not None
     assert found.best.names == ("presliding_hysteresis", "quadratic_drag")
+
+
+def test_a_late_torque_is_found_beside_another_effect() -> None:
+    """The base makes up for a part of it by a delay at its bound, whose own column hides that of a longer one."""
+    columns = record(ToyJoint(delay_samples=3, cogging=(0.1, 12.0)), "rich", 20.0)
+    recording = Recording(columns["time"], columns["position"], columns["torque"])
+    found = search(prepare(build_tracks([recording]), observer=Observer(), nulls=12, seed=0))
+    assert found.best is not None
+    assert found.best.names == ("cogging", "torque_delay")
