@@ -23,6 +23,7 @@ __all__ = [
     "ahead_of",
     "behind",
     "lanes_for",
+    "level_of",
     "missing_torques",
     "plants_of",
     "simulate_all",
@@ -243,14 +244,15 @@ def _signals_of(jobs: Sequence[Job], lanes: tuple[int, ...]) -> tuple[tuple[Floa
         np.stack([getattr(job.track, n) for job in tracks.values()]) for n in ("position", "velocity")
     )
     torque = np.stack([_torque(job, recorded) for job in driven.values()])
-    level = np.stack([_level(job) for job in levels.values()])
+    level = np.stack([level_of(job) for job in levels.values()])
     places = [{key: row for row, key in enumerate(table)} for table in (tracks, tracks, driven, levels)]
     each = [[place[key] for place, key in zip(places, (one[0], *one), strict=True)] for one in keys]
     rows = np.array([each[min(lane, len(jobs) - 1)] for lane in lanes]).T.copy()
     return (position, velocity, torque, level), rows
 
 
-def _level(job: Job) -> FloatArray:
+def level_of(job: Job) -> FloatArray:
+    """Torque that effects add to the dry friction level [N·m]. Shape (n,)."""
     return np.broadcast_to(np.asarray(job.contribution.level, dtype=np.float64), job.track.position.shape)
 
 
