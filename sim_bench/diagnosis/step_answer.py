@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from .controller import Controller
+from .delay import shifted
 from .kernel import LANES, close_loop
-from .observer import THREADS, Job, Observation, lanes_for, level_of, plants_of, shifted, torque_of
+from .observer import THREADS, Job, Observation, lanes_for, level_of, plants_of, torque_of
 from .track import FloatArray, Track
 
 __all__ = ["StepAnswer", "step_answers"]
