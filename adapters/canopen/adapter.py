@@ -7,19 +7,19 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, Self
 
-from fricomp.errors import AdapterConfigurationError, AdapterConnectionError, AdapterError, AdapterTimeout, DriveFault
-from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, JointCommand, Watchdog
+from fricomp.errors import AdapterConnectionError, AdapterError, AdapterTimeout, DriveFault
+from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, Watchdog
 
-from ..bus_budget import BusBudget, can_frame_bits
 from ..can_adapter import CanAdapter
 from ..configuration import convert
 from ..driver import HOW_TO_CLEAR
 from ..link import CanFrame, CanLink
 from ..transmission import torques_at_drives
+from .capability import declare
 from .clearing import clear_by_service
 from .configuration import CanOpenConfiguration
 from .drive import CONDITION, FAULT_RESTARTED, MODE_NUMBERS, MOTION, OPERATIONAL, CanOpenDrive
-from .process_data import COMMAND_OBJECTS, STATE_OBJECTS, map_process_data
+from .process_data import STATE_OBJECTS, map_process_data
 from .scaling import read_scaling
 from .service import ServiceChannel
 from .set_up import clear_targets, find_modes, restart_watchdog, set_mode, set_period, set_watchdog
@@ -137,39 +137,11 @@ class CanOpenAdapter(CanAdapter):
                 torque.append(find_most_torque(drive, self._torque_at_motor(number)))
             except AdapterError as error:
                 raise type(error)(f"joint {joint.name!r}: {error}") from error
-        if not modes:
-            raise AdapterConfigurationError("the drives have no cyclic synchronous mode in common (object 6502)")
-        every: tuple[CommandMode, ...] = ("torque", "velocity", "position")
-        offered = tuple(mode for mode in every if mode in modes)
-        rates = {mode: self._rate_in(mode) for mode in offered}
-        return Capabilities(self._declare(torque), offered, max(rates.values()), None, mode_rates=rates)
+        return declare(self._configuration, self._drives, modes, torque)
 
     def _torque_at_motor(self, joint: int) -> float:
         """The torque limit of a joint on the drive's side [N·m]."""
         return torques_at_drives(self.options.limits, self.options.transmissions)[joint]
-
-    def _declare(self, torque: list[float]) -> tuple[JointCapabilities, ...]:
-        return tuple(
-            JointCapabilities(
-                joint.name,
-                position_quantum=drive.scaling.position,
-                velocity_quantum=drive.scaling.velocity,
-                velocity_command_quantum=drive.scaling.velocity,
-                torque_quantum=drive.scaling.torque,
-                torque_limit=most,
-                velocity_limit=drive.scaling.highest_velocity,
-                reports_temperature=False,  # CiA 402 has no object for it
-            )
-            for joint, drive, most in zip(self._configuration.joints, self._drives, torque, strict=True)
-        )
-
-    def _rate_in(self, mode: CommandMode) -> float:
-        """Highest rate in a mode: its command, both states of every drive, one SYNC, and the heartbeats [Hz]."""
-        sizes = [sum(entry.n_bytes for entry in entries) for entries in (COMMAND_OBJECTS[mode], *STATE_OBJECTS)]
-        bitrate, n_joints = self._configuration.bus.bitrate, len(self._drives)
-        cycle = [can_frame_bits(0)] + [can_frame_bits(size) for size in sizes] * n_joints
-        beats = n_joints / self._configuration.heartbeat + 1.0 / self._beat_period
-        return BusBudget([bits / bitrate for bits in cycle], beats * can_frame_bits(1) / bitrate).highest_rate
 
     # -- configuring --------------------------------------------------------------------------------------
 
@@ -279,13 +251,9 @@ class CanOpenAdapter(CanAdapter):
         frames.append(SYNC)
         now = self.clock.now_ns()
         if now >= self._next_beat_ns:
-            self._next_beat_ns = now + round(self._beat_period * 1e9)
+            self._next_beat_ns = now + round(self._configuration.beat_period * 1e9)
             frames.append(CanFrame(HEARTBEAT + self._configuration.master_id, bytes((OPERATIONAL,))))
         self._send(frames)
-
-    @property
-    def _beat_period(self) -> float:
-        return self._configuration.watchdog / 4.0
 
     def _ask_state(self) -> None:
         self._send([SYNC])

@@ -44,3 +44,8 @@ class CanOpenConfiguration(CanAdapterConfiguration, frozen=True, forbid_unknown_
             raise ValueError(f"abort_option must be 1, 2 or 3, got {self.abort_option}: 0 would keep the torque")
         if not 0.005 <= self.heartbeat <= 1.0:
             raise ValueError(f"heartbeat must be from 0.005 to 1 s, got {self.heartbeat}")
+
+    @property
+    def beat_period(self) -> float:
+        """Period of our own heartbeat [s], four of which fit into the drives' watchdog."""
+        return self.watchdog / 4.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -37,11 +38,10 @@ def fit_base(problem: Problem, theta: FloatArray, box: Box) -> Fit:
     """The base fitted from `theta` with the problem's weights, to the bottom of its valley, and from there with both
     directions evened where they differ much."""
     evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
-    fit = minimise(evaluate, theta, box, iterations=_STEPS, refresh=2, tolerance=_SETTLED)
+    fitted = partial(minimise, evaluate, box=box, iterations=_STEPS, refresh=2, tolerance=_SETTLED)
+    fit = fitted(theta)
     even = evened(fit.theta)
-    if even is None:
-        return fit
-    return min(fit, minimise(evaluate, even, box, iterations=_STEPS, refresh=2, tolerance=_SETTLED), key=_by_cost)
+    return fit if even is None else min(fit, fitted(even), key=_by_cost)
 
 
 def loud(fit: Fit) -> bool:

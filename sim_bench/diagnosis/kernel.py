@@ -89,7 +89,10 @@ def compiled(function: _F) -> _F:
 
 
 def _inlined(function: _F) -> _F:
-    """Compile into the caller, which knows the constant shape of the lanes' state: without it no vectors are formed."""
+    """Compile into the caller, which knows the constant shape of the lanes' state: without it no vectors are formed.
+
+    It stands in the caller's file: a change of another one would leave the caller's cache on disk as it is.
+    """
     return cast(_F, numba.njit(inline="always")(function))
 
 

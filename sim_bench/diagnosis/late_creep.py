@@ -13,7 +13,7 @@ __all__ = ["creeps_beside"]
 
 _LOUD = 1.5  # residual over noise that the best explanation leaves
 # Cost with creep, of that with a bristle, below which the joint creeps.
-_MUCH_LESS = 0.5
+_COST_WITH_CREEP = 0.5
 _CREEP = BASE_NAMES.index("creep_velocity")
 
 
@@ -30,4 +30,4 @@ def creeps_beside(prepared: Prepared, found: Found) -> bool:
         return False
     starts = creep_starts(best.fit.theta[:N_BASE], prepared.box, top_speed(prepared.problem.tracks))
     fits = [one for start, box in starts for one in fit_from(prepared, [(best.settled, start)], box)]
-    return min(one.fit.cost for one in fits) < _MUCH_LESS * best.fit.cost
+    return min(one.fit.cost for one in fits) < _COST_WITH_CREEP * best.fit.cost

@@ -10,7 +10,8 @@ import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
 from scipy.optimize import nnls
 
-from .observer import Contribution, Job, Observation, Plant, shifted
+from .delay import shifted
+from .observer import Contribution, Job, Observation, Plant
 from .problem import Problem, Weights, improved
 from .step_answer import StepAnswer, step_answers
 from .track import FloatArray, TorqueNoise, Track, smooth_derivative, without_spikes

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
+from .delay import ahead_of, behind, shifted
 from .kernel import FRICTION_SLOTS, LANES, observe
 from .track import FloatArray, Track
 
@@ -20,9 +20,8 @@ __all__ = [
     "Observation",
     "Observer",
     "Plant",
-    "ahead_of",
-    "behind",
     "lanes_for",
+    "level_of",
     "missing_torques",
     "plants_of",
     "simulate_all",
@@ -243,14 +242,15 @@ def _signals_of(jobs: Sequence[Job], lanes: tuple[int, ...]) -> tuple[tuple[Floa
         np.stack([getattr(job.track, n) for job in tracks.values()]) for n in ("position", "velocity")
     )
     torque = np.stack([_torque(job, recorded) for job in driven.values()])
-    level = np.stack([_level(job) for job in levels.values()])
+    level = np.stack([level_of(job) for job in levels.values()])
     places = [{key: row for row, key in enumerate(table)} for table in (tracks, tracks, driven, levels)]
     each = [[place[key] for place, key in zip(places, (one[0], *one), strict=True)] for one in keys]
     rows = np.array([each[min(lane, len(jobs) - 1)] for lane in lanes]).T.copy()
     return (position, velocity, torque, level), rows
 
 
-def _level(job: Job) -> FloatArray:
+def level_of(job: Job) -> FloatArray:
+    """Torque that effects add to the dry friction level [N·m]. Shape (n,)."""
     return np.broadcast_to(np.asarray(job.contribution.level, dtype=np.float64), job.track.position.shape)
 
 
@@ -280,32 +280,3 @@ def _torque(job: Job, recorded: dict[tuple[object, ...], FloatArray]) -> FloatAr
     held = plant.static_torque(*track.waves) if track.rotary else plant.offset
     result: FloatArray = recorded[key] - held - added.additive
     return result
-
-
-def shifted(values: FloatArray, samples: float) -> FloatArray:
-    """`values` as they will be `samples` later: undoes a delay, by linear interpolation; the ends are held."""
-    if samples == 0.0:
-        return values
-    whole = int(np.floor(samples))
-    share, n = samples - whole, values.size
-    first = np.clip(whole, -n, n)
-    held = np.concatenate([np.repeat(values[:1], max(-first, 0)), values, np.repeat(values[-1:], max(first, 0) + 1)])
-    start = max(first, 0)
-    return held[start : start + n] * (1.0 - share) + held[start + 1 : start + 1 + n] * share
-
-
-def behind(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
-    """`values` as they come through low passes of the first order, held before the first one. Shape (n,)."""
-    for lag in lags:
-        keep = float(np.exp(-dt / lag))
-        values, _ = lfilter([1.0 - keep], [1.0, -keep], values, zi=[keep * values[0]])
-    return values
-
-
-def ahead_of(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
-    """What comes through these low passes as `values`: undoes them, so that a lag takes no noise away. Shape (n,)."""
-    for lag in lags:
-        keep = float(np.exp(-dt / lag))
-        before = np.concatenate([values[:1], values[:-1]])
-        values = (values - keep * before) / (1.0 - keep)
-    return values

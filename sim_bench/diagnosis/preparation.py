@@ -41,7 +41,7 @@ _QUIET = 1.2
 _MOST = 0.95  # of the energy above the noise that creep explains where a trace of something else is missing besides
 # Energy left with creep, of that with a bristle, where much else is missing: joints that creep beside cogging or load
 # friction had 0.02 to 0.64 of it, those that stick beside any effect 0.76 (a clear frictional lag) and more.
-_MUCH_LESS = 0.7
+_LEFT_WITH_CREEP = 0.7
 _HALF_STEPS = 6  # towards the colour of the nulls
 _SAME_COLOUR = 0.08  # difference of correlations that chance may bring
 _DYING, _FAINTER = 0.9, 8  # largest root of a filter that dies away within some rows, and tries to get there
@@ -170,7 +170,7 @@ def _with_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int, c
         return fit, box
     left = np.mean([vector @ vector for vector in nulls.vectors()])
     quiet = found.residual @ found.residual <= _QUIET**2 * left
-    accepted = creeps or quiet or explained > _MOST or after < _MUCH_LESS * before
+    accepted = creeps or quiet or explained > _MOST or after < _LEFT_WITH_CREEP * before
     return (found, free) if accepted else (fit, box)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -25,11 +26,13 @@ __all__ = [
     "Quantity",
     "Rival",
     "RowSeries",
+    "verdict_of",
 ]
 
 DIAGNOSIS_SCHEMA = "fricomp.diagnosis/1"
 
 Verdict = Literal["consistent", "parameters", "measurement", "missing_physics", "unknown_physics", "bad_data"]
+Kind = Literal["physics", "measurement", "parameter"]
 Interval = tuple[float, float]
 Location = dict[str, list[Interval]]
 
@@ -58,7 +61,7 @@ class NamedEffect(msgspec.Struct, frozen=True, kw_only=True):
     """
 
     name: str
-    kind: Literal["physics", "measurement", "parameter"]
+    kind: Kind
     parameters: dict[str, Quantity]
     indistinguishable_from: tuple[str, ...] = ()
     location: Location = {}
@@ -287,3 +290,14 @@ class Diagnosis:
     def heldout(self) -> HeldOut | None:
         """Errors on held-out blocks."""
         return self.record.heldout
+
+
+def verdict_of(kinds: Collection[Kind], *, unknown: bool = False) -> Verdict:
+    """The verdict on effects of these kinds, the gravest of which counts, and on something `unknown` beside them."""
+    if "physics" in kinds:
+        return "missing_physics"
+    if unknown:
+        return "unknown_physics"
+    if "measurement" in kinds:
+        return "measurement"
+    return "parameters" if kinds else "consistent"

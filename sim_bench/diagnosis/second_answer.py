@@ -47,8 +47,6 @@ def with_ripple(
 ) -> Diagnosis:
     """The diagnosis with a ripple that is finer than the rows."""
     unit, position = recordings[0].metadata.torque_unit, recordings[0].metadata.position_unit
-    before, after = (np.concatenate([getattr(one, side) for one in ripples]) for side in ("before", "after"))
-    held = held_out(before, after, _floor(ripples), (unit, seed))
     strongest = ripples[0].harmonics[0]
     name = "position_coulomb" if strongest.level else "cogging"
     known = EFFECTS[name]
@@ -58,20 +56,12 @@ def with_ripple(
         name=name,
         kind="physics",
         parameters=_parameters(strongest, unit, position),
-        share=held.explained,
         equation="tau = sum of A_k sin(n_k q + phi_k)" + (", times sgn(v)" if strongest.level else ""),
         sentence=f"{known.says}, finer than the rows of the residual{more}",
         citation=known.citation,
     )
-    series = tuple(
-        _series(name, one.samples, (one.before, one.after))
-        for name, one in zip(diagnosis.record.recordings, ripples, strict=False)
-    )
-    record = _record(diagnosis, "missing_physics", (effect, *_compared(diagnosis)), held)
-    evidence = Evidence(series=series, maps=excess_maps(series, seed), orders=ripples[0].orders)
-    return Diagnosis(
-        record, evidence, diagnosis.base_model, _extended(diagnosis.base_model, ripples[0].harmonics), None
-    )
+    extended = _extended(diagnosis.base_model, ripples[0].harmonics)
+    return _with_effect(diagnosis, effect, ripples, (unit, seed), extended=extended, orders=ripples[0].orders)
 
 
 def with_presliding(
@@ -79,8 +69,6 @@ def with_presliding(
 ) -> Diagnosis:
     """The diagnosis with presliding that fills the motion."""
     unit, position = recordings[0].metadata.torque_unit, recordings[0].metadata.position_unit
-    before, after = (np.concatenate([getattr(one, side) for one in soft]) for side in ("before", "after"))
-    held = held_out(before, after, _floor(soft), (unit, seed))
     first, known = soft[0], EFFECTS["presliding_hysteresis"]
     wide, half = float(np.exp(1.96 * first.distance_error)), 1.96 * first.level_error
     stiffness = first.level / first.distance
@@ -92,19 +80,34 @@ def with_presliding(
             "coulomb_torque": Quantity(first.level, unit, (first.level - half, first.level + half)),
             "sigma_0": Quantity(stiffness, f"{unit}/{position}", (stiffness / wide, stiffness * wide)),
         },
-        share=held.explained,
         equation=known.equation,
         sentence=f"{known.says}, which fills much of this motion; nothing without memory explains it",
         citation=known.citation,
     )
+    extended = diagnosis.base_model.with_law(first.law) if diagnosis.base_model is not None else None
+    return _with_effect(diagnosis, effect, soft, (unit, seed), extended=extended, orders={})
+
+
+def _with_effect(
+    diagnosis: Diagnosis,
+    effect: NamedEffect,
+    found: Sequence[FineRipple | SoftPresliding],
+    how: tuple[str, int],
+    *,
+    extended: FrictionModel | None,
+    orders: dict[str, FloatArray],
+) -> Diagnosis:
+    """The diagnosis with an effect that the samples of each recording show; its share is counted in them."""
+    before, after = (np.concatenate([getattr(one, side) for one in found]) for side in ("before", "after"))
+    held = held_out(before, after, _floor(found), how)
+    effects = (with_fields(effect, share=held.explained), *_compared(diagnosis))
     series = tuple(
         _series(name, one.samples, (one.before, one.after))
-        for name, one in zip(diagnosis.record.recordings, soft, strict=False)
+        for name, one in zip(diagnosis.record.recordings, found, strict=False)
     )
-    record = _record(diagnosis, "missing_physics", (effect, *_compared(diagnosis)), held)
-    extended = diagnosis.base_model.with_law(first.law) if diagnosis.base_model is not None else None
-    evidence = Evidence(series=series, maps=excess_maps(series, seed))
-    return Diagnosis(record, evidence, diagnosis.base_model, extended, None)
+    evidence = Evidence(series=series, maps=excess_maps(series, how[1]), orders=orders)
+    record = _record(diagnosis, "missing_physics", effects, held)
+    return Diagnosis(record, evidence, diagnosis.base_model, extended)
 
 
 def _parameters(harmonic: Harmonic, unit: str, position: str) -> dict[str, Quantity]:
@@ -228,7 +231,7 @@ def held_out(before: FloatArray, after: FloatArray, floor: float, how: tuple[str
     )
 
 
-def _floor(found: Sequence[FineRipple] | Sequence[SoftPresliding]) -> float:
+def _floor(found: Sequence[FineRipple | SoftPresliding]) -> float:
     """Noise of single samples, from the differences of neighbours that nothing smooth explains [N·m]."""
     steps = np.concatenate([np.diff(one.after) for one in found])
     return float(np.median(np.abs(steps)) / (0.6745 * np.sqrt(2.0)))

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from msgspec.structs import replace as with_fields
 
-from .result import Diagnosis, NamedEffect, Quantity, Verdict
+from .result import Diagnosis, NamedEffect, Quantity, verdict_of
 from .sentence import NO_MOTION, sentences
 
 __all__ = ["without_known"]
@@ -17,11 +17,6 @@ _WAVES = ("sine", "cosine")  # a phase has no size, and two encoders start at di
 _FOR_SURE = 2.0  # of both intervals together, that two numbers of one effect must be apart
 _MUCH = 0.1  # of the larger of them besides: no simulation is better than that
 
-_VERDICTS: dict[str, Verdict] = {
-    "physics": "missing_physics",
-    "measurement": "measurement",
-    "parameter": "parameters",
-}
 _NOTHING = (
     "Nothing is missing: what this recording shows beyond a rigid joint with friction, the simulation shows as well."
 )
@@ -63,9 +58,9 @@ def _answer(diagnosis: Diagnosis, effects: tuple[NamedEffect, ...], told: Sequen
     """The diagnosis with these effects; where the simulation has one `alone`, it does not agree."""
     record = diagnosis.record
     verdict = record.verdict
-    if verdict == "consistent" or verdict in _VERDICTS.values():
-        kinds = {effect.kind for effect in effects} | ({"parameter"} if alone else set())
-        verdict = next((_VERDICTS[kind] for kind in _VERDICTS if kind in kinds), "consistent")
+    if verdict not in ("unknown_physics", "bad_data"):
+        kinds = [effect.kind for effect in effects]
+        verdict = verdict_of([*kinds, "parameter"] if alone else kinds)
     said = record.sentences
     if effects != record.effects or verdict != record.verdict:
         before = sentences(record)

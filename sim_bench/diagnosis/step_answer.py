@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from .controller import Controller
+from .delay import shifted
 from .kernel import LANES, close_loop
-from .observer import THREADS, Job, Observation, lanes_for, plants_of, shifted, torque_of
+from .observer import THREADS, Job, Observation, lanes_for, level_of, plants_of, torque_of
 from .track import FloatArray, Track
 
 __all__ = ["StepAnswer", "step_answers"]
@@ -74,8 +75,7 @@ def step_answers(job: Job, truth: Observation, applied: FloatArray, *, count: in
 def _run(job: Job, loop: Controller, encoders: FloatArray) -> list[StepAnswer]:
     """Joints under the loop, each with its encoder, no more than the kernel has lanes."""
     track, lanes = job.track, lanes_for(encoders.shape[1])
-    level = np.broadcast_to(np.asarray(job.contribution.level, dtype=np.float64), track.position.shape)
-    signals = np.stack([track.position, track.velocity, torque_of(job), level])
+    signals = np.stack([track.position, track.velocity, torque_of(job), level_of(job)])
     settings = (track.dt, loop.proportional_gain, loop.derivative_gain, loop.filtered(track.dt))
     each, out = np.resize(encoders.T, (len(lanes), 2)).T.copy(), np.empty((2, len(lanes), track.size))
     close_loop(signals, plants_of([job], lanes), settings, each, track.substeps, lanes, out)

@@ -163,7 +163,7 @@ class Track:
             rotary=rotary,
             channels=dict(channels or {}),
             name=name,
-            jitter=sampling_jitter(position, velocity),
+            jitter=position_noise(position, velocity).jitter,
         )
 
 
@@ -203,11 +203,6 @@ def calm_samples(position: FloatArray, velocity: FloatArray, dt: float) -> NDArr
         moving = np.ones(position.size, dtype=bool)
     calm: NDArray[np.bool_] = moving & (jerk <= np.median(jerk[moving]))
     return calm
-
-
-def sampling_jitter(position: FloatArray, velocity: FloatArray) -> float:
-    """How unevenly the samples were taken [s]: the white noise of the position that grows with speed."""
-    return position_noise(position, velocity).jitter
 
 
 def position_noise(position: FloatArray, velocity: FloatArray) -> PositionNoise:

@@ -32,6 +32,7 @@ from .result import (
     NextExperiment,
     Rival,
     RowSeries,
+    verdict_of,
 )
 from .search import Found
 from .sentence import FOREIGN_CURVE, NO_MOTION, detent_sentence, sentences
@@ -75,7 +76,7 @@ def conclude(answer: Answer) -> Diagnosis:
     effects = sorted([*effects, *velocity_lag(answer.recordings)], key=lambda effect: -effect.share)
     record = DiagnosisRecord(
         schema=DIAGNOSIS_SCHEMA,
-        verdict=_verdict(effects, unknown),  # type: ignore[arg-type]
+        verdict=verdict_of({effect.kind for effect in effects}, unknown=unknown),
         effects=tuple(effects),
         sentences=(),
         heldout=HeldOut(
@@ -147,17 +148,6 @@ def _series(prepared: Prepared, before: Fit, after: Refitted) -> tuple[RowSeries
     runs.append(runs[0] if same else problem.rows(after.structure.observe(problem, after.fit.theta)))
     corrected = [[r - m for r, m in zip(rows, weights.mean, strict=True)] for rows in runs]
     return row_series(prepared, corrected[0], corrected[1])
-
-
-def _verdict(effects: list[NamedEffect], unknown: bool) -> str:
-    kinds = {effect.kind for effect in effects}
-    if "physics" in kinds:
-        return "missing_physics"
-    if unknown:
-        return "unknown_physics"
-    if "measurement" in kinds:
-        return "measurement"
-    return "parameters" if kinds else "consistent"
 
 
 def _rivals(found: Found, chosen: Explanation | None, failed: Explanation | None) -> tuple[Rival, ...]:

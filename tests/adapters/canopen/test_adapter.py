@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from fricomp.adapters import open_adapter
-from fricomp.adapters.canopen import CanOpenAdapter
+from fricomp.adapters.canopen.capability import highest_rate
 from fricomp.adapters.canopen.configuration import CanOpenConfiguration
 from fricomp.adapters.configuration import convert
 from fricomp.errors import AdapterConfigurationError, AdapterConnectionError, AdapterError, AdapterTimeout
@@ -140,8 +140,8 @@ def test_what_seven_drives_at_one_megabit_can_carry_depends_on_the_mode() -> Non
     """SYNC of 55 bits, states of 135 and 125, a command of 95 (torque) or 135 bits, 180 heartbeats of 65 a second."""
     made = convert({"bus": {"interface": "virtual"}, "joints": joint_tables(7, 4.0, 20.0)}, CanOpenConfiguration)
     free = 1.0 - (7 / 0.05 + 4 / 0.1) * 65e-6
-    assert CanOpenAdapter(made)._rate_in("torque") == pytest.approx(free / (55e-6 + 7 * 355e-6))
-    assert CanOpenAdapter(made)._rate_in("velocity") == pytest.approx(free / (55e-6 + 7 * 395e-6))
+    assert highest_rate(made, "torque") == pytest.approx(free / (55e-6 + 7 * 355e-6))
+    assert highest_rate(made, "velocity") == pytest.approx(free / (55e-6 + 7 * 395e-6))
 
 
 def test_a_rate_that_only_torque_mode_can_carry_is_refused_in_velocity_mode() -> None:

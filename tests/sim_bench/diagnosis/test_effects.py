@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from fricomp.sim_bench.diagnosis.base import pack
+from fricomp.sim_bench.diagnosis.delay import behind
 from fricomp.sim_bench.diagnosis.effects import EFFECTS, Context, EffectParameter
 from fricomp.sim_bench.diagnosis.explanation import Explanation
-from fricomp.sim_bench.diagnosis.observer import Plant, behind
+from fricomp.sim_bench.diagnosis.observer import Plant
 from fricomp.sim_bench.diagnosis.solver import Fit
 from fricomp.sim_bench.diagnosis.structure import N_BASE, Candidate, Structure
 

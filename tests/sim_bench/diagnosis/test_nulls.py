@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from fricomp.sim_bench.diagnosis.controller import Controller
+from fricomp.sim_bench.diagnosis.delay import shifted
 from fricomp.sim_bench.diagnosis.loading import build_tracks
-from fricomp.sim_bench.diagnosis.observer import Contribution, Job, Observation, Observer, shifted
+from fricomp.sim_bench.diagnosis.observer import Contribution, Job, Observation, Observer
 from fricomp.sim_bench.diagnosis.preparation import prepare
 from fricomp.sim_bench.diagnosis.problem import Problem, observer_for
 from fricomp.sim_bench.diagnosis.step_answer import StepAnswer, step_answers

@@ -7,17 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fricomp.sim_bench.diagnosis.delay import ahead_of, behind
 from fricomp.sim_bench.diagnosis.kernel import _falling
-from fricomp.sim_bench.diagnosis.observer import (
-    Contribution,
-    Job,
-    Observation,
-    Observer,
-    Plant,
-    ahead_of,
-    behind,
-    shifted,
-)
+from fricomp.sim_bench.diagnosis.observer import Contribution, Job, Observation, Observer, Plant
 from fricomp.sim_bench.diagnosis.problem import improved, observer_for
 from fricomp.sim_bench.diagnosis.track import Track
 from fricomp.sim_bench.diagnosis.weak_form import _curve, estimate_plants
@@ -146,13 +138,6 @@ def test_another_stribeck_exponent_in_one_lane_leaves_the_others_as_they_are() -
 def test_the_exponential_of_the_lanes_is_that_of_numpy() -> None:
     x = np.concatenate([np.linspace(0.0, 45.0, 2000), np.geomspace(1e-9, 1.0, 200)])
     assert np.max(np.abs([_falling(float(one)) for one in x] - np.exp(-x))) < 1e-9
-
-
-@pytest.mark.parametrize("samples", [0.0, 0.25, 3.0, 2.5, -1.75, -4.0, 200.0, -200.0])
-def test_a_shift_reads_later_samples_and_holds_the_ends(samples: float) -> None:
-    values = np.random.default_rng(0).standard_normal(50)
-    index = np.arange(50.0)
-    np.testing.assert_allclose(shifted(values, samples), np.interp(index + samples, index, values), atol=1e-12)
 
 
 @pytest.mark.parametrize(("creep_velocity", "seen"), [(0.0, 0.0), (0.02, 1e-3)])

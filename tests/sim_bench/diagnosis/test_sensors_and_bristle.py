@@ -9,7 +9,7 @@ import pytest
 
 from fricomp.sim_bench.diagnosis.kernel import LANES, observe
 from fricomp.sim_bench.diagnosis.observer import Plant
-from fricomp.sim_bench.diagnosis.track import FloatArray, Track, sampling_jitter, smooth_derivative, torque_noise
+from fricomp.sim_bench.diagnosis.track import FloatArray, Track, position_noise, smooth_derivative, torque_noise
 
 DT = 1e-3
 
@@ -26,15 +26,15 @@ def test_uneven_sampling_is_measured(step: float, jitter: float) -> None:
     rng = np.random.default_rng(4)
     time = np.arange(30_000, dtype=np.float64) * np.float64(DT)
     position = swing(time + np.float64(jitter) * rng.standard_normal(time.size), step)
-    assert sampling_jitter(position, smooth_derivative(position, DT)) == pytest.approx(jitter, rel=0.25)
+    assert position_noise(position, smooth_derivative(position, DT)).jitter == pytest.approx(jitter, rel=0.25)
 
 
 def test_even_sampling_shows_next_to_no_jitter_and_slow_sampling_none_at_all() -> None:
     time = np.arange(30_000, dtype=np.float64) * np.float64(DT)
     position = swing(time, 2.4e-5)
-    assert sampling_jitter(position, smooth_derivative(position, DT)) < 6e-6
+    assert position_noise(position, smooth_derivative(position, DT)).jitter < 6e-6
     slow = swing(np.arange(3_000, dtype=np.float64) * np.float64(0.05), 1e-7)
-    assert sampling_jitter(slow, smooth_derivative(slow, 0.05)) == 0.0
+    assert position_noise(slow, smooth_derivative(slow, 0.05)).jitter == 0.0
 
 
 @pytest.mark.parametrize(("freedom", "low", "high"), [(3.0, 2.0, 4.5), (1e6, 20.0, np.inf)])

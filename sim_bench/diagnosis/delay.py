@@ -1,0 +1,39 @@
+"""Signals that come late, by a delay or through low passes, and how that is undone."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.signal import lfilter
+
+from .track import FloatArray
+
+__all__ = ["ahead_of", "behind", "shifted"]
+
+
+def shifted(values: FloatArray, samples: float) -> FloatArray:
+    """`values` as they will be `samples` later: undoes a delay, by linear interpolation; the ends are held."""
+    if samples == 0.0:
+        return values
+    whole = int(np.floor(samples))
+    share, n = samples - whole, values.size
+    first = np.clip(whole, -n, n)
+    held = np.concatenate([np.repeat(values[:1], max(-first, 0)), values, np.repeat(values[-1:], max(first, 0) + 1)])
+    start = max(first, 0)
+    return held[start : start + n] * (1.0 - share) + held[start + 1 : start + 1 + n] * share
+
+
+def behind(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
+    """`values` as they come through low passes of the first order, held before the first one. Shape (n,)."""
+    for lag in lags:
+        keep = float(np.exp(-dt / lag))
+        values, _ = lfilter([1.0 - keep], [1.0, -keep], values, zi=[keep * values[0]])
+    return values
+
+
+def ahead_of(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
+    """What comes through these low passes as `values`: undoes them, so that a lag takes no noise away. Shape (n,)."""
+    for lag in lags:
+        keep = float(np.exp(-dt / lag))
+        before = np.concatenate([values[:1], values[:-1]])
+        values = (values - keep * before) / (1.0 - keep)
+    return values
