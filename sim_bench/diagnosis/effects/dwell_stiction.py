@@ -10,6 +10,8 @@ from ..kernel import dwell
 from ..observer import Contribution
 from .effect import Context, Effect, EffectParameter, Values, register
 
+_MOST = 3.0  # of the Coulomb torque: rests have been seen to raise static friction by as much as that torque itself
+
 
 @register
 class DwellStiction(Effect):
@@ -44,7 +46,11 @@ class DwellStiction(Effect):
         return "the joint never rests" if rests < 0.01 else None
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        return "the static friction would fall at rest" if values["rise"] <= 0.0 else None
+        if values["rise"] <= 0.0:
+            return "the static friction would fall at rest"
+        if values["rise"] > _MOST * contexts[0].plant.level:
+            return "a rest would hold the joint with many times its sliding friction"
+        return None
 
 
 def _size(name: str, unit: str, limits: tuple[float, float], *, prior: float, form: float) -> EffectParameter:

@@ -277,6 +277,13 @@ def test_a_power_law_that_takes_the_place_of_viscous_friction_and_does_not_fit_i
     assert Explanation(structure, fit, structure.box(), 1.0, 1.0, coverage).foreign_curve == foreign
 
 
+@pytest.mark.parametrize(("rise", "refused"), [(-0.1, True), (2.0, False), (6.0, False), (7.0, True)])
+def test_a_rest_neither_lowers_static_friction_nor_makes_many_times_the_sliding_one(
+    rise: float, refused: bool, context: Context
+) -> None:
+    assert (EFFECTS["dwell_stiction"].refuse({"rise": rise}, [context]) is not None) == refused
+
+
 @pytest.mark.parametrize(("end", "refused"), [(1.05, True), (1.5, False)])
 def test_a_push_is_named_only_if_it_lasts_for_some_rows(end: float, refused: bool, context: Context) -> None:
     values = {"torque_1": 3.0, "start_1": 1.0, "end_1": end, "roundness_1": 0.0}
