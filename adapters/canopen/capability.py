@@ -14,7 +14,7 @@ from .process_data import COMMAND_OBJECTS, STATE_OBJECTS
 
 __all__ = ["declare", "highest_rate"]
 
-MODES: tuple[CommandMode, ...] = ("torque", "velocity", "position")
+_MODES: tuple[CommandMode, ...] = ("torque", "velocity", "position")
 
 
 def declare(
@@ -49,7 +49,7 @@ def declare(
         )
         for joint, drive, most in zip(configuration.joints, drives, torque_limits, strict=True)
     )
-    rates = {mode: highest_rate(configuration, mode) for mode in MODES if mode in modes}
+    rates = {mode: highest_rate(configuration, mode) for mode in _MODES if mode in modes}
     return Capabilities(joints, tuple(rates), max(rates.values()), None, mode_rates=rates)
 
 

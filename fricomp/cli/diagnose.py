@@ -21,6 +21,9 @@ SHORTEST_RECORDING = 5.0
 """Below it a diagnosis fails, or finds unknown physics in a joint with nothing missing: blocks that can be held out,
 slow and fast motion and reversals do not fit into it [s]."""
 
+EXIT_BAD_DATA = 1
+"""Exit status where everything was written, and the verdict is that the data cannot be diagnosed."""
+
 _TOLD = frozenset({"gap", "velocity_scale", "velocity_mismatch"})  # the answer says what was done about them
 
 _EXAMPLES = """[bold]Examples[/bold]
@@ -34,6 +37,9 @@ fricomp diagnose real.csv --simulated from_my_simulator.csv --out runs/why
 fricomp diagnose 'fleet/*.parquet' --each --out runs/fleet
 
 fricomp diagnose joints.toml --executor dask://scheduler:8786 --resume --out runs/fleet
+
+Exit status of one joint: 0 with an answer, 1 where the report is written and says that the data cannot be diagnosed, 2
+where nothing could be done. A fleet says it in its table and ends with 0.
 """
 
 
@@ -76,7 +82,10 @@ def diagnose(
     if each or any(map(is_joint_table, recordings)):
         _diagnose_fleet(recordings, out, options, given, FleetRun(executor, workers, resume))
         return
-    _print_diagnosis(run_diagnosis(find_recordings(recordings), out, options, given), out)
+    run = run_diagnosis(find_recordings(recordings), out, options, given)
+    _print_diagnosis(run, out)
+    if run.diagnosis.verdict == "bad_data":
+        raise typer.Exit(EXIT_BAD_DATA)
 
 
 class DiagnosisRun(NamedTuple):

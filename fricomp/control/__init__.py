@@ -27,6 +27,7 @@ from fricomp.control.trust import (
     find_doubt,
     find_doubt_in_status,
     require_usable,
+    trusted_curves,
 )
 
 __all__ = [
@@ -82,4 +83,5 @@ __all__ = [
     "require_usable",
     "simulate_loop",
     "split_law",
+    "trusted_curves",
 ]

@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from fricomp.control.choice import choose_settings
-from fricomp.control.curve import split_law
 from fricomp.control.extra_terms import LOAD_TERMS, POSITION_TERMS, TEMPERATURE_TERMS
 from fricomp.control.hot_path import HotPath, TorqueFunction, build_hot_path
 from fricomp.control.settings import CompensationSettings, LoopDynamics
-from fricomp.control.trust import bound_friction, require_usable
+from fricomp.control.trust import require_usable, trusted_curves
 from fricomp.errors import ParameterError
 from fricomp.model import FrictionModel, load_model
 
@@ -72,7 +71,7 @@ class Compensator:
         self.period = period
         self.settings = settings or choose_settings(self.model, loop=loop, velocity_quantum=velocity_quantum, **given)
         self.inputs = _inputs(self.model)
-        curves = split_law(bound_friction(self.model).law)
+        curves = trusted_curves(self.model)
         self._hot: HotPath = build_hot_path(curves, self.settings, period)
         self.torque = self._hot.torque
 

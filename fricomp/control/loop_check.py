@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fricomp.control.choice import choose_settings
-from fricomp.control.curve import FrictionCurves, split_law
+from fricomp.control.curve import FrictionCurves
 from fricomp.control.limit_cycle import LIMIT_CYCLE_MARGIN, find_oscillation, steady_speeds
 from fricomp.control.loop_simulation import LoopCases, SimulatedLoop, simulate_loop
 from fricomp.control.settings import NO_LIMITS, CompensationSettings, DriveLimits, LoopDynamics
-from fricomp.control.trust import bound_friction
+from fricomp.control.trust import trusted_curves
 from fricomp.errors import ParameterError
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
@@ -118,7 +118,7 @@ def check_loop(
     """
     if loop.stiffness <= 0.0:
         raise ParameterError("the loop check needs a position loop: its stiffness must be positive")
-    curves = replace(split_law(bound_friction(model).law), bristle=None)
+    curves = replace(trusted_curves(model), bristle=None)
     chosen = settings or choose_settings(model, loop=loop, velocity_quantum=velocity_quantum)
     gains = (chosen.gain or 1.0) * np.array(_GAINS)
     predicted = find_oscillation(curves, loop, chosen, gains).at_gains.astype(np.float64)

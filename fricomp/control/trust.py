@@ -9,12 +9,14 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+from fricomp.control.curve import FrictionCurves, split_law
 from fricomp.errors import ParameterError
 from fricomp.laws import (
     BidirectionalStribeck,
     Coulomb,
     Dahl,
     FrictionLaw,
+    LoadScaling,
     LuGre,
     SmoothedCoulomb,
     Stribeck,
@@ -30,6 +32,7 @@ __all__ = [
     "find_doubt",
     "find_doubt_in_status",
     "require_usable",
+    "trusted_curves",
 ]
 
 LARGEST_EXTRAPOLATION = 2.0
@@ -94,6 +97,20 @@ def bound_friction(model: FrictionModel) -> FrictionModel:
         return model
     terms = tuple(_bounded_term(term, cap, model) for term in model.law.terms)
     return model if terms == model.law.terms else replace(model, law=FrictionLaw(terms))
+
+
+def trusted_curves(model: FrictionModel) -> FrictionCurves:
+    """The law of `model` taken apart, within `bound_friction`, following the normal load only where that is known.
+
+    A law whose data held no normal load has a mere default there: a load of 0 would take all dry friction away.
+
+    Raises:
+        ParameterError: The law leaves nothing to compensate.
+    """
+    curves = split_law(bound_friction(model).law)
+    if model.validity.normal_load is None and curves.load == LoadScaling():
+        return replace(curves, load=LoadScaling(load_sensitivity=0.0))
+    return curves
 
 
 def _bounded_term(term: Term, cap: float, model: FrictionModel) -> Term:

@@ -13,10 +13,9 @@ from fricomp.control import (
     FALLING_SHARE_WITHOUT_VELOCITY,
     CompensationSettings,
     FrictionCurves,
-    bound_friction,
     choose_settings,
     require_usable,
-    split_law,
+    trusted_curves,
 )
 from fricomp.errors import ExportError, ParameterError
 from fricomp.export.c_terms import EXTRA_CHECKS, EXTRA_FIELDS, render_extra
@@ -57,7 +56,7 @@ def render_c_header(
         require_usable(model)
     if not 0.0 < period < _LONGEST_PERIOD:
         raise ParameterError(f"the period must be positive and below {_LONGEST_PERIOD:g} s, got {period!r}")
-    curves = split_law(bound_friction(model).law)
+    curves = trusted_curves(model)
     chosen = settings or choose_settings(model)
     name = prefix if prefix is not None else "friction_" + re.sub(r"\W+", "_", model.joint.lower()).strip("_")
     if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):

@@ -10,13 +10,11 @@ from typing import Any
 import numpy as np
 
 from fricomp.control import (
-    bound_friction,
     compute_torque_cap,
     find_doubt_in_status,
     require_usable,
-    split_law,
+    trusted_curves,
 )
-from fricomp.control.curve import FrictionCurves
 from fricomp.control.extra_terms import LOAD_TERMS, POSITION_TERMS, TEMPERATURE_TERMS
 from fricomp.errors import ExportError, MissingExtraError
 from fricomp.export.onnx_terms import extra_constants, extra_nodes
@@ -37,8 +35,8 @@ def closed_form_graph(models: Sequence[FrictionModel], *, any_status: bool = Fal
     The columns of the state are velocity and normal load; where a model has terms over them also position, load
     torque and temperature, all three. One model takes any number of rows, shape (n, 2) or (n, 5) to (n, 1); several
     take one row each, in their order. Where a model knows the friction of its data, the curve is held to
-    `compute_torque_cap` at every speed. The normal load of a model whose data had none (`validity.normal_load` is
-    None) changes nothing. Columns that no model uses stand in the metadata, key `unused`.
+    `compute_torque_cap` at every speed. The normal load of a model whose data had none and whose law says
+    nothing about it changes nothing. Columns that no model uses stand in the metadata, key `unused`.
 
     Args:
         models: What is exported.
@@ -54,14 +52,14 @@ def closed_form_graph(models: Sequence[FrictionModel], *, any_status: bool = Fal
         raise ExportError("an ONNX graph needs at least one model")
     for model in models if not any_status else ():
         require_usable(model)
-    curves = [split_law(bound_friction(model).law) for model in models]
+    curves = [trusted_curves(model) for model in models]
     extras = [curve.extra for curve in curves]
     constants: dict[str, FloatArray] = {"zero": np.zeros((1, 1)), "one": np.ones((1, 1))} | extra_constants(extras)
     for side in ("forward", "reverse"):
         table = np.array([getattr(curve, side) for curve in curves])
         for column, name in enumerate(("coulomb", "rise", "stribeck_velocity", "exponent", "viscous")):
             constants[f"{side}_{name}"] = table[:, column : column + 1]
-    constants["sensitivity"] = np.array([[_sensitivity(*pair)] for pair in zip(models, curves, strict=True)])
+    constants["sensitivity"] = np.array([[curve.load.load_sensitivity] for curve in curves])
     constants["reference_load"] = np.array([[curve.load.reference_load] for curve in curves])
     rows: int | str = "n" if len(models) == 1 else len(models)
     node, columns = onnx.helper.make_node, state_columns(models)
@@ -81,15 +79,10 @@ def closed_form_graph(models: Sequence[FrictionModel], *, any_status: bool = Fal
     return graph
 
 
-def _sensitivity(model: FrictionModel, curves: FrictionCurves) -> float:
-    """Of dry friction to the normal load; none where no load was known, since the law then holds a mere default."""
-    return curves.load.load_sensitivity if model.validity.normal_load is not None else 0.0
-
-
 def _depends_on(column: str, model: FrictionModel) -> bool:
     """Whether a column of the state changes the torque of a joint."""
     if column == "normal_load":
-        return _sensitivity(model, split_law(model.law)) != 0.0
+        return trusted_curves(model).load.load_sensitivity != 0.0
     kinds = {"position": POSITION_TERMS, "load_torque": LOAD_TERMS, "temperature": TEMPERATURE_TERMS}
     return column == "velocity" or any(isinstance(term, kinds[column]) for term in model.law.terms)
 

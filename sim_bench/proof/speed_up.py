@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -15,6 +17,8 @@ from .plan import PlannedCase
 from .run import Diagnose, run_proof
 
 __all__ = ["SpeedUp", "measure_speed_up"]
+
+_LOOPS, _TURNS = 4, 10_000_000  # plain loops by which the cores themselves are timed, about half a second each
 
 
 @dataclass(frozen=True)
@@ -27,6 +31,7 @@ class SpeedUp:
         seconds: Wall-clock time of either run, start of the workers included [s].
         load: Load average of the last minute before either run; other work on the machine lowers the ratio.
         cores: Of the machine.
+        loops: The same ratio for plain loops that share neither memory nor files: what the cores themselves give.
     """
 
     cases: int
@@ -34,6 +39,7 @@ class SpeedUp:
     seconds: tuple[float, float]
     load: tuple[float, float]
     cores: int
+    loops: float
 
     @property
     def ratio(self) -> float:
@@ -44,7 +50,8 @@ class SpeedUp:
         return (
             f"{self.workers} workers are {self.ratio:.2f} times as fast as one: {self.seconds[0]:.1f} s and "
             f"{self.seconds[1]:.1f} s for {self.cases} cases on {self.cores} cores; load average "
-            f"{self.load[0]:.2f} before the first run, {self.load[1]:.2f} before the second"
+            f"{self.load[0]:.2f} before the first run, {self.load[1]:.2f} before the second; plain loops that share "
+            f"nothing are {self.loops:.2f} times as fast there"
         )
 
 
@@ -73,4 +80,22 @@ def measure_speed_up(
         with TemporaryDirectory() as place, open_executor(f"{kind}{join}{count}") as pool:
             run_proof(planned, Path(place), pool, salt="speed", diagnose=diagnose, progress=lambda _: progress())
         seconds.append(time.perf_counter() - start)
-    return SpeedUp(len(planned), workers, (seconds[0], seconds[1]), (load[0], load[1]), len(os.sched_getaffinity(0)))
+    loops = _time_loops(1) / _time_loops(workers)
+    cores = len(os.sched_getaffinity(0))
+    return SpeedUp(len(planned), workers, (seconds[0], seconds[1]), (load[0], load[1]), cores, loops)
+
+
+def _time_loops(workers: int) -> float:
+    """Time of plain loops on `workers` processes that have started before [s]."""
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+        list(pool.map(_loop, [1] * workers))
+        start = time.perf_counter()
+        list(pool.map(_loop, [_TURNS] * _LOOPS))
+        return time.perf_counter() - start
+
+
+def _loop(turns: int) -> int:
+    total = 0
+    for turn in range(turns):
+        total += turn
+    return total

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from fricomp.cli.diagnose import EXIT_BAD_DATA
 from fricomp.cli.diagnosis_folder import remove_earlier_diagnosis
 from fricomp.cli.main import app
 from fricomp.errors import DiagnosisError, RecordingError
@@ -84,7 +85,7 @@ def test_bad_input_is_bad_data_and_never_a_name(
     model.write_text(_JOINT)
     options = ["--simulation", str(model), "--joint", "elbow", "--out", str(out)]
     result = CliRunner().invoke(app, ["diagnose", str(path), *options])
-    assert result.exit_code == 0, result.output
+    assert result.exit_code == EXIT_BAD_DATA, result.output
     record = json.loads((out / "diagnosis.json").read_text())
     assert record["verdict"] == "bad_data"
     assert record["effects"] == []

@@ -20,6 +20,7 @@ from fricomp.laws import (
     Dahl,
     FrictionLaw,
     LoadCoulomb,
+    LoadScaling,
     LuGre,
     OperatingPoint,
     SmoothedCoulomb,
@@ -55,6 +56,20 @@ def test_load_scales_the_dry_part_within_the_identified_range() -> None:
     compensator = Compensator(model, source="reference", gain=1.0, authority=5.0)
     assert compensator.torque(0.3, load=1.5) == pytest.approx(float(model.torque(0.3, normal_load=1.5)))
     assert compensator.torque(0.3, load=50.0) == pytest.approx(float(model.torque(0.3, normal_load=2.0)))
+
+
+@pytest.mark.parametrize("load", [0.0, 1.0, 50.0])
+def test_a_normal_load_that_nobody_measured_changes_nothing(load: float) -> None:
+    model = replace(make_model(), validity=Validity(velocity=(-1.0, 1.0)))
+    compensator = Compensator(model, source="reference", gain=1.0)
+    assert compensator.torque(0.3, load=load) == compensator.torque(0.3) > 0.1
+
+
+def test_a_scaling_that_the_law_states_itself_holds_without_measured_loads() -> None:
+    law = FrictionLaw((BidirectionalStribeck(FORWARD, REVERSE, LoadScaling(0.5, 2.0)),))
+    model = FrictionModel(law, validity=Validity(velocity=(-1.0, 1.0)))
+    compensator = Compensator(model, source="reference", gain=1.0, authority=5.0)
+    assert compensator.torque(0.3, load=1.0) == pytest.approx(float(model.torque(0.3, normal_load=1.0)))
 
 
 def test_compensation_fades_outside_the_identified_velocities() -> None:

@@ -16,7 +16,7 @@ from fricomp.control import Compensator
 from fricomp.errors import ExportError, ParameterError
 from fricomp.export import render_c_header
 from fricomp.laws import BidirectionalStribeck, Coulomb, FrictionLaw, SmoothedCoulomb, StribeckCurve, Viscous
-from fricomp.model import FrictionModel
+from fricomp.model import FrictionModel, Validity
 
 from .models import EXTRA_TERMS, FORWARD, REVERSE, make_extended, make_lugre, make_model
 
@@ -69,6 +69,7 @@ CASES: dict[str, tuple[FrictionModel, dict[str, Any]]] = {
     "coulomb": (make_model(Coulomb(0.3), Viscous(0.1)), {}),
     "smoothed": (make_model(SmoothedCoulomb(0.3, 0.02)), {}),
     "lugre": (make_lugre(), {}),
+    "no normal load known": (replace(make_model(), validity=Validity(velocity=(-1.0, 1.0))), {}),
 }
 
 

@@ -89,7 +89,7 @@ def test_a_normal_load_that_nobody_measured_changes_nothing(load: float, tmp_pat
     expected = float(np.asarray(model.torque(0.5, load_torque=1.5)))
     assert run(tmp_path / "a.onnx", state[:1])[0] == pytest.approx(expected, rel=2e-6)
     compensator = Compensator(model, gain=1.0, smoothing=1e-6, source="reference", authority=1e3)
-    assert compensator.torque(0.5, load_torque=1.5) == pytest.approx(expected, rel=1e-6)
+    assert compensator.torque(0.5, load=load, load_torque=1.5) == pytest.approx(expected, rel=1e-6)
     save_graph(closed_form_graph([model, loaded]), tmp_path / "arm.onnx")
     beside = [expected, float(evaluate(loaded, state[1:])[0])]
     assert run(tmp_path / "arm.onnx", state) == pytest.approx(beside, rel=2e-6)
