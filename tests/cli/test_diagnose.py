@@ -152,7 +152,7 @@ def test_what_the_checks_warn_of_stands_above_the_answer(tmp_path: Path, monkeyp
     path, out = _save(tmp_path, columns, encoder_resolution=None), tmp_path / "out"
     wide = {"COLUMNS": "300"}
     result = CliRunner().invoke(app, ["diagnose", str(path), "--out", str(out)], env=wide)
-    assert result.exit_code == 0, result.output
+    assert result.exit_code == EXIT_BAD_DATA, result.output
     assert result.stdout.startswith("Careful: position covers")
     assert "is it in degrees (factor 57.3)?" in result.stdout
     assert result.stdout.index("Careful") < result.stdout.index("a stub")
@@ -175,7 +175,7 @@ def test_a_diagnosis_leaves_nothing_of_an_earlier_one(tmp_path: Path, monkeypatc
     model = FrictionModel(FrictionLaw((Coulomb(1.0),)), provenance=Provenance(method="diagnosis"))
     save_model(model, out / "friction.json")
     result = CliRunner().invoke(app, ["diagnose", str(path), "--out", str(out)], env={"COLUMNS": "300"})
-    assert result.exit_code == 0, result.output
+    assert result.exit_code == EXIT_BAD_DATA, result.output
     left = {name.name for name in out.iterdir()}
     assert left == {"diagnosis.json", "report.html", *others}
     assert result.stdout.rstrip().endswith(f"In {out}: diagnosis.json, report.html")
