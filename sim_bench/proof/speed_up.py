@@ -5,9 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -87,7 +85,7 @@ def measure_speed_up(
 
 def _time_loops(workers: int) -> float:
     """Time of plain loops on `workers` processes that have started before [s]."""
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+    with open_executor(f"processes://{workers}") as (pool, _):
         list(pool.map(_loop, [1] * workers))
         start = time.perf_counter()
         list(pool.map(_loop, [_TURNS] * _LOOPS))
