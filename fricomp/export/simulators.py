@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from fricomp.control import FrictionCurves, bound_friction, require_usable, split_law
+from fricomp.control import FrictionCurves, bound_friction, require_usable, split_law, trusted_curves
 from fricomp.errors import ExportError
 from fricomp.export.fidelity import Fidelity, compute_fidelity, fit_levels, sample_friction
 from fricomp.laws import Cogging, FloatArray, FrictionLaw, SpringTorque, Term
@@ -64,11 +64,11 @@ def export_mjcf(model: FrictionModel, way: MjcfWay = "dcmotor", *, any_status: b
     ripples = [term for term in model.law.terms if isinstance(term, Cogging)]
     said = (*springs, *(ripples if way == "dcmotor" else ()))
     sliding = _without(model, (*springs, *ripples))
-    curves, lost = split_law(sliding.law), []
+    curves, lost = trusted_curves(sliding), []
     left_out = [term.name for term in model.law.terms if term in curves.extra or (term in ripples and term not in said)]
     if left_out:
         lost.append(f"left out: {', '.join(left_out)}")
-    if curves.load.load_sensitivity and model.validity.normal_load is not None:
+    if curves.load.load_sensitivity:
         lost.append("friction does not follow the load")
     if curves.forward != curves.reverse:
         lost.append("both directions have their mean friction")
