@@ -110,7 +110,7 @@ def _time_workers(planned: Sequence[PlannedCase], out: Path) -> None:
     from fricomp.sim_bench.proof import measure_speed_up
 
     with progress() as bar:
-        task = bar.add_task("one worker, then two", total=2 * len(planned))
+        task = bar.add_task("one worker and two", total=len(planned))
         found = measure_speed_up(planned, progress=lambda: bar.advance(task))
     out.mkdir(parents=True, exist_ok=True)
     figures = asdict(found) | {"ratio": found.ratio}
