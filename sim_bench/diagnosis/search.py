@@ -76,8 +76,10 @@ def search(prepared: Prepared) -> Found:
         close = close_to(best, acceptable(tried, threshold))
         finished = polish(prepared, close, iterations=LAST_STEPS, refresh=2)
         tried = finished + [explanation for explanation in tried if explanation not in close]
-        tried += _parts(prepared, choose(prepared, tried, threshold))
-        best = choose(prepared, tried, threshold)
+        taken_apart: list[Explanation | None] = []
+        while (best := choose(prepared, tried, threshold)) not in taken_apart:
+            taken_apart.append(best)
+            tried += _parts(prepared, best)
     tried.sort(key=lambda explanation: -explanation.gain)
     return Found(tuple(tried), best, threshold, explainable, null, first)
 
