@@ -15,7 +15,7 @@ from .solver import Box, Fit
 from .structure import N_BASE, Candidate, Structure
 from .track import FloatArray
 
-__all__ = ["Explanation", "curbed", "evidence", "judged", "spread_excess"]
+__all__ = ["Explanation", "curbed", "evidence", "judged", "refusal", "spread_excess"]
 
 _MOST_OF_A_ROW = 9.0  # gain that one row may add to what counts against the threshold
 _FAIR = 0.5  # of what an effect of sliding would explain in the rows that slide, were it spread evenly, that it must
@@ -30,7 +30,7 @@ _DETENT, _SAME_ORDER, _LIKE_SIZE = ("cogging", "position_coulomb"), 0.05, 0.25
 # friction: it bends then as no power law would where it covers less than this, or is at the edge of its domain.
 _LAW, _DRAG, _TAKEN, _FITS, _AT_EDGE = "power_law_viscous", "quadratic_drag", 0.2, 0.97, 0.01
 _LATE, _LAGGING, _ALIKE = "torque_delay", "drive_lag", 0.3  # relative difference of their times
-_CLEARLY = 30.0  # energy that has to be left for that: a weak effect is covered less by chance
+_CLEARLY = 60.0  # energy that has to be left for that: a weak effect is covered less by chance
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +117,7 @@ def judged(prepared: Prepared, structure: Structure, fit: Fit, box: Box) -> Expl
     coverage = fall / (fall + left) if fall > 0.0 else 0.0
     plain = fall > _PLAIN * fit.residual.size and coverage > _PLAINLY_COVERED
     certain = evidence(prepared, structure.names, prepared.fit, fit, plain=plain)
-    refused = _refusal(structure, fit)
+    refused = refusal(structure, fit)
     return Explanation(structure, fit, box, fall - penalty, certain - penalty, float(coverage), left, refused)
 
 
@@ -169,7 +169,8 @@ def _left(prepared: Prepared, fit: Fit) -> float:
     return max(_excess(span, fit.residual) - of_its_form, 0.0)
 
 
-def _refusal(structure: Structure, fit: Fit) -> str:
+def refusal(structure: Structure, fit: Fit) -> str:
+    """Why a fit is not physical; empty where it is."""
     values = structure.values(fit.theta[N_BASE:])
     reasons = [c.effect.refuse(values[c.name], structure.contexts) for c in structure.candidates]
     return "; ".join(reason for reason in (*reasons, _cancelling(values)) if reason)
