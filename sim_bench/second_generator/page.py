@@ -24,15 +24,16 @@ Every joint is one link of 4 kg in the vertical plane with a Stribeck curve (2 N
 N·m·s/rad), stepped at 4 kHz with friction loss that truly sticks (`solreffriction="0.002 1"`,
 `solimpfriction="0.9999 0.9999 0.001 0.5 2"`). The recording is a most ordinary one: SECONDS s at 1 kHz under a PD loop,
 an 18-bit encoder, the loop's velocity (differences of the encoder through a low pass; 2.8 ms late in all), the
-commanded torque with 0.04 N·m of white noise, and the temperature of the joint. The simulation is the ordinary MJCF of
-the plain joint. The motions are slow ramps with rests and then a multisine (`rich`), and eight harmonics (`fourier`).
+commanded torque with 0.04 N·m of white noise, and the temperature of the joint. Each command is held for a sample, so
+that every torque acts half a sample late. The simulation is the ordinary MJCF of the plain joint. The motions are slow
+ramps with rests and then a multisine (`rich`), and eight harmonics (`fourier`).
 
 What differs from the proof, and makes this weaker evidence:
 
 - Nothing is sealed. The seeds are fixed, and whoever changes the diagnosis can run it on these very cases.
 - The cases were made after the diagnosis was written, by the same project.
 - Their parameters were chosen by hand, one strength each that is clear, and not by an effect-to-noise ratio.
-- Most have the form that the catalogue of the diagnosis gives them; only those outside it have another.
+- Most effects have the form that the catalogue of the diagnosis gives them.
 - One joint, one loop and one noise stand behind all of them.
 - The tests of the diagnosis hold joints with MuJoCo's friction loss, too, alone, with cogging and with friction
   under load.
@@ -42,7 +43,8 @@ As in the proof, each case is diagnosed in another process, from the files of it
 _SCORING = """The filter of the recorded velocity is a flaw of each recording that has that column, so that its name is
 right there, and turns `consistent` and `parameters` into `measurement`. A name is right, too, where the right one is
 printed as what it cannot be told from. An answer is wrong that has another verdict, a name that is not right, or
-another name first than a right one. `torque_offset` and `direction_asymmetry` are no mismatch for friction that is
+another name first than a right one; unlike in the proof, parameters that are named though the simulation has them right
+count as false names. `torque_offset` and `direction_asymmetry` are no mismatch for friction that is
 identified in both directions, which this simulation leaves to the recording; their names are right and not asked for.
 Intervals of shares are exact 95 % intervals.
 """
