@@ -42,6 +42,7 @@ def compute_figures(scores: Sequence[Score]) -> list[Figure]:
         ("right name or set first, without a velocity", _right([s for s in effects if not s.case.velocity])),
         ("right name or set first, all of the catalogue", _right(effects)),
         ("a wrong name, where an effect of the catalogue is missing", _share(effects, _misled)),
+        ("the same, parameters aside", _share(effects, _misled_beyond_parameters)),
         ("right verdict, where an effect of the catalogue is missing", _share(effects, lambda s: s.verdict_right)),
         (
             "no wrong name for what friction in both directions absorbs",
@@ -49,6 +50,7 @@ def compute_figures(scores: Sequence[Score]) -> list[Figure]:
         ),
         ("outside the catalogue called unknown", _share(outside, lambda s: s.verdict_right)),
         ("a wrong name, outside the catalogue", _share(outside, _misled)),
+        ("the same there, parameters aside", _share(outside, _misled_beyond_parameters)),
         ("95 % interval of a parameter holds the truth", _coverage(scores)),
         ("filter of the recorded velocity named", _share([s for s in scores if s.case.velocity], _filtered)),
         ("no answer at all", _share(scores, lambda s: s.verdict == "failed")),
@@ -69,6 +71,10 @@ def _right(scores: Sequence[Score]) -> ShareEstimate:
 
 def _misled(score: Score) -> bool:
     return bool(score.false_names)
+
+
+def _misled_beyond_parameters(score: Score) -> bool:
+    return bool(score.false_beyond_parameters)
 
 
 def _filtered(score: Score) -> bool:

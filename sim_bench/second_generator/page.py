@@ -43,10 +43,10 @@ As in the proof, each case is diagnosed in another process, from the files of it
 _SCORING = """The filter of the recorded velocity is a flaw of each recording that has that column, so that its name is
 right there, and turns `consistent` and `parameters` into `measurement`. A name is right, too, where the right one is
 printed as what it cannot be told from. An answer is wrong that has another verdict, a name that is not right, or
-another name first than a right one; unlike in the proof, parameters that are named though the simulation has them right
-count as false names. `torque_offset` and `direction_asymmetry` are no mismatch for friction that is
-identified in both directions, which this simulation leaves to the recording; their names are right and not asked for.
-Intervals of shares are exact 95 % intervals.
+another name first than a right one. Parameters that are named though the simulation has them right count as false
+names here; the proof lets them pass, and the figures stand for that count as well. `torque_offset` and
+`direction_asymmetry` are no mismatch for friction that is identified in both directions, which this simulation leaves
+to the recording; their names are right and not asked for. Intervals of shares are exact 95 % intervals.
 """
 
 

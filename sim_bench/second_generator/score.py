@@ -14,6 +14,7 @@ from .record import FILTER_LAG
 __all__ = ["KnownValue", "Score", "score_case"]
 
 _LAG = "velocity_filter_lag"
+_PARAMETERS = ("inertia_error", "payload_error", "torque_offset", "direction_asymmetry")
 _VERDICTS: dict[Group, tuple[str, ...]] = {
     "nothing": ("consistent",),
     "absorbed": ("consistent", "parameters"),
@@ -107,6 +108,11 @@ class Score:
     def false_names(self) -> tuple[str, ...]:
         """Names that are not right and do not come with a right one in their set."""
         return tuple(name for name in self.judged if not self._is_right(name))
+
+    @property
+    def false_beyond_parameters(self) -> tuple[str, ...]:
+        """Those that are more than a parameter of the simulation, as the proof counts them."""
+        return tuple(name for name in self.false_names if name not in _PARAMETERS)
 
     @property
     def filter_named(self) -> bool:

@@ -86,6 +86,8 @@ def test_what_is_outside_must_be_unknown_and_what_friction_absorbs_need_not_be_n
     assert not _score("eddy_brake", "unknown_physics", {_LAG: {}}).wrong
     assert _score("eddy_brake", "measurement", {_LAG: {}}).wrong
     assert _score("eddy_brake", "missing_physics", {"power_law_viscous": {}}).false_names == ("power_law_viscous",)
+    bent = _score("eddy_brake", "unknown_physics", {"payload_error": {}})
+    assert (bent.wrong, bent.false_names, bent.false_beyond_parameters) == (True, ("payload_error",), ())
     assert not _score("swinging_load", "unknown_physics", {"payload_error": {}}).wrong
     assert not _score("torque_offset", "measurement", {_LAG: {}}).wrong
     assert not _score("torque_offset", "parameters", {"torque_offset": {}}).wrong
