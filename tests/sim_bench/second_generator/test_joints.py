@@ -56,6 +56,24 @@ def test_the_recorded_torque_is_inverse_dynamics_friction_and_the_effect_within_
     assert np.std(left) == pytest.approx(NOISE, abs=0.05 * NOISE + _MODELLING**2 / NOISE)
 
 
+def test_the_link_behind_a_spring_moves_as_its_equation_says() -> None:
+    hidden, run = _moved("joint_elasticity")
+    stiffness, load = hidden.truth["stiffness"], hidden.truth["load_share"] * _INERTIA
+    damping = 2.0 * hidden.truth["damping_ratio"] * np.sqrt(stiffness * load)
+    angle, speed, steps, carried = 0.0, 0.0, 4, np.zeros(run.position.size)
+    for k in range(run.position.size - 1):
+        for share in (np.arange(steps) + 0.5) / steps:
+            q, v = (x[k] + share * (x[k + 1] - x[k]) for x in (run.position, run.velocity))
+            torque = stiffness * (q - angle) + damping * (v - speed)
+            speed += 1e-3 / steps * (torque - _GRAVITY * np.sin(angle)) / load
+            angle += 1e-3 / steps * speed
+            carried[k] += torque / steps
+    rigid = load * run.acceleration + _GRAVITY * np.sin(run.position)
+    left = (run.command - _asked(run) + rigid - carried)[:-1][np.abs(run.velocity[:-1]) > 0.05]
+    assert np.sqrt(np.mean(left**2)) < _MODELLING
+    assert np.std(carried - rigid) > 20.0 * _MODELLING
+
+
 def test_the_commanded_torque_without_noise_is_inverse_dynamics_and_friction() -> None:
     _, run = _moved("nothing")
     left = (run.command - _asked(run))[np.abs(run.velocity) > 0.05]
