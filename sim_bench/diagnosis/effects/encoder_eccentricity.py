@@ -10,7 +10,7 @@ from ..kernel import compiled
 from ..observer import Contribution
 from .effect import Context, Effect, EffectParameter, Values, register
 
-_LARGEST = 0.03  # [rad] that a disc off its centre can read wrong: far more than a mount allows
+_LARGEST = 0.1  # [rad] that a disc off its centre can read wrong, and more than any mount allows
 _ROUNDS = 4  # towards the position at which the error is made
 
 

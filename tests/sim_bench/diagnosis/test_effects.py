@@ -295,7 +295,7 @@ def test_a_rise_that_would_take_far_longer_rests_is_none_yet(context: Context) -
     assert EFFECTS["dwell_stiction"].refuse({**late, "time_constant": np.log(0.2)}, [context]) is not None
 
 
-@pytest.mark.parametrize(("amplitude", "refused"), [(4e-3, False), (0.028, False), (0.09, True)])
+@pytest.mark.parametrize(("amplitude", "refused"), [(4e-3, False), (0.09, False), (0.13, True)])
 def test_no_encoder_is_mounted_far_off_its_centre(amplitude: float, refused: bool, context: Context) -> None:
     values = {"sine": 0.6 * amplitude, "cosine": 0.8 * amplitude, "order": 1.0}
     assert (EFFECTS["encoder_eccentricity"].refuse(values, [context]) is not None) == refused
