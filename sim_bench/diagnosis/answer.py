@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from msgspec.structs import replace as with_fields
 
+from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
@@ -27,6 +28,9 @@ from .solver import Fit
 __all__ = ["Answer", "compare_given", "fit_given", "moved_parameters"]
 
 
+_ANY_SPEED = 1.0  # [rad/s] or [m/s], Stribeck velocity of a friction that does not fall with speed
+
+
 @dataclass(frozen=True)
 class Answer:
     """Everything a verdict is drawn from."""
@@ -37,6 +41,18 @@ class Answer:
     rigid: RigidJoint | None
     friction: FrictionModel | None
     seed: int
+
+    @property
+    def stated_friction(self) -> FrictionModel | None:
+        """The friction model that was given, else the simulation's own friction, which both directions share.
+
+        None where there is neither: then all of it is identified, and so is its difference between the directions.
+        """
+        rigid = self.rigid
+        if self.friction is not None or rigid is None or rigid.covariance is not None or rigid.friction_loss <= 0.0:
+            return self.friction
+        curve = StribeckCurve(rigid.friction_loss, rigid.friction_loss, _ANY_SPEED, rigid.damping)
+        return FrictionModel(FrictionLaw((BidirectionalStribeck(curve, curve),)))
 
     @property
     def unit(self) -> str:
@@ -68,9 +84,10 @@ def compare_given(answer: Answer, refitted: Refitted, doubt: Doubt) -> Compariso
     if answer.rigid is not None and (read or answer.friction is None):
         units = (answer.unit, answer.position_unit)
         result = replace(result, changes=result.changes + friction_changes(plant, cov, answer.rigid, units, doubt))
-    if answer.friction is not None:
+    stated = answer.stated_friction
+    if stated is not None:
         held, offset = None if result.effects else rigid, 0.0 if answer.rigid is None else answer.rigid.offset
-        given = GivenFriction(answer.friction, offset, held)
+        given = GivenFriction(stated, offset, held, exact=answer.friction is not None)
         more = compare_friction(plant, cov, given, answer.unit, doubt, acceleration)
         return Comparison(result.effects + more.effects, result.changes + more.changes)
     return result
@@ -78,7 +95,7 @@ def compare_given(answer: Answer, refitted: Refitted, doubt: Doubt) -> Compariso
 
 def fit_given(answer: Answer, effects: Sequence[NamedEffect]) -> Fit | None:
     """The base with the parameters of these effects as given; None where none of them was."""
-    return fit_as_given(answer.prepared, [one.name for one in effects], answer.rigid, answer.friction)
+    return fit_as_given(answer.prepared, [one.name for one in effects], answer.rigid, answer.stated_friction)
 
 
 def moved_parameters(

@@ -19,6 +19,7 @@ __all__ = [
     "at_earliest",
     "at_latest",
     "evened",
+    "falling_alike",
     "pack",
     "unpack",
 ]
@@ -60,6 +61,8 @@ _USUAL_BREAKAWAY = 3.6e-5  # [rad] where it starts
 _FRICTION_REACH = [10.0, 10.0, 2.0, 20.0]
 _REACH = np.array([4.0, 40.0, 40.0, 40.0, *_FRICTION_REACH, *_FRICTION_REACH, 3.0, 2.0, 3.0, 2.0, 2.0, 3.0, 3.0])
 _UNEVEN = 0.1  # of the Coulomb torque, by which both directions must differ to be evened
+_FALL = ("excess", "log_stribeck_velocity")  # how friction falls with speed
+_UNLIKE = 1.6  # difference of the logarithms of both directions' Stribeck velocities that is none of a joint
 _HELD = 1e-9  # scale of a parameter that is not fitted
 _DAMPING = 0.012  # [s] largest sigma_1 / sigma_0 of a bristle that is part of the base
 _LATEST = 5e-4  # [s] of the torque behind the motion in a usual chain of sensors; more swallows real delays
@@ -121,6 +124,22 @@ def evened(theta: FloatArray) -> FloatArray | None:
         return None
     result = theta.copy()
     result[[forward, reverse, offset]] += [-0.5 * difference, 0.5 * difference, 0.5 * difference]
+    return result
+
+
+def falling_alike(theta: FloatArray) -> FloatArray | None:
+    """`theta` with friction that falls with speed in both directions as in the one where it falls at the lower speed;
+    None where their Stribeck velocities are alike. Shape (p,).
+
+    In a direction whose start of motion a wrong bristle had wrong, the Stribeck velocity has run away: the way back to
+    the low one leads uphill.
+    """
+    sides = [[BASE_NAMES.index(f"{side}.{name}") for name in _FALL] for side in ("forward", "reverse")]
+    low, high = sorted(sides, key=lambda side: theta[side[1]])
+    if theta[high[1]] - theta[low[1]] < _UNLIKE:
+        return None
+    result = theta.copy()
+    result[high] = theta[low]
     return result
 
 

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from .base import BASE_NAMES, evened, unpack
+from .base import BASE_NAMES, evened, falling_alike, unpack
 from .problem import Problem
 from .solver import Box, Fit, minimise
 from .track import FloatArray
@@ -36,12 +36,12 @@ _STEPS, _SETTLED = 48, 0.3
 
 def fit_base(problem: Problem, theta: FloatArray, box: Box) -> Fit:
     """The base fitted from `theta` with the problem's weights, to the bottom of its valley, and from there with both
-    directions evened where they differ much."""
+    directions evened, or falling alike, where they differ much."""
     evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
     fitted = partial(minimise, evaluate, box=box, iterations=_STEPS, refresh=2, tolerance=_SETTLED)
     fit = fitted(theta)
-    even = evened(fit.theta)
-    return fit if even is None else min(fit, fitted(even), key=_by_cost)
+    others = [start for start in (evened(fit.theta), falling_alike(fit.theta)) if start is not None]
+    return min([fit, *map(fitted, others)], key=_by_cost)
 
 
 def loud(fit: Fit) -> bool:

@@ -17,7 +17,9 @@ _ANOTHER = 0.08  # of the gain, that one more effect must add: less is the form 
 _MUCH, _MATERIAL, _REMNANT = 3.0, 0.01, 0.3
 _WIDER = 0.015  # coverage that it must add while a generic basis sees something
 _UNTOUCHED, _APART = 0.3, 2.0  # noise of a row, and thresholds of evidence in rows that the first effects hardly reach
-_OVERWHELMING = 10.0  # thresholds from which they count wherever they show; a bristle has been seen to bring 7
+# Thresholds from which they count wherever they show, a bristle has been seen to bring 7; and part of the gain, where
+# nothing says that they complete it.
+_OVERWHELMING, _MOST = 10.0, 0.3
 # What of its gain an explanation counts for that would fill in for others: pushes in windows of time for anything that
 # comes and goes, a friction wave of any order for friction under a load that follows the position.
 _FILLS_IN = {"external_disturbance": 0.8, "position_coulomb": 0.98}
@@ -58,12 +60,13 @@ def _idle(prepared: Prepared, larger: Explanation, tried: Sequence[Explanation],
 def _better(prepared: Prepared, larger: Explanation, best: Explanation, threshold: float) -> bool:
     """Whether the further effects of a larger explanation add enough, and where they can be seen."""
     shown = evidence(prepared, set(larger.names) - set(best.names), best.fit, larger.fit)
+    more = _weighed(larger) - _weighed(best)
     if _completes(larger, best, threshold):
-        overwhelming = max(_OVERWHELMING * threshold, _ANOTHER * best.gain)
-        return shown > threshold or _weighed(larger) > _weighed(best) + overwhelming
+        return shown > threshold or more > max(_OVERWHELMING * threshold, _ANOTHER * best.gain)
+    visible = shown > max(threshold, _ANOTHER * best.certain)
     return (
-        _weighed(larger) > _weighed(best) + _worth(best, threshold)
-        and shown > max(threshold, _ANOTHER * best.certain)
+        more > _worth(best, threshold)
+        and (visible or more > max(_OVERWHELMING * threshold, _MOST * best.gain))
         and larger.coverage > min(best.coverage + _WIDER, ENOUGH)
     ) or _stands_apart(prepared, larger, best, threshold)
 
@@ -74,11 +77,13 @@ def _stands_apart(prepared: Prepared, larger: Explanation, part: Explanation, th
     A stop explains so much about the end of the range that little of all is left for friction elsewhere.
     """
     further = set(larger.names) - set(part.names)
-    if _fill_in(further) or _weighed(larger) < _weighed(part) + _APART * threshold:
+    # What both leave unexplained is taken for noise: as much of it as they leave can be fitted by anything.
+    needed = _APART * threshold * max(1.0, larger.fit.cost / larger.fit.residual.size)
+    if _fill_in(further) or _weighed(larger) < _weighed(part) + needed:
         return False
     untouched = np.abs(part.reach(prepared)) < _UNTOUCHED
     shown = evidence(prepared, further, part.fit, larger.fit, at=untouched) if np.any(untouched) else 0.0
-    return shown > _APART * threshold
+    return shown > needed
 
 
 def _worth(part: Explanation, threshold: float) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,7 @@ from .solver import Box, Fit
 from .structure import N_BASE, Candidate, Structure
 from .track import FloatArray
 
-__all__ = ["Explanation", "evidence", "judged", "spread_excess"]
+__all__ = ["Explanation", "curbed", "evidence", "judged", "refusal", "spread_excess"]
 
 _MOST_OF_A_ROW = 9.0  # gain that one row may add to what counts against the threshold
 _FAIR = 0.5  # of what an effect of sliding would explain in the rows that slide, were it spread evenly, that it must
@@ -29,6 +29,8 @@ _DETENT, _SAME_ORDER, _LIKE_SIZE = ("cogging", "position_coulomb"), 0.05, 0.25
 # Share of the torque that grows with speed, which is linear, below which a power law has taken the place of viscous
 # friction: it bends then as no power law would where it covers less than this, or is at the edge of its domain.
 _LAW, _DRAG, _TAKEN, _FITS, _AT_EDGE = "power_law_viscous", "quadratic_drag", 0.2, 0.97, 0.01
+_LATE, _LAGGING, _ALIKE = "torque_delay", "drive_lag", 0.3  # relative difference of their times
+_CLEARLY = 60.0  # energy that has to be left for that: a weak effect is covered less by chance
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +100,7 @@ class Explanation:
             return False
         (exponent,) = (p for owner, p in self.structure.parameters() if (owner, p.name) == (_LAW, "exponent"))
         at_edge = law["exponent"] < exponent.lower + _AT_EDGE
-        return _DRAG in values or at_edge or self.coverage < _FITS
+        return _DRAG in values or at_edge or (self.coverage < _FITS and self.left > _CLEARLY)
 
     @property
     def settled(self) -> tuple[Candidate, ...]:
@@ -115,7 +117,7 @@ def judged(prepared: Prepared, structure: Structure, fit: Fit, box: Box) -> Expl
     coverage = fall / (fall + left) if fall > 0.0 else 0.0
     plain = fall > _PLAIN * fit.residual.size and coverage > _PLAINLY_COVERED
     certain = evidence(prepared, structure.names, prepared.fit, fit, plain=plain)
-    refused = _refusal(structure, fit)
+    refused = refusal(structure, fit)
     return Explanation(structure, fit, box, fall - penalty, certain - penalty, float(coverage), left, refused)
 
 
@@ -167,10 +169,19 @@ def _left(prepared: Prepared, fit: Fit) -> float:
     return max(_excess(span, fit.residual) - of_its_form, 0.0)
 
 
-def _refusal(structure: Structure, fit: Fit) -> str:
+def refusal(structure: Structure, fit: Fit) -> str:
+    """Why a fit is not physical; empty where it is."""
     values = structure.values(fit.theta[N_BASE:])
     reasons = [c.effect.refuse(values[c.name], structure.contexts) for c in structure.candidates]
-    return "; ".join(reason for reason in reasons if reason)
+    return "; ".join(reason for reason in (*reasons, _cancelling(values)) if reason)
+
+
+def _cancelling(values: Mapping[str, Mapping[str, float]]) -> str | None:
+    """Why a torque that is recorded late and acts late by the same time is neither: hardly anything is left of both."""
+    if not {_LATE, _LAGGING} <= values.keys():
+        return None
+    delay, lag = values[_LATE]["delay"], values[_LAGGING]["time_constant"]
+    return "delay and lag would cancel" if abs(delay - lag) < _ALIKE * max(delay, lag) else None
 
 
 def _excess(span: FloatArray, residual: FloatArray) -> float:
@@ -180,5 +191,10 @@ def _excess(span: FloatArray, residual: FloatArray) -> float:
 
 def spread_excess(span: FloatArray, residual: FloatArray) -> float:
     """The same where no row counts for more than a few: one bad moment is no physics."""
+    return _excess(span, curbed(residual))
+
+
+def curbed(residual: FloatArray) -> FloatArray:
+    """A residual in which no row is more than a few times the noise. Shape (m,)."""
     limit = float(np.sqrt(_MOST_OF_A_ROW))
-    return _excess(span, np.clip(residual, -limit, limit))
+    return np.clip(residual, -limit, limit)

@@ -38,6 +38,7 @@ _FOLDS = 10
 _SLOWEST = 0.1  # of the top speed; below it friction is not level
 _WORTH = 0.01  # of the held-out energy that one more harmonic must take
 _WAVES = 8.0  # over the travel, at least: fewer are a shape, not a ripple
+_SURE, _EXACT = 2.0, 10.0  # standard deviations that a harmonic's amplitude and order must be
 _PREFERRED = 1.5  # energy by which a ripple of the level must beat one of the torque
 
 
@@ -65,6 +66,11 @@ class Harmonic:
     def amplitude(self) -> float:
         """[N·m] or [N]."""
         return float(np.hypot(self.sine, self.cosine))
+
+    @property
+    def known(self) -> bool:
+        """Whether the blocks agree about its size and its order; what one of them alone shows is no ripple."""
+        return self.amplitude > _SURE * self.amplitude_error and self.order > _EXACT * self.order_error
 
 
 @dataclass(frozen=True)
@@ -239,6 +245,8 @@ def _judge(
     if count == 0:
         return None
     harmonics = _harmonics(samples, base, chosen[:count])
+    if not harmonics[0].known:
+        return None
     fitted = [torque - table @ np.linalg.lstsq(table, torque, rcond=1e-6)[0] for table in (tables[0], tables[count])]
     found = [spectrum_of(one, samples["position"], orders) for one in fitted]
     noise = float(np.mean(fitted[1] ** 2))

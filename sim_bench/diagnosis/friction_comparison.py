@@ -49,11 +49,14 @@ class GivenFriction:
         model: The friction model.
         offset: Constant load of the simulation [N·m] or [N].
         rigid: The simulation, where the refit does not move its inertia and gravity by more than their error.
+        exact: Whether the model says how large the friction is; the friction of a simulation often only says that
+            there is some.
     """
 
     model: FrictionModel
     offset: float = 0.0
     rigid: RigidJoint | None = None
+    exact: bool = True
 
 
 def compare_friction(
@@ -77,7 +80,8 @@ def compare_friction(
         forward, reverse = given.model.forward, given.model.reverse
     except ParameterError:
         return Comparison()
-    level = max(0.5 * (forward.coulomb_torque + reverse.coulomb_torque), 1e-9)
+    sides = (forward.coulomb_torque, reverse.coulomb_torque) if given.exact else (plant.forward[0], plant.reverse[0])
+    level = max(0.5 * sum(sides), 1e-9)
     curves = [_numbers(_curve(one)) for one in (forward, reverse)]
     odd = _odd_shift(plant, covariance, curves, given)
     strays = _strays(odd, level, doubt, inertia_strays(plant, doubt, acceleration))

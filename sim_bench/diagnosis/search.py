@@ -9,7 +9,7 @@ import numpy as np
 
 from .choice import ENOUGH, acceptable, choose, close_to
 from .effects import EFFECTS
-from .explanation import Explanation, spread_excess
+from .explanation import Explanation, curbed, spread_excess
 from .preparation import Prepared
 from .refit import LAST_STEPS, fit_from, polish, preference, refit
 from .screening import Column, Screen, orthonormal, project_out, screen
@@ -76,8 +76,10 @@ def search(prepared: Prepared) -> Found:
         close = close_to(best, acceptable(tried, threshold))
         finished = polish(prepared, close, iterations=LAST_STEPS, refresh=2)
         tried = finished + [explanation for explanation in tried if explanation not in close]
-        tried += _parts(prepared, choose(prepared, tried, threshold))
-        best = choose(prepared, tried, threshold)
+        taken_apart: list[Explanation | None] = []
+        while (best := choose(prepared, tried, threshold)) not in taken_apart:
+            taken_apart.append(best)
+            tried += _parts(prepared, best)
     tried.sort(key=lambda explanation: -explanation.gain)
     return Found(tuple(tried), best, threshold, explainable, null, first)
 
@@ -117,14 +119,17 @@ def _parts(prepared: Prepared, best: Explanation | None) -> list[Explanation]:
 
 
 def _null_gain(prepared: Prepared, screened: Screen) -> float:
-    """Largest BIC gain of any effect on a null, at the quantile that fixes the rate of false alarms."""
+    """Largest BIC gain of any effect on a null, at the quantile that fixes the rate of false alarms.
+
+    No row counts for more than a few, as in what is compared with it.
+    """
     rows = np.log(prepared.fit.residual.size)
     gains = [
         max(
             float(np.sum((column.span.T @ vector) ** 2)) - _freedom(prepared, column) * float(rows)
             for column in screened.columns
         )
-        for vector in prepared.null_residuals
+        for vector in (curbed(null) for null in prepared.null_residuals)
     ]
     return float(np.quantile(gains, _QUANTILE))
 

@@ -11,7 +11,7 @@ from .alias import distinguishability, told
 from .answer import Answer, compare_given, fit_given, moved_parameters
 from .base import BASE_NAMES
 from .comparison import NAMED, PLAIN, UNEXPLAINED
-from .confirmation import confirm
+from .confirmation import Confirmation, confirm
 from .experiment import propose
 from .explanation import Explanation
 from .extension import base_model, extended_model
@@ -65,7 +65,8 @@ def conclude(answer: Answer) -> Diagnosis:
         held = confirm(prepared, prepared.structure, prepared.fit, answer.seed, given=given)
     series = _series(prepared, given or prepared.fit, refitted)
     named: list[NamedEffect] = []
-    effects, location = list(compared.effects), Location()
+    # What is unknown bends the parameters of the joint with it, so that none of them is known to be off.
+    effects, location = [] if unknown else list(compared.effects), Location()
     if chosen is not None:
         named, location = name_effects(answer, chosen, refitted, held.explained, series)
         effects = each_once(named, effects)
@@ -89,7 +90,7 @@ def conclude(answer: Answer) -> Diagnosis:
             before="refitted" if given is None else "given",
         ),
         location=location,
-        noise_ratio=prepared.noise_ratio,
+        noise_ratio=_loudness(prepared, held, chosen),
         coverage=best.coverage if best is not None else None,
         base=refitted.base(answer.unit, answer.position_unit),
         changes=(*compared.changes, *spring_change(named, answer.spring)),
@@ -119,6 +120,12 @@ def conclude(answer: Answer) -> Diagnosis:
         detent_order=detent,
         covariance=refitted.covariance[: len(BASE_NAMES), : len(BASE_NAMES)],
     )
+
+
+def _loudness(prepared: Prepared, held: Confirmation, chosen: Explanation | None) -> float:
+    """Residual of the base over its noise; what was named may have been taken for a part of that."""
+    ratio = prepared.noise_ratio
+    return ratio if chosen is None else max(ratio, held.rmse_before / held.noise_floor)
 
 
 def _propose(

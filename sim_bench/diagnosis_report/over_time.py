@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -58,7 +58,13 @@ def time_chart(
         for name, (rows, color) in zip(models, sides, strict=False)
     ]
     marks += [Rule(time, "x", "its size changes" if i == 0 else "", color=4) for i, time in enumerate(changes)]
-    residual = Panel(tuple(marks), "time [s]", f"missing torque [{units.torque}]", "Measured less simulated torque")
+    residual = Panel(
+        tuple(marks),
+        "time [s]",
+        f"missing torque [{units.torque}]",
+        "Measured less simulated torque",
+        y_range=_range_of([rows for rows, _ in sides[: len(models)]], noise),
+    )
     motion = Panel(
         (Line(series.time, series.velocity, color=2, width=1.0),), "time [s]", units.axis("velocity"), "Motion"
     )
@@ -68,10 +74,18 @@ def time_chart(
         f"Over time: {series.name}",
         (residual, motion, place),
         caption="Drag a box to look closer; all panels follow. Values are means over the windows of the residual. The "
-        "grey band is wide where the joint has just turned round: no recording fixes friction there to the last digit.",
+        "grey band is wide where the joint has just turned round, and cut off there: no recording fixes friction at a "
+        "reversal to the last digit.",
         panel_height=230,
         share_x=True,
     )
+
+
+def _range_of(rows: Sequence[FloatArray], noise: FloatArray) -> tuple[float, float]:
+    """What shows all rows and the usual noise; its few wide places would leave the rows a flat line."""
+    largest = max(float(np.nanmax(np.abs(each), initial=0.0)) for each in (*rows, np.nanmedian(noise, keepdims=True)))
+    reach = 1.1 * largest if largest > 0.0 else 1.0
+    return -reach, reach
 
 
 def motion_chart(motion: Mapping[str, FloatArray], units: Units) -> Chart:

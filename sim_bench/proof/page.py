@@ -56,7 +56,8 @@ complete as they are stand apart from those in which more is missing already.
 _LIMITS = """## What is not proved here
 
 - Generator and diagnosis come from one project; effects that neither of them thinks of are not tried, beyond those
-  outside the catalogue.
+  outside the catalogue. Joints whose dynamics and left-out physics are MuJoCo's have
+  [a page of their own](second_generator.md); they are not sealed.
 - The joints are simulated, one hinge each. Effects injected into real recordings, with real noise, have
   [a page of their own](injected.md).
 - Motion of a neighbouring joint is not logged, so that `neighbour_coupling` counts as right when it is called unknown

@@ -15,6 +15,7 @@ BENCHMARKS = {
     "adapters": "Every adapter against its twin and an independent peer.",
     "fleet": "Joints a second, identified in one call and one by one.",
     "mismatch": "Named physics in concealed cases.",
+    "second-generator": "Named physics in joints that MuJoCo makes.",
     "real": "Diagnosis on public recordings of real joints.",
 }
 """Benchmark to the line that `fricomp bench --help` shows; each lives in `fricomp/cli/bench/<name>.py`."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..kernel import dwell
 from ..observer import Contribution
+from ..track import FloatArray
 from .effect import Context, Effect, EffectParameter, Values, register
 
 _MOST = 3.0  # of the Coulomb torque: rests have been seen to raise static friction by as much as that torque itself
@@ -37,9 +38,7 @@ class DwellStiction(Effect):
         return [{"time_constant": float(np.log(t)), "travel": float(np.log(d))} for t, d in sizes]
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        time, travel = np.exp(values["time_constant"]), np.exp(values["travel"])
-        grown = dwell(context.velocity, np.array([context.dt, time, travel, 3e-3]))
-        return Contribution(level=values["rise"] * grown)
+        return Contribution(level=values["rise"] * _grown(context, values))
 
     def unavailable(self, contexts: Sequence[Context]) -> str | None:
         rests = max(float(np.mean(np.abs(c.velocity) < 3e-3)) for c in contexts)
@@ -48,9 +47,16 @@ class DwellStiction(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         if values["rise"] <= 0.0:
             return "the static friction would fall at rest"
-        if values["rise"] > _MOST * contexts[0].plant.level:
+        grown = max(float(np.max(_grown(context, values))) for context in contexts)  # rests may be short beside tau
+        if values["rise"] * grown > _MOST * contexts[0].plant.level:
             return "a rest would hold the joint with many times its sliding friction"
         return None
+
+
+def _grown(context: Context, values: Values) -> FloatArray:
+    """Share of the rise that rests have brought. Shape (n,)."""
+    time, travel = np.exp(values["time_constant"]), np.exp(values["travel"])
+    return dwell(context.velocity, np.array([context.dt, time, travel, 3e-3]))
 
 
 def _size(name: str, unit: str, limits: tuple[float, float], *, prior: float, form: float) -> EffectParameter:

@@ -10,6 +10,7 @@ from ..kernel import compiled
 from ..observer import Contribution
 from .effect import Context, Effect, EffectParameter, Values, register
 
+_LARGEST = 0.1  # [rad] that a disc off its centre can read wrong, and more than any mount allows
 _ROUNDS = 4  # towards the position at which the error is made
 
 
@@ -90,6 +91,9 @@ class EncoderEccentricity(Effect):
         return Contribution(
             additive=gravity + plant.inertia * (a - context.acceleration) + viscous * (v - context.velocity)
         )
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        return "no disc is so far off its centre" if np.hypot(values["sine"], values["cosine"]) > _LARGEST else None
 
     def unavailable(self, contexts: Sequence[Context]) -> str | None:
         return None if contexts[0].rotary else "the joint is linear"

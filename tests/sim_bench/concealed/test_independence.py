@@ -1,4 +1,4 @@
-"""The generator stands on its own: what it imports, directly or not, holds none of what it is to prove."""
+"""Generators stand on their own: what they import, directly or not, holds none of what it is to prove."""
 
 import ast
 from pathlib import Path
@@ -7,6 +7,7 @@ import grimp
 import pytest
 
 import fricomp.sim_bench.concealed as concealed
+import fricomp.sim_bench.second_generator as second
 
 _FORBIDDEN = (
     "fricomp.laws",
@@ -17,6 +18,9 @@ _FORBIDDEN = (
     "fricomp.sim_bench.diagnosis",
     "fricomp.sim_bench.stand_in",
 )
+
+_SECOND = "fricomp.sim_bench.second_generator"
+_MAKING = ("joint", "motion", "law", "hidden", "effect", "physics", "flaws", "outside", "effects", "record", "cases")
 
 
 @pytest.fixture(scope="module")
@@ -49,3 +53,26 @@ def test_the_generator_imports_of_the_library_only_its_errors() -> None:
             if isinstance(node, ast.Import):
                 imported |= {alias.name for alias in node.names if alias.name.startswith("fricomp")}
     assert imported == {"fricomp.errors"}
+
+
+@pytest.mark.parametrize("module", _MAKING)
+def test_no_chain_of_imports_leads_from_the_second_generator_to_the_first_or_the_diagnosis(
+    module: str, graph: grimp.ImportGraph
+) -> None:
+    for forbidden in {*_FORBIDDEN, "fricomp.sim_bench.concealed", "fricomp.sim_bench.proof"} - {"fricomp.recording"}:
+        upstream = graph.find_upstream_modules(f"{_SECOND}.{module}")
+        assert not [name for name in upstream if name.startswith(forbidden)]
+
+
+def test_what_scores_the_second_generator_takes_only_the_blind_side_and_statistics_of_the_proof(
+    graph: grimp.ImportGraph,
+) -> None:
+    names = {path.stem for path in Path(second.__file__).parent.glob("*.py")} - {"__init__"}
+    direct = {other for name in names for other in graph.find_modules_directly_imported_by(f"{_SECOND}.{name}")}
+    beside = {name for name in direct if name.startswith("fricomp.sim_bench") and not name.startswith(_SECOND)}
+    assert beside == {f"fricomp.sim_bench.proof.{name}" for name in ("blind", "score", "statistics")}
+
+
+def test_the_diagnosis_does_not_import_the_second_generator(graph: grimp.ImportGraph) -> None:
+    downstream = graph.find_downstream_modules(_SECOND, as_package=True)
+    assert not [name for name in downstream if name.startswith("fricomp.sim_bench.diagnosis")]

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from fricomp.sim_bench.diagnosis.base import BASE_NAMES, SOFTEST, BaseModel, evened, pack, unpack
+from fricomp.sim_bench.diagnosis.base import BASE_NAMES, SOFTEST, BaseModel, evened, falling_alike, pack, unpack
 from fricomp.sim_bench.diagnosis.observer import Observer, Plant
 
 _PLANT = Plant(
@@ -84,3 +86,14 @@ def test_evened_directions_slide_as_before() -> None:
     assert after.static_torque(np.array(1.0), np.array(0.0)) != before.static_torque(np.array(1.0), np.array(0.0))
     np.testing.assert_array_equal(even[-2:], [7.0, 8.0])
     assert evened(even) is None
+
+
+def test_a_direction_whose_stribeck_velocity_ran_away_gets_that_of_the_other() -> None:
+    alike = replace(_PLANT, forward=(2.0, 3.0, 0.05, 1.0), reverse=(2.2, 3.4, 0.1, 1.1))
+    assert falling_alike(pack(alike)) is None
+    ran = falling_alike(np.append(pack(replace(alike, reverse=(2.2, 2.3, 1.9, 1.1))), 7.0))
+    assert ran is not None
+    after = unpack(ran[:-1])
+    assert after.reverse == pytest.approx((2.2, 3.2, 0.05, 1.1))
+    assert after.forward == pytest.approx(alike.forward)
+    assert ran[-1] == 7.0

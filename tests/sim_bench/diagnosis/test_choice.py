@@ -23,11 +23,11 @@ _PREPARED = cast(Prepared, SimpleNamespace(sliding=_SLIDING))
 
 def test_what_rest_alone_gains_does_not_make_a_pair() -> None:
     only_rest, everywhere = np.where(_SLIDING, 0.0, 0.76), np.full(_ROWS, 2.0)
-    pair = known(("cogging", "frictional_lag"), 5000.0, _QUIET, coverage=0.99)
+    pair = known(("cogging", "frictional_lag"), 500.0, _QUIET, coverage=0.99)
     shown, hidden = (known(("cogging",), 100.0, residual) for residual in (everywhere, only_rest))
     assert choose(_PREPARED, [shown, pair], 50.0) is pair
     assert choose(_PREPARED, [hidden, pair], 50.0) is hidden
-    ended = known(("cogging", "end_stop"), 5000.0, _QUIET, coverage=0.99)
+    ended = known(("cogging", "end_stop"), 500.0, _QUIET, coverage=0.99)
     assert choose(_PREPARED, [hidden, ended], 50.0) is ended
 
 
@@ -47,6 +47,22 @@ def test_what_completes_a_strong_effect_at_rest_alone_is_no_small_part_of_it(gai
     lag = known(("drive_lag",), 20_000.0, only_rest, left=600.0, coverage=0.96)
     pair = known(("drive_lag", "frictional_lag"), gain, _QUIET, left=10.0, coverage=1.0)
     assert (choose(_PREPARED, [lag, pair], 50.0) is pair) == named
+
+
+def test_a_second_effect_that_brings_a_large_part_of_all_counts_wherever_it_shows() -> None:
+    """A late torque shows where the joint turns round, which a generic basis hardly sees."""
+    only_rest = np.where(_SLIDING, 0.0, 0.76)
+    ripple = known(("kinematic_error",), 3000.0, only_rest, coverage=1.0)
+    for gain, named in ((4700.0, True), (3700.0, False)):
+        pair = known(("kinematic_error", "torque_delay"), gain, _QUIET, coverage=1.0)
+        assert (choose(_PREPARED, [ripple, pair], 50.0) is pair) == named
+
+
+def test_what_two_explanations_leave_is_no_evidence_for_one_of_them() -> None:
+    at_the_end = np.where(np.arange(_ROWS) < 40, 5.0, 0.0)
+    stop = known(("end_stop",), 90_000.0, np.full(_ROWS, 2.2), coverage=1.0, reached=at_the_end)
+    pair = known(("end_stop", "thermal_friction"), 90_350.0, np.full(_ROWS, 2.0), coverage=1.0)
+    assert choose(_PREPARED, [stop, pair], 50.0) is stop
 
 
 def test_only_what_is_certain_passes_the_threshold() -> None:

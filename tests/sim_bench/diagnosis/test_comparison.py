@@ -173,3 +173,14 @@ def test_directions_that_differ_in_shape_alone_get_no_name() -> None:
     deviation = np.full(12, 1e-3)
     deviation[[4, 8]] = 5e-3
     assert not compare_friction(plant, np.diag(deviation**2), _given(), "N·m", PLAIN, _BRISK).effects
+
+
+def test_a_difference_beside_a_simulation_counts_in_shares_of_the_friction_that_was_found() -> None:
+    """A simulation often says that there is friction, and not how much."""
+    curve = StribeckCurve(0.02, 0.02, 1.0, 0.0)
+    model = FrictionModel(FrictionLaw((BidirectionalStribeck(curve, curve),)))
+    joint = replace(_PLANT, forward=(2.2, 2.86, 0.05, 1.0), reverse=(1.8, 2.34, 0.05, 1.0))
+    given = GivenFriction(model, 0.0, exact=False)
+    (effect,) = compare_friction(joint, np.eye(12) * 1e-6, given, "N·m", PLAIN, _BRISK).effects
+    assert effect.name == "direction_asymmetry"
+    assert effect.parameters["asymmetry"].value == pytest.approx(0.1, abs=0.01)

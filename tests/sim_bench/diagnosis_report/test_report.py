@@ -43,6 +43,7 @@ from fricomp.sim_bench.diagnosis_report import (
     write_diagnosis,
 )
 from fricomp.sim_bench.diagnosis_report.maps import plane_chart
+from fricomp.sim_bench.diagnosis_report.over_time import time_chart
 from fricomp.sim_bench.diagnosis_report.weighing import rival_chart, rival_table
 
 _CURVE = StribeckCurve(2.0, 2.8, 0.05, 1.1)
@@ -189,6 +190,14 @@ def test_parameters_that_are_off_are_drawn_as_given_and_refitted(diagnosis: Diag
     for name in ("over-time-1", "where"):
         labels = [mark.label for mark in charts[name].panels[0].marks if isinstance(mark, Line)]
         assert labels == ["parameters as given", "refitted"]
+
+
+def test_a_wide_band_at_reversals_leaves_the_rows_to_be_seen() -> None:
+    series = _series()
+    spread = np.where(series.time_since_reversal < 0.05, 5.0, 0.02)
+    residual = time_chart(replace(series, spread=spread), Units(), 1, ("base model",)).panels[0]
+    assert residual.y_range is not None
+    assert residual.y_range[1] == pytest.approx(1.1 * np.abs(series.before).max())
 
 
 @pytest.mark.parametrize(

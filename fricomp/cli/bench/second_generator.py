@@ -1,0 +1,53 @@
+"""`fricomp bench second-generator`: the diagnosis on joints that MuJoCo makes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer()
+
+_EPILOG = """fricomp bench second-generator --page docs/second_generator.md --out runs/second
+
+fricomp bench second-generator --only backlash --out runs/second"""
+
+
+@app.command(epilog=_EPILOG)
+def second_generator(
+    out: Annotated[Path, typer.Option(help="Folder for recordings and diagnoses, one of each case.")],
+    only: Annotated[list[str] | None, typer.Option(help="Name of a case or an effect; all without it.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="20 s of each recording in place of 60.")] = False,
+    page: Annotated[Path | None, typer.Option(help="Write this page, such as docs/second_generator.md.")] = None,
+    executor: Annotated[str, typer.Option(help="processes://N, serial or dask://host:port.")] = "processes",
+    resume: Annotated[bool, typer.Option("--resume", help="Keep the cases that are in OUT already.")] = False,
+) -> None:
+    """Diagnose joints whose left-out physics is MuJoCo's own, and compare with what is known about them."""
+    from rich.table import Table
+
+    from fricomp.cli.terminal import console, progress
+    from fricomp.sim_bench.fleet import open_executor
+    from fricomp.sim_bench.second_generator import choose_cases, compute_figures, run_case, write_page
+
+    cases = choose_cases(only or (), quick=quick)
+    out.mkdir(parents=True, exist_ok=True)
+    with progress() as bar, open_executor(executor) as (pool, _):
+        task = bar.add_task("cases", total=len(cases))
+        futures = []
+        for case in cases:
+            futures.append(pool.submit(run_case, case, out, resume=resume))
+            futures[-1].add_done_callback(lambda _: bar.advance(task))
+        scores = [future.result() for future in futures]
+    table = Table("case", "verdict", "named", "right", "seconds")
+    for one in scores:
+        right = "no" if one.wrong else "yes"
+        table.add_row(one.case.name, one.verdict, ", ".join(one.named) or one.error or "–", right, f"{one.seconds:.0f}")
+    console().print(table)
+    figures = Table("figure", "measured (95 % interval)")
+    for figure in compute_figures(scores):
+        figures.add_row(*figure)
+    console().print(figures)
+    if page is not None:
+        write_page(scores, page, quick=quick)
+        console().print(f"{page} written", soft_wrap=True)

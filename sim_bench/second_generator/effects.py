@@ -1,0 +1,29 @@
+"""Every effect by its name."""
+
+from __future__ import annotations
+
+from fricomp.errors import DiagnosisError
+
+from .effect import Effect, always
+from .flaws import ABSORBED, FLAWS
+from .hidden import Hidden
+from .outside import OUTSIDE
+from .physics import PHYSICS
+
+__all__ = ["EFFECTS", "find_effect"]
+
+_NOTHING = Effect("nothing", "nothing", "the plain joint", always(Hidden()))
+
+EFFECTS = {effect.name: effect for effect in (_NOTHING, *PHYSICS, *FLAWS, *ABSORBED, *OUTSIDE)}
+"""Every effect by its name."""
+
+
+def find_effect(name: str) -> Effect:
+    """The effect of a name.
+
+    Raises:
+        DiagnosisError: There is none.
+    """
+    if name not in EFFECTS:
+        raise DiagnosisError(f"no effect {name!r}: valid are {', '.join(EFFECTS)}")
+    return EFFECTS[name]
