@@ -15,7 +15,8 @@ ENOUGH = 0.98  # coverage at which a generic basis sees nothing more
 _ANOTHER = 0.08  # of the gain, that one more effect must add: less is the form of the first one not quite met
 # Thresholds of gain, part of it, and part of what is left, of effects that complete an explanation.
 _MUCH, _MATERIAL, _REMNANT = 3.0, 0.01, 0.3
-_WIDER = 0.015  # coverage that it must add while a generic basis sees something
+# Coverage that it must add while a generic basis sees something, or part of what was not covered.
+_WIDER, _OF_THE_REST = 0.015, 0.1
 _UNTOUCHED, _APART = 0.3, 2.0  # noise of a row, and thresholds of evidence in rows that the first effects hardly reach
 # Thresholds from which they count wherever they show, a bristle has been seen to bring 7; and part of the gain, where
 # nothing says that they complete it.
@@ -63,11 +64,12 @@ def _better(prepared: Prepared, larger: Explanation, best: Explanation, threshol
     more = _weighed(larger) - _weighed(best)
     if _completes(larger, best, threshold):
         return shown > threshold or more > max(_OVERWHELMING * threshold, _ANOTHER * best.gain)
+    wider = best.coverage + min(_WIDER, _OF_THE_REST * (1.0 - best.coverage))
     visible = shown > max(threshold, _ANOTHER * best.certain)
     return (
         more > _worth(best, threshold)
         and (visible or more > max(_OVERWHELMING * threshold, _MOST * best.gain))
-        and larger.coverage > min(best.coverage + _WIDER, ENOUGH)
+        and larger.coverage > min(wider, ENOUGH)
     ) or _stands_apart(prepared, larger, best, threshold)
 
 

@@ -60,7 +60,7 @@ class Refitted:
         return result
 
     def parameters(self, name: str, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
-        """Parameters of the effect `name`, with their intervals."""
+        """Parameters of the effect `name`, with their intervals, which end where the parameter's domain does."""
         result = {}
         values, deviations = self.fit.theta[N_BASE:], self.deviations[N_BASE:]
         for (owner, parameter), value, deviation in zip(self.structure.parameters(), values, deviations, strict=True):
@@ -69,7 +69,8 @@ class Refitted:
             unit = _plain(parameter.unit.replace("{torque}", torque_unit).replace("{position}", position_unit))
             half = 1.96 * float(np.hypot(deviation, parameter.deviation_of_form(float(value))))
             half = half if parameter.scale > 0.0 else 0.0
-            result[parameter.name] = _quantity(float(value), half, unit, logarithmic=parameter.logarithmic)
+            low, high = max(float(value) - half, parameter.lower), min(float(value) + half, parameter.upper)
+            result[parameter.name] = _quantity((low, float(value), high), unit, logarithmic=parameter.logarithmic)
         return result
 
     def base(self, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
@@ -95,7 +96,8 @@ class Refitted:
                 continue
             plain = name.replace("log_", "")
             unit = units.get(plain.split(".")[-1], torque_unit)
-            result[plain] = _quantity(float(value), float(half), unit, logarithmic="log_" in name)
+            around = float(value - half), float(value), float(value + half)
+            result[plain] = _quantity(around, unit, logarithmic="log_" in name)
         return result
 
 
@@ -104,8 +106,7 @@ def _plain(unit: str) -> str:
     return {"N·m·s²/rad": "kg·m²", "N·s²/m": "kg"}.get(unit, unit)
 
 
-def _quantity(value: float, half: float, unit: str, *, logarithmic: bool) -> Quantity:
-    low, mid, high = value - half, value, value + half
-    if logarithmic:
-        low, mid, high = (float(np.exp(min(x, _LARGEST))) for x in (low, mid, high))
+def _quantity(around: tuple[float, float, float], unit: str, *, logarithmic: bool) -> Quantity:
+    """A number with the ends of its interval on both sides."""
+    low, mid, high = (float(np.exp(min(x, _LARGEST))) for x in around) if logarithmic else around
     return Quantity(mid, unit, (low, high))

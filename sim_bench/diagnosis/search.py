@@ -29,6 +29,7 @@ _ALIKE = 0.9  # of the energy of a partner's best hypothesis, from which its nex
 _BENT, _MOST = 1.2, 0.85
 _NAMEABLE = 0.7  # coverage below which nothing is named anyway
 _STANDS_OUT = 2.0  # thresholds of energy in the screening about an explanation that covers about all
+_NOTHING = 0.01  # of the noise of a row
 _QUANTILE = 0.98
 _LEAST_GAIN = 30.0
 _MATERIAL = 0.01  # gain per row: below it the base model's own small errors could be named
@@ -76,10 +77,11 @@ def search(prepared: Prepared) -> Found:
         close = close_to(best, acceptable(tried, threshold))
         finished = polish(prepared, close, iterations=LAST_STEPS, refresh=2)
         tried = finished + [explanation for explanation in tried if explanation not in close]
-        taken_apart: list[Explanation | None] = []
-        while (best := choose(prepared, tried, threshold)) not in taken_apart:
-            taken_apart.append(best)
+        tried += _parts(prepared, choose(prepared, tried, threshold))
+        best = choose(prepared, tried, threshold)
+        if best is not None and _holds_idle(prepared, best):
             tried += _parts(prepared, best)
+            best = choose(prepared, tried, threshold)
     tried.sort(key=lambda explanation: -explanation.gain)
     return Found(tuple(tried), best, threshold, explainable, null, first)
 
@@ -116,6 +118,12 @@ def _parts(prepared: Prepared, best: Explanation | None) -> list[Explanation]:
         return []
     kept = [tuple(c for c in best.settled if c.name != name) for name in best.names]
     return fit_from(prepared, [(candidates, best.fit.theta[:N_BASE]) for candidates in kept], prepared.box)
+
+
+def _holds_idle(prepared: Prepared, best: Explanation) -> bool:
+    """Whether one of its effects does nothing, such as a lag of no length: it only led the others to their minimum."""
+    added = [best.structure.added(prepared.problem, best.fit.theta, [name]) for name in best.names]
+    return len(added) > 1 and min(float(np.max(np.abs(one))) for one in added) < _NOTHING
 
 
 def _null_gain(prepared: Prepared, screened: Screen) -> float:

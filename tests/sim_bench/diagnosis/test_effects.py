@@ -12,6 +12,7 @@ from fricomp.sim_bench.diagnosis.delay import behind
 from fricomp.sim_bench.diagnosis.effects import EFFECTS, Context, EffectParameter
 from fricomp.sim_bench.diagnosis.explanation import Explanation, refusal
 from fricomp.sim_bench.diagnosis.observer import Plant
+from fricomp.sim_bench.diagnosis.refitted import Refitted
 from fricomp.sim_bench.diagnosis.solver import Fit
 from fricomp.sim_bench.diagnosis.structure import N_BASE, Candidate, Structure
 
@@ -347,3 +348,15 @@ def test_a_ripple_whose_order_went_to_its_bound_is_none(name: str, context: Cont
     values = {p.name: 0.1 for p in effect.parameters([context])}
     assert effect.refuse(values | {"order": order.lower}, [context])
     assert effect.refuse(values | {"order": 1.1 * order.lower}, [context]) is None
+
+
+def test_intervals_end_where_the_domain_does(context: Context) -> None:
+    """A share that a recording does not show lies anywhere between its bounds, and nowhere else."""
+    values = (("coefficient", 0.05), ("inertia_share", 0.1))
+    structure = Structure((context,), (Candidate("load_coulomb", values),))
+    theta = np.concatenate([pack(context.plant), structure.start()])
+    fit = Fit(theta, np.zeros(1), np.zeros((1, theta.size)), 0.0)
+    numbers = Refitted(structure, fit, np.diag(np.full(theta.size, 0.04))).parameters("load_coulomb", "N·m", "rad")
+    share = next(p for _, p in structure.parameters() if p.name == "inertia_share")
+    assert numbers["inertia_share"].ci95 == pytest.approx((share.lower, min(share.upper, 0.1 + 1.96 * 0.2)))
+    assert numbers["coefficient"].ci95[1] == pytest.approx(0.05 + 1.96 * 0.2, rel=0.01)
