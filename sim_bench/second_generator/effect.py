@@ -13,7 +13,7 @@ from .motion import Motion
 
 __all__ = ["Effect", "Group", "always", "built_of", "motor", "written"]
 
-Group = Literal["nothing", "absorbed", "parameter", "measurement", "physics", "outside"]
+Group = Literal["nothing", "parameter", "measurement", "physics", "outside"]
 
 
 @dataclass(frozen=True)
@@ -22,8 +22,7 @@ class Effect:
 
     Attributes:
         name: As the diagnosis calls it; for one that is not in its catalogue a name of its own.
-        group: What it is. One that is `absorbed` is no mismatch here: friction that is identified in both directions
-            holds it already.
+        group: What it is.
         how: What MuJoCo does.
         build: The joint for a motion.
         right: Names that are right besides its own.

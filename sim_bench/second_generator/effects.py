@@ -5,7 +5,7 @@ from __future__ import annotations
 from fricomp.errors import DiagnosisError
 
 from .effect import Effect, always
-from .flaws import ABSORBED, FLAWS
+from .flaws import FLAWS
 from .hidden import Hidden
 from .outside import OUTSIDE
 from .physics import PHYSICS
@@ -14,7 +14,7 @@ __all__ = ["EFFECTS", "find_effect"]
 
 _NOTHING = Effect("nothing", "nothing", "the plain joint", always(Hidden()))
 
-EFFECTS = {effect.name: effect for effect in (_NOTHING, *PHYSICS, *FLAWS, *ABSORBED, *OUTSIDE)}
+EFFECTS = {effect.name: effect for effect in (_NOTHING, *PHYSICS, *FLAWS, *OUTSIDE)}
 """Every effect by its name."""
 
 

@@ -44,10 +44,6 @@ def compute_figures(scores: Sequence[Score]) -> list[Figure]:
         ("a wrong name, where an effect of the catalogue is missing", _share(effects, _misled)),
         ("the same, parameters aside", _share(effects, _misled_beyond_parameters)),
         ("right verdict, where an effect of the catalogue is missing", _share(effects, lambda s: s.verdict_right)),
-        (
-            "no wrong name for what friction in both directions absorbs",
-            _share([s for s in scores if s.group == "absorbed"], lambda s: not s.wrong),
-        ),
         ("outside the catalogue called unknown", _share(outside, lambda s: s.verdict_right)),
         ("a wrong name, outside the catalogue", _share(outside, _misled)),
         ("the same there, parameters aside", _share(outside, _misled_beyond_parameters)),

@@ -45,8 +45,8 @@ right there, and turns `consistent` and `parameters` into `measurement`. A name 
 printed as what it cannot be told from. An answer is wrong that has another verdict, a name that is not right, or
 another name first than a right one. Parameters that are named though the simulation has them right count as false
 names here; the proof lets them pass, and the figures stand for that count as well. `torque_offset` and
-`direction_asymmetry` are no mismatch for friction that is identified in both directions, which this simulation leaves
-to the recording; their names are right and not asked for. Intervals of shares are exact 95 % intervals.
+`direction_asymmetry` are a mismatch because the simulation has a friction loss, which is the same both ways; beside
+one without friction they are part of what is identified. Intervals of shares are exact 95 % intervals.
 """
 
 

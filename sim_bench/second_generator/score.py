@@ -17,7 +17,6 @@ _LAG = "velocity_filter_lag"
 _PARAMETERS = ("inertia_error", "payload_error", "torque_offset", "direction_asymmetry")
 _VERDICTS: dict[Group, tuple[str, ...]] = {
     "nothing": ("consistent",),
-    "absorbed": ("consistent", "parameters"),
     "parameter": ("parameters",),
     "measurement": ("measurement",),
     "physics": ("missing_physics",),

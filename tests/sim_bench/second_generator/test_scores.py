@@ -82,15 +82,15 @@ def test_a_name_is_right_by_itself_or_by_its_set_and_first_counts() -> None:
     assert late.false_names == ("cogging",)
 
 
-def test_what_is_outside_must_be_unknown_and_what_friction_absorbs_need_not_be_named() -> None:
+def test_what_is_outside_must_be_unknown_and_what_a_simulation_says_of_friction_is_asked_for() -> None:
     assert not _score("eddy_brake", "unknown_physics", {_LAG: {}}).wrong
     assert _score("eddy_brake", "measurement", {_LAG: {}}).wrong
     assert _score("eddy_brake", "missing_physics", {"power_law_viscous": {}}).false_names == ("power_law_viscous",)
     bent = _score("eddy_brake", "unknown_physics", {"payload_error": {}})
     assert (bent.wrong, bent.false_names, bent.false_beyond_parameters) == (True, ("payload_error",), ())
     assert not _score("swinging_load", "unknown_physics", {"payload_error": {}}).wrong
-    assert not _score("torque_offset", "measurement", {_LAG: {}}).wrong
-    assert not _score("torque_offset", "parameters", {"torque_offset": {}}).wrong
+    assert _score("torque_offset", "measurement", {_LAG: {}}).wrong
+    assert not _score("torque_offset", "measurement", {"torque_offset": {}, _LAG: {}}).wrong
     assert _score("torque_offset", "missing_physics", {"cogging": {}}).wrong
 
 
