@@ -1,6 +1,7 @@
 """Charts as plain data, drawn as PNG and as interactive HTML, and report pages of one offline file."""
 
 from fricomp.report.chart import PALETTE, Band, Bars, Chart, HeatMap, Line, Mark, Panel, Points, Rule
+from fricomp.report.markdown import format_markdown_table
 from fricomp.report.page import Check, Outcome, ReportPage, Section, Table, write_report
 from fricomp.report.png import draw_png
 
@@ -21,5 +22,6 @@ __all__ = [
     "Section",
     "Table",
     "draw_png",
+    "format_markdown_table",
     "write_report",
 ]

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from fricomp.report import format_markdown_table
+
 __all__ = ["format_earlier"]
 
 _FIGURES = {
@@ -28,9 +30,8 @@ def format_earlier(entries: Sequence[Mapping[str, Any]], run: int) -> str:
         return ""
     head = ["run", "diagnosis", "cases", *_FIGURES.values(), "why it ended"]
     rows = [_row([entry for entry in entries if entry["run"] == number]) for number in earlier]
-    table = [head, ["---"] * len(head), *rows]
-    lines = ["## Earlier scored runs", "", *("| " + " | ".join(row) + " |" for row in table)]
-    return "\n".join([*lines, "", "Their scores and seals stand in `docs/proof/run-N`."])
+    table = format_markdown_table(head, rows)
+    return f"## Earlier scored runs\n\n{table}\n\nTheir scores and seals stand in `docs/proof/run-N`."
 
 
 def _row(entries: Sequence[Mapping[str, Any]]) -> list[str]:

@@ -1,4 +1,4 @@
-"""Parameters and signals that are wrong, and what identified friction absorbs."""
+"""Parameters and signals that are wrong."""
 
 from __future__ import annotations
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from fricomp.report import format_markdown_table
+
 from .effects import EFFECTS
 from .figures import compute_figures
 from .score import KnownValue, Score
@@ -74,24 +76,21 @@ def _command(page: Path, quick: bool) -> str:
     return f"fricomp bench second-generator{' --quick' if quick else ''} --page docs/{page.name} --out runs/second"
 
 
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
-
-
 def _figures(scores: Sequence[Score]) -> str:
-    return _table(["figure", "measured (95 % interval)"], [list(figure) for figure in compute_figures(scores)])
+    return format_markdown_table(
+        ["figure", "measured (95 % interval)"], [list(figure) for figure in compute_figures(scores)]
+    )
 
 
 def _effects(scores: Sequence[Score]) -> str:
     shown = {score.case.effect for score in scores}
     rows = [[f"`{e.name}`", e.group, e.how] for e in EFFECTS.values() if e.name in shown]
-    return _table(["missing", "what it is", "what MuJoCo does"], rows)
+    return format_markdown_table(["missing", "what it is", "what MuJoCo does"], rows)
 
 
 def _cases(scores: Sequence[Score]) -> str:
     head = ["case", "verdict", "named (cannot be told from)", "right", "error before → after (floor) [N·m]", "seconds"]
-    return _table(head, [_case(score) for score in scores])
+    return format_markdown_table(head, [_case(score) for score in scores])
 
 
 def _case(score: Score) -> list[str]:
@@ -113,7 +112,7 @@ def _errors(score: Score) -> str:
 def _parameters(scores: Sequence[Score]) -> str:
     rows = [_parameter(score, value) for score in scores for value in score.values if value.effect == score.case.effect]
     head = ["case", "parameter", "true", "found (95 % interval)", "held"]
-    return _table(head, rows) if rows else "None was found."
+    return format_markdown_table(head, rows) if rows else "None was found."
 
 
 def _parameter(score: Score, value: KnownValue) -> list[str]:
@@ -126,7 +125,9 @@ def _wrong(scores: Sequence[Score], quick: bool) -> str:
     if not wrong:
         return "None."
     rows = [[score.case.name, _why(score), f"`{_again(score, quick)}`"] for score in wrong]
-    return f"{len(wrong)} of {len(scores)} answers.\n\n" + _table(["case", "what is wrong", "makes it again"], rows)
+    return f"{len(wrong)} of {len(scores)} answers.\n\n" + format_markdown_table(
+        ["case", "what is wrong", "makes it again"], rows
+    )
 
 
 def _why(score: Score) -> str:
