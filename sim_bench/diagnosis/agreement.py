@@ -9,6 +9,7 @@ from itertools import islice, product
 import numpy as np
 
 from .alias import alternatives, as_good, told
+from .comparison import NAMED, PLAIN, Doubt
 from .effects import EFFECTS, Context
 from .explanation import Explanation
 from .preparation import Prepared
@@ -29,7 +30,7 @@ _BENT = "needs another inertia or gravity than the simulation's"
 
 
 def agreeing(
-    prepared: Prepared, found: Found, rigid: RigidJoint | None, differs: Callable[[Explanation], bool]
+    prepared: Prepared, found: Found, rigid: RigidJoint | None, differs: Callable[[Explanation, Doubt], bool]
 ) -> Found:
     """What was found, with a best explanation that agrees with the simulation where one fits as well.
 
@@ -41,17 +42,17 @@ def agreeing(
         prepared: Base model and recordings.
         found: What the search found.
         rigid: Inertia and gravity of the simulation; None where none was given.
-        differs: Whether an explanation moves parameters of the simulation by more than their error.
+        differs: Whether an explanation moves parameters of the simulation by more than their error, with some doubt.
     """
     best = found.best
     if best is None:
         return found
-    if differs(best):
+    if differs(best, PLAIN):
         options = alternatives(found)
         if rigid is not None and rigid.rotary:
             held = _held(prepared, _near(found, best), rigid)
             options += [e for e in held if as_good(e, best) and not e.refused]
-        kept = sorted((e for e in options if not differs(e)), key=lambda explanation: -explanation.gain)
+        kept = _kept(best, sorted(options, key=lambda explanation: -explanation.gain), differs)
         if not kept:
             return found
         others = tuple(e for e in found.explanations if e is not kept[0])
@@ -59,15 +60,25 @@ def agreeing(
     return found if rigid is None or not rigid.rotary else _without_bent(prepared, found, rigid, differs)
 
 
-def _without_bent(prepared: Prepared, found: Found, rigid: RigidJoint, differs: Callable[[Explanation], bool]) -> Found:
+def _kept(
+    best: Explanation, options: Sequence[Explanation], differs: Callable[[Explanation, Doubt], bool]
+) -> list[Explanation]:
+    """The options that leave the simulation as it is, or as nearly as a law of another form can, where `best` cannot."""
+    plain = [one for one in options if not differs(one, PLAIN)]
+    return plain if plain or not differs(best, NAMED) else [one for one in options if not differs(one, NAMED)]
+
+
+def _without_bent(
+    prepared: Prepared, found: Found, rigid: RigidJoint, differs: Callable[[Explanation, Doubt], bool]
+) -> Found:
     """What was found, each rival that moves the simulation as it fits with the simulation's parameters, or refused."""
     best = found.best
-    bent = [rival for rival in told(found) if differs(rival)]
+    bent = [rival for rival in told(found) if differs(rival, PLAIN)]
     if best is None or not bent:
         return found
     straight: dict[tuple[str, ...], Explanation] = {}
     for one in _held(prepared, list({rival.names: rival for rival in bent}.values()), rigid):
-        if not one.refused and as_good(one, best) and not differs(one):
+        if not one.refused and as_good(one, best) and not differs(one, PLAIN):
             straight[one.names] = max(one, straight.get(one.names, one), key=lambda e: e.gain)
     rest = [replace(e, refused=_BENT) if e in bent else e for e in found.explanations if e is not best]
     rest = sorted([*rest, *straight.values()], key=lambda e: -e.gain)

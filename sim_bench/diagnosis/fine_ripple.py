@@ -38,7 +38,7 @@ _FOLDS = 10
 _SLOWEST = 0.1  # of the top speed; below it friction is not level
 _WORTH = 0.01  # of the held-out energy that one more harmonic must take
 _WAVES = 8.0  # over the travel, at least: fewer are a shape, not a ripple
-_SURE, _EXACT = 2.0, 10.0  # standard deviations that a harmonic's amplitude and order must be
+_SURE, _EXACT = 4.0, 10.0  # standard deviations that a harmonic's amplitude and order must be
 _PREFERRED = 1.5  # energy by which a ripple of the level must beat one of the torque
 
 

@@ -10,6 +10,7 @@ from msgspec.structs import replace as with_fields
 from .alias import aliases
 from .answer import Answer
 from .effect_energy import effect_energy
+from .effects import EFFECTS
 from .explanation import Explanation
 from .location import locate
 from .overtone import explained_by_overtone, overtones
@@ -20,6 +21,8 @@ from .tone import Tone
 from .track import FloatArray
 
 __all__ = ["each_once", "name_effects", "where_unknown"]
+
+_GAIN = "torque_gain_error"
 
 
 def name_effects(
@@ -66,9 +69,11 @@ def name_effects(
 def each_once(named: Sequence[NamedEffect], compared: Sequence[NamedEffect]) -> list[NamedEffect]:
     """What was chosen, with what the comparison says under the same name, and the rest of the comparison.
 
-    So it is with a load that differs between the recordings, and in the first of them from the simulation's.
+    So it is with a load that differs between the recordings, and in the first of them from the simulation's. Beside an
+    effect that scales the torque by a factor of its own no gain is named: how the two share it is a matter of form.
     """
-    rest = {one.name: one for one in compared}
+    scaled = any(EFFECTS[one.name].scales_torque for one in named)
+    rest = {one.name: one for one in compared if not (scaled and one.name == _GAIN)}
     same = {one.name: rest.pop(one.name) for one in named if one.name in rest}
     joined = [
         with_fields(

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .choice import ENOUGH, acceptable, choose, close_to
 from .effects import EFFECTS
 from .explanation import Explanation, curbed, spread_excess
+from .hints import hints_beside
 from .preparation import Prepared
 from .refit import LAST_STEPS, fit_from, polish, preference, refit
 from .screening import Column, Screen, orthonormal, project_out, screen
@@ -30,6 +31,7 @@ _BENT, _MOST = 1.2, 0.85
 _NAMEABLE = 0.7  # coverage below which nothing is named anyway
 _STANDS_OUT = 2.0  # thresholds of energy in the screening about an explanation that covers about all
 _NOTHING = 0.01  # of the noise of a row
+_MUCH_LEFT = 100.0  # energy that a generic basis explains beside an explanation
 _QUANTILE = 0.98
 _LEAST_GAIN = 30.0
 _MATERIAL = 0.01  # gain per row: below it the base model's own small errors could be named
@@ -245,7 +247,7 @@ def _grow(
     grown: list[Explanation] = []
     wanted: list[tuple[tuple[Candidate, ...], Prepared | Explanation]] = []
     seen: set[tuple[str, ...]] = set()
-    for seed in seeds:
+    for seed in (_looked_at_again(prepared, seed) for seed in seeds):
         screened = screen(prepared.problem, seed.structure, seed.fit.theta, seed.fit.residual, seed.fit.jacobian)
         suspected = [g for g in _suspected(seed, screened) if _names(seed, g) not in known | seen]
         grown += _with_care(prepared, suspected, seed.settled, seed.fit)
@@ -264,6 +266,19 @@ def _grow(
             seen.add(names)
             wanted.append((pair, prepared))
     return grown + refit(prepared, wanted)
+
+
+def _looked_at_again(prepared: Prepared, seed: Explanation) -> Explanation:
+    """The seed, with starting values for further effects from what it leaves where that is much.
+
+    Those from what the base leaves are of the strongest effect.
+    """
+    if seed.left < _MUCH_LEFT:
+        return seed
+    contexts = seed.structure.contexts
+    hints = hints_beside(prepared.problem, contexts, seed.fit)
+    contexts = tuple(replace(context, hints={**context.hints, **hints}) for context in contexts)
+    return replace(seed, structure=replace(seed.structure, contexts=contexts))
 
 
 def _names(seed: Explanation, group: Sequence[Column]) -> tuple[str, ...]:

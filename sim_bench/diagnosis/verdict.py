@@ -10,7 +10,7 @@ from .agreement import agreeing, hold
 from .alias import distinguishability, told
 from .answer import Answer, compare_given, fit_given, moved_parameters
 from .base import BASE_NAMES
-from .comparison import NAMED, PLAIN, UNEXPLAINED
+from .comparison import NAMED, PLAIN, UNEXPLAINED, Doubt
 from .confirmation import Confirmation, confirm
 from .experiment import propose
 from .explanation import Explanation
@@ -49,8 +49,8 @@ _MOST_RIVALS = 3  # that a motion is looked for
 def conclude(answer: Answer) -> Diagnosis:
     """Draw the verdict and collect what supports it."""
 
-    def differs(one: Explanation) -> bool:
-        return bool(compare_given(answer, Refitted.of(answer.prepared, one), PLAIN).effects)
+    def differs(one: Explanation, doubt: Doubt) -> bool:
+        return bool(compare_given(answer, Refitted.of(answer.prepared, one), doubt).effects)
 
     answer = replace(answer, found=agreeing(answer.prepared, answer.found, answer.rigid, differs))
     prepared, found = answer.prepared, answer.found

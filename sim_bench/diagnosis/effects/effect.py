@@ -127,6 +127,7 @@ class Effect(ABC):
     says: ClassVar[str]
     shown_at_rest: ClassVar[bool] = False  # else only rows in which the joint slides speak for it
     like_a_bristle: ClassVar[bool] = False  # takes up what the form of the bristle leaves about rest
+    scales_torque: ClassVar[bool] = False  # by a factor that changes with time, but hardly over the whole recording
 
     @abstractmethod
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:

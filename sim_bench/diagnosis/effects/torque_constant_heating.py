@@ -21,6 +21,7 @@ class TorqueConstantHeating(Effect):
     equation = "tau = tau_recorded (1 - alpha dT), dT from the dissipated current"
     citation = "pillay1989"
     says = "the torque constant falls as the motor warms"
+    scales_torque = True
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return EffectParameter("loss", "1", 0.02, -0.9, 0.9), HEATING_TIME
