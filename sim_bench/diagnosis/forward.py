@@ -1,8 +1,8 @@
 """Forward simulation in MuJoCo under the recorded reference: does the joint move as recorded, before and after?
 
 One joint with the refitted inertia, gravity and friction, moved by the loop that moved the real one. What effects
-remember, and a load behind a spring or a gap, follow the simulated motion (`ForwardPart`); what else effects add is taken
-along the recorded one. The parameters come from the samples before the stretch that is simulated.
+remember, and a load behind a spring or a gap, follow the simulated motion (`ForwardPart`); what else effects add is
+taken along the recorded one. The parameters come from the samples before the stretch that is simulated.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ __all__ = ["forward_error", "with_spring"]
 _HELD_OUT = 1.0 / 3.0  # of the recording, its last part
 _LONGEST = 20.0  # [s]
 _GAP = 0.5  # [s] between the rows that are fitted and the stretch
+_SLOW = 1.5  # times the step of a track, beyond which samples are further apart than it
 _SETTLE = 0.1  # of the stretch, in which the initial state dies out
 
 
@@ -48,11 +49,12 @@ def forward_error(
         return None
     length = min(_HELD_OUT * track.size * track.dt, _LONGEST)
     start = track.size - round(length / track.dt)
+    loop = _as_fast_as_recorded(controller, recording, track)
     base = _trained(prepared, (prepared.structure, prepared.fit.theta, prepared.fit.jacobian), start)
-    runs = [_run(recording, prepared, (prepared.structure, base), controller, start)]
+    runs = [_run(recording, prepared, (prepared.structure, base), loop, start)]
     if chosen is not None:
         theta = _trained(prepared, (chosen.structure, chosen.fit.theta, chosen.fit.jacobian), start)
-        runs.append(_run(recording, prepared, (chosen.structure, theta), controller, start))
+        runs.append(_run(recording, prepared, (chosen.structure, theta), loop, start))
     kept = slice(start + round(_SETTLE * (track.size - start)), track.size)
     errors = [_rms(simulate_forward(run)[kept.start - start :] - track.position[kept]) for run in runs]
     if not all(np.isfinite(errors)) or errors[0] > float(np.ptp(track.position)):
@@ -65,6 +67,12 @@ def forward_error(
         controller=controller.describe(metadata.torque_unit, metadata.position_unit),
         interval=(float(track.time[kept.start]), float(track.time[-1])),
     )
+
+
+def _as_fast_as_recorded(controller: Controller, recording: Recording, track: Track) -> Controller:
+    """The loop with a rate: that of the recording where none is known, unless that is too slow to be the loop's."""
+    slow = recording.sample_period > _SLOW * track.dt
+    return controller if controller.frequency or slow else replace(controller, frequency=1.0 / track.dt)
 
 
 def _run(

@@ -25,7 +25,7 @@ from .transmission import Coupling
 
 __all__ = ["Run", "simulate_forward"]
 
-_LONGEST, _SHORTEST = 5e-4, 1.25e-4  # [s] steps of the simulation
+_LONGEST, _SHORTEST = 2e-4, 1e-4  # [s] steps of the simulation
 _FINE = 0.25  # [rad] of the fastest oscillation in a step
 _LEAST = 0.01  # share of the inertia that stays on the motor side
 _LEAST_LEVEL = 1e-9  # [N·m] of dry friction
@@ -44,7 +44,7 @@ class Run:
         plant: The joint.
         track: The recorded motion.
         reference: Position and velocity that the loop is told [rad, rad/s]. Shape (2, n).
-        controller: The loop.
+        controller: The loop; without a frequency it answers in every step.
         start: First sample.
         stop: Sample behind the last one.
         effects: What the joint has beside that.
@@ -66,11 +66,11 @@ class Run:
 
     @property
     def substeps(self) -> int:
-        """Steps of a sample: fine enough for the load on its spring, and for a bristle where any step would be."""
+        """Steps of a sample: fine enough for the loop, the load on its spring, and a bristle unless none would be."""
         rates = [] if self.effects.coupling is None else [self.effects.coupling.rate(self.motor)]
         bristle = bristle_rate(self.plant, self.motor)
         rates += [bristle] if bristle * _SHORTEST <= SOFT else []
-        wanted = max([1.0 / _LONGEST, *(rate / _FINE for rate in rates)])
+        wanted = max([1.0 / _LONGEST, self.controller.frequency or 0.0, *(rate / _FINE for rate in rates)])
         return int(np.ceil(self.track.dt * min(wanted, 1.0 / _SHORTEST)))
 
 
@@ -135,7 +135,7 @@ class _Joint:
         q, w = self.q.item(0), self.w.item(0)
         level, viscous = self.curve.follow(w)
         level += self.level[k]
-        net = self.drive.follow(self.loop.torque(k, q, w)) - self.offset - viscous - self.additive[k]
+        net = self.drive.follow(self.loop.torque(k, q)) - self.offset - viscous - self.additive[k]
         for state in self.states:
             added, raised = state.follow(w, self.friction)
             net, level = net - added, level + raised
