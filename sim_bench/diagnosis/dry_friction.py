@@ -7,7 +7,7 @@ from math import exp, sqrt
 
 from .observer import Plant
 
-__all__ = ["DryFriction", "FrictionCurve", "bristle_rate", "dry_friction"]
+__all__ = ["SOFT", "DryFriction", "FrictionCurve", "bristle_rate", "dry_friction"]
 
 SOFT = 0.5
 """Largest product of a bristle's rate and the step, with which its torque is applied: stable up to 2."""

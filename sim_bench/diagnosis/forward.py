@@ -72,7 +72,7 @@ def forward_error(
 def _as_fast_as_recorded(controller: Controller, recording: Recording, track: Track) -> Controller:
     """The loop with a rate: that of the recording where none is known, unless that is too slow to be the loop's."""
     slow = recording.sample_period > _SLOW * track.dt
-    return controller if controller.frequency or slow else replace(controller, frequency=1.0 / track.dt)
+    return controller if controller.frequency or slow else replace(controller, frequency=1.0 / recording.sample_period)
 
 
 def _run(

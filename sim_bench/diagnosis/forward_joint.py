@@ -168,16 +168,16 @@ class _Rigid:
         return torque, torque
 
 
-class _Coupled(_Rigid):
+class _Coupled:
     """A load behind a spring or a gap: the second body of the model, whose joint is its lead before the motor."""
 
     def __init__(self, gravity: _Gravity, coupling: Coupling, model: Any, data: Any) -> None:
-        super().__init__(gravity)
-        self.coupling, self.damping = coupling, model.dof_damping
+        self.gravity, self.coupling, self.damping = gravity, coupling, model.dof_damping
         self.q, self.w, self.applied = data.qpos, data.qvel, data.qfrc_applied
         self.q[1] = coupling.rest(gravity.at(data.qpos.item(0)))
 
     def follow(self, q: float) -> tuple[float, float]:
+        """The same as of a rigid one; sets what acts on the load."""
         lead, rate = self.q.item(1), self.w.item(1)
         torque = self.gravity.at(q + lead)
         pull, damping = self.coupling.pull(lead, rate)
