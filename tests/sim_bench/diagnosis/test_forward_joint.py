@@ -102,6 +102,23 @@ def test_a_load_moves_on_its_own(coupling: Coupling) -> None:
     assert rigid > 10.0 * right
 
 
+def test_a_load_on_a_slide_moves_as_one_on_a_hinge() -> None:
+    plant = replace(_PLANT, gravity=(0.0, 0.0))
+    track, reference = moved(_with_load(plant, _GAP), (0.0, 0.0, 0.0, _GAP.rest(0.0), 0.0), seconds=1.0)
+    hinge, slide = (
+        simulate_forward(run_of(replace(track, rotary=rotary), reference, plant, ForwardPart(coupling=_GAP)))
+        for rotary in (True, False)
+    )
+    np.testing.assert_allclose(slide, hinge, atol=1e-12)
+
+
+def test_a_recorded_temperature_stays_that_of_the_recording() -> None:
+    warm, values = replace(_context(), channels={"temperature": np.linspace(20.0, 30.0, 4000)}), {"viscous_slope": 0.1}
+    part = EFFECTS["thermal_friction"].forward_part(warm, values)
+    assert part.states == ()
+    np.testing.assert_array_equal(part.along.additive, EFFECTS["thermal_friction"].contribution(warm, values).additive)
+
+
 def test_friction_that_creeps_does_so_in_the_simulated_motion() -> None:
     truth = FrictionLoss()
     made = recording(truth, "rests", duration=6.0, rate=4000)
