@@ -43,9 +43,7 @@ class ThermalFriction(Effect):
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         heat, forward = heat_of(context, _time_constant(values)), context.velocity >= 0.0
-        viscous = np.where(
-            forward, *(_viscous(context, one[3]) for one in (context.plant.forward, context.plant.reverse))
-        )
+        viscous = np.where(forward, *_viscous(context))
         fall = np.clip(values["viscous_slope"] * heat / viscous, -_STRONGEST, _STRONGEST)
         return Contribution(
             additive=viscous * np.expm1(-fall) * context.velocity, level=-values.get("coulomb_slope", 0.0) * heat
@@ -67,13 +65,12 @@ class _Warmth(HiddenState):
 
     def __init__(self, context: Context, values: Values) -> None:
         self.context, self.slope, self.time_constant = context, values["viscous_slope"], _time_constant(values)
-        plant = context.plant
-        self.forward, self.reverse = (_viscous(context, one[3]) for one in (plant.forward, plant.reverse))
+        self.forward, self.reverse = _viscous(context)
 
     def begin(self, sample: int, step: float) -> None:
         power = losses(self.context)
         rise = warming(power, self.context.dt, self.time_constant)
-        self.rise, self.usual, self.mean = float(rise[sample]), float(np.mean(rise)), float(np.mean(power))
+        self.rise, self.usual, self.mean = float(rise[sample]), float(np.mean(rise)), max(float(np.mean(power)), 1e-12)
         self.gain = 1.0 - exp(-step / self.time_constant)
 
     def follow(self, velocity: float, friction: float) -> tuple[float, float]:
@@ -88,9 +85,10 @@ def _time_constant(values: Values) -> float:
     return float(np.exp(values.get("time_constant", 0.0)))
 
 
-def _viscous(context: Context, coefficient: float) -> float:
-    """Viscous coefficient that warming scales: at least some, where the base has none."""
-    return max(coefficient, 0.1 * context.scale / max(float(np.max(np.abs(context.velocity))), 1e-9))
+def _viscous(context: Context) -> tuple[float, float]:
+    """Viscous coefficients of both directions that warming scales: at least some, where the base has none."""
+    least = 0.1 * context.scale / max(float(np.max(np.abs(context.velocity))), 1e-9)
+    return max(context.plant.forward[3], least), max(context.plant.reverse[3], least)
 
 
 def _recorded(contexts: Sequence[Context]) -> bool:
