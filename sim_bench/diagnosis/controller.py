@@ -5,6 +5,7 @@ from __future__ import annotations
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import msgspec
 import numpy as np
@@ -37,6 +38,7 @@ class Controller:
         bias: b [N·m].
         velocity_filter_frequency: Of the first-order filter on v [Hz]; None without one.
         torque_limit: [N·m]; None without one.
+        frequency: Rate at which it answers [Hz]; None where that is not known.
         source: "given" or "estimated".
         explained: Part of the torque's variance that it explains; 1 for one that was given.
     """
@@ -49,6 +51,7 @@ class Controller:
     bias: float = 0.0
     velocity_filter_frequency: float | None = None
     torque_limit: float | None = None
+    frequency: float | None = None
     source: str = "given"
     explained: float = 1.0
 
@@ -85,7 +88,7 @@ class _File(msgspec.Struct, forbid_unknown_fields=True):
     velocity_filter_frequency: float | None = None
     torque_limit: float | None = None
     kind: str = ""
-    frequency: float | None = None
+    frequency: Annotated[float, msgspec.Meta(gt=0.0)] | None = None
 
 
 def read_controller(path: str | Path) -> Controller:
@@ -102,7 +105,7 @@ def read_controller(path: str | Path) -> Controller:
     except msgspec.ValidationError as error:
         known = ", ".join(_File.__struct_fields__)
         raise DiagnosisError(f"the controller {path} is no PD or PID loop: {error}; its keys are {known}") from error
-    gains = {name: getattr(found, name) for name in _File.__struct_fields__ if name not in ("kind", "frequency")}
+    gains = {name: getattr(found, name) for name in _File.__struct_fields__ if name != "kind"}
     return Controller(**gains)
 
 

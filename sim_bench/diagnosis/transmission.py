@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 ComplexArray = NDArray[np.complex128]
 
-__all__ = ["Transmission", "carried", "twist", "uneven_running"]
+__all__ = ["Coupling", "Transmission", "carried", "twist", "uneven_running"]
 
 _WINDOW = 0.015  # [s] of the local cubic that takes the curvature of the twist; a third of a row
 _FINEST = 0.25  # [rad] of the load's own oscillation in one substep
@@ -40,6 +40,57 @@ class Transmission:
     damping_ratio: float
     gap: float = 0.0
     hardening: float = 0.0
+
+    def coupling(self, context: Context) -> Coupling:
+        """The numbers of its equation of motion, under the loads of one recording."""
+        largest = max(float(np.hypot(*context.plant.gravity)) if context.rotary else 0.0, context.scale)
+        damping = 2.0 * self.damping_ratio * float(np.sqrt(self.stiffness / self.inertia)) * self.inertia
+        return Coupling(self.inertia, self.stiffness, damping, 0.5 * self.gap, self.hardening / largest**2)
+
+
+class Coupling(NamedTuple):
+    """How a load hangs on the motor side: J_l theta'' = K d (1 + h (K d)²) + c s' - gravity(theta), see `twist`.
+
+    Attributes:
+        inertia: J_l [kg·m²].
+        stiffness: K [N·m/rad].
+        damping: c [N·m·s/rad].
+        half_gap: Way to either side of the middle in which the load is free [rad].
+        hardening: h [1/(N·m)²].
+    """
+
+    inertia: float
+    stiffness: float
+    damping: float
+    half_gap: float = 0.0
+    hardening: float = 0.0
+
+    def joined(self, other: Coupling) -> Coupling:
+        """One load behind both: the softer spring, and both gaps."""
+        softer = min(self, other, key=lambda one: one.stiffness)
+        return softer._replace(half_gap=self.half_gap + other.half_gap)
+
+    def rate(self, inertia: float) -> float:
+        """Rate of the load on its spring with a motor side of `inertia` [kg·m²] at the other end [1/s]."""
+        return float(np.sqrt(self.stiffness * (1.0 / self.inertia + 1.0 / inertia)))
+
+    def rest(self, gravity: float) -> float:
+        """Load less motor position where the spring holds this torque [rad]."""
+        return -gravity / self.stiffness - (self.half_gap if gravity >= 0.0 else -self.half_gap)
+
+    def pull(self, lead: float, rate: float) -> tuple[float, float]:
+        """Torque of the spring on the load [N·m], and the damping [N·m·s/rad] beside it, none of both in the gap.
+
+        Args:
+            lead: Load less motor position [rad].
+            rate: Its rate of change [rad/s].
+        """
+        stretch = -lead - min(max(-lead, -self.half_gap), self.half_gap)
+        elastic = self.stiffness * stretch
+        elastic *= 1.0 + self.hardening * elastic * elastic
+        # Teeth push and never pull, however fast they part.
+        free = self.half_gap > 0.0 and (elastic - self.damping * rate) * stretch <= 0.0
+        return (0.0, 0.0) if free else (elastic, self.damping)
 
 
 @compiled
@@ -87,14 +138,11 @@ def carried(context: Context, transmission: Transmission) -> FloatArray:
 
     The load lags by the twist s, so the motor carries gravity(q - s) - gravity(q) - J_l s'' more.
     """
-    plant, t, q = context.plant, transmission, context.position
+    t, q = transmission, context.position
     gravity, gradient = _gravity(context)
     frequency = np.sqrt(t.stiffness / t.inertia)
     substeps = int(np.clip(np.ceil(frequency * context.dt / _FINEST), 1, 20))
-    damping = 2.0 * t.damping_ratio * frequency * t.inertia
-    largest = max(float(np.hypot(*plant.gravity)) if context.rotary else 0.0, context.scale)
-    numbers = (t.inertia, t.stiffness, damping, 0.5 * t.gap, t.hardening / largest**2)
-    s = twist(q, gravity, gradient, np.array([context.dt, substeps, *numbers]))
+    s = twist(q, gravity, gradient, np.array([context.dt, substeps, *t.coupling(context)]))
     window = max(5, 2 * round(_WINDOW / context.dt / 2) + 1)
     curvature = np.convolve(s, savgol_coeffs(window, 3, deriv=2, delta=context.dt), mode="same")
     curvature[: window // 2] = curvature[-(window // 2) :] = 0.0

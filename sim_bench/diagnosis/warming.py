@@ -12,7 +12,7 @@ from .track import FloatArray
 if TYPE_CHECKING:
     from .effects import Context
 
-__all__ = ["heat_of", "warming"]
+__all__ = ["heat_of", "losses", "warming"]
 
 
 def warming(power: FloatArray, dt: float, time_constant: float) -> FloatArray:
@@ -22,6 +22,11 @@ def warming(power: FloatArray, dt: float, time_constant: float) -> FloatArray:
     return rise
 
 
+def losses(context: Context) -> FloatArray:
+    """Power that friction dissipates [W]. Shape (n,)."""
+    return np.abs(context.friction * context.velocity)
+
+
 def heat_of(context: Context, time_constant: float) -> FloatArray:
     """Rise of the joint's temperature [K], over its mean of all recordings, or its estimate from friction losses [1],
     over that of this one. Shape (n,).
@@ -29,5 +34,5 @@ def heat_of(context: Context, time_constant: float) -> FloatArray:
     recorded = context.channels.get("temperature")
     if recorded is not None:
         return recorded - context.usual_temperature
-    rise = warming(np.abs(context.friction * context.velocity), context.dt, time_constant)
+    rise = warming(losses(context), context.dt, time_constant)
     return rise - float(np.mean(rise))

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..forward_part import ForwardPart
 from ..observer import Contribution
 from ..transmission import Transmission, carried
 from .effect import Context, Effect, EffectParameter, Values, register
@@ -41,12 +42,17 @@ class Backlash(Effect):
         return [{"gap": float(gap), "load_share": float(share)} for gap in gaps for share in shares]
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        inertia = context.plant.inertia * values["load_share"]
-        stiffness = inertia * _STIFF**2
-        gap = float(np.exp(values["gap"]))
-        return Contribution(additive=carried(context, Transmission(inertia, stiffness, _DAMPING_RATIO, gap)))
+        return Contribution(additive=carried(context, _transmission(context, values)))
+
+    def forward_part(self, context: Context, values: Values) -> ForwardPart:
+        return ForwardPart(coupling=_transmission(context, values).coupling(context))
 
     def unavailable(self, contexts: Sequence[Context]) -> str | None:
         transmitted = [c.gravity + 0.6 * c.plant.inertia * c.acceleration for c in contexts]
         crosses = max(int(np.sum(np.diff(np.sign(torque)) != 0)) for torque in transmitted)
         return "the transmitted torque never changes sign" if crosses < 2 else None
+
+
+def _transmission(context: Context, values: Values) -> Transmission:
+    inertia = context.plant.inertia * values["load_share"]
+    return Transmission(inertia, inertia * _STIFF**2, _DAMPING_RATIO, float(np.exp(values["gap"])))

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import exp
 
 import numpy as np
 
+from ..forward_part import ForwardPart, HiddenState
 from ..kernel import dwell
 from ..observer import Contribution
 from ..track import FloatArray
 from .effect import Context, Effect, EffectParameter, Values, register
 
+_REST_SPEED = 3e-3  # [rad/s] below which the contact ages
 _MOST = 3.0  # of the Coulomb torque: rests have been seen to raise static friction by as much as that torque itself
 
 
@@ -40,8 +43,11 @@ class DwellStiction(Effect):
     def contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(level=values["rise"] * _grown(context, values))
 
+    def forward_part(self, context: Context, values: Values) -> ForwardPart:
+        return ForwardPart(states=(_Age(context, values),))
+
     def unavailable(self, contexts: Sequence[Context]) -> str | None:
-        rests = max(float(np.mean(np.abs(c.velocity) < 3e-3)) for c in contexts)
+        rests = max(float(np.mean(np.abs(c.velocity) < _REST_SPEED)) for c in contexts)
         return "the joint never rests" if rests < 0.01 else None
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
@@ -53,10 +59,29 @@ class DwellStiction(Effect):
         return None
 
 
+class _Age(HiddenState):
+    """Share of the rise that the rests of the simulated motion have brought, as `dwell` has it."""
+
+    def __init__(self, context: Context, values: Values) -> None:
+        self.context, self.values, self.rise = context, values, values["rise"]
+        self.time, self.travel = np.exp(values["time_constant"]), float(np.exp(values["travel"]))
+
+    def begin(self, sample: int, step: float) -> None:
+        self.grown = float(_grown(self.context, self.values)[sample])
+        self.gain, self.per_speed = 1.0 - float(np.exp(-step / self.time)), step / self.travel
+
+    def follow(self, velocity: float, friction: float) -> tuple[float, float]:
+        if abs(velocity) < _REST_SPEED:
+            self.grown += self.gain * (1.0 - self.grown)
+        else:
+            self.grown *= exp(-abs(velocity) * self.per_speed)
+        return 0.0, self.rise * self.grown
+
+
 def _grown(context: Context, values: Values) -> FloatArray:
     """Share of the rise that rests have brought. Shape (n,)."""
     time, travel = np.exp(values["time_constant"]), np.exp(values["travel"])
-    return dwell(context.velocity, np.array([context.dt, time, travel, 3e-3]))
+    return dwell(context.velocity, np.array([context.dt, time, travel, _REST_SPEED]))
 
 
 def _size(name: str, unit: str, limits: tuple[float, float], *, prior: float, form: float) -> EffectParameter:

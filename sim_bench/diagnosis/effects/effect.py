@@ -12,6 +12,7 @@ import numpy as np
 
 from fricomp.laws import Term
 
+from ..forward_part import ForwardPart
 from ..observer import Contribution, Plant
 from ..track import FloatArray
 
@@ -171,6 +172,10 @@ class Effect(ABC):
     def term(self, values: Values, plant: Plant) -> Term | None:
         """The effect as a term of a friction law; None where it is none."""
         return None
+
+    def forward_part(self, context: Context, values: Values) -> ForwardPart:
+        """What the effect is in a forward simulation; what it adds along the recorded motion where it has no state."""
+        return ForwardPart(self.contribution(context, values))
 
     def load(self, context: Context, values: Values) -> FloatArray | float:
         """Further load that the joint carries by this effect, which others feel as well [N·m]. Shape (n,)."""

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..forward_part import ForwardPart
 from ..observer import Contribution
 from ..track import FloatArray
 from ..transmission import Transmission, carried
@@ -43,11 +44,15 @@ class JointElasticity(Effect):
         return _resonances(contexts, np.geomspace(50.0, 300.0, 8))
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        stiffness, ratio = (float(np.exp(values[name])) for name in ("stiffness", "damping_ratio"))
-        inertia = context.plant.inertia * values["load_share"]
-        return Contribution(
-            additive=carried(context, Transmission(inertia, stiffness, ratio, hardening=values["hardening"]))
-        )
+        return Contribution(additive=carried(context, _transmission(context, values)))
+
+    def forward_part(self, context: Context, values: Values) -> ForwardPart:
+        return ForwardPart(coupling=_transmission(context, values).coupling(context))
+
+
+def _transmission(context: Context, values: Values) -> Transmission:
+    stiffness, ratio = (float(np.exp(values[name])) for name in ("stiffness", "damping_ratio"))
+    return Transmission(context.plant.inertia * values["load_share"], stiffness, ratio, hardening=values["hardening"])
 
 
 def _resonances(contexts: Sequence[Context], frequencies: FloatArray) -> list[dict[str, float]]:

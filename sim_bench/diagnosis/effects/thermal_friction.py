@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import exp, expm1
 
 import numpy as np
 
+from ..forward_part import ForwardPart, HiddenState
 from ..observer import Contribution
-from ..warming import heat_of
+from ..warming import heat_of, losses, warming
 from .effect import Context, Effect, EffectParameter, Values, register
 from .heating_time import HEATING_TIME, heating_times
 
@@ -40,18 +42,53 @@ class ThermalFriction(Effect):
         return [{}] if _recorded(contexts) else heating_times()
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        heat, plant = heat_of(context, float(np.exp(values.get("time_constant", 0.0)))), context.plant
-        viscous = np.where(context.velocity >= 0.0, plant.forward[3], plant.reverse[3])
-        viscous = np.maximum(viscous, 0.1 * context.scale / max(float(np.max(np.abs(context.velocity))), 1e-9))
+        heat, forward = heat_of(context, _time_constant(values)), context.velocity >= 0.0
+        viscous = np.where(forward, *_viscous(context))
         fall = np.clip(values["viscous_slope"] * heat / viscous, -_STRONGEST, _STRONGEST)
         return Contribution(
             additive=viscous * np.expm1(-fall) * context.velocity, level=-values.get("coulomb_slope", 0.0) * heat
         )
 
+    def forward_part(self, context: Context, values: Values) -> ForwardPart:
+        if "temperature" in context.channels:
+            return super().forward_part(context, values)
+        return ForwardPart(states=(_Warmth(context, values),))
+
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         speed = max(float(np.sqrt(np.mean(c.velocity**2))) for c in contexts)
         rises = values["viscous_slope"] * speed + values.get("coulomb_slope", 0.0) <= 0.0
         return "friction would rise with temperature" if rises else None
+
+
+class _Warmth(HiddenState):
+    """The temperature that the losses of the simulated motion bring, as `heat_of` estimates it."""
+
+    def __init__(self, context: Context, values: Values) -> None:
+        self.context, self.slope, self.time_constant = context, values["viscous_slope"], _time_constant(values)
+        self.forward, self.reverse = _viscous(context)
+
+    def begin(self, sample: int, step: float) -> None:
+        power = losses(self.context)
+        rise = warming(power, self.context.dt, self.time_constant)
+        self.rise, self.usual, self.mean = float(rise[sample]), float(np.mean(rise)), max(float(np.mean(power)), 1e-12)
+        self.gain = 1.0 - exp(-step / self.time_constant)
+
+    def follow(self, velocity: float, friction: float) -> tuple[float, float]:
+        self.rise += self.gain * (abs(friction * velocity) / self.mean - self.rise)
+        viscous = self.forward if velocity >= 0.0 else self.reverse
+        fall = min(max(self.slope * (self.rise - self.usual) / viscous, -_STRONGEST), _STRONGEST)
+        return viscous * expm1(-fall) * velocity, 0.0
+
+
+def _time_constant(values: Values) -> float:
+    """Of the estimated temperature [s]."""
+    return float(np.exp(values.get("time_constant", 0.0)))
+
+
+def _viscous(context: Context) -> tuple[float, float]:
+    """Viscous coefficients of both directions that warming scales: at least some, where the base has none."""
+    least = 0.1 * context.scale / max(float(np.max(np.abs(context.velocity))), 1e-9)
+    return max(context.plant.forward[3], least), max(context.plant.reverse[3], least)
 
 
 def _recorded(contexts: Sequence[Context]) -> bool:

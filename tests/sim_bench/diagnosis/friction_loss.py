@@ -10,7 +10,7 @@ import numpy as np
 
 from fricomp.recording import Recording
 
-__all__ = ["STICKING", "FrictionLoss", "recording", "simulated"]
+__all__ = ["STICKING", "FrictionLoss", "recording", "reference_of", "simulated"]
 
 _STEP = 2.5e-4  # [s] of the simulation and of the loop
 _GAINS = (120.0, 6.0)  # [N·m/rad], [N·m·s/rad]
@@ -70,7 +70,7 @@ class FrictionLoss:
         return self.level * (1.0 - d) / (d * self.rate * self.inertia)
 
 
-def _reference(kind: str, duration: float) -> np.ndarray:
+def reference_of(kind: str, duration: float) -> np.ndarray:
     """Reference position [rad], with rests ("rests"), in sines ("multisine") or ever faster ("sweep"). Shape (n,)."""
     t = np.arange(round(duration / _STEP), dtype=np.float64) * _STEP
     if kind == "multisine":
@@ -106,7 +106,7 @@ def _moved(
         _XML.format(step=_STEP, level=truth.level, time=truth.time, impedance=truth.impedance, mass=truth.mass)
     )
     data: Any = mujoco.MjData(model)
-    wanted = _reference(kind, duration)
+    wanted = reference_of(kind, duration)
     speeds, shown = np.gradient(wanted, _STEP), np.empty((2, wanted.size))
     data.qpos[0], seen, before = wanted[0], 0.0, wanted[0]
     for k in range(wanted.size):

@@ -11,7 +11,8 @@ from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
 from fricomp.sim_bench.diagnosis import Forward, estimate_controller, read_controller
 from fricomp.sim_bench.diagnosis.controller import Controller
-from fricomp.sim_bench.diagnosis.forward import Run, simulate_forward
+from fricomp.sim_bench.diagnosis.forward_joint import Run, simulate_forward
+from fricomp.sim_bench.diagnosis.forward_part import ForwardPart
 from fricomp.sim_bench.diagnosis.observer import Contribution, Plant
 from fricomp.sim_bench.diagnosis.sentence import forward_sentence
 from fricomp.sim_bench.diagnosis.track import Track
@@ -63,7 +64,8 @@ def _run(recording: Recording, plant: Plant, added: Contribution) -> np.ndarray:
     assert controller is not None
     track = Track.build(_DT, np.asarray(recording.position), np.asarray(recording.torque))
     told = np.stack([np.asarray(recording.position_reference), np.asarray(recording.velocity_reference)])
-    return simulate_forward(Run(plant, added, track, told, controller, 2000, track.size))
+    loop = replace(controller, frequency=1.0 / _DT)
+    return simulate_forward(Run(plant, track, told, loop, 2000, track.size, ForwardPart(added)))
 
 
 def test_mujoco_moves_as_the_joint_did_and_not_where_friction_is_missing() -> None:
@@ -80,11 +82,14 @@ def test_mujoco_moves_as_the_joint_did_and_not_where_friction_is_missing() -> No
 
 def test_a_controller_is_read_from_its_table(tmp_path: Path) -> None:
     path = tmp_path / "loop.toml"
-    path.write_text('[controller]\nkind = "pid"\nproportional_gain = 80.0\nintegral_gain = 3\ntorque_limit = 20.0\n')
-    assert read_controller(path) == Controller(80.0, integral_gain=3.0, torque_limit=20.0)
+    path.write_text('[controller]\nkind = "pid"\nproportional_gain = 80.0\nintegral_gain = 3\nfrequency = 4e3\n')
+    assert read_controller(path) == Controller(80.0, integral_gain=3.0, frequency=4000.0)
 
 
-@pytest.mark.parametrize("text", ["proportional = 3.0", "proportional_gain = 'high'", "[controller", ""])
+@pytest.mark.parametrize(
+    "text",
+    ["proportional = 3.0", "proportional_gain = 'high'", "[controller", "proportional_gain = 3.0\nfrequency = 0.0", ""],
+)
 def test_a_file_that_is_no_loop_says_which_keys_one_has(text: str, tmp_path: Path) -> None:
     path = tmp_path / "loop.toml"
     path.write_text(text)

@@ -13,6 +13,7 @@ from fricomp.sim_bench import diagnose
 from fricomp.sim_bench.diagnosis import RigidJoint
 from fricomp.sim_bench.diagnosis.arm_dynamics import ArmMotion, read_arm
 from fricomp.sim_bench.diagnosis.forward import with_spring
+from fricomp.sim_bench.diagnosis.forward_part import ForwardPart
 from fricomp.sim_bench.diagnosis.loading import build_tracks
 from fricomp.sim_bench.diagnosis.observer import Contribution, Plant
 from fricomp.sim_bench.diagnosis.result import NamedEffect, Quantity
@@ -59,9 +60,9 @@ def test_its_torque_is_taken_off_the_recorded_one() -> None:
 def test_a_forward_simulation_has_it_back() -> None:
     measured = recording(ToyJoint(spring=(6.0, 0.3, 0.0)), "fourier", 10.0)
     (plain,), (track,) = build_tracks([measured]), build_tracks([measured], (), Spring((6.0,), 0.3))
-    whole, added = with_spring(track, Contribution(additive=1.0))
+    whole, added = with_spring(track, ForwardPart(Contribution(additive=1.0)))
     np.testing.assert_allclose(whole.torque, plain.torque, atol=1e-12)
-    np.testing.assert_allclose(added.additive, 1.0 + 6.0 * (plain.position - 0.3), atol=2e-3)
+    np.testing.assert_allclose(added.along.additive, 1.0 + 6.0 * (plain.position - 0.3), atol=2e-3)
     assert with_spring(plain, added) == (plain, added)
 
 
