@@ -115,7 +115,9 @@ class OnlineAdaptation:
         """
         speed, ahead = abs(velocity), velocity >= 0.0
         if (
-            not all(map(math.isfinite, (velocity, friction_torque, position, load_torque, temperature or 0.0, acceleration)))
+            not all(
+                map(math.isfinite, (velocity, friction_torque, position, load_torque, temperature or 0.0, acceleration))
+            )
             or speed < self._fast
             or ahead != self._ahead
         ):

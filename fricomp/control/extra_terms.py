@@ -6,13 +6,13 @@ A term of a law with a closed form is of one kind:
 - `dry`: a level against the direction of motion; f(speed, position, load_torque, temperature);
 - `drag`: rises from rest with the velocity; f(velocity, temperature);
 
-or has a part of several kinds. What rests have brought is a level that follows the velocity over time. Any other term is
-evaluated as it is, in both directions at the same speed.
+or has parts of several kinds. What rests have brought is a level that follows the velocity over time. Any other term
+is evaluated as it is, in both directions at the same speed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import singledispatch
 from math import cos, exp, expm1, sin
 from typing import Literal, NamedTuple
@@ -40,10 +40,8 @@ from fricomp.laws import (
 from fricomp.laws.thermal_friction import STRONGEST_FALL
 
 __all__ = [
-    "ACCELERATION_TERMS",
+    "INPUT_TERMS",
     "LOAD_TERMS",
-    "POSITION_TERMS",
-    "TEMPERATURE_TERMS",
     "ExtraTorque",
     "PlainForm",
     "TermKind",
@@ -54,14 +52,13 @@ __all__ = [
 LOAD_TERMS = (LoadCoulomb, LoadQuadratic, LoadStribeck)
 """Terms over the torque that a joint transmits to its load."""
 
-POSITION_TERMS = (Cogging, PositionCoulomb, SpringTorque, EndStop, KinematicError)
-"""Terms over the position."""
-
-TEMPERATURE_TERMS = (ThermalViscous, ThermalFriction)
-"""Terms over the temperature."""
-
-ACCELERATION_TERMS = (KinematicError,)
-"""Terms over the acceleration."""
+INPUT_TERMS: Mapping[str, tuple[type[Term], ...]] = {
+    "position": (Cogging, PositionCoulomb, SpringTorque, EndStop, KinematicError),
+    "load_torque": LOAD_TERMS,
+    "temperature": (ThermalViscous, ThermalFriction),
+    "acceleration": (KinematicError,),
+}
+"""Terms over each input besides velocity and normal load."""
 
 TermKind = Literal["held", "dry", "drag"]
 
@@ -138,7 +135,11 @@ def _(term: LoadCoulomb) -> tuple[PlainForm, ...]:
 
 @plain_forms.register
 def _(term: LoadQuadratic) -> tuple[PlainForm, ...]:
-    return (PlainForm("dry", lambda speed, position, load_torque, temperature: term.coefficient * load_torque * load_torque),)
+    return (
+        PlainForm(
+            "dry", lambda speed, position, load_torque, temperature: term.coefficient * load_torque * load_torque
+        ),
+    )
 
 
 @plain_forms.register

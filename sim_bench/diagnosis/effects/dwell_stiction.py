@@ -6,11 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fricomp.laws import DwellStiction as DwellStictionTerm
+from fricomp.laws import Term
+
 from ..kernel import dwell
-from ..observer import Contribution
+from ..observer import Contribution, Plant
 from ..track import FloatArray
 from .effect import Context, Effect, EffectParameter, Values, register
 
+_REST_SPEED = 3e-3  # [rad/s] or [m/s]
 _MOST = 3.0  # of the Coulomb torque: rests have been seen to raise static friction by as much as that torque itself
 
 
@@ -41,7 +45,7 @@ class DwellStiction(Effect):
         return Contribution(level=values["rise"] * _grown(context, values))
 
     def unavailable(self, contexts: Sequence[Context]) -> str | None:
-        rests = max(float(np.mean(np.abs(c.velocity) < 3e-3)) for c in contexts)
+        rests = max(float(np.mean(np.abs(c.velocity) < _REST_SPEED)) for c in contexts)
         return "the joint never rests" if rests < 0.01 else None
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
@@ -52,11 +56,15 @@ class DwellStiction(Effect):
             return "a rest would hold the joint with many times its sliding friction"
         return None
 
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+        time, travel = (float(np.exp(values[name])) for name in ("time_constant", "travel"))
+        return DwellStictionTerm(values["rise"], time, travel, _REST_SPEED)
+
 
 def _grown(context: Context, values: Values) -> FloatArray:
     """Share of the rise that rests have brought. Shape (n,)."""
     time, travel = np.exp(values["time_constant"]), np.exp(values["travel"])
-    return dwell(context.velocity, np.array([context.dt, time, travel, 3e-3]))
+    return dwell(context.velocity, np.array([context.dt, time, travel, _REST_SPEED]))
 
 
 def _size(name: str, unit: str, limits: tuple[float, float], *, prior: float, form: float) -> EffectParameter:

@@ -6,12 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..observer import Contribution
+from fricomp.laws import Term
+from fricomp.laws import ThermalFriction as ThermalFrictionTerm
+from fricomp.laws.thermal_friction import STRONGEST_FALL
+
+from ..observer import Contribution, Plant
 from ..warming import heat_of
 from .effect import Context, Effect, EffectParameter, Values, register
 from .heating_time import HEATING_TIME, heating_times
-
-_STRONGEST = 3.0  # most that the logarithm of viscous friction may change
 
 
 @register
@@ -40,10 +42,9 @@ class ThermalFriction(Effect):
         return [{}] if _recorded(contexts) else heating_times()
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        heat, plant = heat_of(context, float(np.exp(values.get("time_constant", 0.0)))), context.plant
-        viscous = np.where(context.velocity >= 0.0, plant.forward[3], plant.reverse[3])
-        viscous = np.maximum(viscous, 0.1 * context.scale / max(float(np.max(np.abs(context.velocity))), 1e-9))
-        fall = np.clip(values["viscous_slope"] * heat / viscous, -_STRONGEST, _STRONGEST)
+        heat = heat_of(context, float(np.exp(values.get("time_constant", 0.0))))
+        viscous = np.where(context.velocity >= 0.0, *_viscous(context))
+        fall = np.clip(values["viscous_slope"] * heat / viscous, -STRONGEST_FALL, STRONGEST_FALL)
         return Contribution(
             additive=viscous * np.expm1(-fall) * context.velocity, level=-values.get("coulomb_slope", 0.0) * heat
         )
@@ -52,6 +53,20 @@ class ThermalFriction(Effect):
         speed = max(float(np.sqrt(np.mean(c.velocity**2))) for c in contexts)
         rises = values["viscous_slope"] * speed + values.get("coulomb_slope", 0.0) <= 0.0
         return "friction would rise with temperature" if rises else None
+
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+        if not _recorded(
+            contexts
+        ):  # how warm the joint is follows from all friction since it was cold, which no term sees
+            return None
+        slopes = values["viscous_slope"], values["coulomb_slope"]
+        return ThermalFrictionTerm(*_viscous(contexts[0]), *slopes, contexts[0].usual_temperature)
+
+
+def _viscous(context: Context) -> tuple[float, float]:
+    """Viscous friction of both directions that the heat changes, held above nothing [N·m·s/rad]."""
+    least = 0.1 * context.scale / max(float(np.max(np.abs(context.velocity))), 1e-9)
+    return max(context.plant.forward[3], least), max(context.plant.reverse[3], least)
 
 
 def _recorded(contexts: Sequence[Context]) -> bool:
