@@ -225,7 +225,9 @@ def test_extended_law_in_c_agrees_with_python(name: str, tmp_path: Path) -> None
 
 
 @needs_gcc
-@pytest.mark.parametrize("law", [Cogging(0.1, 0.2, 9.0), KinematicError(1e-3, 0.0, 9.0, 0.3)], ids=lambda term: term.name)
+@pytest.mark.parametrize(
+    "law", [Cogging(0.1, 0.2, 9.0), KinematicError(1e-3, 0.0, 9.0, 0.3)], ids=lambda term: term.name
+)
 def test_finite_input_beyond_what_a_float_can_square_gives_zero(law: Cogging | KinematicError, tmp_path: Path) -> None:
     model, far = make_extended(law), [0.5, 0.0, 1e308, 0.0, 0.0, 0.0, 0.0, 0.0]
     near = [*far[:2], 0.1, *far[3:]]
