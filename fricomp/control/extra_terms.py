@@ -241,7 +241,7 @@ def build_extra(
         load_torque = min(max(load_torque, low_load), high_load)
         level = outright = 0.0
         if others:
-            level, outright = _both_directions(others, speed, position, load_torque, temperature)
+            level, outright = _both_directions(others, speed, position, load_torque, temperature, acceleration)
         for torque in dry:
             level += torque(speed, position, load_torque, temperature)
         for rest, _ in rests:
@@ -276,11 +276,15 @@ def _build_rest(term: DwellStiction, period: float) -> tuple[Callable[[float], f
 
 
 def _both_directions(
-    terms: Sequence[Term], speed: float, position: float, load_torque: float, temperature: float | None
+    terms: Sequence[Term],
+    speed: float,
+    position: float,
+    load_torque: float,
+    temperature: float | None,
+    acceleration: float,
 ) -> tuple[float, float]:
     """Half difference and mean of the torque in both directions, which are a level and a torque held."""
-    point = OperatingPoint(
-        np.array([speed, -speed]), position=position, load_torque=load_torque, temperature=temperature
-    )
+    speeds = np.array([speed, -speed])
+    point = OperatingPoint(speeds, position, acceleration, load_torque, temperature=temperature)
     ahead, back = sum((np.broadcast_to(np.asarray(term.torque(point)), 2) for term in terms), np.zeros(2)).tolist()
     return 0.5 * (ahead - back), 0.5 * (ahead + back)

@@ -82,8 +82,8 @@ def test_a_joint_at_rest_gets_nothing_however_long_it_rests() -> None:
 
 @pytest.mark.parametrize("source", ["reference", "blend", "measured"])
 def test_rests_raise_the_torque_by_no_more_than_their_rise_and_as_smoothly(source: str) -> None:
-    given = {"source": source, "gain": 1.0, "smoothing": 0.005}
-    plain, rested = (Compensator(make_model(*terms), **given) for terms in ((CORE,), LAWS["dwell"]))
+    laws = (CORE,), LAWS["dwell"]
+    plain, rested = (Compensator(make_model(*law), source=source, gain=1.0, smoothing=0.005) for law in laws)
     for _ in range(5000):
         plain.torque(0.0, 0.0)
         rested.torque(0.0, 0.0)

@@ -93,8 +93,11 @@ def test_kinematic_error_is_lagrange_s_equation_of_a_load_that_runs_ahead() -> N
     rng = np.random.default_rng(5)
     q, v, a = rng.uniform(-2.0, 2.0, 200), rng.normal(size=200), 5.0 * rng.normal(size=200)
     n, inertia = 30.0, 0.3
-    wave, slope = (lambda x: 2e-8 * np.sin(n * x) - 1e-8 * np.cos(n * x)), 1e-6
-    rising = (wave(q + slope) - wave(q - slope)) / (2.0 * slope)
+
+    def wave(x: FloatArray) -> FloatArray:
+        return np.asarray(2e-8 * np.sin(n * x) - 1e-8 * np.cos(n * x))
+
+    rising = (wave(q + 1e-6) - wave(q - 1e-6)) / 2e-6
     bending = -(n**2) * wave(q)
     load = q + wave(q)
     along = 1.0 + rising

@@ -55,10 +55,8 @@ class ThermalFriction(Effect):
         return "friction would rise with temperature" if rises else None
 
     def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
-        if not _recorded(
-            contexts
-        ):  # how warm the joint is follows from all friction since it was cold, which no term sees
-            return None
+        if not _recorded(contexts):
+            return None  # the estimate follows from all friction since the joint was cold, and no term knows either
         slopes = values["viscous_slope"], values["coulomb_slope"]
         return ThermalFrictionTerm(*_viscous(contexts[0]), *slopes, contexts[0].usual_temperature)
 
