@@ -91,7 +91,8 @@ def _export_onnx(paths: list[Path], out: Path, any_status: bool) -> str:
         metadata["velocity_range"] = f"{max(r[0] for r in ranges):.9g} {min(r[1] for r in ranges):.9g}"
     save_graph(closed_form_graph(models, any_status=any_status), out, metadata)
     joints = f"{len(models)} joint{'s' if len(models) > 1 else ''}"
-    return f"the closed form of {joints} over {', '.join(columns)}; only rounding to float32 is lost"
+    memory = ", in steady sliding" if any(model.law.is_dynamic for model in models) else ""
+    return f"the closed form of {joints} over {', '.join(columns)}; only rounding to float32 is lost{memory}"
 
 
 def _render(

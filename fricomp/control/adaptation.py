@@ -72,7 +72,7 @@ class OnlineAdaptation:
         self._compensator = compensator
         self._curves = split_law(compensator.model.law)
         terms = self._curves.extra
-        self._extra = build_extra(terms, compensator.settings) if terms else None
+        self._extra = build_extra(terms, compensator.settings, compensator.period)[0] if terms else None
         self._dry_bounds = self._settings.dry_bounds or _identified(compensator, "coulomb_torque")
         self._viscous_bounds = self._settings.viscous_bounds or _identified(compensator, "viscous_coefficient")
         known = self._settings.sliding_velocity
@@ -101,6 +101,7 @@ class OnlineAdaptation:
         position: float = 0.0,
         load_torque: float = 0.0,
         temperature: float | None = None,
+        acceleration: float = 0.0,
     ) -> None:
         """Take one sample, once a period.
 
@@ -110,10 +111,13 @@ class OnlineAdaptation:
             position: [rad] or [m]; used by terms over position.
             load_torque: Torque the joint transmits to its load; used by terms over load torque.
             temperature: [°C]; used by terms over temperature.
+            acceleration: [rad/s²] or [m/s²]; used by terms over acceleration.
         """
         speed, ahead = abs(velocity), velocity >= 0.0
         if (
-            not all(map(math.isfinite, (velocity, friction_torque, position, load_torque, temperature or 0.0)))
+            not all(
+                map(math.isfinite, (velocity, friction_torque, position, load_torque, temperature or 0.0, acceleration))
+            )
             or speed < self._fast
             or ahead != self._ahead
         ):
@@ -125,7 +129,7 @@ class OnlineAdaptation:
         curve = self._curves.forward if ahead else self._curves.reverse
         dry, viscous = curve.dry(speed), curve.viscous * speed
         if self._extra is not None:
-            extra = self._extra(speed, velocity, position, load_torque, temperature)
+            extra = self._extra(speed, velocity, position, load_torque, temperature, acceleration)
             dry, viscous = dry + extra.dry, viscous + (extra.drag if ahead else -extra.drag)
             friction_torque -= extra.held
         level = friction_torque if ahead else -friction_torque

@@ -8,7 +8,7 @@ from itertools import product
 from fricomp.control.curve import FrictionCurves
 from fricomp.control.extra_terms import LOAD_TERMS
 from fricomp.control.trust import compute_torque_cap
-from fricomp.laws import Cogging, FrictionLaw, PositionCoulomb, Term
+from fricomp.laws import Cogging, DwellStiction, FrictionLaw, KinematicError, PositionCoulomb, Term
 from fricomp.model import FrictionModel, Validity
 
 __all__ = ["compute_authority"]
@@ -45,9 +45,19 @@ def compute_authority(
 
 
 def _largest(term: Term, velocity_range: tuple[float, float], validity: Validity) -> float:
-    """Largest torque of a term: the amplitude of a wave, or the largest at the ends of all ranges."""
+    """Largest torque of a term: the amplitude of a wave, or the largest at the ends of all ranges.
+
+    What follows the acceleration, of which a model states no range, is no part of it.
+    """
     if isinstance(term, Cogging | PositionCoulomb):
         return math.hypot(term.sine, term.cosine)
+    if isinstance(term, DwellStiction):
+        return term.rise
+    if isinstance(term, KinematicError):
+        fastest = max(abs(edge) for edge in velocity_range)
+        gravity = math.hypot(term.gravity_cosine, term.gravity_sine)
+        pushed = (1.0 + term.order) * gravity + term.load_inertia * (term.order * fastest) ** 2
+        return math.hypot(term.sine, term.cosine) * pushed
     # Next to rest as well, where falling branches are highest.
     speeds = [edge * share for edge in velocity_range for share in (1.0, 1e-6)]
     ends = product(speeds, validity.position or (0.0,), validity.load_torque or (0.0,), validity.temperature or (None,))

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fricomp.control.choice import choose_settings
-from fricomp.control.extra_terms import LOAD_TERMS, POSITION_TERMS, TEMPERATURE_TERMS
+from fricomp.control.extra_terms import INPUT_TERMS
 from fricomp.control.hot_path import HotPath, TorqueFunction, build_hot_path
 from fricomp.control.settings import CompensationSettings, LoopDynamics
 from fricomp.control.trust import require_usable, trusted_curves
@@ -32,7 +32,7 @@ class Compensator:
         model: What is compensated.
         settings: How; `settings.notes` says why.
         inputs: What the model depends on besides velocity, of `position`, `load_torque`, `normal_load` (the size of the
-            transmitted torque) and `temperature`.
+            transmitted torque), `temperature` and `acceleration`.
 
     Args:
         model: A model or the path of its file (`friction.json`).
@@ -81,7 +81,7 @@ class Compensator:
         return self._hot.rejected()
 
     def reset(self) -> None:
-        """Forget the bristle and the last torque; call it when the loop starts again."""
+        """Forget the bristle, rests and the last torque; call it when the loop starts again."""
         self._hot.reset()
 
     def set_scale(self, dry: float, viscous: float) -> None:
@@ -157,8 +157,7 @@ class ArmCompensator:
 
 
 def _inputs(model: FrictionModel) -> frozenset[str]:
-    kinds = {"position": POSITION_TERMS, "load_torque": LOAD_TERMS, "temperature": TEMPERATURE_TERMS}
-    found = {name for name, terms in kinds.items() if any(isinstance(term, terms) for term in model.law.terms)}
+    found = {name for name, terms in INPUT_TERMS.items() if any(isinstance(term, terms) for term in model.law.terms)}
     # A normal load in any other unit than the joint's torque is known to the user alone.
     transmitted = "transmitted" in model.provenance.notes.get("normal_load", "")
     return frozenset(found | ({"normal_load"} if transmitted else set()))

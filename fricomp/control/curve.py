@@ -12,6 +12,8 @@ from fricomp.laws import (
     Coulomb,
     Dahl,
     FrictionLaw,
+    LaggedLuGre,
+    LaggedStribeck,
     LoadScaling,
     LuGre,
     SmoothedCoulomb,
@@ -88,6 +90,7 @@ class FrictionCurves:
         load: How the dry part follows the normal load.
         smoothing: Smoothing velocity that the law itself asks for, else 0 [rad/s] or [m/s].
         bristle: State of the dry part, or None where it is static.
+        lag: Time by which friction follows the velocity; 0 for none [s].
         extra: Terms that are evaluated as they are.
     """
 
@@ -96,6 +99,7 @@ class FrictionCurves:
     load: LoadScaling = field(default_factory=LoadScaling)
     smoothing: float = 0.0
     bristle: Bristle | None = None
+    lag: float = 0.0
     extra: tuple[Term, ...] = ()
 
     @property
@@ -130,7 +134,7 @@ def split_law(law: FrictionLaw) -> FrictionCurves:
         ParameterError: The law leaves nothing to compensate.
     """
     dry: list[tuple[StribeckCurve, StribeckCurve, LoadScaling]] = []
-    viscous, smoothing, bristle, extra = 0.0, 0.0, None, []
+    viscous, smoothing, bristle, lag, extra = 0.0, 0.0, None, 0.0, []
     for term in law.terms:
         if isinstance(term, Viscous):
             viscous += term.viscous_coefficient
@@ -140,8 +144,10 @@ def split_law(law: FrictionLaw) -> FrictionCurves:
             dry.append(_directions(term))
             smoothing = term.smoothing_velocity if isinstance(term, SmoothedCoulomb) else 0.0
             bristle = Bristle(term.sigma_0, getattr(term, "sigma_1", 0.0)) if isinstance(term, LuGre | Dahl) else None
+            lag = term.lag if isinstance(term, LaggedStribeck | LaggedLuGre) else 0.0
     forward, reverse, load = dry[0] if dry else (_level(0.0), _level(0.0), LoadScaling())
-    curves = FrictionCurves(_curve(forward, viscous), _curve(reverse, viscous), load, smoothing, bristle, tuple(extra))
+    ahead, back = _curve(forward, viscous), _curve(reverse, viscous)
+    curves = FrictionCurves(ahead, back, load, smoothing, bristle, lag, tuple(extra))
     if not extra and curves.largest((-1.0, 1.0)) <= 0.0:
         raise ParameterError("the model's friction is zero everywhere: there is nothing to compensate")
     return curves

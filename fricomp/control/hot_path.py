@@ -13,6 +13,7 @@ from typing import Protocol
 from fricomp.control.bristle import FALLING_SHARE_WITHOUT_VELOCITY, build_bristle
 from fricomp.control.curve import FrictionCurves
 from fricomp.control.extra_terms import build_extra
+from fricomp.control.lag import build_lag
 from fricomp.control.settings import CompensationSettings
 
 __all__ = ["HotPath", "TorqueFunction", "build_hot_path"]
@@ -30,6 +31,7 @@ class TorqueFunction(Protocol):
         position: float = 0.0,
         load_torque: float = 0.0,
         temperature: float | None = None,
+        acceleration: float = 0.0,
     ) -> float:
         """Torque to add to the command; 0.0 for input that is not finite.
 
@@ -41,6 +43,7 @@ class TorqueFunction(Protocol):
             position: [rad] or [m]; used by terms over position.
             load_torque: Torque the joint transmits to its load; used by terms over load torque.
             temperature: [°C]; used by terms over temperature.
+            acceleration: Of the reference [rad/s²] or [m/s²]; used by terms over acceleration.
         """
 
 
@@ -50,7 +53,7 @@ class HotPath:
 
     Attributes:
         torque: The compensation.
-        reset: Forget state: bristle, rate limit. Not the counter.
+        reset: Forget state: bristle, lag, rests, rate limit. Not the counter.
         rejected: Number of inputs so far that were not finite.
         set_scale: Multiply dry and viscous friction, for online adaptation.
     """
@@ -72,7 +75,10 @@ def build_hot_path(  # noqa: C901
         period: Control period [s].
     """
     bristle, reset_bristle = build_bristle(curves, period) if curves.bristle is not None else (None, _nothing)
-    extra = build_extra(curves.extra, settings) if curves.extra else None
+    extra, reset_extra = build_extra(curves.extra, settings, period) if curves.extra else (None, _nothing)
+    lagging, reset_lag = (
+        build_lag(curves.lag, period, settings.velocity_range) if curves.lag > 0.0 else (None, _nothing)
+    )
     square = curves.forward.exponent == curves.reverse.exponent == 2.0
     measured, share, keep = settings.source == "measured", settings.measured_share, 1.0 - settings.measured_share
     unseen = FALLING_SHARE_WITHOUT_VELOCITY if settings.source == "blend" else 1.0
@@ -103,6 +109,7 @@ def build_hot_path(  # noqa: C901
         position: float = 0.0,
         load_torque: float = 0.0,
         temperature: float | None = None,
+        acceleration: float = 0.0,
     ) -> float:
         nonlocal last, rejected
         try:
@@ -126,9 +133,12 @@ def build_hot_path(  # noqa: C901
                     high_load if load > high_load else low_load if load < low_load else load
                 )
             if extra is not None:
-                total += position + load_torque + (0.0 if temperature is None else temperature)
+                total += position + load_torque + acceleration + (0.0 if temperature is None else temperature)
             if total - total != 0.0:  # infinite or NaN; what follows would turn either into a torque
                 raise ValueError
+            dragged = drive
+            if lagging is not None:
+                felt, dragged = lagging(blended, drive)
             if direction >= 0.0:
                 coulomb, rise, stribeck_velocity, exponent, viscous = forward
             else:
@@ -136,8 +146,9 @@ def build_hot_path(  # noqa: C901
                 blended = -blended
             if bristle is None:
                 falling = 1.0
-                if blended > 0.0:
-                    ratio = blended / stribeck_velocity
+                speed = blended if lagging is None else abs(felt)
+                if speed > 0.0:
+                    ratio = speed / stribeck_velocity
                     falling = exp(-ratio * ratio if square else -(ratio**exponent))
                 if velocity is None:
                     falling *= unseen
@@ -145,12 +156,12 @@ def build_hot_path(  # noqa: C901
                     falling += (1.0 - falling) * (1.0 - abs(velocity) / high_rest)
                 tau = factor * (coulomb + rise * falling) * tanh(direction / smoothing)
             else:
-                tau = bristle(drive, factor)
+                tau = bristle(drive, dragged, factor)
             if extra is None:
-                tau = dry_gain * tau + viscous_gain * viscous * drive
+                tau = dry_gain * tau + viscous_gain * viscous * dragged
             else:
-                dry, drag, held = extra(blended, drive, position, load_torque, temperature)
-                tau = dry_gain * (tau + dry * tanh(direction / smoothing)) + viscous_gain * (viscous * drive + drag)
+                dry, drag, held = extra(blended, drive, position, load_torque, temperature, acceleration)
+                tau = dry_gain * (tau + dry * tanh(direction / smoothing)) + viscous_gain * (viscous * dragged + drag)
             if not low <= drive <= high:
                 left = 1.0 - (drive - high if drive > high else low - drive) * fade
                 tau = tau * left if left > 0.0 else 0.0
@@ -173,6 +184,8 @@ def build_hot_path(  # noqa: C901
         nonlocal last
         last = 0.0
         reset_bristle()
+        reset_lag()
+        reset_extra()
 
     def set_scale(dry_scale: float, viscous_scale: float) -> None:
         nonlocal dry_gain, viscous_gain
@@ -182,4 +195,4 @@ def build_hot_path(  # noqa: C901
 
 
 def _nothing() -> None:
-    """A static law has no state to reset."""
+    """What has no state has nothing to reset."""

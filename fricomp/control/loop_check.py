@@ -69,7 +69,7 @@ class LoopCheck:
         unsettled_from: Distance to the reference at the start from which the joint keeps oscillating; infinity if it
             settles from every one that was tried, up to 0.5 [rad] or [m].
         unsettled_without: The same without compensation.
-        left_out: Terms of the law that the check does not know: those over load, position and temperature.
+        left_out: What the check does not know of the law: terms beside the curve, and the lag of friction.
     """
 
     settings: CompensationSettings
@@ -140,7 +140,7 @@ def check_loop(
         drive=bench.drive,
         unsettled_from=stop.unsettled_from,
         unsettled_without=stop.unsettled_without,
-        left_out=tuple(term.name for term in curves.extra),
+        left_out=(*(term.name for term in curves.extra), *(["lag of friction"] if curves.lag else [])),
     )
 
 

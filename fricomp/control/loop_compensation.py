@@ -17,8 +17,8 @@ __all__ = ["LoopCompensation"]
 class LoopCompensation:
     """Compensators, what they are told each cycle, and their adaptation.
 
-    Position and temperature come from the feedback; the load from `load`, or from the torque that the drives report
-    where a model depends on it and nobody else knows it.
+    Position and temperature come from the feedback, the acceleration from the reference; the load from `load`, or from
+    the torque that the drives report where a model depends on it and nobody else knows it.
 
     Attributes:
         torque: Compensation of each joint in the last cycle.
@@ -94,7 +94,7 @@ class LoopCompensation:
         return out
 
     def _extend(self, feedback: JointFeedback, goal: ReferenceState, seen: ReferenceState) -> None:
-        """Joints whose models depend on load, position or temperature; a temperature of NaN is not reported."""
+        """Joints whose models depend on more than the velocity; a temperature of NaN is not reported."""
         out, torques, load = self.torque, self._torques, self._load_torque
         if self._needs_load:
             self._load.load_into(load, feedback, goal)
@@ -108,6 +108,7 @@ class LoopCompensation:
                 q,
                 load[j],
                 hot if hot == hot else None,
+                goal.acceleration[j],
             )
 
     def _adapt(self, feedback: JointFeedback, seen: ReferenceState) -> None:
@@ -121,4 +122,5 @@ class LoopCompensation:
                 feedback.position[j],
                 carried[j],
                 hot if hot == hot else None,
+                seen.acceleration[j],
             )

@@ -19,6 +19,7 @@ from fricomp.control import (
 )
 from fricomp.errors import ExportError, ParameterError
 from fricomp.export.c_terms import EXTRA_CHECKS, EXTRA_FIELDS, render_extra
+from fricomp.laws import DwellStiction
 from fricomp.model import FrictionModel, encode_model
 
 __all__ = ["render_c_header"]
@@ -115,7 +116,13 @@ def _functions(
     names_and_types = {"real": "float" if is_float else "double", "f": suffix, "prefix": prefix}
     constants = names_and_types | {name: literal(value) for name, value in values.items()}
     dry = _static(curves, settings, literal) if curves.bristle is None else _bristle(curves, period, literal)
-    has_extra = bool(curves.extra)
+    has_extra, is_late = bool(curves.extra), curves.lag > 0.0
+    constants |= {"speed": "blended", "dragged": "drive"}
+    if is_late:
+        constants |= {"speed": f"fabs{suffix}(state->felt)", "dragged": "state->dragged"}
+        constants["lasting"] = literal(math.exp(-period / curves.lag))
+    memories = ["felt", "dragged"] if is_late else []
+    memories += ["rested" for term in curves.extra if isinstance(term, DwellStiction)]
 
     def filled(text: str) -> str:
         return Template(text).substitute(constants, position_unit=position_unit, torque_unit=torque_unit)
@@ -126,8 +133,11 @@ def _functions(
         extra_fields=filled(EXTRA_FIELDS) if has_extra else "",
         extra_checks=EXTRA_CHECKS if has_extra else "",
         extra_variables=filled(template.EXTRA_VARIABLES) if has_extra else "",
-        extra=filled(render_extra(curves.extra, settings, literal)),
-        dragging="((viscous * drive) + drag)" if has_extra else "viscous * drive",
+        extra=filled(render_extra(curves.extra, settings, period, literal)),
+        lagging=filled(template.LAG) if is_late else "",
+        memories=filled("".join(f"    $real {name};\n" for name in memories)),
+        forgotten=filled("".join(f"    state->{name} = $zero;\n" for name in memories)),
+        dragging=filled("((viscous * $dragged) + drag)" if has_extra else "viscous * $dragged"),
         holding=filled(template.HOLDING) if has_extra else "",
         load_bounds=_load_bounds(settings, literal),
         drive_from_measurement=_measured(settings, literal),
@@ -153,9 +163,9 @@ def _measured(settings: CompensationSettings, literal: Literal) -> str:
     )
 
 
-def _falling(curves: FrictionCurves, speed: str, literal: Literal) -> str:
+def _falling(curves: FrictionCurves, literal: Literal) -> str:
     """The exponential of the curve as C; the usual exponent 2 needs no power."""
-    ratio = f"({speed} / stribeck_velocity)"
+    ratio = "(speed / stribeck_velocity)"
     forward, reverse = curves.forward.exponent, curves.reverse.exponent
     if forward == reverse == 2.0:
         return f"exp$f(-({ratio} * {ratio}))"
@@ -169,7 +179,7 @@ def _static(curves: FrictionCurves, settings: CompensationSettings, literal: Lit
         share_at_rest = f"({size} < {width}) ? ($one - ({size} / {width})) : $zero"
     return Template(
         template.STATIC.safe_substitute(
-            falling=_falling(curves, "blended", literal),
+            falling=_falling(curves, literal),
             share_at_rest=share_at_rest,
             unseen=literal(FALLING_SHARE_WITHOUT_VELOCITY if settings.source == "blend" else 1.0),
             smoothing=literal(settings.smoothing),
@@ -181,7 +191,7 @@ def _bristle(curves: FrictionCurves, period: float, literal: Literal) -> Templat
     assert curves.bristle is not None
     return Template(
         template.BRISTLE.safe_substitute(
-            falling=_falling(curves, "size", literal),
+            falling=_falling(curves, literal),
             sigma_0=literal(curves.bristle.sigma_0),
             sigma_1_per_period=literal(curves.bristle.sigma_1 / period),
             period=literal(period),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from string import Template
 
-__all__ = ["BRISTLE", "EXTRA_VARIABLES", "FUNCTIONS", "HEADER", "HOLDING", "RATE", "STATIC"]
+__all__ = ["BRISTLE", "EXTRA_VARIABLES", "FUNCTIONS", "HEADER", "HOLDING", "LAG", "RATE", "STATIC"]
 
 HEADER = Template(
     """/*
@@ -52,14 +52,14 @@ $extra_fields} ${prefix}_input${f}_t;
 typedef struct {
     $real last_torque;
     $real bristle;
-    uint32_t rejected; /* inputs so far that were not finite and got 0.0 */
+$memories    uint32_t rejected; /* inputs so far that were not finite and got 0.0 */
 } ${prefix}_state${f}_t;
 
 static inline void ${prefix}_reset${f}(${prefix}_state${f}_t *state)
 {
     state->last_torque = $zero;
     state->bristle = $zero;
-    state->rejected = 0U;
+$forgotten    state->rejected = 0U;
 }
 
 static inline bool ${prefix}_is_usable${f}(const ${prefix}_input${f}_t *input)
@@ -117,7 +117,7 @@ $drive_from_measurement        blended = ($keep * drive) + ($share * input->velo
             /* inside the band */
         }
     }
-    if (direction >= $zero) {
+$lagging    if (direction >= $zero) {
         coulomb = $forward_coulomb;
         rise = $forward_rise;
         stribeck_velocity = $forward_stribeck_velocity;
@@ -136,7 +136,12 @@ $extra    torque = ($gain * torque) + ($gain * $dragging);
         const $real left = $one - (beyond / $fade_width);
         torque = (left > $zero) ? (torque * left) : $zero;
     }
-$holding    if (torque > $authority) {
+$holding    if (isnan(torque) != 0) {
+        state->last_torque = $zero;
+        state->rejected++;
+        return $zero;
+    }
+    if (torque > $authority) {
         torque = $authority;
     } else if (torque < -$authority) {
         torque = -$authority;
@@ -154,12 +159,23 @@ EXTRA_VARIABLES = """    $real drag;
     $real held;
 """
 
+LAG = """    {
+        const $real highest = $forward_edge;
+        const $real lowest = $reverse_edge;
+        const $real driven = (drive > highest) ? highest : ((drive < lowest) ? lowest : drive);
+        const $real seen = (blended > highest) ? highest : ((blended < lowest) ? lowest : blended);
+        state->dragged = driven + ((state->dragged - driven) * $lasting);
+        state->felt = seen + ((state->felt - seen) * $lasting);
+    }
+"""
+
 HOLDING = """    torque += $gain * held;
 """
 
 STATIC = Template(
     """    {
-        $real falling = (blended > $zero) ? $falling : $one;
+        const $real speed = $speed;
+        $real falling = (speed > $zero) ? $falling : $one;
         if (input->has_velocity) {
             const $real share_at_rest = $share_at_rest;
             falling += ($one - falling) * share_at_rest;
@@ -173,6 +189,7 @@ STATIC = Template(
 BRISTLE = Template(
     """    {
         const $real size = (drive >= $zero) ? drive : -drive;
+        const $real speed = fabs$f($dragged);
         const $real steady = (${prefix}_factor${f}(input) * (coulomb + (rise * $falling))) / $sigma_0;
         if (steady > $zero) {
             const $real target = (drive >= $zero) ? steady : -steady;

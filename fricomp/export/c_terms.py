@@ -1,10 +1,12 @@
-"""Terms over load, position and temperature as C expressions, the same as `fricomp.control.extra_terms` has them.
+"""Terms that fit no curve as C expressions, the same as `fricomp.control.extra_terms` has them.
 
-The expressions draw on `position`, `load_torque`, `extra_speed`, `velocity` and `input->temperature`.
+The expressions draw on `position`, `load_torque`, `acceleration`, `extra_speed`, `velocity`, `input->temperature` and
+`state`.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from functools import singledispatch
 from string import Template
@@ -14,7 +16,9 @@ from fricomp.control.extra_terms import TermKind
 from fricomp.errors import ExportError
 from fricomp.laws import (
     Cogging,
+    DwellStiction,
     EndStop,
+    KinematicError,
     LoadCoulomb,
     LoadQuadratic,
     LoadStribeck,
@@ -23,36 +27,43 @@ from fricomp.laws import (
     QuadraticDrag,
     SpringTorque,
     Term,
+    ThermalFriction,
     ThermalViscous,
 )
+from fricomp.laws.thermal_friction import STRONGEST_FALL
 
-__all__ = ["EXTRA_CHECKS", "EXTRA_FIELDS", "c_expression", "render_extra"]
+__all__ = ["EXTRA_CHECKS", "EXTRA_FIELDS", "c_expressions", "render_extra"]
 
 Literal = Callable[[float], str]
+Expression = tuple[TermKind, str]
 
 EXTRA_FIELDS = """    $real position;           /* [$position_unit] */
     $real load_torque;        /* torque that the joint transmits to its load [$torque_unit] */
     $real temperature;        /* [degrees Celsius] */
     bool has_temperature;
+    $real acceleration;       /* of the reference [$position_unit/s^2] */
 """
 
 EXTRA_CHECKS = """    usable = usable && (isfinite(input->position) != 0) && (isfinite(input->load_torque) != 0);
     usable = usable && ((!input->has_temperature) || (isfinite(input->temperature) != 0));
+    usable = usable && (isfinite(input->acceleration) != 0);
 """
 
 _EXTRA = Template(
     """    {
         const $real position = input->position;
+        const $real acceleration = input->acceleration;
         const $real velocity = (drive > $high) ? $high : ((drive < $low) ? $low : drive);
         const $real fastest = (drive >= $zero) ? $high : $reverse_high;
         $real extra_speed = (blended > $zero) ? blended : $zero;
         $real load_torque = input->load_torque;
         extra_speed = (extra_speed > fastest) ? fastest : extra_speed;
 $load_bounds        (void)position;
+        (void)acceleration;
         (void)velocity;
         (void)load_torque;
         (void)extra_speed;
-        torque += ($dry) * tanh$f(direction / $smoothing);
+$rests        torque += ($dry) * tanh$f(direction / $smoothing);
         drag = $drag;
         held = $held;
     }
@@ -61,8 +72,8 @@ $load_bounds        (void)position;
 
 
 @singledispatch
-def c_expression(term: Term, literal: Literal) -> tuple[TermKind, str]:
-    """Kind of `term` and its expression.
+def c_expressions(term: Term, literal: Literal) -> tuple[Expression, ...]:
+    """Kind and expression of each part of `term`.
 
     Raises:
         ExportError: The term has no closed form in C.
@@ -74,60 +85,93 @@ def c_expression(term: Term, literal: Literal) -> tuple[TermKind, str]:
     )
 
 
-@c_expression.register
-def _(term: Cogging, literal: Literal) -> tuple[TermKind, str]:
-    return "held", _wave(term, literal)
+@c_expressions.register
+def _(term: Cogging, literal: Literal) -> tuple[Expression, ...]:
+    return (("held", _wave(term, literal)),)
 
 
-@c_expression.register
-def _(term: PositionCoulomb, literal: Literal) -> tuple[TermKind, str]:
-    return "dry", _wave(term, literal)
+@c_expressions.register
+def _(term: PositionCoulomb, literal: Literal) -> tuple[Expression, ...]:
+    return (("dry", _wave(term, literal)),)
 
 
-@c_expression.register
-def _(term: SpringTorque, literal: Literal) -> tuple[TermKind, str]:
+@c_expressions.register
+def _(term: SpringTorque, literal: Literal) -> tuple[Expression, ...]:
     stretch = f"(position - {literal(term.centre)})"
     stiffer = f"({literal(1.0)} + {literal(term.hardening)} * {stretch} * {stretch})"
-    return "held", f"({literal(term.stiffness)} * {stretch} * {stiffer})"
+    return (("held", f"({literal(term.stiffness)} * {stretch} * {stiffer})"),)
 
 
-@c_expression.register
-def _(term: EndStop, literal: Literal) -> tuple[TermKind, str]:
+@c_expressions.register
+def _(term: EndStop, literal: Literal) -> tuple[Expression, ...]:
     past = f"(position {'>' if term.side > 0.0 else '<'} {literal(term.edge)})"
-    return "held", f"({past} ? ({literal(term.stiffness)} * (position - {literal(term.edge)})) : $zero)"
+    return (("held", f"({past} ? ({literal(term.stiffness)} * (position - {literal(term.edge)})) : $zero)"),)
 
 
-@c_expression.register
-def _(term: LoadCoulomb, literal: Literal) -> tuple[TermKind, str]:
-    return "dry", f"({literal(term.coefficient)} * fabs$f(load_torque))"
+@c_expressions.register
+def _(term: LoadCoulomb, literal: Literal) -> tuple[Expression, ...]:
+    return (("dry", f"({literal(term.coefficient)} * fabs$f(load_torque))"),)
 
 
-@c_expression.register
-def _(term: LoadQuadratic, literal: Literal) -> tuple[TermKind, str]:
-    return "dry", f"({literal(term.coefficient)} * load_torque * load_torque)"
+@c_expressions.register
+def _(term: LoadQuadratic, literal: Literal) -> tuple[Expression, ...]:
+    return (("dry", f"({literal(term.coefficient)} * load_torque * load_torque)"),)
 
 
-@c_expression.register
-def _(term: LoadStribeck, literal: Literal) -> tuple[TermKind, str]:
+@c_expressions.register
+def _(term: LoadStribeck, literal: Literal) -> tuple[Expression, ...]:
     ratio = f"(extra_speed / {literal(term.stribeck_velocity)})"
-    return "dry", f"({literal(term.coefficient)} * fabs$f(load_torque) * exp$f(-({ratio} * {ratio})))"
+    return (("dry", f"({literal(term.coefficient)} * fabs$f(load_torque) * exp$f(-({ratio} * {ratio})))"),)
 
 
-@c_expression.register
-def _(term: QuadraticDrag, literal: Literal) -> tuple[TermKind, str]:
-    return "drag", f"({literal(term.coefficient)} * velocity * fabs$f(velocity))"
+@c_expressions.register
+def _(term: QuadraticDrag, literal: Literal) -> tuple[Expression, ...]:
+    return (("drag", f"({literal(term.coefficient)} * velocity * fabs$f(velocity))"),)
 
 
-@c_expression.register
-def _(term: PowerLawViscous, literal: Literal) -> tuple[TermKind, str]:
+@c_expressions.register
+def _(term: PowerLawViscous, literal: Literal) -> tuple[Expression, ...]:
     size = f"({literal(term.coefficient)} * pow$f(fabs$f(velocity), {literal(term.exponent)}))"
-    return "drag", f"((velocity >= $zero) ? {size} : -{size})"
+    return (("drag", f"((velocity >= $zero) ? {size} : -{size})"),)
 
 
-@c_expression.register
-def _(term: ThermalViscous, literal: Literal) -> tuple[TermKind, str]:
+@c_expressions.register
+def _(term: ThermalViscous, literal: Literal) -> tuple[Expression, ...]:
     warmth = f"(input->temperature - {literal(term.reference_temperature)})"
-    return "drag", f"(input->has_temperature ? -({literal(term.slope)} * {warmth} * velocity) : $zero)"
+    return (("drag", f"(input->has_temperature ? -({literal(term.slope)} * {warmth} * velocity) : $zero)"),)
+
+
+@c_expressions.register
+def _(term: ThermalFriction, literal: Literal) -> tuple[Expression, ...]:
+    warmth = f"(input->temperature - {literal(term.reference_temperature)})"
+    viscous = f"((velocity >= $zero) ? {literal(term.forward_viscous)} : {literal(term.reverse_viscous)})"
+    fall = f"(({literal(term.viscous_slope)} * {warmth}) / {viscous})"
+    bounded = f"fmax$f(fmin$f({fall}, {literal(STRONGEST_FALL)}), {literal(-STRONGEST_FALL)})"
+    drag = f"({viscous} * expm1$f(-{bounded}) * velocity)"
+    level = f"-({literal(term.coulomb_slope)} * {warmth})"
+    return (
+        ("drag", f"(input->has_temperature ? {drag} : $zero)"),
+        ("dry", f"(input->has_temperature ? {level} : $zero)"),
+    )
+
+
+@c_expressions.register
+def _(term: KinematicError, literal: Literal) -> tuple[Expression, ...]:
+    sine, cosine, order, inertia = (literal(v) for v in (term.sine, term.cosine, term.order, term.load_inertia))
+    along, across = literal(term.gravity_cosine), literal(term.gravity_sine)
+    wave_sine, wave_cosine = (f"{function}$f({order} * position)" for function in ("sin", "cos"))
+    error = f"(({sine} * {wave_sine}) + ({cosine} * {wave_cosine}))"
+    slope = f"({order} * (({sine} * {wave_cosine}) - ({cosine} * {wave_sine})))"
+    gravity = f"(({along} * cos$f(position)) + ({across} * sin$f(position)))"
+    gradient = f"(({across} * cos$f(position)) - ({along} * sin$f(position)))"
+    pushed = f"({slope} * ({gravity} + ({literal(2.0)} * {inertia} * acceleration)))"
+    bent = f"({inertia} * {order} * {order} * {error} * velocity * velocity)"
+    return (("held", f"({pushed} - {bent} + ({gradient} * {error}))"),)
+
+
+@c_expressions.register
+def _(term: DwellStiction, literal: Literal) -> tuple[Expression, ...]:
+    return (("dry", f"({literal(term.rise)} * state->rested)"),)
 
 
 def _wave(term: Cogging | PositionCoulomb, literal: Literal) -> str:
@@ -135,7 +179,7 @@ def _wave(term: Cogging | PositionCoulomb, literal: Literal) -> str:
     return f"(({literal(term.sine)} * sin$f{angle}) + ({literal(term.cosine)} * cos$f{angle}))"
 
 
-def render_extra(terms: Sequence[Term], settings: CompensationSettings, literal: Literal) -> str:
+def render_extra(terms: Sequence[Term], settings: CompensationSettings, period: float, literal: Literal) -> str:
     """The block that adds `terms` to the torque; empty where there are none.
 
     Raises:
@@ -143,7 +187,8 @@ def render_extra(terms: Sequence[Term], settings: CompensationSettings, literal:
     """
     if not terms:
         return ""
-    found = [c_expression(term, literal) for term in terms]
+    found = [part for term in terms for part in c_expressions(term, literal)]
+    rests = "".join(_rest(term, period, literal) for term in terms if isinstance(term, DwellStiction))
     sums = {kind: " + ".join(text for k, text in found if k == kind) or "$zero" for kind in ("dry", "drag", "held")}
     bounds = ""
     if settings.load_torque_range is not None:
@@ -153,4 +198,15 @@ def render_extra(terms: Sequence[Term], settings: CompensationSettings, literal:
         )
     edges = {"low": literal(settings.velocity_range[0]), "high": literal(settings.velocity_range[1])}
     edges |= {"reverse_high": literal(-settings.velocity_range[0]), "smoothing": literal(settings.smoothing)}
-    return _EXTRA.safe_substitute(sums, load_bounds=bounds, **edges)
+    return _EXTRA.safe_substitute(sums, load_bounds=bounds, rests=rests, **edges)
+
+
+def _rest(term: DwellStiction, period: float, literal: Literal) -> str:
+    """What a period adds to, or takes from, the share of the rise that rests have brought."""
+    growth, per_speed = literal(-math.expm1(-period / term.time_constant)), literal(period / term.travel)
+    return f"""        if (fabs$f(velocity) < {literal(term.rest_speed)}) {{
+            state->rested += {growth} * ($one - state->rested);
+        }} else {{
+            state->rested *= exp$f(-(fabs$f(velocity) * {per_speed}));
+        }}
+"""

@@ -15,17 +15,19 @@ from fricomp.control import (
     require_usable,
     trusted_curves,
 )
-from fricomp.control.extra_terms import LOAD_TERMS, POSITION_TERMS, TEMPERATURE_TERMS
+from fricomp.control.extra_terms import INPUT_TERMS
 from fricomp.errors import ExportError, MissingExtraError
 from fricomp.export.onnx_terms import extra_constants, extra_nodes
-from fricomp.laws import FloatArray
+from fricomp.laws import DwellStiction, FloatArray
 from fricomp.model import FrictionModel
 
 __all__ = ["STATE_COLUMNS", "closed_form_graph", "save_graph", "stack_networks", "state_columns"]
 
 OPSET = 17
-STATE_COLUMNS = ("velocity", "normal_load", "position", "load_torque", "temperature")
-"""Columns of the input of a closed form; the last three only where a model depends on any of them."""
+STATE_COLUMNS = ("velocity", "normal_load", "position", "load_torque", "temperature", "acceleration")
+"""Columns of the input of a closed form; the third to fifth only where a model depends on any of them, and the last one
+only where a model depends on it."""
+_BEYOND = tuple({term for terms in INPUT_TERMS.values() for term in terms})
 _IR_VERSION = 8
 
 
@@ -33,10 +35,11 @@ def closed_form_graph(models: Sequence[FrictionModel], *, any_status: bool = Fal
     """The closed forms of `models`: input `state`, output `torque`.
 
     The columns of the state are velocity and normal load; where a model has terms over them also position, load
-    torque and temperature, all three. One model takes any number of rows, shape (n, 2) or (n, 5) to (n, 1); several
-    take one row each, in their order. Where a model knows the friction of its data, the curve is held to
-    `compute_torque_cap` at every speed. The normal load of a model whose data had none and whose law says
-    nothing about it changes nothing. Columns that no model uses stand in the metadata, key `unused`.
+    torque and temperature, all three, and where one has a term over the acceleration that too. One model takes any
+    number of rows, shape (n, 2), (n, 5) or (n, 6) to (n, 1); several take one row each, in their order. Terms with a
+    state are those of steady sliding. Where a model knows the friction of its data, the curve is held to
+    `compute_torque_cap` at every speed. The normal load of a model whose data had none and whose law says nothing about
+    it changes nothing. Columns that no model uses stand in the metadata, key `unused`.
 
     Args:
         models: What is exported.
@@ -53,7 +56,8 @@ def closed_form_graph(models: Sequence[FrictionModel], *, any_status: bool = Fal
     for model in models if not any_status else ():
         require_usable(model)
     curves = [trusted_curves(model) for model in models]
-    extras = [curve.extra for curve in curves]
+    # In steady sliding, which is what a graph without a state holds, nothing is left of what a rest brought.
+    extras = [[term for term in curve.extra if not isinstance(term, DwellStiction)] for curve in curves]
     constants: dict[str, FloatArray] = {"zero": np.zeros((1, 1)), "one": np.ones((1, 1))} | extra_constants(extras)
     for side in ("forward", "reverse"):
         table = np.array([getattr(curve, side) for curve in curves])
@@ -83,15 +87,15 @@ def _depends_on(column: str, model: FrictionModel) -> bool:
     """Whether a column of the state changes the torque of a joint."""
     if column == "normal_load":
         return trusted_curves(model).load.load_sensitivity != 0.0
-    kinds = {"position": POSITION_TERMS, "load_torque": LOAD_TERMS, "temperature": TEMPERATURE_TERMS}
-    return column == "velocity" or any(isinstance(term, kinds[column]) for term in model.law.terms)
+    return column == "velocity" or any(isinstance(term, INPUT_TERMS[column]) for term in model.law.terms)
 
 
 def state_columns(models: Sequence[FrictionModel]) -> tuple[str, ...]:
     """Columns of the input that the closed forms of `models` need."""
-    beyond = (*POSITION_TERMS, *LOAD_TERMS, *TEMPERATURE_TERMS)
-    needed = any(isinstance(term, beyond) for model in models for term in model.law.terms)
-    return STATE_COLUMNS if needed else STATE_COLUMNS[:2]
+    terms = [term for model in models for term in model.law.terms]
+    if any(isinstance(term, INPUT_TERMS["acceleration"]) for term in terms):
+        return STATE_COLUMNS
+    return STATE_COLUMNS[:-1] if any(isinstance(term, _BEYOND) for term in terms) else STATE_COLUMNS[:2]
 
 
 def _closed_form_nodes(node: Any, columns: Sequence[str], output: str) -> list[Any]:

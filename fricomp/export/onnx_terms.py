@@ -6,7 +6,7 @@ A joint that lacks a term has it with parameters under which it is nothing.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from fricomp.laws import (
     Cogging,
     EndStop,
     FloatArray,
+    KinematicError,
     LoadCoulomb,
     LoadQuadratic,
     LoadStribeck,
@@ -25,8 +26,10 @@ from fricomp.laws import (
     QuadraticDrag,
     SpringTorque,
     Term,
+    ThermalFriction,
     ThermalViscous,
 )
+from fricomp.laws.thermal_friction import STRONGEST_FALL
 
 __all__ = ["OnnxTerm", "extra_constants", "extra_nodes"]
 
@@ -41,12 +44,15 @@ class OnnxTerm:
     Attributes:
         kind: `dry` terms are multiplied by the sign of the velocity; the others are signed themselves.
         neutral: Its parameters, with values under which it is nothing.
-        steps: Over `velocity`, `speed`, `position`, `load_torque`, `temperature` and the parameters; ends in `torque`.
+        steps: Over `velocity`, `speed`, `sign`, `is_forward`, `position`, `load_torque`, `temperature`, `acceleration`,
+            `one`, the parameters and the fixed numbers; ends in `torque`.
+        fixed: Numbers that are the same for every joint.
     """
 
     kind: TermKind
     neutral: Mapping[str, float]
     steps: Steps
+    fixed: Mapping[str, float] = field(default_factory=dict)
 
 
 _WAVE: Steps = (
@@ -127,6 +133,74 @@ _TERMS: dict[type[Term], OnnxTerm] = {
             ("Mul", ("coefficient_", "velocity"), "torque_"),
         ),
     ),
+    ThermalFriction: OnnxTerm(
+        "drag",
+        {
+            "forward_viscous": 1.0,
+            "reverse_viscous": 1.0,
+            "viscous_slope": 0.0,
+            "coulomb_slope": 0.0,
+            "reference_temperature": 0.0,
+        },
+        (
+            ("Sub", ("temperature", "reference_temperature_"), "warmth_"),
+            ("Where", ("is_forward", "forward_viscous_", "reverse_viscous_"), "viscous_"),
+            ("Mul", ("warmth_", "viscous_slope_"), "loss_"),
+            ("Div", ("loss_", "viscous_"), "fall_"),
+            ("Min", ("fall_", "strongest_"), "below_"),
+            ("Max", ("below_", "weakest_"), "bounded_"),
+            ("Neg", ("bounded_",), "minus_"),
+            ("Exp", ("minus_",), "share_"),
+            ("Sub", ("share_", "one"), "change_"),
+            ("Mul", ("change_", "viscous_"), "coefficient_"),
+            ("Mul", ("coefficient_", "velocity"), "drag_"),
+            ("Mul", ("warmth_", "coulomb_slope_"), "level_"),
+            ("Mul", ("level_", "sign"), "dry_"),
+            ("Sub", ("drag_", "dry_"), "torque_"),
+        ),
+        {"strongest": STRONGEST_FALL, "weakest": -STRONGEST_FALL},
+    ),
+    KinematicError: OnnxTerm(
+        "held",
+        {
+            "sine": 0.0,
+            "cosine": 0.0,
+            "order": 1.0,
+            "load_inertia": 0.0,
+            "gravity_cosine": 0.0,
+            "gravity_sine": 0.0,
+        },
+        (
+            ("Mul", ("position", "order_"), "angle_"),
+            ("Sin", ("angle_",), "sin_"),
+            ("Cos", ("angle_",), "cos_"),
+            ("Mul", ("sin_", "sine_"), "first_"),
+            ("Mul", ("cos_", "cosine_"), "second_"),
+            ("Add", ("first_", "second_"), "error_"),
+            ("Mul", ("cos_", "sine_"), "third_"),
+            ("Mul", ("sin_", "cosine_"), "fourth_"),
+            ("Sub", ("third_", "fourth_"), "turned_"),
+            ("Mul", ("turned_", "order_"), "slope_"),
+            ("Sin", ("position",), "across_"),
+            ("Cos", ("position",), "along_"),
+            ("Mul", ("along_", "gravity_cosine_"), "fifth_"),
+            ("Mul", ("across_", "gravity_sine_"), "sixth_"),
+            ("Add", ("fifth_", "sixth_"), "gravity_"),
+            ("Mul", ("along_", "gravity_sine_"), "seventh_"),
+            ("Mul", ("across_", "gravity_cosine_"), "eighth_"),
+            ("Sub", ("seventh_", "eighth_"), "gradient_"),
+            ("Mul", ("acceleration", "load_inertia_"), "inertial_"),
+            ("Add", ("inertial_", "inertial_"), "twice_"),
+            ("Add", ("gravity_", "twice_"), "acting_"),
+            ("Mul", ("slope_", "acting_"), "pushed_"),
+            ("Mul", ("order_", "velocity"), "passing_"),
+            ("Mul", ("passing_", "passing_"), "square_"),
+            ("Mul", ("square_", "load_inertia_"), "centrifugal_"),
+            ("Sub", ("gradient_", "centrifugal_"), "bent_"),
+            ("Mul", ("bent_", "error_"), "held_"),
+            ("Add", ("pushed_", "held_"), "torque_"),
+        ),
+    ),
 }
 
 
@@ -142,6 +216,8 @@ def extra_constants(laws: Sequence[Sequence[Term]]) -> dict[str, FloatArray]:
         for name, neutral in _TERMS[kind].neutral.items():
             values = [neutral if term is None else term.parameters()[name] for term in owned]
             constants[f"{kind.name}_{name}_"] = np.array(values)[:, None]
+        for name, value in _TERMS[kind].fixed.items():
+            constants[f"{kind.name}_{name}_"] = np.array([[value]])
     return constants
 
 

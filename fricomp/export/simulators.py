@@ -13,7 +13,7 @@ import numpy as np
 from fricomp.control import FrictionCurves, bound_friction, require_usable, split_law, trusted_curves
 from fricomp.errors import ExportError
 from fricomp.export.fidelity import Fidelity, compute_fidelity, fit_levels, sample_friction
-from fricomp.laws import Cogging, FloatArray, FrictionLaw, SpringTorque, Term
+from fricomp.laws import Cogging, FloatArray, FrictionLaw, KinematicError, SpringTorque, Term
 from fricomp.model import FrictionModel
 
 __all__ = ["MJCF_WAYS", "MjcfWay", "SimulatorExport", "apply_to_mjcf", "apply_to_urdf", "export_mjcf", "export_urdf"]
@@ -62,14 +62,17 @@ def export_mjcf(model: FrictionModel, way: MjcfWay = "dcmotor", *, any_status: b
     model = bound_friction(model)
     springs = [term for term in model.law.terms if isinstance(term, SpringTorque)]
     ripples = [term for term in model.law.terms if isinstance(term, Cogging)]
+    uneven = [term for term in model.law.terms if isinstance(term, KinematicError)]
     said = (*springs, *(ripples if way == "dcmotor" else ()))
-    sliding = _without(model, (*springs, *ripples))
+    sliding = _without(model, (*springs, *ripples, *uneven))
     curves, lost = trusted_curves(sliding), []
-    left_out = [term.name for term in model.law.terms if term in curves.extra or (term in ripples and term not in said)]
+    silent = (*curves.extra, *uneven, *(term for term in ripples if term not in said))
+    left_out = [term.name for term in model.law.terms if term in silent]
     if left_out:
         lost.append(f"left out: {', '.join(left_out)}")
     if curves.load.load_sensitivity:
         lost.append("friction does not follow the load")
+    lost += _lost_lag(curves)
     if curves.forward != curves.reverse:
         lost.append("both directions have their mean friction")
     if way == "dcmotor":
@@ -88,6 +91,10 @@ def _without(model: FrictionModel, terms: Sequence[Term]) -> FrictionModel:
     if not kept:
         raise ExportError(f"the law of joint {model.joint!r} has no friction, only terms over position")
     return model.with_law(FrictionLaw(kept))
+
+
+def _lost_lag(curves: FrictionCurves) -> list[str]:
+    return [f"friction does not lag the velocity, by {curves.lag:g} s in the model"] if curves.lag else []
 
 
 def _spring(term: SpringTorque) -> dict[str, str]:
@@ -167,12 +174,13 @@ def export_urdf(model: FrictionModel, *, any_status: bool = False) -> SimulatorE
     if not any_status:
         require_usable(model)
     model = bound_friction(model)
-    over_position = [term for term in model.law.terms if isinstance(term, SpringTorque | Cogging)]
+    over_position = [term for term in model.law.terms if isinstance(term, SpringTorque | Cogging | KinematicError)]
     model = _without(model, over_position)
+    curves = split_law(model.law)
     velocity, friction = sample_friction(model)
     level, slope = fit_levels(velocity, friction)
-    lost = ["one level for both directions, no Stribeck effect, no load, no presliding"]
-    left_out = [term.name for term in (*over_position, *split_law(model.law).extra)]
+    lost = ["one level for both directions, no Stribeck effect, no load, no presliding", *_lost_lag(curves)]
+    left_out = [term.name for term in (*over_position, *curves.extra)]
     if left_out:
         lost.append(f"left out: {', '.join(left_out)}")
     return SimulatorExport(

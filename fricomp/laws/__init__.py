@@ -2,7 +2,10 @@
 
 from fricomp.laws.bristle import Dahl, LuGre
 from fricomp.laws.coulomb import Coulomb, SmoothedCoulomb, Viscous
+from fricomp.laws.dwell_stiction import DwellStiction
 from fricomp.laws.end_stop import EndStop
+from fricomp.laws.kinematic_error import KinematicError
+from fricomp.laws.lagged import LaggedLuGre, LaggedStribeck
 from fricomp.laws.law import FrictionLaw, LawState
 from fricomp.laws.load import LoadScaling
 from fricomp.laws.load_coulomb import LoadCoulomb
@@ -14,6 +17,7 @@ from fricomp.laws.ripple import Cogging, PositionCoulomb
 from fricomp.laws.spring_torque import SpringTorque
 from fricomp.laws.stribeck import BidirectionalStribeck, Stribeck, StribeckCurve
 from fricomp.laws.term import DynamicTerm, FloatArray, OperatingPoint, Scalar, Term, term_class, term_names
+from fricomp.laws.thermal_friction import ThermalFriction
 from fricomp.laws.thermal_viscous import ThermalViscous
 
 __all__ = [
@@ -21,10 +25,14 @@ __all__ = [
     "Cogging",
     "Coulomb",
     "Dahl",
+    "DwellStiction",
     "DynamicTerm",
     "EndStop",
     "FloatArray",
     "FrictionLaw",
+    "KinematicError",
+    "LaggedLuGre",
+    "LaggedStribeck",
     "LawState",
     "LoadCoulomb",
     "LoadQuadratic",
@@ -41,6 +49,7 @@ __all__ = [
     "Stribeck",
     "StribeckCurve",
     "Term",
+    "ThermalFriction",
     "ThermalViscous",
     "Viscous",
     "term_class",

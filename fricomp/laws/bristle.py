@@ -121,10 +121,16 @@ class LuGre(DynamicTerm):
 
     def advance(self, state: Scalar, point: OperatingPoint, dt: float) -> tuple[Scalar, Scalar]:
         """Torque and deflection after `dt` [s]; the bristle rate is its mean over the step."""
-        v, before = np.asarray(point.velocity, dtype=np.float64), np.asarray(state)
-        speed, is_forward = np.abs(v), v >= 0.0
+        v = np.asarray(point.velocity, dtype=np.float64)
+        return self._bend(np.asarray(state), v, v, point, dt)
+
+    def _bend(
+        self, before: FloatArray, v: FloatArray, felt: FloatArray, point: OperatingPoint, dt: float
+    ) -> tuple[Scalar, Scalar]:
+        """Torque and deflection after `dt` [s], with friction at the velocity `felt`."""
+        speed, is_forward = np.abs(felt), v >= 0.0
         dry = np.where(is_forward, self.forward.dry_level(speed), self.reverse.dry_level(speed))
         steady = self.load.factor(point.normal_load) * dry / self.sigma_0
         z = advance_bristle(before, v, steady, dt)
         viscous = np.where(is_forward, self.forward.viscous_coefficient, self.reverse.viscous_coefficient)
-        return self.sigma_0 * z + self.sigma_1 * (z - before) / dt + viscous * v, z
+        return self.sigma_0 * z + self.sigma_1 * (z - before) / dt + viscous * felt, z

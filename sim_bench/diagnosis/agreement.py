@@ -63,7 +63,7 @@ def agreeing(
 def _kept(
     best: Explanation, options: Sequence[Explanation], differs: Callable[[Explanation, Doubt], bool]
 ) -> list[Explanation]:
-    """The options that leave the simulation as it is, or as nearly as a law of another form can, where `best` cannot."""
+    """The options that leave the simulation as it is, or as nearly as a law of another form can, where it can."""
     plain = [one for one in options if not differs(one, PLAIN)]
     return plain if plain or not differs(best, NAMED) else [one for one in options if not differs(one, NAMED)]
 

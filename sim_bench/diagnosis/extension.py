@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from fricomp.laws import BidirectionalStribeck, FrictionLaw, LuGre, StribeckCurve, Term
+from fricomp.laws import (
+    BidirectionalStribeck,
+    FrictionLaw,
+    LaggedLuGre,
+    LaggedStribeck,
+    LuGre,
+    StribeckCurve,
+    Term,
+)
 from fricomp.model import FrictionModel, Provenance, Validity
 from fricomp.recording import Recording
 
@@ -20,6 +28,8 @@ from .structure import N_BASE
 from .track import FloatArray
 
 __all__ = ["base_model", "extended_model"]
+
+_OF_THE_CORE = ("stribeck_exponent", "sigma_0", "sigma_1", "lag")  # fields of a plant that its curves and bristle have
 
 
 def base_model(recordings: Sequence[Recording], prepared: Prepared) -> FrictionModel:
@@ -40,24 +50,29 @@ def extended_model(
     values = chosen.structure.values(chosen.fit.theta[N_BASE:])
     plant = chosen.structure.plant(chosen.fit.theta)
     terms: list[Term] = []
-    exponent, bristle = 2.0, None
+    changes: dict[str, float] = {}
     for candidate in chosen.structure.candidates:
         contribution = candidate.effect.contribution(chosen.structure.contexts[0], values[candidate.name])
-        exponent = contribution.plant.get("stribeck_exponent", exponent)
-        if "sigma_0" in contribution.plant:
-            bristle = (contribution.plant["sigma_0"], contribution.plant.get("sigma_1", 0.0))
+        changes |= {name: value for name, value in contribution.plant.items() if name in _OF_THE_CORE}
         if candidate.name == SPRING and given is not None:
             term, plant = whole_spring(values[candidate.name], plant, given)
         else:
-            term = candidate.effect.term(values[candidate.name], plant)
+            term = candidate.effect.term(values[candidate.name], plant, chosen.structure.contexts)
         terms += [term] if term is not None else []
-    changed = bool(terms) or exponent != 2.0 or bristle is not None
-    if not changed:
+    if not terms and not changes:
         return None
-    core: Term = BidirectionalStribeck(*_pair(plant, exponent))
-    if bristle is not None:
-        core = LuGre(*_pair(plant, exponent), sigma_0=bristle[0], sigma_1=bristle[1])
-    return _model(recordings, chosen.structure.contexts, (core, *terms), plant)
+    return _model(recordings, chosen.structure.contexts, (_core(plant, changes), *terms), plant)
+
+
+def _core(plant: Plant, changes: Mapping[str, float]) -> Term:
+    """The friction curves, with the exponent, bristle and lag that effects gave them."""
+    (forward, reverse), lag = _pair(plant, changes.get("stribeck_exponent", 2.0)), changes.get("lag", 0.0)
+    if "sigma_0" in changes:
+        sigma_0, sigma_1 = changes["sigma_0"], changes.get("sigma_1", 0.0)
+        if lag > 0.0:
+            return LaggedLuGre(forward, reverse, sigma_0, sigma_1, lag=lag)
+        return LuGre(forward, reverse, sigma_0, sigma_1)
+    return LaggedStribeck(forward, reverse, lag=lag) if lag > 0.0 else BidirectionalStribeck(forward, reverse)
 
 
 def _pair(plant: Plant, exponent: float) -> tuple[StribeckCurve, StribeckCurve]:

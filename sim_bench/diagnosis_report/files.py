@@ -12,7 +12,7 @@ import numpy as np
 
 from fricomp.errors import DiagnosisError, FricompError
 from fricomp.export import apply_to_mjcf, export_mjcf
-from fricomp.laws import FloatArray
+from fricomp.laws import FloatArray, LaggedLuGre, LaggedStribeck, LuGre
 from fricomp.model import FrictionModel, save_model
 from fricomp.report import draw_png, write_report
 
@@ -120,8 +120,9 @@ def _left_out(diagnosis: Diagnosis) -> str:
     """What was named and is not in the law: it stands in no term of it."""
     model = diagnosis.extended_model
     inside = {"stribeck_shape"} | {term.name for term in model.law.terms} if model is not None else set()
-    if model is not None and model.law.is_dynamic:
-        inside.add("presliding_hysteresis")
+    for term in model.law.terms if model is not None else ():
+        inside |= {"presliding_hysteresis"} if isinstance(term, LuGre) else set()
+        inside |= {"frictional_lag"} if isinstance(term, LaggedStribeck | LaggedLuGre) else set()
     missing = [one.name for one in diagnosis.record.effects if one.kind == "physics" and one.name not in inside]
     return f"; without {', '.join(missing)}, for which no term is written" if missing else ""
 

@@ -5,7 +5,8 @@ if it can: true sticking. A law is therefore split, at the joint's present state
 
 - the level: its torque against the direction s of motion, L = s (tau(s |v|) - tau(0)) with tau(0) the torque at rest;
 - the offset tau(0): terms such as cogging that do not depend on the direction, applied as an outside torque;
-- the bristle torque of dynamic terms (Dahl, LuGre), likewise applied.
+- the bristle torque of dynamic terms (Dahl, LuGre), likewise applied; of those whose dry part is a level with a memory
+  (rests, a lag), what is not dry.
 
 The level is taken at the end-of-step speed, linearised in it: rising branches, however steep, cannot overshoot.
 """
@@ -14,7 +15,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import singledispatch
-from math import exp
+from math import exp, expm1
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,8 +24,10 @@ from fricomp.laws import (
     BidirectionalStribeck,
     Coulomb,
     Dahl,
+    DwellStiction,
     DynamicTerm,
     FrictionLaw,
+    LaggedStribeck,
     LoadScaling,
     LuGre,
     OperatingPoint,
@@ -33,7 +37,7 @@ from fricomp.laws import (
     Viscous,
 )
 
-__all__ = ["Contact", "JointFriction"]
+__all__ = ["Contact", "JointFriction", "remembered_level"]
 
 # Speed that stands for "just sliding" where a term must be told a direction [rad/s] or [m/s].
 CREEP = 1e-9
@@ -76,6 +80,18 @@ Level = Callable[[float, float, Contact], tuple[float, float]]
 Bristle = Callable[[float, Contact, float], float]
 
 
+class RememberedLevel(NamedTuple):
+    """A dry level with a state.
+
+    Attributes:
+        level: The level as it is.
+        advance: Takes the state on, and gives the torque of the term that is not dry.
+    """
+
+    level: Level
+    advance: Bristle
+
+
 class JointFriction:
     """The friction of one joint, in plain floats: a step of the default law costs about a microsecond.
 
@@ -88,13 +104,12 @@ class JointFriction:
         self.offset = 0.0
         """Torque of the law at rest [N·m], at the last step."""
         self.bristle_torque = 0.0
-        """Torque of the dynamic terms [N·m], at the last step."""
+        """Torque of the dynamic terms beside their level [N·m], at the last step."""
         statics = [term for term in law.terms if not isinstance(term, DynamicTerm)]
         compiled = [level_of(term) for term in statics]
-        self._levels = [level for level in compiled if level is not None]
+        self._stateless = [level for level in compiled if level is not None]
         self._others = [term for term, level in zip(statics, compiled, strict=True) if level is None]
-        self._only = self._levels[0] if len(self._levels) == 1 and not self._others else None
-        self._bristles = [bristle_of(term) for term in law.terms if isinstance(term, DynamicTerm)]
+        self._start()
         self._probe = np.zeros(5)
         self._sampled = np.zeros(5)
 
@@ -103,8 +118,18 @@ class JointFriction:
 
     def reset(self) -> None:
         """Back to rest without load."""
-        self._bristles = [bristle_of(term) for term in self.law.terms if isinstance(term, DynamicTerm)]
+        self._start()
         self.offset = self.bristle_torque = 0.0
+
+    def _start(self) -> None:
+        """States of the dynamic terms at rest."""
+        dynamic = [term for term in self.law.terms if isinstance(term, DynamicTerm)]
+        levels = [remembered_level(term) for term in dynamic]
+        remembered = [level for level in levels if level is not None]
+        self._bristles = [bristle_of(term) for term, level in zip(dynamic, levels, strict=True) if level is None]
+        self._bristles += [level.advance for level in remembered]
+        self._levels = [*self._stateless, *(level.level for level in remembered)]
+        self._only = self._levels[0] if len(self._levels) == 1 and not self._others else None
 
     def applied(self, velocity: float, contact: Contact, dt: float) -> float:
         """Torque [N·m] that acts whatever the direction of motion: offsets and bristles, advanced by `dt` [s].
@@ -208,6 +233,47 @@ def stribeck_level(forward: StribeckCurve, reverse: StribeckCurve, load: LoadSca
         return dry + f_v * speed, f_v
 
     return level
+
+
+@singledispatch
+def remembered_level(term: DynamicTerm) -> RememberedLevel | None:
+    """The dry part of `term` in plain floats that keeps its own state, from rest; None where it is no level against
+    which the joint holds still.
+    """
+    return None
+
+
+@remembered_level.register
+def _(term: DwellStiction) -> RememberedLevel:
+    share = 0.0
+
+    def advance(velocity: float, contact: Contact, dt: float) -> float:
+        nonlocal share
+        speed = abs(velocity)
+        if speed < term.rest_speed:
+            share -= expm1(-dt / term.time_constant) * (1.0 - share)
+        else:
+            share *= exp(-speed * dt / term.travel)
+        return 0.0
+
+    return RememberedLevel(lambda direction, speed, contact: (term.rise * share, 0.0), advance)
+
+
+@remembered_level.register
+def _(term: LaggedStribeck) -> RememberedLevel:
+    curve = stribeck_level(term.forward, term.reverse, LoadScaling(load_sensitivity=0.0))
+    factor, felt = _load_factor(term.load), 0.0
+
+    def advance(velocity: float, contact: Contact, dt: float) -> float:
+        nonlocal felt
+        felt = velocity + (felt - velocity) * exp(-dt / term.lag)
+        return curve(1.0 if velocity >= 0.0 else -1.0, 0.0, contact)[1] * felt
+
+    def level(direction: float, speed: float, contact: Contact) -> tuple[float, float]:
+        total, viscous = curve(direction, abs(felt), contact)
+        return (total - viscous * abs(felt)) * factor(contact), 0.0
+
+    return RememberedLevel(level, advance)
 
 
 def bristle_of(term: DynamicTerm) -> Bristle:

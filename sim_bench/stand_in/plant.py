@@ -11,7 +11,7 @@ from typing import Any, Literal
 from fricomp.errors import MissingExtraError, ParameterError
 from fricomp.laws import DynamicTerm, FrictionLaw, OperatingPoint
 
-from .friction import Contact, JointFriction
+from .friction import Contact, JointFriction, remembered_level
 
 try:
     import mujoco
@@ -235,7 +235,7 @@ class Plant:
         most = 1
         for friction, inertia in zip(self.frictions, self.inertias, strict=True):
             for term in friction.law.terms:
-                if isinstance(term, DynamicTerm):
+                if isinstance(term, DynamicTerm) and remembered_level(term) is None:
                     most = max(most, _substeps(term, inertia, period))
         return most
 

@@ -13,6 +13,7 @@ from fricomp.laws import (
     Coulomb,
     EndStop,
     FrictionLaw,
+    KinematicError,
     LoadCoulomb,
     LoadQuadratic,
     LoadStribeck,
@@ -22,11 +23,13 @@ from fricomp.laws import (
     SpringTorque,
     StribeckCurve,
     Term,
+    ThermalFriction,
     ThermalViscous,
 )
 from fricomp.model import FrictionModel, Validity
 
 CORE = BidirectionalStribeck(StribeckCurve(0.15, 0.60, 0.05, 0.02), StribeckCurve(0.20, 0.70, 0.05, 0.03))
+INPUTS = ("position", "load_torque", "temperature", "acceleration")
 TERMS: tuple[Term, ...] = (
     Cogging(0.05, -0.03, 9.0),
     PositionCoulomb(0.04, 0.02, 3.0),
@@ -39,6 +42,8 @@ TERMS: tuple[Term, ...] = (
     QuadraticDrag(0.05),
     PowerLawViscous(0.1, 0.6),
     ThermalViscous(0.002, 25.0),
+    ThermalFriction(0.05, 0.08, 0.002, 0.001, 30.0),
+    KinematicError(2e-3, -1e-3, 9.0, 0.3, 1.0, -0.5),
 )
 
 
@@ -49,13 +54,12 @@ def make_model(*terms: Term) -> FrictionModel:
 
 @pytest.mark.parametrize("term", TERMS, ids=lambda term: term.name)
 @pytest.mark.parametrize("velocity", [-0.8, -0.06, 0.06, 0.8])
-@pytest.mark.parametrize("place", [(0.7, 2.0, 40.0), (-0.8, -1.5, 12.0)])
-def test_compensation_is_the_law(term: Term, velocity: float, place: tuple[float, float, float]) -> None:
-    model, (position, load, hot) = make_model(term), place
+@pytest.mark.parametrize("place", [(0.7, 2.0, 40.0, 3.0), (-0.8, -1.5, 12.0, -1.0)])
+def test_compensation_is_the_law(term: Term, velocity: float, place: tuple[float, float, float, float]) -> None:
+    model, inputs = make_model(term), dict(zip(INPUTS, place, strict=True))
     compensator = Compensator(model, source="reference", gain=1.0, smoothing=1e-4)
-    expected = float(model.torque(velocity, position=position, load_torque=load, temperature=hot))
-    found = compensator.torque(velocity, position=position, load_torque=load, temperature=hot)
-    assert found == pytest.approx(expected, rel=1e-12)
+    expected = float(model.torque(velocity, **inputs))
+    assert compensator.torque(velocity, **inputs) == pytest.approx(expected, rel=1e-12)
 
 
 def test_what_holds_a_position_is_there_at_rest_and_dry_friction_is_not() -> None:
@@ -83,7 +87,7 @@ def test_load_beyond_its_range_counts_as_its_end() -> None:
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-@pytest.mark.parametrize("name", ["position", "load_torque", "temperature"])
+@pytest.mark.parametrize("name", INPUTS)
 def test_input_that_is_not_finite_gives_zero_and_is_counted(bad: float, name: str) -> None:
     compensator = Compensator(make_model(*TERMS[:1], LoadCoulomb(0.1), ThermalViscous(0.002, 25.0)))
     assert compensator.torque(0.3, **{name: bad}) == 0.0
@@ -94,3 +98,4 @@ def test_inputs_are_those_of_the_terms() -> None:
     assert Compensator(make_model()).inputs == frozenset()
     model = make_model(Cogging(0.1, 0.0, 3.0), LoadCoulomb(0.1), ThermalViscous(0.002, 25.0))
     assert Compensator(model).inputs == {"position", "load_torque", "temperature"}
+    assert Compensator(make_model(*TERMS[-2:])).inputs == {"position", "temperature", "acceleration"}

@@ -11,7 +11,16 @@ from fricomp.control import AdaptationSettings, Compensator, ControlLoop, Refere
 from fricomp.control.loop_compensation import LoopCompensation
 from fricomp.errors import ParameterError
 from fricomp.joint import JointFeedback
-from fricomp.laws import Cogging, Coulomb, FrictionLaw, LoadCoulomb, LoadScaling, ThermalViscous, Viscous
+from fricomp.laws import (
+    Cogging,
+    Coulomb,
+    FrictionLaw,
+    KinematicError,
+    LoadCoulomb,
+    LoadScaling,
+    ThermalViscous,
+    Viscous,
+)
 from fricomp.model import FrictionModel, Provenance, Validity
 
 from .test_loop import IdealJoints
@@ -53,6 +62,16 @@ def test_extended_model_gets_position_load_and_temperature(hot: float, temperatu
     assert plain == pytest.approx(float(PLAIN.torque(0.5)))
     inputs = {"position": 0.3, "load_torque": 2.0, "temperature": temperature}
     assert extended == pytest.approx(float(EXTENDED.torque(0.5, **inputs)))
+
+
+def test_terms_over_acceleration_get_that_of_the_reference() -> None:
+    model = replace(PLAIN, law=FrictionLaw((Coulomb(0.2), KinematicError(1e-3, 0.0, 9.0, 2.0))))
+    compensation = LoopCompensation([Compensator(model, gain=1.0, authority=9.0)] * 2, 2, 1e-3)
+    feedback, reference = moving()
+    reference.acceleration[:] = [3.0, -3.0]
+    expected = [float(model.torque(0.5, position=0.3, acceleration=a)) for a in reference.acceleration]
+    assert compensation.update(feedback, reference, reference) == pytest.approx(expected)
+    assert expected[0] - expected[1] < -0.05
 
 
 def test_transmitted_normal_load_is_the_size_of_the_load() -> None:

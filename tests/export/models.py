@@ -5,8 +5,10 @@ from __future__ import annotations
 from fricomp.laws import (
     BidirectionalStribeck,
     Cogging,
+    DwellStiction,
     EndStop,
     FrictionLaw,
+    KinematicError,
     LoadCoulomb,
     LoadQuadratic,
     LoadStribeck,
@@ -17,6 +19,7 @@ from fricomp.laws import (
     SpringTorque,
     StribeckCurve,
     Term,
+    ThermalFriction,
     ThermalViscous,
 )
 from fricomp.model import FrictionModel, Validity
@@ -41,6 +44,9 @@ EXTRA_TERMS: tuple[Term, ...] = (
     QuadraticDrag(0.05),
     PowerLawViscous(0.1, 0.6),
     ThermalViscous(0.002, 25.0),
+    ThermalFriction(0.05, 0.08, 0.002, 0.001, 30.0),
+    KinematicError(2e-3, -1e-3, 9.0, 0.3, 1.0, -0.5),
+    DwellStiction(0.2, 0.3, 5e-3, 3e-3),
 )
 
 

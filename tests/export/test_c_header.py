@@ -15,7 +15,18 @@ import pytest
 from fricomp.control import Compensator
 from fricomp.errors import ExportError, ParameterError
 from fricomp.export import render_c_header
-from fricomp.laws import BidirectionalStribeck, Coulomb, FrictionLaw, SmoothedCoulomb, StribeckCurve, Viscous
+from fricomp.laws import (
+    BidirectionalStribeck,
+    Cogging,
+    Coulomb,
+    FrictionLaw,
+    KinematicError,
+    LaggedLuGre,
+    LaggedStribeck,
+    SmoothedCoulomb,
+    StribeckCurve,
+    Viscous,
+)
 from fricomp.model import FrictionModel, Validity
 
 from .models import EXTRA_TERMS, FORWARD, REVERSE, make_extended, make_lugre, make_model
@@ -69,6 +80,9 @@ CASES: dict[str, tuple[FrictionModel, dict[str, Any]]] = {
     "coulomb": (make_model(Coulomb(0.3), Viscous(0.1)), {}),
     "smoothed": (make_model(SmoothedCoulomb(0.3, 0.02)), {}),
     "lugre": (make_lugre(), {}),
+    "lagged": (make_model(LaggedStribeck(FORWARD, REVERSE, lag=4e-3)), {"source": "blend", "measured_share": 0.7}),
+    "lagged, measured": (make_model(LaggedStribeck(FORWARD, REVERSE, lag=4e-3)), {"source": "measured"}),
+    "lagged lugre": (make_model(LaggedLuGre(FORWARD, REVERSE, 6000.0, 5.0, lag=4e-3)), {}),
     "no normal load known": (replace(make_model(), validity=Validity(velocity=(-1.0, 1.0))), {}),
 }
 
@@ -146,14 +160,15 @@ int main(void)
     joint_statef_t statef;
     joint_reset(&state);
     joint_resetf(&statef);
-    double r, v, q, l, t;
+    double r, v, q, l, t, a;
     int hv, ht;
-    while (scanf("%lf %lf %lf %lf %lf %d %d", &r, &v, &q, &l, &t, &hv, &ht) == 7) {
+    while (scanf("%lf %lf %lf %lf %lf %lf %d %d", &r, &v, &q, &l, &t, &a, &hv, &ht) == 8) {
         joint_input_t in = {.velocity_reference = r, .velocity = v, .has_velocity = hv != 0,
-                            .position = q, .load_torque = l, .temperature = t, .has_temperature = ht != 0};
+                            .position = q, .load_torque = l, .temperature = t, .has_temperature = ht != 0,
+                            .acceleration = a};
         joint_inputf_t inf_ = {.velocity_reference = (float)r, .velocity = (float)v, .has_velocity = hv != 0,
                                .position = (float)q, .load_torque = (float)l, .temperature = (float)t,
-                               .has_temperature = ht != 0};
+                               .has_temperature = ht != 0, .acceleration = (float)a};
         double torque = joint_torque(&state, &in);
         float torquef = joint_torquef(&statef, &inf_);
         printf("%.17g %.9g %u\\n", torque, (double)torquef, (unsigned)state.rejected);
@@ -177,12 +192,14 @@ def draw_extended(rows: int) -> list[list[float]]:
             rng.uniform(-1.2, 1.2, rows),
             rng.uniform(-4.0, 4.0, rows),
             rng.uniform(0.0, 70.0, rows),
+            rng.normal(size=rows) * 5.0,
             rng.integers(0, 2, size=(rows, 2)),
         ]
     )
     table[::97, 2] = math.nan
     table[1::97, 3] = -math.inf
-    table[2::97, 4:] = [math.nan, 1.0, 1.0]
+    table[2::97, 4:] = [math.nan, 0.0, 1.0, 1.0]
+    table[3::97, 5] = math.inf
     return [[float(value) for value in row] for row in table]
 
 
@@ -191,11 +208,13 @@ def draw_extended(rows: int) -> list[list[float]]:
 def test_extended_law_in_c_agrees_with_python(name: str, tmp_path: Path) -> None:
     compensator, inputs = Compensator(EXTENDED[name], torque_rate=2000.0), draw_extended(2000)
     header = render_c_header(EXTENDED[name], compensator.settings, prefix="joint")
-    found = run_c(tmp_path, header, inputs, main=EXTENDED_MAIN, numbers=5)
+    found = run_c(tmp_path, header, inputs, main=EXTENDED_MAIN, numbers=6)
     expected = np.array(
         [
-            compensator.torque(r, v if hv else None, position=q, load_torque=load, temperature=t if ht else None)
-            for r, v, q, load, t, hv, ht in inputs
+            compensator.torque(
+                r, v if hv else None, position=q, load_torque=load, temperature=t if ht else None, acceleration=a
+            )
+            for r, v, q, load, t, a, hv, ht in inputs
         ]
     )
     largest = float(np.max(np.abs(expected)))
@@ -203,6 +222,21 @@ def test_extended_law_in_c_agrees_with_python(name: str, tmp_path: Path) -> None
     assert np.max(np.abs(found[:, 0] - expected)) <= 1e-12 * largest
     assert np.max(np.abs(found[:, 1] - expected)) <= 1e-6 * largest
     assert found[-1, 2] == compensator.rejected > 0
+
+
+@needs_gcc
+@pytest.mark.parametrize(
+    "law", [Cogging(0.1, 0.2, 9.0), KinematicError(1e-3, 0.0, 9.0, 0.3)], ids=lambda term: term.name
+)
+def test_finite_input_beyond_what_a_float_can_square_gives_zero(law: Cogging | KinematicError, tmp_path: Path) -> None:
+    model, far = make_extended(law), [0.5, 0.0, 1e308, 0.0, 0.0, 0.0, 0.0, 0.0]
+    near = [*far[:2], 0.1, *far[3:]]
+    compensator = Compensator(model)
+    found = run_c(tmp_path, render_c_header(model, prefix="joint"), [near, far, near], EXTENDED_MAIN, 6)
+    expected = [compensator.torque(0.5, position=row[2]) for row in (near, far, near)]
+    np.testing.assert_allclose(found[:, 0], expected, rtol=1e-12)
+    assert expected[1] == 0.0
+    assert found[-1, 2] == compensator.rejected == 1
 
 
 def test_term_that_c_cannot_hold_is_refused() -> None:

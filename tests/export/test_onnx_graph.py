@@ -13,7 +13,16 @@ import pytest
 from fricomp.control import Compensator
 from fricomp.errors import ExportError
 from fricomp.export import closed_form_graph, save_graph, stack_networks, state_columns
-from fricomp.laws import BidirectionalStribeck, Coulomb, SmoothedCoulomb, StribeckCurve, Term, Viscous
+from fricomp.laws import (
+    BidirectionalStribeck,
+    Coulomb,
+    DwellStiction,
+    LaggedStribeck,
+    SmoothedCoulomb,
+    StribeckCurve,
+    Term,
+    Viscous,
+)
 from fricomp.model import FrictionModel
 
 from .models import EXTRA_TERMS, FORWARD, REVERSE, make_extended, make_model
@@ -48,14 +57,15 @@ def test_several_joints_share_one_graph(tmp_path: Path) -> None:
 
 
 def draw_state(rows: int) -> np.ndarray[Any, Any]:
-    """Velocity, normal load, position, load torque, temperature."""
-    low, high = np.array([-1.0, 0.5, -1.0, -3.0, 10.0]), np.array([1.2, 2.0, 1.0, 2.0, 60.0])
-    return np.random.default_rng(4).uniform(low, high, (rows, 5)).astype(np.float32)
+    """Velocity, normal load, position, load torque, temperature, acceleration."""
+    low, high = np.array([-1.0, 0.5, -1.0, -3.0, 10.0, -5.0]), np.array([1.2, 2.0, 1.0, 2.0, 60.0, 5.0])
+    return np.random.default_rng(4).uniform(low, high, (rows, 6)).astype(np.float32)
 
 
 def evaluate(model: FrictionModel, state: Any) -> np.ndarray[Any, Any]:
-    v, normal, q, load, hot = np.asarray(state, dtype=np.float64).T
-    return np.asarray(model.torque(v, normal_load=normal, position=q, load_torque=load, temperature=hot))
+    v, normal, q, load, hot, a = np.asarray(state, dtype=np.float64).T
+    inputs = {"normal_load": normal, "position": q, "load_torque": load, "temperature": hot, "acceleration": a}
+    return np.asarray(model.torque(v, **inputs))
 
 
 @pytest.mark.parametrize("terms", [*((term,) for term in EXTRA_TERMS), ()], ids=lambda terms: terms and terms[0].name)
@@ -72,7 +82,7 @@ def test_joints_with_and_without_a_term_share_one_graph(tmp_path: Path) -> None:
     state = draw_state(3)
     save_graph(closed_form_graph(models), tmp_path / "arm.onnx")
     expected = [float(evaluate(model, row[None])[0]) for model, row in zip(models, state, strict=True)]
-    assert run(tmp_path / "arm.onnx", state) == pytest.approx(expected, rel=2e-6)
+    assert run(tmp_path / "arm.onnx", state[:, :5]) == pytest.approx(expected, rel=2e-6)
 
 
 def make_unloaded(*terms: Term) -> FrictionModel:
@@ -84,14 +94,14 @@ def make_unloaded(*terms: Term) -> FrictionModel:
 @pytest.mark.parametrize("load", [0.0, 1.0, 7.0])
 def test_a_normal_load_that_nobody_measured_changes_nothing(load: float, tmp_path: Path) -> None:
     model, loaded = make_unloaded(EXTRA_TERMS[4]), make_extended(EXTRA_TERMS[5])
-    state = np.array([[0.5, load, 0.0, 1.5, 20.0], [0.5, load, 0.0, 1.5, 20.0]])
+    state = np.array([[0.5, load, 0.0, 1.5, 20.0]] * 2)
     save_graph(closed_form_graph([model]), tmp_path / "a.onnx")
     expected = float(np.asarray(model.torque(0.5, load_torque=1.5)))
     assert run(tmp_path / "a.onnx", state[:1])[0] == pytest.approx(expected, rel=2e-6)
     compensator = Compensator(model, gain=1.0, smoothing=1e-6, source="reference", authority=1e3)
     assert compensator.torque(0.5, load=load, load_torque=1.5) == pytest.approx(expected, rel=1e-6)
     save_graph(closed_form_graph([model, loaded]), tmp_path / "arm.onnx")
-    beside = [expected, float(evaluate(loaded, state[1:])[0])]
+    beside = [expected, float(evaluate(loaded, np.append(state[1:], [[0.0]], axis=1))[0])]
     assert run(tmp_path / "arm.onnx", state) == pytest.approx(beside, rel=2e-6)
 
 
@@ -111,6 +121,14 @@ def test_columns_that_no_joint_uses_stand_in_the_metadata(
     about = runtime.InferenceSession(str(tmp_path / "a.onnx")).get_modelmeta().custom_metadata_map
     assert about["joint"] == "elbow"
     assert about.get("unused", "").startswith(unused) if unused else "unused" not in about
+
+
+def test_terms_with_a_memory_are_those_of_steady_sliding(tmp_path: Path) -> None:
+    model = make_model(LaggedStribeck(FORWARD, REVERSE, lag=0.01), DwellStiction(0.3, 0.5, 5e-3, 3e-3))
+    save_graph(closed_form_graph([model]), tmp_path / "a.onnx")
+    state = draw_state(50)[:, :2]
+    save_graph(closed_form_graph([make_model()]), tmp_path / "plain.onnx")
+    np.testing.assert_array_equal(run(tmp_path / "a.onnx", state), run(tmp_path / "plain.onnx", state))
 
 
 def make_network(path: Path, seed: int, sizes: tuple[int, ...] = (2, 20, 20, 1)) -> None:

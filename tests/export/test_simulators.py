@@ -10,10 +10,21 @@ import pytest
 from fricomp.errors import ExportError
 from fricomp.export import MjcfWay, apply_to_mjcf, apply_to_urdf, export_mjcf, export_urdf
 from fricomp.export.fidelity import sample_friction
-from fricomp.laws import Cogging, SpringTorque, Stribeck, Viscous
+from fricomp.laws import (
+    BidirectionalStribeck,
+    Cogging,
+    DwellStiction,
+    KinematicError,
+    LaggedStribeck,
+    SpringTorque,
+    Stribeck,
+    Term,
+    ThermalFriction,
+    Viscous,
+)
 from fricomp.model import FrictionModel
 
-from .models import FORWARD, make_lugre, make_model
+from .models import FORWARD, REVERSE, make_lugre, make_model
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -134,6 +145,36 @@ def test_what_is_left_out_is_said(way: MjcfWay) -> None:
     export = export_mjcf(make_model(Stribeck(FORWARD), Cogging(0.03, -0.05, 6.0)), way)
     assert "left out: cogging" in str(export.fidelity)
     assert "left out: cogging" in str(export_urdf(make_model(Stribeck(FORWARD), Cogging(0.03, 0.0, 6.0))).fidelity)
+
+
+@pytest.mark.parametrize("way", ["dcmotor", "damping", "frictionloss"])
+@pytest.mark.parametrize(
+    "term",
+    [
+        ThermalFriction(0.05, 0.08, 0.002, 0.001, 30.0),
+        KinematicError(2e-3, -1e-3, 9.0, 0.3, 1.0, -0.5),
+        DwellStiction(0.2, 0.3, 5e-3, 3e-3),
+    ],
+    ids=lambda term: term.name,
+)
+def test_a_term_that_a_simulator_cannot_hold_is_left_out_and_changes_nothing_else(term: Term, way: MjcfWay) -> None:
+    plain, model = make_model(), make_model(BidirectionalStribeck(FORWARD, REVERSE), term)
+    for export, without in (
+        (export_mjcf(model, way), export_mjcf(plain, way)),
+        (export_urdf(model), export_urdf(plain)),
+    ):
+        assert f"left out: {term.name}" in str(export.fidelity)
+        assert (export.joint, export.actuator) == (without.joint, without.actuator)
+
+
+def test_a_lag_is_lost_and_said() -> None:
+    model = make_model(LaggedStribeck(FORWARD, REVERSE, lag=0.008))
+    for export, prompt in (
+        (export_mjcf(model), export_mjcf(make_model())),
+        (export_urdf(model), export_urdf(make_model())),
+    ):
+        assert "friction does not lag the velocity, by 0.008 s in the model" in str(export.fidelity)
+        assert export.joint == prompt.joint
 
 
 @pytest.mark.parametrize(("text", "match"), [("<a", "not XML"), ("<robot/>", "root"), (ROBOT, "no joint 'knee'")])

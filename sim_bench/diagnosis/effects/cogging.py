@@ -47,5 +47,5 @@ class Cogging(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return too_long(values["order"], contexts)
 
-    def term(self, values: Values, plant: Plant) -> Term | None:
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return CoggingTerm(values["sine"], values["cosine"], values["order"])

@@ -7,13 +7,16 @@ from math import exp
 
 import numpy as np
 
+from fricomp.laws import DwellStiction as DwellStictionTerm
+from fricomp.laws import Term
+
 from ..forward_part import ForwardPart, HiddenState
 from ..kernel import dwell
-from ..observer import Contribution
+from ..observer import Contribution, Plant
 from ..track import FloatArray
 from .effect import Context, Effect, EffectParameter, Values, register
 
-_REST_SPEED = 3e-3  # [rad/s] below which the contact ages
+_REST_SPEED = 3e-3  # [rad/s] or [m/s] below which the contact ages
 _MOST = 3.0  # of the Coulomb torque: rests have been seen to raise static friction by as much as that torque itself
 
 
@@ -57,6 +60,10 @@ class DwellStiction(Effect):
         if values["rise"] * grown > _MOST * contexts[0].plant.level:
             return "a rest would hold the joint with many times its sliding friction"
         return None
+
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+        time, travel = (float(np.exp(values[name])) for name in ("time_constant", "travel"))
+        return DwellStictionTerm(values["rise"], time, travel, _REST_SPEED)
 
 
 class _Age(HiddenState):

@@ -169,8 +169,12 @@ class Effect(ABC):
         """Whether the base model itself points at the effect, so that it is refitted however faint its column is."""
         return False
 
-    def term(self, values: Values, plant: Plant) -> Term | None:
-        """The effect as a term of a friction law; None where it is none."""
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+        """The effect as a term beside the friction of the fitted `plant`; None where it is none.
+
+        `contexts` are those that its contribution was fitted along. What changes the curves or the bristle themselves
+        is no term of its own: its contribution says so.
+        """
         return None
 
     def forward_part(self, context: Context, values: Values) -> ForwardPart:

@@ -54,7 +54,7 @@ class EndStop(Effect):
         widest = max(float(np.mean(inside)), reach / (high - low))
         return "it would act over more than a third of the range" if widest > _WIDEST else None
 
-    def term(self, values: Values, plant: Plant) -> Term | None:
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return EndStopTerm(values["stiffness"], values["edge"], values["side"])
 
 

@@ -6,7 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..observer import Contribution
+from fricomp.laws import KinematicError as KinematicErrorTerm
+from fricomp.laws import Term
+
+from ..observer import Contribution, Plant
 from ..transmission import uneven_running
 from .effect import Context, Effect, EffectParameter, Values, lowest_order, register, too_long
 
@@ -41,3 +44,10 @@ class KinematicError(Effect):
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return too_long(values["order"], contexts)
+
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+        # The joint that the contribution was fitted along, which stays as it is while the plant is refitted.
+        joint, rotary = contexts[0].plant, contexts[0].rotary
+        gravity = joint.gravity if rotary else (0.0, 0.0)
+        inertia = values["load_share"] * joint.inertia
+        return KinematicErrorTerm(values["sine"], values["cosine"], values["order"], inertia, *gravity)

@@ -36,5 +36,5 @@ class LoadCoulomb(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return "friction would fall with load" if values["coefficient"] <= 0.0 else None
 
-    def term(self, values: Values, plant: Plant) -> Term | None:
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return LoadCoulombTerm(values["coefficient"])

@@ -44,5 +44,5 @@ class LoadQuadratic(Effect):
         # Between driving and braking friction may differ either way.
         return "friction would fall with load" if values["split"] < 0.5 and values["coefficient"] <= 0.0 else None
 
-    def term(self, values: Values, plant: Plant) -> Term | None:
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return LoadQuadraticTerm(values["coefficient"]) if values["split"] < 0.5 else None

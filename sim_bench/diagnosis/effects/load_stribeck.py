@@ -37,5 +37,5 @@ class LoadStribeck(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return "static friction would fall with load" if values["coefficient"] <= 0.0 else None
 
-    def term(self, values: Values, plant: Plant) -> Term | None:
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return LoadStribeckTerm(values["coefficient"], 0.5 * (plant.forward[2] + plant.reverse[2]))

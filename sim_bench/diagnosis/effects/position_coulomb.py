@@ -38,5 +38,5 @@ class PositionCoulomb(Effect):
         angle = values["order"] * context.position
         return Contribution(level=values["sine"] * np.sin(angle) + values["cosine"] * np.cos(angle))
 
-    def term(self, values: Values, plant: Plant) -> Term | None:
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return PositionCoulombTerm(values["sine"], values["cosine"], values["order"])

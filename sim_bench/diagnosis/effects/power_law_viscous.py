@@ -40,5 +40,5 @@ class PowerLawViscous(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return "the curve would be convex" if values["coefficient"] <= 0.0 else None
 
-    def term(self, values: Values, plant: Plant) -> Term | None:
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return PowerLawViscousTerm(values["coefficient"], values["exponent"])

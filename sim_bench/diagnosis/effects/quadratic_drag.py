@@ -34,5 +34,5 @@ class QuadraticDrag(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return "drag would drive the joint" if values["coefficient"] <= 0.0 else None
 
-    def term(self, values: Values, plant: Plant) -> Term | None:
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return QuadraticDragTerm(values["coefficient"])

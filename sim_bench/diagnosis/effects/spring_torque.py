@@ -50,5 +50,5 @@ class SpringTorque(Effect):
         least = -(1.0 + _FORM) * float(given[0])
         return "with the simulation's it would push away from its centre" if values["stiffness"] < least else None
 
-    def term(self, values: Values, plant: Plant) -> Term | None:
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return SpringTorqueTerm(values["stiffness"], values["centre"], values["hardening"])

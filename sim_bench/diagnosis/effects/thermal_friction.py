@@ -7,13 +7,15 @@ from math import exp, expm1
 
 import numpy as np
 
+from fricomp.laws import Term
+from fricomp.laws import ThermalFriction as ThermalFrictionTerm
+from fricomp.laws.thermal_friction import STRONGEST_FALL
+
 from ..forward_part import ForwardPart, HiddenState
-from ..observer import Contribution
+from ..observer import Contribution, Plant
 from ..warming import heat_of, losses, warming
 from .effect import Context, Effect, EffectParameter, Values, register
 from .heating_time import HEATING_TIME, heating_times
-
-_STRONGEST = 3.0  # most that the logarithm of viscous friction may change
 
 
 @register
@@ -42,9 +44,9 @@ class ThermalFriction(Effect):
         return [{}] if _recorded(contexts) else heating_times()
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        heat, forward = heat_of(context, _time_constant(values)), context.velocity >= 0.0
-        viscous = np.where(forward, *_viscous(context))
-        fall = np.clip(values["viscous_slope"] * heat / viscous, -_STRONGEST, _STRONGEST)
+        heat = heat_of(context, _time_constant(values))
+        viscous = np.where(context.velocity >= 0.0, *_viscous(context))
+        fall = np.clip(values["viscous_slope"] * heat / viscous, -STRONGEST_FALL, STRONGEST_FALL)
         return Contribution(
             additive=viscous * np.expm1(-fall) * context.velocity, level=-values.get("coulomb_slope", 0.0) * heat
         )
@@ -58,6 +60,18 @@ class ThermalFriction(Effect):
         speed = max(float(np.sqrt(np.mean(c.velocity**2))) for c in contexts)
         rises = values["viscous_slope"] * speed + values.get("coulomb_slope", 0.0) <= 0.0
         return "friction would rise with temperature" if rises else None
+
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+        if not _recorded(contexts):
+            return None  # the estimate follows from all friction since the joint was cold, and no term knows either
+        slopes = values["viscous_slope"], values["coulomb_slope"]
+        return ThermalFrictionTerm(*_viscous(contexts[0]), *slopes, contexts[0].usual_temperature)
+
+
+def _viscous(context: Context) -> tuple[float, float]:
+    """Viscous friction of both directions that the heat changes, held above nothing [N·m·s/rad]."""
+    least = 0.1 * context.scale / max(float(np.max(np.abs(context.velocity))), 1e-9)
+    return max(context.plant.forward[3], least), max(context.plant.reverse[3], least)
 
 
 class _Warmth(HiddenState):
@@ -76,19 +90,13 @@ class _Warmth(HiddenState):
     def follow(self, velocity: float, friction: float) -> tuple[float, float]:
         self.rise += self.gain * (abs(friction * velocity) / self.mean - self.rise)
         viscous = self.forward if velocity >= 0.0 else self.reverse
-        fall = min(max(self.slope * (self.rise - self.usual) / viscous, -_STRONGEST), _STRONGEST)
+        fall = min(max(self.slope * (self.rise - self.usual) / viscous, -STRONGEST_FALL), STRONGEST_FALL)
         return viscous * expm1(-fall) * velocity, 0.0
 
 
 def _time_constant(values: Values) -> float:
     """Of the estimated temperature [s]."""
     return float(np.exp(values.get("time_constant", 0.0)))
-
-
-def _viscous(context: Context) -> tuple[float, float]:
-    """Viscous coefficients of both directions that warming scales: at least some, where the base has none."""
-    least = 0.1 * context.scale / max(float(np.max(np.abs(context.velocity))), 1e-9)
-    return max(context.plant.forward[3], least), max(context.plant.reverse[3], least)
 
 
 def _recorded(contexts: Sequence[Context]) -> bool:

@@ -12,7 +12,7 @@ from msgspec.structs import replace as with_fields
 
 from fricomp.calibration.sweep.motion_file import read_motion
 from fricomp.export import state_columns
-from fricomp.laws import BidirectionalStribeck, Cogging, FrictionLaw, StribeckCurve
+from fricomp.laws import BidirectionalStribeck, Cogging, FrictionLaw, LaggedLuGre, LaggedStribeck, StribeckCurve
 from fricomp.model import FrictionModel, Validity, load_model
 from fricomp.report import HeatMap, Line
 from fricomp.sim_bench.diagnosis import (
@@ -268,6 +268,23 @@ def test_the_notes_tell_what_the_friction_law_cannot_hold(diagnosis: Diagnosis, 
     assert write_diagnosis(plain, tmp_path).notes[0].startswith(expected)
     base_only = replace(plain, extended_model=None)
     assert "without cogging, joint_elasticity" in write_diagnosis(base_only, tmp_path).notes[0]
+
+
+@pytest.mark.parametrize("with_bristle", [True, False])
+def test_friction_that_lags_stands_in_the_law_and_a_bristle_only_where_it_has_one(
+    with_bristle: bool, diagnosis: Diagnosis, tmp_path: Path
+) -> None:
+    names = ("frictional_lag", "presliding_hysteresis")
+    effects = tuple(with_fields(diagnosis.record.effects[0], name=name) for name in names)
+    model = diagnosis.base_model
+    assert model is not None
+    curves = model.forward, model.reverse
+    term = LaggedLuGre(*curves, 500.0, lag=8e-3) if with_bristle else LaggedStribeck(*curves, lag=8e-3)
+    record = with_fields(diagnosis.record, effects=effects)
+    plain = replace(diagnosis, record=record, extended_model=model.with_law(FrictionLaw((term,))))
+    note = write_diagnosis(replace(plain, evidence=Evidence(), motion=None), tmp_path).notes[0]
+    without = "" if with_bristle else "; without presliding_hysteresis, for which no term is written"
+    assert note == f"friction.json: the extended friction law: {term.name}{without}."
 
 
 def test_a_torque_in_amperes_is_no_mjcf(diagnosis: Diagnosis, tmp_path: Path) -> None:

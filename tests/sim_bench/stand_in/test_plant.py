@@ -12,7 +12,10 @@ from fricomp.laws import (
     BidirectionalStribeck,
     Coulomb,
     Dahl,
+    DwellStiction,
     FrictionLaw,
+    LaggedLuGre,
+    LaggedStribeck,
     LoadScaling,
     LuGre,
     SmoothedCoulomb,
@@ -132,6 +135,9 @@ STATIC_LAWS = {
     "very_viscous": FrictionLaw((Viscous(400.0),)),
     "lugre": FrictionLaw((LuGre(FORWARD, REVERSE, 1e4, 5.0),)),
     "dahl": FrictionLaw((Dahl(0.3, 1e4), Viscous(0.02))),
+    "lagged_stribeck": FrictionLaw((LaggedStribeck(FORWARD, REVERSE, lag=8e-3),)),
+    "lagged_lugre": FrictionLaw((LaggedLuGre(FORWARD, REVERSE, 1e4, 5.0, lag=8e-3),)),
+    "dwell": FrictionLaw((BidirectionalStribeck(FORWARD, REVERSE), DwellStiction(0.3, 0.5, 5e-3, 3e-3))),
 }
 
 
@@ -142,6 +148,27 @@ def test_any_law_is_met_in_steady_sliding(name: str, velocity: float) -> None:
     plant = default_plant(law)
     slide(plant, velocity)
     assert plant.friction_torque[0] == pytest.approx(law.torque(plant.velocity(0)), rel=5e-3)
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_lagging_friction_holds_the_joint_still_and_lets_go_at_its_static_torque(direction: int) -> None:
+    plant = default_plant(STATIC_LAWS["lagged_stribeck"])
+    hold(plant, [0.995 * direction * BREAKAWAY[direction]], 1.0)
+    assert abs(plant.velocity(0)) < 1e-5
+    hold(plant, [1.005 * direction * BREAKAWAY[direction]], 1.0)
+    assert plant.velocity(0) * direction > 1.0
+
+
+def test_a_joint_that_has_rested_holds_more_until_it_is_reset() -> None:
+    plant, pushed = default_plant(STATIC_LAWS["dwell"]), [0.60 + 0.25]
+    hold(plant, [0.0], 3.0)
+    hold(plant, pushed, 1.0)
+    assert abs(plant.velocity(0)) < 1e-5
+    hold(plant, [0.60 + 0.31], 1.0)
+    assert plant.velocity(0) > 1.0
+    plant.reset([0.0])
+    hold(plant, pushed, 0.1)
+    assert plant.velocity(0) > 0.1
 
 
 @pytest.mark.parametrize("name", ["tanh", "arctan", "very_viscous"])
