@@ -10,6 +10,7 @@ import pytest
 from fricomp.sim_bench.diagnosis import agreement
 from fricomp.sim_bench.diagnosis.agreement import agreeing, hold
 from fricomp.sim_bench.diagnosis.alias import aliases
+from fricomp.sim_bench.diagnosis.comparison import PLAIN, Doubt
 from fricomp.sim_bench.diagnosis.explanation import Explanation
 from fricomp.sim_bench.diagnosis.rigid import RigidJoint
 from fricomp.sim_bench.diagnosis.search import Found
@@ -28,9 +29,17 @@ _LOAD, _SPLIT = known(("load_coulomb",), 1000.0), known(("load_quadratic",), 990
 
 
 def test_of_two_that_fit_as_well_the_one_that_agrees_is_taken() -> None:
-    found = agreeing(_NONE, _found(_LOAD, _SPLIT), None, lambda one: one is _LOAD)
+    found = agreeing(_NONE, _found(_LOAD, _SPLIT), None, lambda one, _: one is _LOAD)
     assert found.best is _SPLIT
     assert set(found.explanations) == {_LOAD, _SPLIT}
+
+
+def test_one_that_agrees_as_nearly_as_a_law_can_comes_before_one_that_does_not() -> None:
+    def differs(one: Explanation, doubt: Doubt) -> bool:
+        return one is _LOAD or doubt is PLAIN
+
+    assert agreeing(_NONE, _found(_LOAD, _SPLIT), None, differs).best is _SPLIT
+    assert agreeing(_NONE, _found(_SPLIT, _LOAD), None, differs).best is _SPLIT
 
 
 @pytest.mark.parametrize(
@@ -44,7 +53,7 @@ def test_of_two_that_fit_as_well_the_one_that_agrees_is_taken() -> None:
     ],
 )
 def test_else_the_best_one_stays(rival: Explanation, differing: set[str]) -> None:
-    found = agreeing(_NONE, _found(_LOAD, rival), None, lambda one: one.names[0] in differing)
+    found = agreeing(_NONE, _found(_LOAD, rival), None, lambda one, _: one.names[0] in differing)
     assert found.best is _LOAD
 
 
@@ -63,7 +72,7 @@ def test_a_rival_is_one_only_if_it_fits_the_simulation(
     straight: Explanation, left: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(agreement, "_held", lambda *_: [straight])
-    found = agreeing(_NONE, _found(_LOAD, _SPLIT), _JOINT, lambda one: one is _SPLIT)
+    found = agreeing(_NONE, _found(_LOAD, _SPLIT), _JOINT, lambda one, _: one is _SPLIT)
     assert found.best is _LOAD
     assert aliases(found, "load_coulomb") == left
     assert [e.refused for e in found.explanations if e.gain == _SPLIT.gain] == [agreement._BENT]
@@ -71,7 +80,7 @@ def test_a_rival_is_one_only_if_it_fits_the_simulation(
 
 def test_where_the_best_one_moves_the_simulation_its_rivals_may_too(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(agreement, "_held", lambda *_: [])
-    found = agreeing(_NONE, _found(_LOAD, _SPLIT), _JOINT, lambda one: True)
+    found = agreeing(_NONE, _found(_LOAD, _SPLIT), _JOINT, lambda one, _: True)
     assert aliases(found, "load_coulomb") == ("load_quadratic",)
 
 

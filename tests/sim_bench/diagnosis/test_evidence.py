@@ -16,7 +16,7 @@ from scipy.signal import lfilter
 from fricomp.sim_bench.diagnosis.alias import aliases
 from fricomp.sim_bench.diagnosis.confirmation import Confirmation, _folds, _held_out, covariance
 from fricomp.sim_bench.diagnosis.explanation import Explanation, _left, evidence
-from fricomp.sim_bench.diagnosis.gates import confirmed, covers
+from fricomp.sim_bench.diagnosis.gates import confirmed, covers, stands_out
 from fricomp.sim_bench.diagnosis.observer import Contribution, Observer, Plant
 from fricomp.sim_bench.diagnosis.preparation import Prepared, _colour_filter, _correlation, _stable, _typical
 from fricomp.sim_bench.diagnosis.problem import observer_for
@@ -272,6 +272,25 @@ def test_what_is_named_covers_the_mismatch(coverage: float, left: float, certain
     best = known(("cogging",), 100.0, certain=certain, coverage=coverage, left=left)
     base = cast(Prepared, SimpleNamespace(fit=fit_of(np.zeros(1000))))
     assert covers(best, _found(best, null=20.0), base) == named
+
+
+@pytest.mark.parametrize(
+    ("ratio", "explainable", "null", "unknown"),
+    [
+        (1.10, 130.0, 20.0, True),
+        (1.08, 130.0, 20.0, False),  # as loud as nulls now and then are
+        (1.10, 100.0, 20.0, False),  # as much as nulls of few rows
+        (1.10, 130.0, 50.0, False),
+        (1.24, 0.0, 0.0, False),  # nothing smooth
+        (1.26, 0.0, 0.0, True),
+    ],
+)
+def test_something_smooth_that_is_heard_is_unknown(
+    ratio: float, explainable: float, null: float, unknown: bool
+) -> None:
+    found = Found((), None, 30.0, explainable, null, cast(Any, None))
+    base = cast(Prepared, SimpleNamespace(fit=fit_of(np.zeros(2000)), noise_ratio=ratio))
+    assert stands_out(found, base) == unknown
 
 
 def test_points_that_move_the_base_alone_share_their_effects(monkeypatch: pytest.MonkeyPatch) -> None:
