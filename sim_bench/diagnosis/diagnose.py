@@ -29,7 +29,7 @@ from .rigid import RigidJoint, read_simulation
 from .search import Found, search
 from .second_look import second_look
 from .sentence import forward_sentence
-from .verdict import conclude
+from .verdict import agreed, conclude
 from .weak_form import rest_speed_of
 
 __all__ = ["diagnose", "with_remarks"]
@@ -103,11 +103,12 @@ def diagnose(
             prepared = base(creeps=True)
             found = search(prepared)
         say("confirming on held-out data")
-        answer = conclude(Answer(tuple(given), prepared, found, known, friction, seed))
-        looked = second_look(given, answer, seed)
-        if looked is answer:
+        answer = agreed(Answer(tuple(given), prepared, found, known, friction, seed))
+        concluded = conclude(answer)
+        looked = second_look(given, concluded, seed)
+        if looked is concluded:
             say("simulating forward in MuJoCo")
-            looked = _with_forward(looked, given[0], prepared, found, loops[0])
+            looked = _with_forward(looked, given[0], prepared, answer.found, loops[0])
         return with_remarks(looked, [*remarks, *_not_compared(given, rigid, known)])
     except (np.linalg.LinAlgError, FloatingPointError, ParameterError) as error:
         raise DiagnosisError(f"the recording cannot be explained by any joint model: {error}") from error

@@ -41,18 +41,22 @@ from .spring import spring_change
 from .track import FloatArray
 from .velocity_lag import velocity_lag
 
-__all__ = ["conclude"]
+__all__ = ["agreed", "conclude"]
 
 _MOST_RIVALS = 3  # that a motion is looked for
 
 
-def conclude(answer: Answer) -> Diagnosis:
-    """Draw the verdict and collect what supports it."""
+def agreed(answer: Answer) -> Answer:
+    """The answer with a best explanation that agrees with the simulation, where one fits as well."""
 
     def differs(one: Explanation, doubt: Doubt) -> bool:
         return bool(compare_given(answer, Refitted.of(answer.prepared, one), doubt).effects)
 
-    answer = replace(answer, found=agreeing(answer.prepared, answer.found, answer.rigid, differs))
+    return replace(answer, found=agreeing(answer.prepared, answer.found, answer.rigid, differs))
+
+
+def conclude(answer: Answer) -> Diagnosis:
+    """Draw the verdict from an agreed answer and collect what supports it."""
     prepared, found = answer.prepared, answer.found
     best = found.best
     chosen, failed, held = put_to_trial(prepared, found, answer.seed)
