@@ -28,7 +28,7 @@ class SupplySag(Effect):
         unit = "1/V" if recorded else "s/{position}"
         swing = max(float(np.ptp(c.channels.get("voltage", np.array([0.0, top])))) for c in contexts)
         by_power = 0.0 if recorded else 0.02 / max(power, 1e-9)
-        # A loss by power alone was given up to 0.0065 of the torque at top speed as one by speed, and more power for it.
+        # Of a loss by power alone, up to 0.0065 of the torque at top speed was taken for a gain by speed.
         traded = 0.0 if recorded else 0.003 / max(swing, 1e-9)
         return (
             EffectParameter("coefficient", unit, 0.02 / max(swing, 1e-9), -1e3, 1e3, form=0.1, least_form=traded),
