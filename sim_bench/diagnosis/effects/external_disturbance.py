@@ -13,7 +13,7 @@ from ..track import FloatArray
 from .effect import Context, Effect, EffectParameter, Values, register
 
 _SHORTEST = 0.2  # [s] of the longest window: ten rows; shorter ones have been seen of drives that could not follow
-# [s] A push with sharp edges is not the power of a sine that is fitted: such ends were 4 to 80 ms off (40 ms rms), and
+# [s] A push with sharp edges is not the power of a sine that is fitted: such ends were 5 to 81 ms off (38 ms rms), and
 # its torque 7 % too large, as the sine is pointed.
 _EDGE = 0.04
 _AT_MOST = 0.85  # of the largest torque elsewhere, that a drive still gives while it gives less than it was told
