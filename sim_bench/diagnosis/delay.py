@@ -23,9 +23,13 @@ def shifted(values: FloatArray, samples: float) -> FloatArray:
 
 
 def behind(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
-    """`values` as they come through low passes of the first order, held before the first one. Shape (n,)."""
+    """`values` as they come through low passes of the first order, held before the first one. Shape (n,).
+
+    Each is late by its time constant in the mean. A factor exp(-dt / lag) would make it half a sample less, which the
+    fit of a lag would add to its time constant.
+    """
     for lag in lags:
-        keep = float(np.exp(-dt / lag))
+        keep = lag / (lag + dt)
         values, _ = lfilter([1.0 - keep], [1.0, -keep], values, zi=[keep * values[0]])
     return values
 
@@ -33,7 +37,6 @@ def behind(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray
 def ahead_of(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
     """What comes through these low passes as `values`: undoes them, so that a lag takes no noise away. Shape (n,)."""
     for lag in lags:
-        keep = float(np.exp(-dt / lag))
         before = np.concatenate([values[:1], values[:-1]])
-        values = (values - keep * before) / (1.0 - keep)
+        values = values + lag / dt * (values - before)
     return values

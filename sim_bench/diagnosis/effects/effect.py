@@ -100,6 +100,7 @@ class EffectParameter:
         logarithmic: Whether the number is fitted, and bounded, as its logarithm.
         form: Relative deviation that a law of slightly another form leaves in it, from simulated joints; None for the
             usual one of sizes.
+        least_form: What such a law leaves however small the number is, in the solver's coordinates.
     """
 
     name: str
@@ -111,11 +112,13 @@ class EffectParameter:
     prior: float = 0.0
     logarithmic: bool = False
     form: float | None = None
+    least_form: float = 0.0
 
     def deviation_of_form(self, value: float) -> float:
         """Standard deviation that the law's form leaves, in the solver's coordinates."""
         usual = _FORM if self.linear or self.logarithmic else 0.0
-        return (usual if self.form is None else self.form) * (1.0 if self.logarithmic else abs(value))
+        relative = usual if self.form is None else self.form
+        return float(np.hypot(relative * (1.0 if self.logarithmic else abs(value)), self.least_form))
 
 
 class Effect(ABC):

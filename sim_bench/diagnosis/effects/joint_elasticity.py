@@ -29,7 +29,8 @@ class JointElasticity(Effect):
             EffectParameter(
                 "stiffness", "{torque}/{position}", 0.2, low, high, linear=False, logarithmic=True, form=0.1
             ),
-            EffectParameter("load_share", "1", 0.1, 0.05, 0.98, linear=False, prior=0.3),
+            # MuJoCo's second hinge with a share of 0.587 was given 0.594 to 0.609.
+            EffectParameter("load_share", "1", 0.1, 0.05, 0.98, linear=False, prior=0.3, form=0.025),
             EffectParameter("damping_ratio", "1", 0.3, -7.0, 0.0, linear=False, prior=1.0, logarithmic=True),
             EffectParameter("hardening", "1", 0.1, 0.0, 5.0, linear=False, prior=1.0),
         )

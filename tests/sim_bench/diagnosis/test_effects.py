@@ -133,6 +133,8 @@ def test_far_starts_of_a_spring_lie_a_third_of_an_octave_apart(context: Context)
         (EffectParameter("order", "1", 1.0, 0.0, 9.0, linear=False), 5.0, 0.0),
         (EffectParameter("gap", "rad", 1.0, -9.0, 0.0, linear=False, logarithmic=True, form=0.2), -7.0, 0.2),
         (EffectParameter("time", "s", 1.0, 0.0, 9.0, linear=False, form=0.05), 3.0, 0.15),
+        (EffectParameter("edge", "s", 1.0, 0.0, 99.0, linear=False, least_form=0.04), 50.0, 0.04),
+        (EffectParameter("size", "1", 1.0, 0.0, 9.0, least_form=0.04), 1.0, 0.05),
     ],
 )
 def test_intervals_allow_for_the_form_of_the_law(parameter: EffectParameter, value: float, deviation: float) -> None:
