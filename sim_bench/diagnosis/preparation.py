@@ -16,9 +16,10 @@ from .base import BASE_NAMES, BaseModel, unpack
 from .base_fit import creeping, fit_base, loud, with_other_bristle
 from .context import build_contexts
 from .generic import generic_rows
-from .hints import hints_beside
+from .hypotheses import narrowed
 from .nulls import Nulls, make_nulls
 from .observer import Contribution, Observer
+from .order import order_hints
 from .problem import Problem, observer_for
 from .rigid import RigidJoint
 from .screening import orthonormal, project_out
@@ -277,5 +278,8 @@ def _structure(problem: Problem, fit: Fit, box: Box) -> Structure:
     plant = unpack(fit.theta)
     runs = problem.runs([plant], [[Contribution()] * len(problem.tracks)])[0]
     contexts = build_contexts(problem, plant, runs, {})
-    hints = hints_beside(problem, contexts, fit) | {"window": time_windows(problem, contexts, fit, box)}
+    basis = orthonormal(fit.jacobian)
+    hints = order_hints(problem, contexts, project_out(fit.residual[:, None], basis)[:, 0], basis)
+    hints["window"] = time_windows(problem, contexts, fit, box)
+    hints |= narrowed(problem, Structure(tuple(contexts)), fit.residual, basis)
     return Structure(tuple(replace(context, hints=hints) for context in contexts))

@@ -10,7 +10,7 @@ import numpy as np
 from .choice import ENOUGH, acceptable, choose, close_to
 from .effects import EFFECTS
 from .explanation import Explanation, curbed, spread_excess
-from .hints import hints_beside
+from .hypotheses import narrowed
 from .preparation import Prepared
 from .refit import LAST_STEPS, fit_from, polish, preference, refit
 from .screening import Column, Screen, orthonormal, project_out, screen
@@ -269,15 +269,15 @@ def _grow(
 
 
 def _looked_at_again(prepared: Prepared, seed: Explanation) -> Explanation:
-    """The seed, with starting values for further effects from what it leaves where that is much.
+    """The seed, with its own starts for effects that have too many of them, where it explains most and leaves much.
 
-    Those from what the base leaves are of the strongest effect.
+    Those that stand out of what the base leaves are of the seed then, as with a gap beside a stop.
     """
-    if seed.left < _MUCH_LEFT:
+    if seed.left < _MUCH_LEFT or seed.coverage < _MOST:
         return seed
-    contexts = seed.structure.contexts
-    hints = hints_beside(prepared.problem, contexts, seed.fit)
-    contexts = tuple(replace(context, hints={**context.hints, **hints}) for context in contexts)
+    fit, contexts = seed.fit, seed.structure.contexts
+    starts = narrowed(prepared.problem, Structure(contexts), fit.residual, orthonormal(fit.jacobian))
+    contexts = tuple(replace(context, hints={**context.hints, **starts}) for context in contexts)
     return replace(seed, structure=replace(seed.structure, contexts=contexts))
 
 
