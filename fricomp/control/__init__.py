@@ -2,7 +2,7 @@
 
 from fricomp.control.adaptation import AdaptationSettings, OnlineAdaptation
 from fricomp.control.batch import compute_compensation, compute_friction
-from fricomp.control.bristle import FALLING_SHARE_WITHOUT_VELOCITY
+from fricomp.control.bristle import FALLING_SHARE_WITHOUT_VELOCITY, deepest_bend
 from fricomp.control.choice import choose_settings
 from fricomp.control.compensator import ArmCompensator, Compensator
 from fricomp.control.confidence import compute_confident_gain, compute_friction_deviation
@@ -77,6 +77,7 @@ __all__ = [
     "compute_friction",
     "compute_friction_deviation",
     "compute_torque_cap",
+    "deepest_bend",
     "find_doubt",
     "find_doubt_in_status",
     "real_time",

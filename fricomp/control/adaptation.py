@@ -9,6 +9,7 @@ from fricomp.control.compensator import Compensator
 from fricomp.control.curve import split_law
 from fricomp.control.extra_terms import build_extra
 from fricomp.errors import ParameterError
+from fricomp.laws import DwellStiction
 
 __all__ = ["AdaptationSettings", "OnlineAdaptation"]
 
@@ -24,7 +25,8 @@ class AdaptationSettings:
         time_constant: Of the adaptation, while it is not frozen [s].
         dry_bounds: Lowest and highest scale of dry friction; None for the identified 95 % interval [1].
         viscous_bounds: The same for viscous friction [1].
-        sliding_velocity: Speed from which it adapts; None for four Stribeck velocities [rad/s] or [m/s].
+        sliding_velocity: Speed from which it adapts; None for four Stribeck velocities [rad/s] or [m/s]. Speeds at
+            which rests of the joint bring friction are never sliding.
         settling_time: Time of sliding in one direction before it adapts [s].
 
     Raises:
@@ -55,6 +57,9 @@ class OnlineAdaptation:
     bounds, so that a wrong torque can do no more than the identification left open. It starts as if it had seen one
     time constant of data that agrees with the model.
 
+    Friction counts as that of steady sliding, in which nothing is left of what rests brought (`dwell_stiction`); a lag
+    is left out too: while a joint speeds up it takes as much from viscous friction as it adds while it slows down.
+
     Attributes:
         dry_scale: Present scale of dry friction [1].
         viscous_scale: Present scale of viscous friction [1].
@@ -71,12 +76,13 @@ class OnlineAdaptation:
         self._settings = settings or AdaptationSettings()
         self._compensator = compensator
         self._curves = split_law(compensator.model.law)
-        terms = self._curves.extra
+        terms = [term for term in self._curves.extra if not isinstance(term, DwellStiction)]
         self._extra = build_extra(terms, compensator.settings, compensator.period)[0] if terms else None
         self._dry_bounds = self._settings.dry_bounds or _identified(compensator, "coulomb_torque")
         self._viscous_bounds = self._settings.viscous_bounds or _identified(compensator, "viscous_coefficient")
         known = self._settings.sliding_velocity
-        self._fast = known if known is not None else _SLIDING_SPEEDS * (self._curves.stribeck_velocity or 0.01)
+        fast = known if known is not None else _SLIDING_SPEEDS * (self._curves.stribeck_velocity or 0.01)
+        self._fast = max([fast, *(term.rest_speed for term in self._curves.extra if isinstance(term, DwellStiction))])
         self._rate = compensator.period / self._settings.time_constant
         self._ahead = True
         self._start()
@@ -130,7 +136,7 @@ class OnlineAdaptation:
         dry, viscous = curve.dry(speed), curve.viscous * speed
         if self._extra is not None:
             extra = self._extra(speed, velocity, position, load_torque, temperature, acceleration)
-            dry, viscous = dry + extra.dry, viscous + (extra.drag if ahead else -extra.drag)
+            dry, viscous = max(dry + extra.dry, 0.0), viscous + (extra.drag if ahead else -extra.drag)
             friction_torque -= extra.held
         level = friction_torque if ahead else -friction_torque
         keep, rate = 1.0 - self._rate, self._rate

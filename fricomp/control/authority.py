@@ -11,10 +11,12 @@ from fricomp.control.trust import compute_torque_cap
 from fricomp.laws import Cogging, DwellStiction, FrictionLaw, KinematicError, PositionCoulomb, Term
 from fricomp.model import FrictionModel, Validity
 
-__all__ = ["compute_authority"]
+__all__ = ["compute_authority", "find_acceleration_range"]
 
 # Friction from a load of unknown range is trusted up to as much as all other friction together [1].
 _UNKNOWN_LOAD_SHARE = 1.0
+# What follows an acceleration of unknown range, up to as much as all else that its term may ask for [1].
+_UNKNOWN_ACCELERATION_SHARE = 1.0
 
 
 def compute_authority(
@@ -32,32 +34,56 @@ def compute_authority(
     largest = min(curves.largest(velocity_range, max([*factors, 1.0])), math.inf if cap is None else cap)
     over_load = [term for term in curves.extra if isinstance(term, LOAD_TERMS)]
     rest = [term for term in curves.extra if not isinstance(term, LOAD_TERMS)]
-    largest += sum(_largest(term, velocity_range, model.validity) for term in rest)
+    fastest_change = max(map(abs, find_acceleration_range(model, curves, velocity_range) or (0.0,)))
+    largest += sum(_largest(term, velocity_range, model.validity, fastest_change) for term in rest)
+    notes = []
+    if fastest_change and model.validity.acceleration is None:
+        notes.append(
+            f"the model states no range of acceleration: it is followed up to {fastest_change:.3g}, where it brings "
+            "as much as the rest of its term; give acceleration_range and authority for more"
+        )
     if not over_load:
-        return largest, []
+        return largest, notes
     if model.validity.load_torque is not None:
-        return largest + sum(_largest(term, velocity_range, model.validity) for term in over_load), []
-    note = (
+        return largest + sum(_largest(term, velocity_range, model.validity) for term in over_load), notes
+    notes.append(
         "the model states no range of load torque: friction from the load is compensated up to as much as all other "
         "friction together; give authority for more"
     )
-    return largest * (1.0 + _UNKNOWN_LOAD_SHARE), [note]
+    return largest * (1.0 + _UNKNOWN_LOAD_SHARE), notes
 
 
-def _largest(term: Term, velocity_range: tuple[float, float], validity: Validity) -> float:
-    """Largest torque of a term: the amplitude of a wave, or the largest at the ends of all ranges.
+def find_acceleration_range(
+    model: FrictionModel, curves: FrictionCurves, velocity_range: tuple[float, float]
+) -> tuple[float, float] | None:
+    """Accelerations that terms over them are told [rad/s²] or [m/s²]; None where no term follows them.
 
-    What follows the acceleration, of which a model states no range, is no part of it.
+    Those of the model, or of either sign up to where a term would ask for as much again as without any.
     """
+    pushes = [_pushes(term, velocity_range) for term in curves.extra if isinstance(term, KinematicError)]
+    edges = [_UNKNOWN_ACCELERATION_SHARE * held / per_unit for held, per_unit in pushes if per_unit > 0.0]
+    if not edges:
+        return None
+    return model.validity.acceleration or (-min(edges), min(edges))
+
+
+def _pushes(term: KinematicError, velocity_range: tuple[float, float]) -> tuple[float, float]:
+    """Largest torque of an uneven gear per unit of its error: without acceleration, and for one more unit of it."""
+    fastest = max(abs(edge) for edge in velocity_range)
+    gravity = math.hypot(term.gravity_cosine, term.gravity_sine)
+    held = (1.0 + term.order) * gravity + term.load_inertia * (term.order * fastest) ** 2
+    return held, 2.0 * term.load_inertia * term.order
+
+
+def _largest(term: Term, velocity_range: tuple[float, float], validity: Validity, fastest_change: float = 0.0) -> float:
+    """Largest torque of a term: the amplitude of a wave, or the largest at the ends of all ranges."""
     if isinstance(term, Cogging | PositionCoulomb):
         return math.hypot(term.sine, term.cosine)
     if isinstance(term, DwellStiction):
         return term.rise
     if isinstance(term, KinematicError):
-        fastest = max(abs(edge) for edge in velocity_range)
-        gravity = math.hypot(term.gravity_cosine, term.gravity_sine)
-        pushed = (1.0 + term.order) * gravity + term.load_inertia * (term.order * fastest) ** 2
-        return math.hypot(term.sine, term.cosine) * pushed
+        held, per_unit = _pushes(term, velocity_range)
+        return math.hypot(term.sine, term.cosine) * (held + per_unit * fastest_change)
     # Next to rest as well, where falling branches are highest.
     speeds = [edge * share for edge in velocity_range for share in (1.0, 1e-6)]
     ends = product(speeds, validity.position or (0.0,), validity.load_torque or (0.0,), validity.temperature or (None,))

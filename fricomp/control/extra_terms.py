@@ -60,6 +60,8 @@ INPUT_TERMS: Mapping[str, tuple[type[Term], ...]] = {
 }
 """Terms over each input besides velocity and normal load."""
 
+_ANY = (-np.inf, np.inf)
+
 TermKind = Literal["held", "dry", "drag"]
 
 
@@ -219,14 +221,17 @@ def build_extra(
     """The sum of `terms` as a function of speed on the curve, velocity, position, load torque, temperature and
     acceleration, called once a period [s]; and what sets it back to rest.
 
-    The inputs are finite. Speed and velocity beyond the range of validity count as its ends, the load torque likewise.
+    The inputs are finite. Beyond the ranges of `settings` speed, velocity, load torque, temperature and acceleration
+    count as their ends.
     """
     forms = [form for term in terms for form in plain_forms(term)]
     held, dry, drag = ([form.torque for form in forms if form.kind == kind] for kind in ("held", "dry", "drag"))
     rests = [_build_rest(term, period) for term in terms if isinstance(term, DwellStiction)]
     others = [term for term in terms if not plain_forms(term) and not isinstance(term, DwellStiction)]
     low, high = settings.velocity_range
-    low_load, high_load = settings.load_torque_range or (-np.inf, np.inf)
+    low_load, high_load = settings.load_torque_range or _ANY
+    coldest, hottest = settings.temperature_range or _ANY
+    low_acceleration, high_acceleration = settings.acceleration_range or _ANY
 
     def extra(
         speed: float,
@@ -239,6 +244,9 @@ def build_extra(
         speed = min(max(speed, 0.0), high if velocity >= 0.0 else -low)
         velocity = min(max(velocity, low), high)
         load_torque = min(max(load_torque, low_load), high_load)
+        acceleration = min(max(acceleration, low_acceleration), high_acceleration)
+        if temperature is not None:
+            temperature = min(max(temperature, coldest), hottest)
         level = outright = 0.0
         if others:
             level, outright = _both_directions(others, speed, position, load_torque, temperature, acceleration)

@@ -33,7 +33,7 @@ class TorqueFunction(Protocol):
         temperature: float | None = None,
         acceleration: float = 0.0,
     ) -> float:
-        """Torque to add to the command; 0.0 for input that is not finite.
+        """Torque to add to the command; 0.0 for input that is not finite, or has no finite torque.
 
         Args:
             velocity_reference: [rad/s] or [m/s].
@@ -54,7 +54,7 @@ class HotPath:
     Attributes:
         torque: The compensation.
         reset: Forget state: bristle, lag, rests, rate limit. Not the counter.
-        rejected: Number of inputs so far that were not finite.
+        rejected: Number of inputs so far that were not finite, or had no finite torque.
         set_scale: Multiply dry and viscous friction, for online adaptation.
     """
 
@@ -154,13 +154,16 @@ def build_hot_path(  # noqa: C901
                     falling *= unseen
                 elif low_rest < velocity < high_rest:
                     falling += (1.0 - falling) * (1.0 - abs(velocity) / high_rest)
-                tau = factor * (coulomb + rise * falling) * tanh(direction / smoothing)
+                level = factor * (coulomb + rise * falling)
+                tau = level * tanh(direction / smoothing)
             else:
-                tau = bristle(drive, dragged, factor)
+                tau, level = bristle(drive, dragged, factor)
             if extra is None:
                 tau = dry_gain * tau + viscous_gain * viscous * dragged
             else:
                 dry, drag, held = extra(blended, drive, position, load_torque, temperature, acceleration)
+                if dry < -level:  # all of dry friction together may vanish, but it never drives
+                    dry = -level
                 tau = dry_gain * (tau + dry * tanh(direction / smoothing)) + viscous_gain * (viscous * dragged + drag)
             if not low <= drive <= high:
                 left = 1.0 - (drive - high if drive > high else low - drive) * fade
@@ -168,7 +171,7 @@ def build_hot_path(  # noqa: C901
             if extra is not None:
                 tau += gain * held
             if not lowest <= tau <= highest:
-                if tau != tau:
+                if tau - tau != 0.0:
                     raise ValueError
                 tau = highest if tau > 0.0 else lowest
             if not fall <= tau - last <= climb:

@@ -76,8 +76,9 @@ class CompensationSettings:
 
     tau = gain (tanh((x + k e)/smoothing) dry(s) + viscous x),  s = max(0, sgn(x) ((1-w) v_r + w v_measured))
 
-    Terms over load and position that resist like dry friction are part of dry, those that drag go with the viscous
-    term, and what holds a position is added with the gain alone.
+    Terms over load, position and temperature that resist like dry friction are part of dry, which they never turn below
+    zero, and so is what rests have brought; those that drag go with the viscous term, and what holds a position or
+    follows the acceleration is added with the gain alone.
 
     Attributes:
         source: What decides the direction. `blend` takes the direction from the reference and the speed on the
@@ -95,6 +96,8 @@ class CompensationSettings:
         fade_width: Width over which it fades to zero [rad/s] or [m/s].
         load_range: Normal loads beyond it count as its ends; None for no bound.
         load_torque_range: The same for the torque that the joint transmits to its load.
+        temperature_range: The same for the temperature [°C].
+        acceleration_range: The same for the acceleration of the reference [rad/s²] or [m/s²].
         notes: Why it is so, in sentences.
 
     Raises:
@@ -115,6 +118,8 @@ class CompensationSettings:
     error_band: float = 0.0
     load_range: tuple[float, float] | None = None
     load_torque_range: tuple[float, float] | None = None
+    temperature_range: tuple[float, float] | None = None
+    acceleration_range: tuple[float, float] | None = None
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:

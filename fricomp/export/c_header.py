@@ -14,6 +14,7 @@ from fricomp.control import (
     CompensationSettings,
     FrictionCurves,
     choose_settings,
+    deepest_bend,
     require_usable,
     trusted_curves,
 )
@@ -193,6 +194,7 @@ def _bristle(curves: FrictionCurves, period: float, literal: Literal) -> Templat
         template.BRISTLE.safe_substitute(
             falling=_falling(curves, literal),
             sigma_0=literal(curves.bristle.sigma_0),
+            deepest=literal(deepest_bend(curves)),
             sigma_1_per_period=literal(curves.bristle.sigma_1 / period),
             period=literal(period),
         )

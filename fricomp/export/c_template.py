@@ -52,7 +52,7 @@ $extra_fields} ${prefix}_input${f}_t;
 typedef struct {
     $real last_torque;
     $real bristle;
-$memories    uint32_t rejected; /* inputs so far that were not finite and got 0.0 */
+$memories    uint32_t rejected; /* inputs so far that were not finite, or had no finite torque, and got 0.0 */
 } ${prefix}_state${f}_t;
 
 static inline void ${prefix}_reset${f}(${prefix}_state${f}_t *state)
@@ -93,6 +93,7 @@ static inline $real ${prefix}_torque${f}(${prefix}_state${f}_t *state, const ${p
     $real rise;
     $real stribeck_velocity;
     $real viscous;
+    $real level;
     $real torque;
     $real beyond;
     $real change;
@@ -136,7 +137,7 @@ $extra    torque = ($gain * torque) + ($gain * $dragging);
         const $real left = $one - (beyond / $fade_width);
         torque = (left > $zero) ? (torque * left) : $zero;
     }
-$holding    if (isnan(torque) != 0) {
+$holding    if (isfinite(torque) == 0) {
         state->last_torque = $zero;
         state->rejected++;
         return $zero;
@@ -182,7 +183,8 @@ STATIC = Template(
         } else {
             falling *= $unseen;
         }
-        torque = ${prefix}_factor${f}(input) * (coulomb + (rise * falling)) * tanh$f(direction / $smoothing);
+        level = ${prefix}_factor${f}(input) * (coulomb + (rise * falling));
+        torque = level * tanh$f(direction / $smoothing);
     }"""
 )
 
@@ -190,15 +192,17 @@ BRISTLE = Template(
     """    {
         const $real size = (drive >= $zero) ? drive : -drive;
         const $real speed = fabs$f($dragged);
-        const $real steady = (${prefix}_factor${f}(input) * (coulomb + (rise * $falling))) / $sigma_0;
-        if (steady > $zero) {
+        $real steady;
+        level = ${prefix}_factor${f}(input) * (coulomb + (rise * $falling));
+        steady = level / $sigma_0;
+        if ((steady > $zero) && (steady < $deepest)) {
             const $real target = (drive >= $zero) ? steady : -steady;
             const $real after = target + ((state->bristle - target) * exp$f(-(size * $period) / steady));
             torque = ($sigma_0 * after) + ($sigma_1_per_period * (after - state->bristle));
             state->bristle = after;
         } else {
             state->bristle = $zero;
-            torque = $zero;
+            torque = (drive >= $zero) ? level : -level;
         }
     }"""
 )

@@ -1,7 +1,7 @@
 """Terms that fit no curve as C expressions, the same as `fricomp.control.extra_terms` has them.
 
-The expressions draw on `position`, `load_torque`, `acceleration`, `extra_speed`, `velocity`, `input->temperature` and
-`state`.
+The expressions draw on `position`, `load_torque`, `acceleration`, `extra_speed`, `velocity`, `temperature`,
+`input->has_temperature` and `state`.
 """
 
 from __future__ import annotations
@@ -52,18 +52,23 @@ EXTRA_CHECKS = """    usable = usable && (isfinite(input->position) != 0) && (is
 _EXTRA = Template(
     """    {
         const $real position = input->position;
-        const $real acceleration = input->acceleration;
         const $real velocity = (drive > $high) ? $high : ((drive < $low) ? $low : drive);
         const $real fastest = (drive >= $zero) ? $high : $reverse_high;
         $real extra_speed = (blended > $zero) ? blended : $zero;
         $real load_torque = input->load_torque;
+        $real temperature = input->has_temperature ? input->temperature : $zero;
+        $real acceleration = input->acceleration;
+        $real beside;
         extra_speed = (extra_speed > fastest) ? fastest : extra_speed;
-$load_bounds        (void)position;
+$bounds        (void)position;
         (void)acceleration;
         (void)velocity;
         (void)load_torque;
+        (void)temperature;
         (void)extra_speed;
-$rests        torque += ($dry) * tanh$f(direction / $smoothing);
+$rests        beside = $dry;
+        beside = (beside < -level) ? -level : beside; /* all of dry friction may vanish, but it never drives */
+        torque += beside * tanh$f(direction / $smoothing);
         drag = $drag;
         held = $held;
     }
@@ -81,7 +86,7 @@ def c_expressions(term: Term, literal: Literal) -> tuple[Expression, ...]:
     name = getattr(term, "name", type(term).__name__)
     raise ExportError(
         f"the term {name} has no closed form in C: a header holds one dry curve (Coulomb, Stribeck, Dahl or LuGre), "
-        "viscous friction and drag, and terms over load, position and temperature"
+        "viscous friction and drag, with their lag, and terms over load, position, temperature, acceleration and rests"
     )
 
 
@@ -137,13 +142,13 @@ def _(term: PowerLawViscous, literal: Literal) -> tuple[Expression, ...]:
 
 @c_expressions.register
 def _(term: ThermalViscous, literal: Literal) -> tuple[Expression, ...]:
-    warmth = f"(input->temperature - {literal(term.reference_temperature)})"
+    warmth = f"(temperature - {literal(term.reference_temperature)})"
     return (("drag", f"(input->has_temperature ? -({literal(term.slope)} * {warmth} * velocity) : $zero)"),)
 
 
 @c_expressions.register
 def _(term: ThermalFriction, literal: Literal) -> tuple[Expression, ...]:
-    warmth = f"(input->temperature - {literal(term.reference_temperature)})"
+    warmth = f"(temperature - {literal(term.reference_temperature)})"
     viscous = f"((velocity >= $zero) ? {literal(term.forward_viscous)} : {literal(term.reverse_viscous)})"
     fall = f"(({literal(term.viscous_slope)} * {warmth}) / {viscous})"
     bounded = f"fmax$f(fmin$f({fall}, {literal(STRONGEST_FALL)}), {literal(-STRONGEST_FALL)})"
@@ -190,15 +195,21 @@ def render_extra(terms: Sequence[Term], settings: CompensationSettings, period: 
     found = [part for term in terms for part in c_expressions(term, literal)]
     rests = "".join(_rest(term, period, literal) for term in terms if isinstance(term, DwellStiction))
     sums = {kind: " + ".join(text for k, text in found if k == kind) or "$zero" for kind in ("dry", "drag", "held")}
-    bounds = ""
-    if settings.load_torque_range is not None:
-        low, high = (literal(edge) for edge in settings.load_torque_range)
-        bounds = (
-            f"        load_torque = (load_torque < {low}) ? {low} : ((load_torque > {high}) ? {high} : load_torque);\n"
-        )
+    ranges = {
+        "load_torque": settings.load_torque_range,
+        "temperature": settings.temperature_range,
+        "acceleration": settings.acceleration_range,
+    }
+    bounds = "".join(_bounds(name, limits, literal) for name, limits in ranges.items() if limits is not None)
     edges = {"low": literal(settings.velocity_range[0]), "high": literal(settings.velocity_range[1])}
     edges |= {"reverse_high": literal(-settings.velocity_range[0]), "smoothing": literal(settings.smoothing)}
-    return _EXTRA.safe_substitute(sums, load_bounds=bounds, rests=rests, **edges)
+    return _EXTRA.safe_substitute(sums, bounds=bounds, rests=rests, **edges)
+
+
+def _bounds(name: str, limits: tuple[float, float], literal: Literal) -> str:
+    """What holds the variable `name` to its range."""
+    low, high = (literal(edge) for edge in limits)
+    return f"        {name} = ({name} < {low}) ? {low} : (({name} > {high}) ? {high} : {name});\n"
 
 
 def _rest(term: DwellStiction, period: float, literal: Literal) -> str:

@@ -34,12 +34,13 @@ _IR_VERSION = 8
 def closed_form_graph(models: Sequence[FrictionModel], *, any_status: bool = False) -> Any:
     """The closed forms of `models`: input `state`, output `torque`.
 
-    The columns of the state are velocity and normal load; where a model has terms over them also position, load
-    torque and temperature, all three, and where one has a term over the acceleration that too. One model takes any
-    number of rows, shape (n, 2), (n, 5) or (n, 6) to (n, 1); several take one row each, in their order. Terms with a
-    state are those of steady sliding. Where a model knows the friction of its data, the curve is held to
-    `compute_torque_cap` at every speed. The normal load of a model whose data had none and whose law says nothing about
-    it changes nothing. Columns that no model uses stand in the metadata, key `unused`.
+    The columns of the state are velocity and normal load; where a model has terms over them also position, load torque
+    and temperature, all three, and where one has a term over the acceleration that too. One model takes any number of
+    rows, shape (n, 2), (n, 5) or (n, 6) to (n, 1); several take one row each, in their order. Terms with a state are
+    those of steady sliding. Where a model knows the friction of its data, the curve is held to `compute_torque_cap` at
+    every speed. Terms that lower dry friction take no more than there is. The normal load of a model whose data had
+    none and whose law says nothing about it changes nothing. Columns that no model uses stand in the metadata, key
+    `unused`.
 
     Args:
         models: What is exported.
@@ -125,6 +126,7 @@ def _closed_form_nodes(node: Any, columns: Sequence[str], output: str) -> list[A
         *nodes,
         node("Greater", ["velocity", "zero"], ["is_forward"]),
         node("Where", ["is_forward", "forward_level_", "reverse_level_"], ["size"]),
+        node("Where", ["is_forward", "forward_loaded_", "reverse_loaded_"], ["dry_level"]),
         node("Sign", ["velocity"], ["sign"]),
         node("Mul", ["size", "sign"], [output]),
     ]

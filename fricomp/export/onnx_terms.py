@@ -1,4 +1,4 @@
-"""Terms over load, position and temperature as nodes of an ONNX graph, one set for all joints.
+"""Terms over load, position, temperature and acceleration as nodes of an ONNX graph, one set for all joints.
 
 A joint that lacks a term has it with parameters under which it is nothing.
 """
@@ -42,17 +42,19 @@ class OnnxTerm:
     """A term as operators.
 
     Attributes:
-        kind: `dry` terms are multiplied by the sign of the velocity; the others are signed themselves.
+        kind: `dry` terms are levels, multiplied by the sign of the velocity; the others are signed themselves.
         neutral: Its parameters, with values under which it is nothing.
         steps: Over `velocity`, `speed`, `sign`, `is_forward`, `position`, `load_torque`, `temperature`, `acceleration`,
             `one`, the parameters and the fixed numbers; ends in `torque`.
         fixed: Numbers that are the same for every joint.
+        has_level: Whether there is a `level` among the steps, a dry part beside `torque`.
     """
 
     kind: TermKind
     neutral: Mapping[str, float]
     steps: Steps
     fixed: Mapping[str, float] = field(default_factory=dict)
+    has_level: bool = False
 
 
 _WAVE: Steps = (
@@ -120,9 +122,13 @@ _TERMS: dict[type[Term], OnnxTerm] = {
         (("Mul", ("velocity", "speed"), "square_"), ("Mul", ("square_", "coefficient_"), "torque_")),
     ),
     PowerLawViscous: OnnxTerm(
-        "dry",
+        "drag",
         {"coefficient": 0.0, "exponent": 1.0},
-        (("Pow", ("speed", "exponent_"), "power_"), ("Mul", ("power_", "coefficient_"), "torque_")),
+        (
+            ("Pow", ("speed", "exponent_"), "power_"),
+            ("Mul", ("power_", "coefficient_"), "size_"),
+            ("Mul", ("size_", "sign"), "torque_"),
+        ),
     ),
     ThermalViscous: OnnxTerm(
         "drag",
@@ -153,12 +159,12 @@ _TERMS: dict[type[Term], OnnxTerm] = {
             ("Exp", ("minus_",), "share_"),
             ("Sub", ("share_", "one"), "change_"),
             ("Mul", ("change_", "viscous_"), "coefficient_"),
-            ("Mul", ("coefficient_", "velocity"), "drag_"),
-            ("Mul", ("warmth_", "coulomb_slope_"), "level_"),
-            ("Mul", ("level_", "sign"), "dry_"),
-            ("Sub", ("drag_", "dry_"), "torque_"),
+            ("Mul", ("coefficient_", "velocity"), "torque_"),
+            ("Mul", ("warmth_", "coulomb_slope_"), "lost_"),
+            ("Neg", ("lost_",), "level_"),
         ),
         {"strongest": STRONGEST_FALL, "weakest": -STRONGEST_FALL},
+        has_level=True,
     ),
     KinematicError: OnnxTerm(
         "held",
@@ -222,24 +228,32 @@ def extra_constants(laws: Sequence[Sequence[Term]]) -> dict[str, FloatArray]:
 
 
 def extra_nodes(node: Callable[..., Any], laws: Sequence[Sequence[Term]]) -> list[Any]:
-    """Nodes that turn `plain_torque` into `torque`, with the terms of all joints added."""
-    nodes, total = [], "plain_torque"
-    kinds = _kinds(laws)
-    for number, kind in enumerate(kinds):
-        term, name = _TERMS[kind], kind.name
+    """Nodes that turn `plain_torque` into `torque`, with the terms of all joints added.
 
-        def own(text: str, name: str = name) -> str:
+    All levels together take at most the `dry_level` of the curve, so that dry friction never drives.
+    """
+    nodes: list[Any] = []
+    added = ["plain_torque"]
+    levels: list[str] = []
+    for kind in _kinds(laws):
+        term = _TERMS[kind]
+
+        def own(text: str, name: str = kind.name) -> str:
             return f"{name}_{text}" if text.endswith("_") else text
 
         nodes += [node(operator, [own(i) for i in inputs], [own(output)]) for operator, inputs, output in term.steps]
-        added = own("torque_")
-        if term.kind == "dry":
-            nodes.append(node("Mul", [added, "sign"], [own("signed_")]))
-            added = own("signed_")
-        after = "torque" if number == len(kinds) - 1 else own("total_")
-        nodes.append(node("Add", [total, added], [after]))
-        total = after
-    return nodes
+        (levels if term.kind == "dry" else added).append(own("torque_"))
+        if term.has_level:
+            levels.append(own("level_"))
+    if levels:
+        nodes += [
+            node("Sum", levels, ["level_beside"]),
+            node("Neg", ["dry_level"], ["least_beside"]),
+            node("Max", ["level_beside", "least_beside"], ["held_beside"]),
+            node("Mul", ["held_beside", "sign"], ["dry_beside"]),
+        ]
+        added.append("dry_beside")
+    return [*nodes, node("Sum", added, ["torque"])] if len(added) > 1 else nodes
 
 
 def _kinds(laws: Sequence[Sequence[Term]]) -> list[type[Term]]:
@@ -253,6 +267,7 @@ def _kinds(laws: Sequence[Sequence[Term]]) -> list[type[Term]]:
     if unknown:
         raise ExportError(
             f"the terms {', '.join(unknown)} have no closed form in ONNX: a graph holds one dry curve (Coulomb, "
-            "Stribeck, Dahl or LuGre), viscous friction and drag, and terms over load, position and temperature"
+            "Stribeck, Dahl or LuGre), viscous friction and drag, and terms over load, position, temperature and "
+            "acceleration"
         )
     return [kind for kind in _TERMS if kind in found]

@@ -20,6 +20,9 @@ STRONGEST_FALL = 3.0
 class ThermalFriction(Term):
     """F_v (exp(-b (T - T_0) / F_v) - 1) v - g (T - T_0) sgn(v) [simoni2015], beside the friction at T_0.
 
+    The second part knows no F_c that it lowers: far beyond the temperatures it was identified at it turns the sign of
+    the whole. A compensation holds the temperature to their range, and all dry friction together above zero.
+
     Attributes:
         forward_viscous: F_v at T_0 for v > 0 [N·m·s/rad] or [N·s/m].
         reverse_viscous: F_v at T_0 for v < 0, likewise.

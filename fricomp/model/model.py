@@ -56,6 +56,7 @@ class Validity:
         load_torque: [N·m] or [N].
         normal_load: In the unit of the law's reference load.
         temperature: [°C].
+        acceleration: [rad/s²] or [m/s²].
     """
 
     velocity: Range | None = None
@@ -63,10 +64,10 @@ class Validity:
     load_torque: Range | None = None
     normal_load: Range | None = None
     temperature: Range | None = None
+    acceleration: Range | None = None
 
     def __post_init__(self) -> None:
-        for name in ("velocity", "position", "load_torque", "normal_load", "temperature"):
-            limits = getattr(self, name)
+        for name, limits in vars(self).items():
             if limits is not None and not (np.all(np.isfinite(limits)) and limits[0] <= limits[1]):
                 raise ParameterError(f"the range of {name} must be finite and ascending, got {limits}")
 

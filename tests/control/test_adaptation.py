@@ -9,7 +9,7 @@ import pytest
 
 from fricomp.control import AdaptationSettings, Compensator, OnlineAdaptation
 from fricomp.errors import ParameterError
-from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
+from fricomp.laws import BidirectionalStribeck, DwellStiction, FrictionLaw, StribeckCurve, ThermalFriction
 from fricomp.model import Covariance, FrictionModel, Validity
 
 CURVE = StribeckCurve(0.2, 0.3, 0.05, 0.4)
@@ -55,6 +55,26 @@ def test_is_frozen_at_rest_and_after_reversals() -> None:
         adaptation.update(1.0 if (k // 150) % 2 else -1.0, 99.0)
     assert adaptation.frozen
     assert (adaptation.dry_scale, adaptation.viscous_scale) == (1.0, 1.0)
+
+
+def test_speeds_at_which_rests_bring_friction_are_not_sliding() -> None:
+    law = FrictionLaw((*MODEL.law.terms, DwellStiction(0.2, 0.1, 5e-3, 0.4)))
+    adaptation = OnlineAdaptation(Compensator(FrictionModel(law, validity=MODEL.validity)), BOUNDS)
+    for _ in range(3000):
+        adaptation.update(0.3, 9.0)
+    assert adaptation.frozen
+    for _ in range(3000):
+        adaptation.update(0.5, 0.2 + 0.4 * 0.5)
+    assert (adaptation.dry_scale, adaptation.viscous_scale) == pytest.approx((1.0, 1.0))
+
+
+def test_a_wrong_temperature_is_that_at_the_end_of_its_range() -> None:
+    law = FrictionLaw((*MODEL.law.terms, ThermalFriction(0.4, 0.4, 0.0, 5e-3, 30.0)))
+    model = FrictionModel(law, validity=Validity(velocity=(-2.0, 2.0), temperature=(20.0, 40.0)))
+    adaptation = OnlineAdaptation(Compensator(model), BOUNDS)
+    for _ in range(3000):
+        adaptation.update(0.5, 0.2 - 0.05 + 0.4 * 0.5, temperature=150.0)
+    assert (adaptation.dry_scale, adaptation.viscous_scale) == pytest.approx((1.0, 1.0))
 
 
 @pytest.mark.parametrize("bad", [(math.nan, 1.0), (1.0, math.inf), (math.inf, math.nan)])

@@ -1,9 +1,11 @@
-"""Terms over load, position and temperature in plain floats: what they are by their laws, within the limits."""
+"""Terms over load, position, temperature, acceleration in plain floats: what they are by their laws, within limits."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from fricomp.control import Compensator
@@ -17,6 +19,7 @@ from fricomp.laws import (
     LoadCoulomb,
     LoadQuadratic,
     LoadStribeck,
+    LuGre,
     PositionCoulomb,
     PowerLawViscous,
     QuadraticDrag,
@@ -84,6 +87,77 @@ def test_load_of_unknown_range_is_trusted_as_far_as_the_rest() -> None:
 def test_load_beyond_its_range_counts_as_its_end() -> None:
     compensator = Compensator(make_model(LoadCoulomb(0.1)), gain=1.0, authority=50.0)
     assert compensator.torque(0.5, load_torque=40.0) == compensator.torque(0.5, load_torque=3.0)
+
+
+WARM = (ThermalFriction(0.02, 0.03, 0.002, 0.005, 30.0), ThermalViscous(0.002, 30.0))
+TEMPERATURES = [-1e308, -1e6, -40.0, 0.0, 25.0, 80.0, 1e6, 1e308]
+
+
+@pytest.mark.parametrize("term", WARM, ids=lambda term: term.name)
+@pytest.mark.parametrize("velocity", [-0.5, 0.5])
+def test_no_temperature_gives_more_than_the_ends_of_its_range(term: Term, velocity: float) -> None:
+    model = make_model(term)
+    model = replace(model, validity=replace(model.validity, temperature=(20.0, 40.0)))
+    compensator = Compensator(model, gain=1.0, source="reference", authority=50.0)
+    hot, cold = (compensator.torque(velocity, temperature=edge) for edge in (40.0, 20.0))
+    expected = [float(model.torque(velocity, temperature=edge)) for edge in (40.0, 20.0)]
+    assert [hot, cold] == pytest.approx(expected, rel=1e-12)
+    assert 0.0 < hot / velocity < cold / velocity
+    for temperature in TEMPERATURES:
+        assert hot / velocity <= compensator.torque(velocity, temperature=temperature) / velocity <= cold / velocity
+    assert compensator.rejected == 0
+
+
+@pytest.mark.parametrize("core", [CORE, LuGre(CORE.forward, CORE.reverse, 6000.0, 1.0)], ids=lambda term: term.name)
+@pytest.mark.parametrize("velocity", [-0.5, 0.5])
+def test_dry_friction_never_drives_where_no_range_of_temperature_is_known(core: Term, velocity: float) -> None:
+    model = FrictionModel(FrictionLaw((core, WARM[0])), validity=Validity(velocity=(-1.0, 1.0)))
+    compensator = Compensator(model, gain=1.0, source="reference")
+    for _ in range(10):  # past presliding
+        compensator.torque(velocity)
+    for temperature in TEMPERATURES:
+        assert compensator.torque(velocity, temperature=temperature) / velocity > 0.0
+    viscous, reference = (0.02, 0.02) if velocity > 0.0 else (0.03, 0.03)
+    left = viscous + reference * math.expm1(-min(0.002 * 50.0 / reference, 3.0))
+    assert compensator.torque(velocity, temperature=80.0) == pytest.approx(left * velocity, rel=1e-9)
+
+
+UNEVEN = KinematicError(2e-3, -1e-3, 9.0, 0.3, 1.0, -0.5)
+
+
+@pytest.mark.parametrize("stated", [None, (-2.0, 3.0)])
+def test_an_absurd_acceleration_counts_as_the_end_of_its_range(stated: tuple[float, float] | None) -> None:
+    model, plain = make_model(UNEVEN), Compensator(make_model())
+    model = replace(model, validity=replace(model.validity, acceleration=stated))
+    compensator = Compensator(model, gain=1.0, source="reference")
+    settings = compensator.settings
+    low, high = settings.acceleration_range or (0.0, 0.0)
+    assert (low, high) == (stated or (-high, high))
+    assert ("range of acceleration" in compensator.describe()) == (stated is None)
+    share = settings.authority - plain.settings.authority
+    for position in np.linspace(-1.0, 1.0, 50).tolist():
+        for absurd, edge in ((1e3, high), (1e300, high), (1e308, high), (-1e3, low), (-1e308, low)):
+            expected = float(model.torque(0.5, position=position, acceleration=edge))
+            torque = compensator.torque(0.5, position=position, acceleration=absurd)
+            assert torque == pytest.approx(expected, rel=1e-9)
+            assert abs(torque - plain.torque(0.5) / plain.settings.gain) <= share
+    assert compensator.rejected == 0
+
+
+def test_the_acceleration_that_is_followed_asks_for_as_much_as_the_rest_of_its_term() -> None:
+    plain, share = Compensator(make_model()).settings.authority, math.hypot(2e-3, 1e-3)
+    held = share * (10.0 * math.hypot(1.0, 0.5) + 0.3 * 9.0**2)
+    settings = Compensator(make_model(UNEVEN)).settings
+    assert settings.acceleration_range is not None
+    assert share * 2.0 * 0.3 * 9.0 * settings.acceleration_range[1] == pytest.approx(held)
+    assert settings.authority == pytest.approx(plain + 2.0 * held)
+    assert Compensator(make_model(replace(UNEVEN, load_inertia=0.0))).settings.acceleration_range is None
+
+
+def test_a_torque_that_is_not_finite_is_no_torque_and_is_counted() -> None:
+    compensator = Compensator(make_model(SpringTorque(0.3, 0.1, 1.0)))
+    assert compensator.torque(0.3, position=1e200) == 0.0
+    assert compensator.rejected == 1
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])

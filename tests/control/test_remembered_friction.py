@@ -15,6 +15,8 @@ from fricomp.laws import (
     KinematicError,
     LaggedLuGre,
     LaggedStribeck,
+    LoadScaling,
+    LuGre,
     OperatingPoint,
     StribeckCurve,
     Term,
@@ -96,10 +98,26 @@ def test_authority_holds_what_rests_and_an_uneven_gear_may_ask_for() -> None:
     plain = Compensator(make_model(CORE)).settings.authority
     assert Compensator(make_model(*LAWS["dwell"])).settings.authority == pytest.approx(plain + 0.4)
     term = STATELESS[1]
-    position = np.linspace(-4.0, 4.0, 2000)
-    worst = max(float(np.max(np.abs(FrictionLaw((term,)).torque(v, position=position)))) for v in (0.0, 1.0))
-    more = Compensator(make_model(CORE, term)).settings.authority - plain
-    assert worst <= more <= 2.0 * worst
+    position, law = np.linspace(-4.0, 4.0, 2000), FrictionLaw((term,))
+    settings = Compensator(make_model(CORE, term)).settings
+    assert settings.acceleration_range is not None
+    points = [(v, a) for v in (0.0, 1.0) for a in (0.0, *settings.acceleration_range)]
+    worst = max(float(np.max(np.abs(law.torque(v, position=position, acceleration=a)))) for v, a in points)
+    assert worst <= settings.authority - plain <= 2.0 * worst
+
+
+@pytest.mark.parametrize("wrong", [1e3, 1e200, 1e308])
+@pytest.mark.parametrize("term", [LuGre, LaggedLuGre])
+def test_a_wrong_load_bends_no_bristle_for_longer_than_it_lasts(term: type[LuGre], wrong: float) -> None:
+    """The load has no range; steady sliding over less than 0.1 rad leaves nothing of it."""
+    late = {"lag": 8e-3} if term is LaggedLuGre else {}
+    law = term(FORWARD, REVERSE, 6000.0, 1.0, load=LoadScaling(1.0, 0.5), **late)
+    hurt, sound = Compensator(make_model(law)), Compensator(make_model(law))
+    assert hurt.torque(0.3, load=wrong) in (0.0, hurt.settings.authority)
+    for _ in range(300):
+        after, expected = (c.torque(0.3, load=0.5) for c in (hurt, sound))
+    assert after == pytest.approx(expected, rel=1e-9)
+    assert expected > 0.1
 
 
 def test_the_loop_check_says_that_it_knows_no_lag() -> None:

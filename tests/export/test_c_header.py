@@ -23,8 +23,11 @@ from fricomp.laws import (
     KinematicError,
     LaggedLuGre,
     LaggedStribeck,
+    LoadScaling,
+    LuGre,
     SmoothedCoulomb,
     StribeckCurve,
+    ThermalFriction,
     Viscous,
 )
 from fricomp.model import FrictionModel, Validity
@@ -178,6 +181,7 @@ int main(void)
 """
 
 EXTENDED: dict[str, FrictionModel] = {term.name: make_extended(term) for term in EXTRA_TERMS}
+EXTENDED["dry friction gone"] = make_extended(ThermalFriction(0.05, 0.08, 0.002, 0.02, 30.0))
 EXTENDED |= {"everything": make_extended(), "lugre": make_extended(*EXTRA_TERMS[:5])}
 EXTENDED["lugre"] = replace(
     EXTENDED["lugre"], law=FrictionLaw((*make_lugre().law.terms, *EXTENDED["lugre"].law.terms[1:]))
@@ -200,6 +204,8 @@ def draw_extended(rows: int) -> list[list[float]]:
     table[1::97, 3] = -math.inf
     table[2::97, 4:] = [math.nan, 0.0, 1.0, 1.0]
     table[3::97, 5] = math.inf
+    table[4::97, 4], table[5::97, 4] = 1e30, -1e30
+    table[6::97, 5], table[7::97, 5] = 1e30, -1e30
     return [[float(value) for value in row] for row in table]
 
 
@@ -237,6 +243,23 @@ def test_finite_input_beyond_what_a_float_can_square_gives_zero(law: Cogging | K
     np.testing.assert_allclose(found[:, 0], expected, rtol=1e-12)
     assert expected[1] == 0.0
     assert found[-1, 2] == compensator.rejected == 1
+
+
+@needs_gcc
+def test_a_wrong_load_bends_no_bristle_for_longer_than_it_lasts(tmp_path: Path) -> None:
+    law = LuGre(FORWARD, REVERSE, sigma_0=6000.0, sigma_1=5.0, load=LoadScaling(1.0, 0.5))
+    model = FrictionModel(FrictionLaw((law,)), validity=Validity(velocity=(-1.0, 1.0)))
+    loads = [0.5] * 5 + [1e30] * 2 + [0.5] * 50 + [1e308] * 2 + [0.5] * 50
+    compensator = Compensator(model)
+    found = run_c(
+        tmp_path,
+        render_c_header(model, compensator.settings, prefix="joint"),
+        [[0.3, 0.0, 0.0, n, 0.0, 0.0, 1.0] for n in loads],
+    )
+    np.testing.assert_allclose(found[:, 0], [compensator.torque(0.3, load=n) for n in loads], rtol=1e-12)
+    assert found[56, 0] == found[-1, 0] > 0.1
+    assert found[-1, 1] == pytest.approx(found[-1, 0], rel=1e-6)
+    assert found[-1, 2] == compensator.rejected == 2
 
 
 def test_term_that_c_cannot_hold_is_refused() -> None:

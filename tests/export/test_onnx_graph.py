@@ -21,6 +21,7 @@ from fricomp.laws import (
     SmoothedCoulomb,
     StribeckCurve,
     Term,
+    ThermalFriction,
     Viscous,
 )
 from fricomp.model import FrictionModel
@@ -75,6 +76,18 @@ def test_extended_law_agrees_with_the_model(terms: tuple[Term, ...], tmp_path: P
     expected = evaluate(model, state)
     found = run(tmp_path / "a.onnx", state[:, : len(state_columns([model]))])
     assert np.max(np.abs(found - expected)) <= 2e-6 * np.max(np.abs(expected))
+
+
+def test_terms_that_lower_dry_friction_take_no_more_than_there_is(tmp_path: Path) -> None:
+    """Of two joints the second has no such term; at 90 °C the first has lost all of its dry friction, not at 20 °C."""
+    models = [make_extended(ThermalFriction(0.02, 0.03, 0.0, 0.02, 30.0)), make_extended(EXTRA_TERMS[0])]
+    save_graph(closed_form_graph(models), tmp_path / "arm.onnx")
+    for velocity, viscous in ((0.5, FORWARD.viscous_coefficient), (-0.5, REVERSE.viscous_coefficient)):
+        hot, cold = (np.array([[velocity, 1.0, 0.3, 0.0, t, 0.0]] * 2) for t in (90.0, 20.0))
+        beside = float(evaluate(models[1], hot[1:])[0])
+        assert run(tmp_path / "arm.onnx", hot[:, :5]) == pytest.approx([viscous * velocity, beside], rel=2e-6)
+        expected = [float(evaluate(model, cold[:1])[0]) for model in models]
+        assert run(tmp_path / "arm.onnx", cold[:, :5]) == pytest.approx(expected, rel=2e-6)
 
 
 def test_joints_with_and_without_a_term_share_one_graph(tmp_path: Path) -> None:
