@@ -244,9 +244,10 @@ def build_extra(
         speed = min(max(speed, 0.0), high if velocity >= 0.0 else -low)
         velocity = min(max(velocity, low), high)
         load_torque = min(max(load_torque, low_load), high_load)
-        acceleration = min(max(acceleration, low_acceleration), high_acceleration)
-        if temperature is not None:
-            temperature = min(max(temperature, coldest), hottest)
+        if not low_acceleration <= acceleration <= high_acceleration:
+            acceleration = low_acceleration if acceleration < low_acceleration else high_acceleration
+        if temperature is not None and not coldest <= temperature <= hottest:
+            temperature = coldest if temperature < coldest else hottest
         level = outright = 0.0
         if others:
             level, outright = _both_directions(others, speed, position, load_torque, temperature, acceleration)

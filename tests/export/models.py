@@ -51,7 +51,7 @@ EXTRA_TERMS: tuple[Term, ...] = (
 
 
 def make_extended(*terms: Term) -> FrictionModel:
-    """The Stribeck model with terms over load, position, temperature, acceleration, rests; all unless some named."""
+    """The Stribeck model with terms over load, position, temperature, acceleration and rests: `terms`, or all."""
     law = FrictionLaw((BidirectionalStribeck(FORWARD, REVERSE), *(terms or EXTRA_TERMS)))
     ranges = Validity(
         velocity=(-1.0, 1.2),
