@@ -10,10 +10,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import lfilter
 
 from fricomp.recording import Recording
 
+from .delay import behind
 from .fine_ripple import error_on_left_out_blocks
 from .track import FloatArray
 
@@ -92,11 +92,7 @@ def _shapes(dt: float) -> dict[str, _Late]:
         return shifted
 
     def lagging(signal: FloatArray, constant: float) -> FloatArray:
-        if constant <= 0.0:
-            return signal
-        keep = float(np.exp(-dt / constant))
-        result: FloatArray = lfilter([1.0 - keep], [1.0, -keep], signal, zi=[keep * signal[0]])[0]
-        return result
+        return behind(signal, (constant,), dt) if constant > 0.0 else signal
 
     return {"torque_delay": delayed, "drive_lag": lagging}
 

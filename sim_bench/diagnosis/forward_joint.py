@@ -66,12 +66,24 @@ class Run:
 
     @property
     def substeps(self) -> int:
-        """Steps of a sample: fine enough for the loop, the load on its spring, and a bristle unless none would be."""
+        """Steps of a sample: fine enough for the loop, the load on its spring, and a bristle unless none would be; of
+        such numbers the first that is a whole one for each answer of the loop, or comes closest.
+        """
         rates = [] if self.effects.coupling is None else [self.effects.coupling.rate(self.motor)]
         bristle = bristle_rate(self.plant, self.motor)
         rates += [bristle] if bristle * _SHORTEST <= SOFT else []
-        wanted = max([1.0 / _LONGEST, self.controller.frequency or 0.0, *(rate / _FINE for rate in rates)])
-        return int(np.ceil(self.track.dt * min(wanted, 1.0 / _SHORTEST)))
+        frequency, most = self.controller.frequency, self.track.dt / _SHORTEST
+        wanted = max([1.0 / _LONGEST, frequency or 0.0, *(rate / _FINE for rate in rates)])
+        least = int(np.ceil(min(self.track.dt * wanted, most)))
+        if frequency is None:
+            return least
+        answers = self.track.dt * frequency
+        return min(range(least, max(least, int(most)) + 1), key=lambda n: (_from_whole(n / answers), n))
+
+
+def _from_whole(steps: float) -> float:
+    """How far steps for each answer of the loop are from a whole number of them, to a millionth."""
+    return round(abs(steps - max(round(steps), 1)), 6)
 
 
 def simulate_forward(run: Run) -> FloatArray:
@@ -125,10 +137,11 @@ class _Joint:
         gravity = _Gravity(run.plant, track.rotary)
         coupling = run.effects.coupling
         self.load = _Rigid(gravity) if coupling is None else _Coupled(gravity, coupling, model, data)
-        level, viscous = self.curve.follow(w)
-        held = torque - run.plant.offset - self.additive[k] - viscous - gravity.at(q)
-        self.dry = dry_friction(run.plant, run.motor, step, min(max(held, -level), level))
         self.offset = run.plant.offset
+        level, viscous = self.curve.follow(w)
+        level = max(level + self.level[k], _LEAST_LEVEL)
+        held = torque - self.offset - self.additive[k] - viscous - gravity.at(q)
+        self.dry = dry_friction(run.plant, run.motor, step, min(max(held, -level), level))
 
     def push(self, k: int) -> None:
         """Set the torques of the next step, in sample `k`."""

@@ -27,17 +27,20 @@ class Loop:
         self.before = q - self.seen * self.period
         if controller.integral_gain:
             begun = self.before, self.seen
-            rest = float(track.torque[start]) - self._answered(start, q)
+            rest = float(track.torque[start]) - self._unlimited(start, q)
             (self.before, self.seen), self.integral = begun, rest / controller.integral_gain
 
     def torque(self, k: int, q: float) -> float:
         """Torque in sample `k` at the simulated position [N·m], which holds until the loop sees the next one."""
         if self.wait == 0:
-            self.answer, self.wait = self._answered(k, q), self.every
+            wanted, limit = self._unlimited(k, q), self.controller.torque_limit
+            self.answer = wanted if limit is None else min(max(wanted, -limit), limit)
+            self.wait = self.every
         self.wait -= 1
         return self.answer
 
-    def _answered(self, k: int, q: float) -> float:
+    def _unlimited(self, k: int, q: float) -> float:
+        """Torque that the loop would give without a limit [N·m]."""
         c = self.controller
         rate, self.before = (q - self.before) / self.period, q
         self.seen = rate + (self.seen - rate) * self.keep
@@ -45,9 +48,7 @@ class Loop:
         self.integral += error * self.period
         damping = c.derivative_gain * (c.reference_share * self.speed[k] - self.seen)
         steady = c.proportional_gain * error + c.integral_gain * self.integral + c.bias
-        total = steady + damping + c.acceleration_gain * self.acceleration[k]
-        limit = c.torque_limit
-        return total if limit is None else min(max(total, -limit), limit)
+        return steady + damping + c.acceleration_gain * self.acceleration[k]
 
 
 class Drive:

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from fricomp.sim_bench.diagnosis.controller import Controller
+from fricomp.sim_bench.diagnosis.forward_joint import Run
 from fricomp.sim_bench.diagnosis.forward_loop import Drive, Loop
+from fricomp.sim_bench.diagnosis.observer import Plant
 from fricomp.sim_bench.diagnosis.track import Track
 
 _STEP = 2e-4
@@ -32,6 +34,21 @@ def test_an_integral_begins_where_the_recorded_torque_is_and_stops_at_the_limit(
     loop = Loop(gains, _TRACK, _REFERENCE, 100, _STEP)
     assert loop.torque(100, float(_TRACK.position[100])) == pytest.approx(3.0, abs=1e-2)
     assert Loop(gains, _TRACK, _REFERENCE, 100, _STEP).torque(100, -1.0) == 3.5
+
+
+def test_an_integral_begins_there_too_where_the_other_parts_alone_pass_the_limit() -> None:
+    gains = Controller(1000.0, 0.0, 50.0, frequency=1000.0, torque_limit=5.0)
+    loop = Loop(gains, _TRACK, _REFERENCE, 100, _STEP)
+    assert loop.torque(100, float(_TRACK.position[100])) == pytest.approx(3.0, abs=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("frequency", "substeps"), [(None, 5), (500.0, 5), (1000.0, 5), (3000.0, 6), (4000.0, 8), (1e4, 10), (5e4, 10)]
+)
+def test_a_loop_answers_after_a_whole_number_of_steps(frequency: float | None, substeps: int) -> None:
+    plant = Plant(0.3, (0.0, 0.0), 0.0, (2.0, 2.0, 0.05, 1.0), (2.0, 2.0, 0.05, 1.0), 1e9)
+    run = Run(plant, _TRACK, _REFERENCE, Controller(100.0, frequency=frequency), 0, 200)
+    assert run.substeps == substeps
 
 
 def test_a_drive_follows_its_command_through_its_low_passes() -> None:
