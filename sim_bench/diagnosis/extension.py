@@ -110,6 +110,7 @@ def _model(
             velocity=_range(context.velocity for context in contexts),
             position=_range(np.asarray(recording.position) for recording in recordings),
             load_torque=_range(context.load_torque for context in contexts),
+            acceleration=_range(context.acceleration for context in contexts),
             temperature=_range(context.channels["temperature"] for context in contexts) if warm else None,
         ),
         provenance=Provenance(
