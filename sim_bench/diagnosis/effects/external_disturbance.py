@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.ndimage import label
 
 from ..observer import Contribution
 from ..time_window import push
-from ..track import FloatArray
 from .effect import Context, Effect, EffectParameter, Values, register
 
 _SHORTEST = 0.2  # [s] of the longest window: ten rows; shorter ones have been seen of drives that could not follow
 # [s] A push with sharp edges is not the power of a sine that is fitted: such ends were 5 to 81 ms off (38 ms rms), and
 # its torque 7 % too large, as the sine is pointed.
 _EDGE = 0.04
-_AT_MOST = 0.85  # of the largest torque elsewhere, that a drive still gives while it gives less than it was told
 
 
 @register
@@ -59,23 +56,7 @@ class ExternalDisturbance(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         count = len(_windows(contexts))
         longest = max(values[f"end_{k}"] - values[f"start_{k}"] for k in range(1, count + 1))
-        if longest < _SHORTEST:
-            return "so short a push shows no more than that something was amiss"
-        limited = all(_at_its_limit(context, self.contribution(context, values).additive) for context in contexts)
-        return "it would take torque from the drive only where that gives the most it ever gives" if limited else None
-
-
-def _at_its_limit(context: Context, pushes: FloatArray | float) -> bool:
-    """Whether the drive falls short in all windows, and gives the most of its torque in each: it has a limit."""
-    inside = np.abs(np.broadcast_to(np.asarray(pushes), context.position.shape)) > 0.0
-    if not inside.any() or inside.all():
-        return not inside.any()
-    most = float(np.max(np.abs(context.torque[~inside])))
-    stretch, count = label(inside)
-    peaks = [np.flatnonzero(stretch == i) for i in range(1, count + 1)]
-    tops = [rows[np.argmax(np.abs(np.asarray(pushes)[rows]))] for rows in peaks]
-    given = [float(np.sign(np.asarray(pushes)[top]) * (context.torque - pushes)[top]) for top in tops]
-    return min(given) > _AT_MOST * most
+        return "so short a push shows no more than that something was amiss" if longest < _SHORTEST else None
 
 
 def _windows(contexts: Sequence[Context]) -> list[tuple[float, float, float]]:

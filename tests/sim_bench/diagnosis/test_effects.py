@@ -321,18 +321,6 @@ def test_a_push_is_named_only_if_it_lasts_for_some_rows(end: float, refused: boo
     assert (EFFECTS["external_disturbance"].refuse(values, [context]) is not None) is refused
 
 
-@pytest.mark.parametrize(("given", "refused"), [(10.0, True), (9.0, True), (7.0, False), (-10.0, False)])
-def test_a_push_is_none_where_the_drive_only_falls_short_of_its_command(
-    given: float, refused: bool, context: Context
-) -> None:
-    """Elsewhere the drive gives up to 10 N·m; in the window it gives `given` of a command that is 3 N·m larger."""
-    values = {"torque_1": 3.0, "start_1": 1.0, "end_1": 1.5, "roundness_1": -3.0}
-    push = np.asarray(EFFECTS["external_disturbance"].contribution(context, values).additive)
-    torque = np.where(push > 0.0, given + push, 10.0 * np.sin(7.0 * context.time))
-    found = EFFECTS["external_disturbance"].refuse(values, [replace(context, torque=torque)])
-    assert (found is not None and "drive" in found) is refused
-
-
 def test_joints_of_two_temperatures_differ_though_each_of_them_stays_at_its_own(context: Context) -> None:
     cold, warm = (
         replace(context, channels={"temperature": np.full_like(context.position, t)}, usual_temperature=30.0)
