@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import product
 
 from fricomp.control.curve import FrictionCurves
 from fricomp.control.extra_terms import LOAD_TERMS
 from fricomp.control.trust import compute_torque_cap
-from fricomp.laws import Cogging, DwellStiction, FrictionLaw, KinematicError, PositionCoulomb, Term
+from fricomp.laws import Cogging, DwellStiction, FrictionLaw, KinematicError, PositionCoulomb, Term, ThermalViscous
 from fricomp.model import FrictionModel, Validity
 
-__all__ = ["compute_authority", "find_acceleration_range"]
+__all__ = ["compute_authority", "find_acceleration_range", "find_temperature_range"]
 
 # Friction from a load of unknown range is trusted up to as much as all other friction together [1].
 _UNKNOWN_LOAD_SHARE = 1.0
@@ -35,8 +36,15 @@ def compute_authority(
     over_load = [term for term in curves.extra if isinstance(term, LOAD_TERMS)]
     rest = [term for term in curves.extra if not isinstance(term, LOAD_TERMS)]
     fastest_change = max(map(abs, find_acceleration_range(model, curves, velocity_range) or (0.0,)))
-    largest += sum(_largest(term, velocity_range, model.validity, fastest_change) for term in rest)
+    warmth = find_temperature_range(model, curves)
+    validity = replace(model.validity, temperature=warmth)
+    largest += sum(_largest(term, velocity_range, validity, fastest_change) for term in rest)
     notes = []
+    if warmth is not None and model.validity.temperature is None:
+        notes.append(
+            f"the model states no range of temperature: it is followed from {warmth[0]:.4g} to {warmth[1]:.4g} °C, "
+            "where viscous friction vanishes or doubles; give temperature_range and authority for more"
+        )
     if fastest_change and model.validity.acceleration is None:
         notes.append(
             f"the model states no range of acceleration: it is followed up to {fastest_change:.3g}, where it brings "
@@ -45,7 +53,7 @@ def compute_authority(
     if not over_load:
         return largest, notes
     if model.validity.load_torque is not None:
-        return largest + sum(_largest(term, velocity_range, model.validity) for term in over_load), notes
+        return largest + sum(_largest(term, velocity_range, validity) for term in over_load), notes
     notes.append(
         "the model states no range of load torque: friction from the load is compensated up to as much as all other "
         "friction together; give authority for more"
@@ -65,6 +73,23 @@ def find_acceleration_range(
     if not edges:
         return None
     return model.validity.acceleration or (-min(edges), min(edges))
+
+
+def find_temperature_range(model: FrictionModel, curves: FrictionCurves) -> tuple[float, float] | None:
+    """Temperatures that terms over them are told [°C]; None where nothing bounds them.
+
+    Those of the model. Viscous friction that falls in proportion would turn its sign and drive the joint, so it is
+    followed to where it vanishes, and without a range of the model as far to the other side, where it doubles.
+    """
+    stated = model.validity.temperature
+    for term in curves.extra:
+        if not isinstance(term, ThermalViscous) or term.slope == 0.0:
+            continue
+        reach = min(curves.forward.viscous, curves.reverse.viscous) / abs(term.slope)
+        vanishing = term.reference_temperature + math.copysign(reach, term.slope)
+        low, high = stated or (term.reference_temperature - reach, term.reference_temperature + reach)
+        return (low, max(min(high, vanishing), low)) if term.slope > 0.0 else (min(max(low, vanishing), high), high)
+    return stated
 
 
 def _pushes(term: KinematicError, velocity_range: tuple[float, float]) -> tuple[float, float]:

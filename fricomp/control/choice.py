@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import Any
 
-from fricomp.control.authority import compute_authority, find_acceleration_range
+from fricomp.control.authority import compute_authority, find_acceleration_range, find_temperature_range
 from fricomp.control.confidence import compute_confident_gain
 from fricomp.control.curve import FrictionCurves, split_law
 from fricomp.control.limit_cycle import HIGHEST_GAIN, LIMIT_CYCLE_MARGIN, find_gain_limit
@@ -63,7 +63,7 @@ def choose_settings(
         dead_band=1.5 * velocity_quantum if is_measured else 0.0,
         load_range=model.validity.normal_load,
         load_torque_range=model.validity.load_torque,
-        temperature_range=model.validity.temperature,
+        temperature_range=find_temperature_range(model, curves),
         acceleration_range=find_acceleration_range(model, curves, velocity_range),
     )
     try:

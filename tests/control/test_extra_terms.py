@@ -44,7 +44,7 @@ TERMS: tuple[Term, ...] = (
     LoadStribeck(0.1, 0.07),
     QuadraticDrag(0.05),
     PowerLawViscous(0.1, 0.6),
-    ThermalViscous(0.002, 25.0),
+    ThermalViscous(0.001, 25.0),
     ThermalFriction(0.05, 0.08, 0.002, 0.001, 30.0),
     KinematicError(2e-3, -1e-3, 9.0, 0.3, 1.0, -0.5),
 )
@@ -120,6 +120,27 @@ def test_dry_friction_never_drives_where_no_range_of_temperature_is_known(core: 
     viscous, reference = (0.02, 0.02) if velocity > 0.0 else (0.03, 0.03)
     left = viscous + reference * math.expm1(-min(0.002 * 50.0 / reference, 3.0))
     assert compensator.torque(velocity, temperature=80.0) == pytest.approx(left * velocity, rel=1e-9)
+
+
+@pytest.mark.parametrize("stated", [None, (-40.0, 120.0)])
+@pytest.mark.parametrize("slope", [0.002, -0.002])
+@pytest.mark.parametrize("velocity", [-0.5, 0.5])
+def test_viscous_friction_never_drives_at_any_temperature(
+    stated: tuple[float, float] | None, slope: float, velocity: float
+) -> None:
+    model = FrictionModel(
+        FrictionLaw((CORE, ThermalViscous(slope, 30.0))), validity=Validity(velocity=(-1.0, 1.0), temperature=stated)
+    )
+    compensator = Compensator(model, gain=1.0, source="reference")
+    viscous = 0.02 if velocity > 0.0 else 0.03
+    dry = float(FrictionLaw((CORE,)).torque(velocity)) - viscous * velocity
+    for temperature in TEMPERATURES:
+        torque = compensator.torque(velocity, temperature=temperature)
+        assert torque / dry > 1.0 - 1e-9
+        assert abs(torque) < compensator.settings.authority + 1e-12
+    within, left = 33.0, viscous - 3.0 * slope
+    assert compensator.torque(velocity, temperature=within) == pytest.approx(dry + left * velocity, rel=1e-9)
+    assert ("range of temperature" in compensator.describe()) == (stated is None)
 
 
 UNEVEN = KinematicError(2e-3, -1e-3, 9.0, 0.3, 1.0, -0.5)

@@ -28,7 +28,10 @@ from .test_loop import IdealJoints
 RANGES = Validity(velocity=(-2.0, 2.0), load_torque=(-5.0, 5.0), normal_load=(0.0, 5.0))
 PLAIN = FrictionModel(FrictionLaw((Coulomb(0.2), Viscous(0.1))), validity=RANGES)
 EXTENDED = replace(
-    PLAIN, law=FrictionLaw((Coulomb(0.2), Cogging(0.05, 0.0, 9.0), LoadCoulomb(0.1), ThermalViscous(0.01, 25.0)))
+    PLAIN,
+    law=FrictionLaw(
+        (Coulomb(0.2), Viscous(0.3), Cogging(0.05, 0.0, 9.0), LoadCoulomb(0.1), ThermalViscous(0.01, 25.0))
+    ),
 )
 
 
@@ -129,7 +132,7 @@ def test_loop_adapts_to_friction_that_has_grown(model: FrictionModel) -> None:
     compensation = LoopCompensation(compensators, 2, 1e-3, load=Carrier(), adaptation=settings)
     inputs = {"position": 0.3, "load_torque": 2.0}
     held = 0.05 * math.sin(0.9 * 3.0) if model is EXTENDED else 0.0
-    viscous = 0.05 if model is PLAIN else 0.0
+    viscous = 0.05 if model is PLAIN else 0.15
     dry = float(model.torque(0.5, **inputs)) - held - viscous
     feedback, reference = moving()
     feedback.torque[:] = [2.0 + 1.3 * dry + viscous + held] * 2
