@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -26,9 +27,9 @@ def real(
     """Diagnose recordings that nobody here made, and compare with what is known about them."""
     from rich.table import Table
 
-    from fricomp.cli.terminal import console, progress
+    from fricomp.cli.bench.side_by_side import run_side_by_side
+    from fricomp.cli.terminal import console
     from fricomp.errors import DiagnosisError
-    from fricomp.sim_bench.fleet import open_executor
     from fricomp.sim_bench.real import REAL_CASES, run_case, write_real_page
 
     known = {case.name: case for case in REAL_CASES}
@@ -37,13 +38,8 @@ def real(
         raise DiagnosisError(f"no case {unknown[0]!r}: valid are {', '.join(known)}")
     cases = [known[name] for name in only] if only else list(REAL_CASES)
     out.mkdir(parents=True, exist_ok=True)
-    with progress() as bar, open_executor(executor) as (pool, _):
-        task = bar.add_task("recordings", total=len(cases))
-        futures = []
-        for case in cases:
-            futures.append(pool.submit(run_case, case, out, seed=seed, resume=resume))
-            futures[-1].add_done_callback(lambda _: bar.advance(task))
-        outcomes = [future.result() for future in futures]
+    calls = [partial(run_case, case, out, seed=seed, resume=resume) for case in cases]
+    outcomes = run_side_by_side(calls, executor, "recordings")
     table = Table("recording", "verdict", "named", "as expected", "time [s]")
     for one in outcomes:
         verdict = one.record.verdict if one.record is not None else "no answer"

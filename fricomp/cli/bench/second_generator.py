@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -26,19 +27,13 @@ def second_generator(
     """Diagnose joints whose left-out physics is MuJoCo's own, and compare with what is known about them."""
     from rich.table import Table
 
-    from fricomp.cli.terminal import console, progress
-    from fricomp.sim_bench.fleet import open_executor
+    from fricomp.cli.bench.side_by_side import run_side_by_side
+    from fricomp.cli.terminal import console
     from fricomp.sim_bench.second_generator import choose_cases, compute_figures, run_case, write_page
 
     cases = choose_cases(only or (), quick=quick)
     out.mkdir(parents=True, exist_ok=True)
-    with progress() as bar, open_executor(executor) as (pool, _):
-        task = bar.add_task("cases", total=len(cases))
-        futures = []
-        for case in cases:
-            futures.append(pool.submit(run_case, case, out, resume=resume))
-            futures[-1].add_done_callback(lambda _: bar.advance(task))
-        scores = [future.result() for future in futures]
+    scores = run_side_by_side([partial(run_case, case, out, resume=resume) for case in cases], executor, "cases")
     table = Table("case", "verdict", "named", "right", "seconds")
     for one in scores:
         right = "no" if one.wrong else "yes"
