@@ -10,6 +10,7 @@ import numpy as np
 
 from fricomp.report import Chart, HeatMap, Line, Panel, Points, draw_png
 
+from .plan import NULLS
 from .score import Score
 from .summary import Figure, PowerPoint, compute_confusion, compute_figures, compute_power, is_wrong
 
@@ -53,6 +54,12 @@ windows, over what the same refit leaves of the recording itself. Before that th
 what is named there counts as known, is not injected, and is no false name afterwards. Recordings that come out
 complete as they are stand apart from those in which more is missing already.
 """
+_NULLS = """# False alarms on joints with nothing missing
+
+`fricomp bench mismatch --nulls` makes joints of which the simulation leaves nothing out, some of them with inertia,
+gravity and friction other than the simulation says, and has `fricomp diagnose` look at them blind. Generator, sealing
+and what is not proved are those of the [proof on concealed cases](proof.md).
+"""
 _LIMITS = """## What is not proved here
 
 - Generator and diagnosis come from one project; effects that neither of them thinks of are not tried, beyond those
@@ -93,12 +100,13 @@ def write_page(
         earlier: Markdown of the scored runs before this one; empty for none.
         gaps: Markdown of the gaps closed, measured by second diagnoses; empty for none.
     """
-    injected = any(score.group.startswith("injected") for score in scores)
+    groups = {score.group for score in scores}
+    injected, only_nulls = any(group.startswith("injected") for group in groups), groups <= set(NULLS)
     charts = page.with_suffix("")
     charts.mkdir(parents=True, exist_ok=True)
     figures, power, confusion = compute_figures(scores), compute_power(scores), compute_confusion(scores)
     sections = [
-        _INJECTED if injected else _INTRODUCTION,
+        _INJECTED if injected else _NULLS if only_nulls else _INTRODUCTION,
         f"## Figures\n\n{title}\n\n    {reproduce}\n\n{_figure_table(figures)}",
         f"## Cases\n\n{_group_table(scores)}",
     ]
@@ -110,7 +118,7 @@ def write_page(
         draw_png(_confusion_chart(confusion), charts / "confusion.png")
         sections.append(f"## Which answer came first\n\n![Confusion matrix]({charts.name}/confusion.png)")
     sections += [part for part in (gaps, earlier, baselines) if part]
-    sections += [_answers_as_they_are(scores)] if injected else [_LIMITS]
+    sections += [_answers_as_they_are(scores)] if injected else [] if only_nulls else [_LIMITS]
     sections.append(f"## Wrong answers\n\n{_wrong_table(scores)}")
     page.write_text("\n\n".join(section.strip() for section in sections) + "\n", encoding="utf-8")
 

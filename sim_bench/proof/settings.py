@@ -5,6 +5,7 @@ from __future__ import annotations
 import secrets
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +36,7 @@ class RunSettings(msgspec.Struct, frozen=True):
         first_seed: First development seed.
         salt: Secret of the run.
         injected: Effects in real recordings instead of simulated ones.
-        tree: Hash of the scored diagnosis; empty for development seeds.
+        tree: Hash of the diagnosis; empty where it was not committed when a run on development seeds began.
         run: Number of the scored run; 0 for development seeds.
         nulls: Only cases in which nothing is missing.
         order: Of the designs; the number of the run for scored ones from the 13th on, so that what one run missed
@@ -77,7 +78,10 @@ def load_or_start(out: Path, wanted: RunSettings, *, resume: bool, log: Path, re
         found = msgspec.json.decode(path.read_bytes(), type=RunSettings)
         return msgspec.structs.replace(found, cases=wanted.cases)
     settings = msgspec.structs.replace(wanted, salt=secrets.token_hex(16))
-    if wanted.scored:
+    if not wanted.scored:
+        with suppress(DiagnosisError):
+            settings = msgspec.structs.replace(settings, tree=diagnosis_tree(repository))
+    else:
         run = next_run(log)
         settings = msgspec.structs.replace(settings, tree=diagnosis_tree(repository), run=run, order=run)
         append_entry(log, {"run": settings.run, "tree": settings.tree, "event": "started", "cases": wanted.cases})

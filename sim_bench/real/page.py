@@ -13,17 +13,17 @@ __all__ = ["write_real_page"]
 _INTRODUCTION = """# The diagnosis on real recordings
 
 Public recordings of joints that nobody here made, through the same `diagnose` as any other: no simulation is given,
-so a rigid joint with bidirectional Stribeck friction is identified from the recording and serves as the simulation.
-Nothing is tuned to a file; what the diagnosis knows of it are its samples and the metadata of the
-[mapping](recordings.md).
+so a rigid joint with bidirectional Stribeck friction is identified from the recording and serves as the simulation;
+the two sessions of an arm come with its kinematics, which a payload is computed with. Nothing is tuned to a file; what
+the diagnosis knows of it are its samples and the metadata of the [mapping](recordings.md).
 
     fricomp bench real --page docs/real.md --out runs/real
 
-The data are not in the project (see [recordings](recordings.md) for where they come from). Errors are on data that
-took no part in the fit: whole recordings, one after another, where a case has several; blocks of time where it has
-one, and for ripples, drives and presliding found in the samples; the last third of each session for an arm. They are
-of residuals averaged over tens of milliseconds, or of single samples where a ripple, a drive or presliding was found
-in the samples. So they compare with each other in a row, and with published figures only roughly.
+The data are not in the project; [recordings](recordings.md#public-data-sets) says where they come from. Errors are on
+data that took no part in the fit: whole recordings, one after another, where a case has several; blocks of time where
+it has one, and for ripples, drives and presliding found in the samples; the last third of each session for an arm. They
+are of residuals averaged over tens of milliseconds, or of single samples where a ripple, a drive or presliding was
+found in the samples. So they compare with each other in a row, and with published figures only roughly.
 """
 _MARK = {True: "yes", False: "**no**", None: "nothing promised"}
 

@@ -232,7 +232,8 @@ def _title(settings: RunSettings, count: int, planned: int) -> str:
     cases = f"{count} cases" if count >= planned else f"the first {count} of {planned} cases"
     if settings.scored:
         return f"Scored run {settings.run} of the diagnosis with tree {settings.tree[:12]}: {cases}."
-    return f"Development seeds from {settings.first_seed}: {cases}. No scored run."
+    of = f"Diagnosis with tree {settings.tree[:12]}, development" if settings.tree else "Development"
+    return f"{of} seeds from {settings.first_seed}: {cases}. No scored run."
 
 
 def _reproduce(settings: RunSettings, out: Path, page: Path) -> str:

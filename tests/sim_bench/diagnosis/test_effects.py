@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -55,6 +56,13 @@ def context() -> Context:
 
 def test_the_catalogue_is_complete() -> None:
     assert set(EFFECTS) == CATALOGUE
+
+
+def test_the_documentation_lists_every_effect() -> None:
+    text = (Path(__file__).parents[3] / "docs/diagnosis.md").read_text()
+    for name, effect in EFFECTS.items():
+        equation = effect.equation.replace("|", "\\|")
+        assert f"| `{name}` | {effect.kind} | {effect.says} | `{equation}` |" in text
 
 
 @pytest.mark.parametrize("name", sorted(CATALOGUE))

@@ -184,6 +184,20 @@ def test_what_is_near_one_by_construction_reaches_no_target(tmp_path: Path) -> N
     assert "near 1 by construction" in (tmp_path / "proof.md").read_text()
 
 
+def test_joints_with_nothing_missing_alone_have_a_page_of_their_own(tmp_path: Path) -> None:
+    nothing, something = (
+        _score(_truth(verdict="consistent"), answer("consistent"), "null"),
+        _score(_truth(_effect("cogging")), answer("missing_physics", ["cogging"])),
+    )
+    page = tmp_path / "nulls.md"
+    for scores, heading in (
+        ([nothing], "# False alarms on joints with nothing missing"),
+        ([nothing, something], "# Proof on concealed cases"),
+    ):
+        write_page(scores, page, title="A test.", reproduce="fricomp bench mismatch")
+        assert page.read_text().splitlines()[0] == heading
+
+
 def test_an_interval_counts_where_the_parameter_can_be_compared() -> None:
     parameters = {"coefficient": {"value": 0.1, "unit": "1"}}
     blind = answer("missing_physics", ["load_coulomb"])
