@@ -12,6 +12,7 @@ shorter than the way from one row to the next, and two grids of such rows agree 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
@@ -116,7 +117,7 @@ def left_after_refit(
     torque: NDArray[np.float64],
     rows: Rows,
     against: Literal["refit", "friction", "nothing"],
-    also: NDArray[np.float64] | None = None,
+    also: Sequence[NDArray[np.float64]] = (),
 ) -> NDArray[np.float64]:
     """What the simulation's own terms cannot take up of a torque [N·m], over the noise; shape (n_rows,).
 
@@ -124,12 +125,11 @@ def left_after_refit(
         torque: Shape (n_samples,).
         rows: Of the recording.
         against: Which terms are refitted.
-        also: A further torque whose amplitude is refitted with them.
+        also: Further torques whose amplitudes are refitted with them.
     """
     wanted = weak_form(torque, rows.step) / rows.deviation
     parts = {"refit": [rows.friction, rows.body], "friction": [rows.friction], "nothing": []}[against]
-    if also is not None:
-        parts = [*parts, (weak_form(also, rows.step) / rows.deviation)[:, None]]
+    parts += [(weak_form(one, rows.step) / rows.deviation)[:, None] for one in also]
     if not parts:
         return np.asarray(wanted)
     columns = np.concatenate(parts, axis=1)

@@ -192,13 +192,11 @@ def _describe(case: Case, index: int) -> dict[str, Any]:
 
 def _separable(case: Case, index: int) -> float:
     """Strength of one effect after the refit of everything else that is concealed."""
-    each, left = case.concealed[index], 0.0
+    each = case.concealed[index]
     others = [other.torque for i, other in enumerate(case.concealed) if i != index]
     if not others:
         return each.enr
-    for other in others:
-        left = compute_enr(left_after_refit(each.torque, case.outcome.rows, each.effect.against, other))
-    return left
+    return compute_enr(left_after_refit(each.torque, case.outcome.rows, each.effect.against, others))
 
 
 def _write_table(columns: dict[str, NDArray[np.float64]], metadata: dict[str, Any], path: Path) -> None:

@@ -11,7 +11,7 @@ from .run import count_open, read_refused, read_scores, run_proof
 from .run_log import append_entry, next_run, read_entries
 from .score import Score
 from .seeds import development_seeds, diagnosis_tree, scored_seeds
-from .settings import RunSettings, load_or_start, log_outcome, plan_run, seeds_of, watch
+from .settings import RunSettings, check_diagnosis, load_or_start, log_outcome, plan_run, seeds_of, watch
 from .speed_up import SpeedUp, measure_speed_up
 from .summary import Figure, compute_figures, compute_power, is_wrong
 
@@ -26,6 +26,7 @@ __all__ = [
     "Score",
     "SpeedUp",
     "append_entry",
+    "check_diagnosis",
     "compute_figures",
     "compute_power",
     "count_open",

@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+import fricomp
 from fricomp.errors import DiagnosisError, FricompError
 
 from ..concealed import CaseSpec, case_id, generate, record_again, write_answer, write_case
@@ -20,6 +21,7 @@ from ..real.injection import InjectedSpec, inject
 __all__ = ["BlindAnswer", "Prepared", "diagnose_blind", "prepare", "prepare_follow_up"]
 
 _ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+_PACKAGES = str(Path(fricomp.__file__).resolve().parents[1])
 _LIMIT = 900.0  # [s] for one diagnosis
 _LONGEST, _PERIOD = 120.0, 1e-3  # [s] of a proposed motion, of its samples
 
@@ -126,7 +128,9 @@ def diagnose_blind(files: dict[str, bytes]) -> BlindAnswer:
 
 def _run(folder: Path) -> str:
     command = [sys.executable, "-m", "fricomp.sim_bench.blind_diagnosis"]
-    environment = {**os.environ, **_ONE_THREAD}
+    # The fricomp of this process, whatever else the interpreter would find in that folder.
+    path = os.pathsep.join(filter(None, [_PACKAGES, os.environ.get("PYTHONPATH")]))
+    environment = {**os.environ, **_ONE_THREAD, "PYTHONPATH": path}
     try:
         done = subprocess.run(
             command, cwd=folder, env=environment, capture_output=True, text=True, timeout=_LIMIT, check=False

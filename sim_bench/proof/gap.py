@@ -19,9 +19,11 @@ import msgspec
 import numpy as np
 
 from fricomp.errors import DiagnosisError
+from fricomp.recording.whole_file import whole_file
 
 from ..concealed import CATALOGUE, CaseSpec, generate, write_answer, write_case
 from ..diagnosis import HeldOut
+from ..diagnosis_version import diagnosis_version
 from ..fleet import stream
 from .blind import BlindAnswer, diagnose_blind
 from .making import name_of
@@ -55,6 +57,7 @@ class GapScore(msgspec.Struct, frozen=True):
         after: With what was named [N·m]; None likewise.
         reachable: Of the refitted joint on the recording without the concealed torque [N·m]; None likewise.
         floor: What the first diagnosis takes for noise [N·m]; None likewise.
+        diagnosis: Version of the diagnosis.
     """
 
     case: str
@@ -65,6 +68,7 @@ class GapScore(msgspec.Struct, frozen=True):
     after: float | None
     reachable: float | None
     floor: float | None
+    diagnosis: str = ""
 
     @property
     def closed(self) -> float:
@@ -114,21 +118,27 @@ def measure_gaps(
 
     Args:
         planned: Of `plan_gaps`.
-        folder: Keeps one file a case, so that a measurement that was stopped goes on.
+        folder: Keeps one file a case, so that a measurement of the same diagnosis that was stopped goes on.
         executor: With the number of its workers.
         diagnose: What runs for the files of a case.
         progress: Called after each case.
     """
     folder.mkdir(parents=True, exist_ok=True)
     paths = {name_of(each.spec): folder / f"{name_of(each.spec)}.json" for each in planned}
-    todo = [(paths[name_of(each.spec)], (each, diagnose)) for each in planned if not paths[name_of(each.spec)].exists()]
+    done = {name for name, path in paths.items() if path.exists() and _read(path).diagnosis == diagnosis_version()}
+    todo = [(paths[name_of(each.spec)], (each, diagnose)) for each in planned if name_of(each.spec) not in done]
     for _ in range(len(planned) - len(todo)):
         progress()
     for path, future in stream(todo, _measure, executor):
         if (score := future.result()) is not None:
-            path.write_bytes(msgspec.json.encode(score))
+            with whole_file(path) as part:
+                part.write_bytes(msgspec.json.encode(msgspec.structs.replace(score, diagnosis=diagnosis_version())))
         progress()
-    return [msgspec.json.decode(path.read_bytes(), type=GapScore) for path in paths.values() if path.exists()]
+    return [_read(path) for path in paths.values() if path.exists()]
+
+
+def _read(path: Path) -> GapScore:
+    return msgspec.json.decode(path.read_bytes(), type=GapScore)
 
 
 def _measure(planned: PlannedCase, diagnose: Diagnose) -> GapScore | None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+from fricomp.recording.whole_file import whole_file
+
 from .run import REFUSED, SEALS
 from .settings import SETTINGS
 
@@ -23,7 +25,8 @@ def keep_data(out: Path, folder: Path) -> None:
 
     folder.mkdir(parents=True, exist_ok=True)
     tables = [parquet.read_table(path) for path in sorted((out / "scores").glob("*.parquet"))]
-    parquet.write_table(concat_tables(tables), folder / _SCORES)
+    with whole_file(folder / _SCORES) as part:
+        parquet.write_table(concat_tables(tables), part)
     _copy(out, folder)
 
 

@@ -92,6 +92,7 @@ def run_proof(
     diagnose: Diagnose = diagnose_blind,
     progress: Callable[[Score | None], None] = lambda score: None,
     go_on: Callable[[], bool] = always,
+    check: Callable[[], None] = lambda: None,
 ) -> list[Score]:
     """Score all cases that the folder does not hold yet, in the order planned.
 
@@ -103,6 +104,7 @@ def run_proof(
         diagnose: What runs on a worker for the files of a case.
         progress: Called after each case; with None for one that could not be made.
         go_on: Asked before each case; once it says no, those under way are finished and the rest is left.
+        check: Called before each answer counts; raises where it is no longer that of this run.
 
     Returns:
         The scores of the planned cases, those of earlier runs in the folder included.
@@ -130,6 +132,7 @@ def run_proof(
                 first = replace(pending, first=result)
                 submit(first, prepare_follow_up, pending.planned.spec, result.motion)
             else:
+                check()
                 progress(_finish(run, pending, result))
     names = {name_of(each.spec) for each in planned}
     return [score for score in read_scores(folder) if score.case in names]

@@ -49,7 +49,8 @@ class Score:
         set_size: Mean number of names in a set; 0 where nothing was named.
         false_names: Names that are neither concealed, nor accepted, nor come with a concealed one in their set.
         verdict_right: The verdict is the expected one, or was accepted for it.
-        overlap: Intersection over union of the located and the true time; NaN where the effect is not localised.
+        overlap: Intersection over union of the located and the true time, 0 where no time was named; NaN where the
+            effect is not localised.
         gap_closed: Energy above the diagnosis' own noise floor that was removed on held-out data; NaN where no effect
             of physics or measurement was named that changes the residual. That floor is at most the error that is
             left, so this is no share of what the right structure could close: `gap` measures that.
@@ -211,10 +212,10 @@ def interval_overlap(first: Sequence[Sequence[float]], second: Sequence[Sequence
 
 def _score_location(truth: dict[str, Any], said: dict[str, Any], duration: float) -> float:
     localised = bool(truth["effects"]) and all(each["localised"] for each in truth["effects"])
-    location = said.get("location") or {}
-    if not localised or "time" not in location:
+    if not localised:
         return float("nan")
-    return interval_overlap(truth["location"]["time"], location["time"], duration)
+    location = said.get("location") or {}
+    return interval_overlap(truth["location"]["time"], location.get("time", []), duration)
 
 
 def _gap_closed(said: dict[str, Any]) -> float:

@@ -13,11 +13,21 @@ import msgspec
 
 from fricomp.errors import DiagnosisError
 
+from ..diagnosis_version import imported_diagnosis
 from .plan import GROUPS, NULLS, PlannedCase, plan_cases, plan_clear_cases
 from .run_log import append_entry, next_run
 from .seeds import development_seeds, diagnosis_tree, scored_seeds
 
-__all__ = ["SETTINGS", "RunSettings", "load_or_start", "log_outcome", "plan_run", "seeds_of", "watch"]
+__all__ = [
+    "SETTINGS",
+    "RunSettings",
+    "check_diagnosis",
+    "load_or_start",
+    "log_outcome",
+    "plan_run",
+    "seeds_of",
+    "watch",
+]
 
 SETTINGS = "run.json"
 """File of a run that holds its settings."""
@@ -69,7 +79,8 @@ def load_or_start(out: Path, wanted: RunSettings, *, resume: bool, log: Path, re
         repository: Whose diagnosis is scored.
 
     Raises:
-        DiagnosisError: There is a run and it is not to be resumed, or the diagnosis of a scored run is not committed.
+        DiagnosisError: There is a run and it is not to be resumed, or the diagnosis of a scored run is not committed or
+            not the one that would run.
     """
     path = out / SETTINGS
     if path.exists():
@@ -80,10 +91,10 @@ def load_or_start(out: Path, wanted: RunSettings, *, resume: bool, log: Path, re
     settings = msgspec.structs.replace(wanted, salt=secrets.token_hex(16))
     if not wanted.scored:
         with suppress(DiagnosisError):
-            settings = msgspec.structs.replace(settings, tree=diagnosis_tree(repository))
+            settings = msgspec.structs.replace(settings, tree=_tree_that_runs(repository))
     else:
         run = next_run(log)
-        settings = msgspec.structs.replace(settings, tree=diagnosis_tree(repository), run=run, order=run)
+        settings = msgspec.structs.replace(settings, tree=_tree_that_runs(repository), run=run, order=run)
         append_entry(log, {"run": settings.run, "tree": settings.tree, "event": "started", "cases": wanted.cases})
     out.mkdir(parents=True, exist_ok=True)
     path.write_bytes(msgspec.json.format(msgspec.json.encode(settings), indent=1) + b"\n")
@@ -105,7 +116,7 @@ def plan_run(settings: RunSettings) -> Sequence[PlannedCase]:
 
 
 def watch(settings: RunSettings, repository: Path, minutes: float | None = None) -> Callable[[], bool]:
-    """Whether a run may start another case: its time is not over and, if it is scored, its diagnosis is unchanged.
+    """Whether a run may start another case: its time is not over and its diagnosis, where known, is unchanged.
 
     Raises:
         DiagnosisError: By the returned function, where the diagnosis is another than the one the run began with.
@@ -113,14 +124,38 @@ def watch(settings: RunSettings, repository: Path, minutes: float | None = None)
     end = time.monotonic() + 60.0 * minutes if minutes is not None else float("inf")
 
     def go_on() -> bool:
-        if settings.scored and (now := diagnosis_tree(repository)) != settings.tree:
-            raise DiagnosisError(
-                f"run {settings.run} scores the diagnosis {settings.tree[:12]}, and now it is {now[:12]}: "
-                "go back to the commit of the run, or start a new one in another --out"
-            )
+        check_diagnosis(settings, repository)
         return time.monotonic() < end
 
     return go_on
+
+
+def check_diagnosis(settings: RunSettings, repository: Path) -> None:
+    """Nothing, where the diagnosis is the one that the run began with or that one is not known.
+
+    Raises:
+        DiagnosisError: It is another one, is not committed, or is not the one that workers import.
+    """
+    if settings.tree and (now := _tree_that_runs(repository)) != settings.tree:
+        raise DiagnosisError(
+            f"the run measures the diagnosis {settings.tree[:12]}, and now it is {now[:12]}: "
+            "go back to the commit of the run, or start a new one in another --out"
+        )
+
+
+def _tree_that_runs(repository: Path) -> str:
+    """Git's tree hash of the diagnosis, which is the one that workers import.
+
+    Raises:
+        DiagnosisError: It is not committed, or workers import that of another folder.
+    """
+    tree, imported = diagnosis_tree(repository), imported_diagnosis()
+    if (repository / "sim_bench/diagnosis").resolve() != imported:
+        raise DiagnosisError(
+            f"the fricomp that runs has its diagnosis in {imported}, not in this checkout: run the command of the "
+            "environment that this checkout is installed in"
+        )
+    return tree
 
 
 def log_outcome(settings: RunSettings, log: Path, left: int, count: int, figures: Mapping[str, Any]) -> None:

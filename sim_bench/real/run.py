@@ -10,9 +10,11 @@ import msgspec
 
 from fricomp.errors import FricompError
 from fricomp.recording import read_public
+from fricomp.recording.whole_file import whole_file
 
 from ..diagnosis import Diagnosis, DiagnosisRecord, Quantity, diagnose, load_diagnosis
 from ..diagnosis_report import derived_parameters, with_names, write_diagnosis
+from ..diagnosis_version import diagnosis_version
 from .arm import ARMS, arm_xml
 from .cases import RealCase
 
@@ -71,10 +73,12 @@ class RealOutcome:
 
 
 class _Note(msgspec.Struct, frozen=True):
-    """What `outcome.json` keeps beside the record."""
+    """What `outcome.json` keeps beside the record, and of which diagnosis and seed."""
 
     error: str
     seconds: float
+    diagnosis: str = ""
+    seed: int = 0
 
 
 def run_case(case: RealCase, out: Path, *, seed: int = 0, resume: bool = False) -> RealOutcome:
@@ -84,16 +88,18 @@ def run_case(case: RealCase, out: Path, *, seed: int = 0, resume: bool = False) 
         case: Which.
         out: Folder; the case's own is made in it.
         seed: Of the diagnosis.
-        resume: Take what an earlier run left there.
+        resume: Take what an earlier run of this diagnosis left there.
     """
     place = out / case.name
     if resume and (place / "outcome.json").exists():
         note = msgspec.json.decode((place / "outcome.json").read_bytes(), type=_Note)
-        record = None if note.error else load_diagnosis(place / "diagnosis.json")
-        return RealOutcome(case, record, note.error, note.seconds)
+        if (note.diagnosis, note.seed) == (diagnosis_version(), seed):
+            record = None if note.error else load_diagnosis(place / "diagnosis.json")
+            return RealOutcome(case, record, note.error, note.seconds)
     outcome = _diagnose(case, place, seed)
     place.mkdir(parents=True, exist_ok=True)
-    (place / "outcome.json").write_bytes(msgspec.json.encode(_Note(outcome.error, outcome.seconds)))
+    with whole_file(place / "outcome.json") as part:
+        part.write_bytes(msgspec.json.encode(_Note(outcome.error, outcome.seconds, diagnosis_version(), seed)))
     return outcome
 
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
 
 from fricomp.recording import write_recording
+from fricomp.recording.whole_file import whole_file
 
+from ..diagnosis_version import diagnosis_version
 from ..proof.blind import BlindAnswer, diagnose_blind
 from .cases import Case
 from .joint import PLAIN, write_mjcf
@@ -41,17 +44,18 @@ def run_case(case: Case, out: Path, *, resume: bool = False) -> Score:
     Args:
         case: Which.
         out: Folder of the run.
-        resume: Take the score that an earlier run left there, if it is of this very case.
+        resume: Take the score that an earlier run left there, if it is of this very case and diagnosis.
     """
     folder = out / case.name
     kept = folder / "score.json"
     if resume and kept.exists():
         score = msgspec.json.decode(kept.read_bytes(), type=Score)
-        if score.case == case:
+        if (score.case, score.diagnosis) == (case, diagnosis_version()):
             return score
     truth = write_files(case, folder)
     blind: BlindAnswer = diagnose_blind({name: (folder / name).read_bytes() for name in _FILES})
     (folder / "diagnosis.json").write_bytes(blind.diagnosis)
-    score = score_case(case, truth, blind)
-    kept.write_bytes(msgspec.json.format(msgspec.json.encode(score), indent=1) + b"\n")
+    score = replace(score_case(case, truth, blind), diagnosis=diagnosis_version())
+    with whole_file(kept) as part:
+        part.write_bytes(msgspec.json.format(msgspec.json.encode(score), indent=1) + b"\n")
     return score

@@ -65,6 +65,7 @@ class Score:
         floor: The diagnosis' own estimate of the noise [N·m].
         seconds: Wall-clock time of the diagnosis [s].
         error: Why there is no answer; empty where there is one.
+        diagnosis: Version of the diagnosis that answered.
     """
 
     case: Case
@@ -77,6 +78,7 @@ class Score:
     floor: float | None = None
     seconds: float = 0.0
     error: str = ""
+    diagnosis: str = ""
 
     @property
     def group(self) -> Group:

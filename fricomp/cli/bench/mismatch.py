@@ -122,13 +122,15 @@ def _run(
     settings: RunSettings, out: Path, executor: tuple[str, int | None], minutes: float | None, log: Path
 ) -> tuple[list[Score], Sequence[PlannedCase]]:
     """All scores of the run in its folder, and what it was to be."""
+    from functools import partial
     from time import monotonic
 
     from fricomp.cli.terminal import console, progress
     from fricomp.sim_bench.fleet import open_executor
-    from fricomp.sim_bench.proof import compute_figures, count_open, log_outcome, run_proof, watch
+    from fricomp.sim_bench.proof import check_diagnosis, compute_figures, count_open, log_outcome, run_proof, watch
 
-    go_on, start, done = watch(settings, Path.cwd(), minutes), monotonic(), 0
+    go_on, check = watch(settings, Path.cwd(), minutes), partial(check_diagnosis, settings, Path.cwd())
+    start, done = monotonic(), 0
     with progress() as bar, open_executor(*executor) as pool:
         task = bar.add_task("concealed cases", total=None)
 
@@ -139,7 +141,7 @@ def _run(
 
         def go(planned: Sequence[PlannedCase]) -> list[Score]:
             bar.update(task, total=len(planned), completed=len(planned) - count_open(planned, out))
-            return run_proof(planned, out, pool, salt=settings.salt, progress=count, go_on=go_on)
+            return run_proof(planned, out, pool, salt=settings.salt, progress=count, go_on=go_on, check=check)
 
         planned = _plan(settings, out, go)
         scores = go(planned)

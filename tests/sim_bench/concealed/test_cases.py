@@ -132,6 +132,14 @@ def test_the_refit_takes_up_what_the_simulation_has(cogging: Case) -> None:
     assert compute_enr(left_after_refit(in_span, rows, "nothing")) > 1.0
 
 
+def test_what_is_concealed_besides_is_refitted_all_at_once(cogging: Case) -> None:
+    position, rows = cogging.outcome.motion.position, cogging.outcome.rows
+    others = [np.sin(7.0 * position), np.cos(7.0 * position)]
+    both = others[0] + 0.5 * others[1]
+    assert compute_enr(left_after_refit(both, rows, "refit", others)) < 1e-9
+    assert all(compute_enr(left_after_refit(both, rows, "refit", [other])) > 1.0 for other in others)
+
+
 def _within(intervals: list[tuple[float, float]], time: np.ndarray) -> np.ndarray:
     inside = np.zeros(time.size, dtype=bool)
     for start, end in intervals:

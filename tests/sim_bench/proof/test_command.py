@@ -12,6 +12,7 @@ from fricomp.cli.bench import mismatch
 from fricomp.cli.cases import app as cases_app
 from fricomp.errors import DiagnosisError
 from fricomp.sim_bench import proof
+from fricomp.sim_bench.proof import settings
 from tests.sim_bench.proof.answering import always_consistent
 
 
@@ -95,6 +96,7 @@ def test_a_scored_run_goes_in_pieces_and_its_log_tells(tmp_path: Path, monkeypat
     for call in (("init", "-q"), ("add", "."), ("commit", "-q", "-m", "diagnosis")):
         subprocess.run(["git", "-C", str(tmp_path), *identity, *call], check=True, capture_output=True)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(settings, "imported_diagnosis", source.parent.resolve)
     (tmp_path / "docs").mkdir()
     options = ["--scored", "--cases", "3", "--executor", "serial", "--resume", "--out", "run"]
     options += ["--page", "docs/proof.md"]

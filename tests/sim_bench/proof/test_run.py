@@ -50,6 +50,16 @@ def test_a_run_whose_time_is_over_finishes_what_it_began_and_goes_on_later(tmp_p
     assert count_open(_PLANNED, tmp_path) == 0
 
 
+def test_an_answer_of_another_diagnosis_does_not_count(tmp_path: Path) -> None:
+    def check() -> None:
+        raise DiagnosisError("another diagnosis")
+
+    pool = (SerialExecutor(), 1)
+    with pytest.raises(DiagnosisError, match="another diagnosis"):
+        run_proof(_PLANNED, tmp_path, pool, salt="s", diagnose=always_consistent, check=check)
+    assert count_open(_PLANNED, tmp_path) == len(_PLANNED)
+
+
 def test_a_run_goes_on_from_the_data_beside_its_page(tmp_path: Path) -> None:
     first, kept, second = (tmp_path / name for name in ("first", "proof", "second"))
     settings = load_or_start(first, RunSettings(3), resume=False, log=tmp_path / "log", repository=tmp_path)

@@ -151,6 +151,7 @@ def test_location_counts_for_localised_effects_only() -> None:
     said = answer("missing_physics", ["end_stop"], location={"time": [[1.0, 2.0]]})
     assert _score(_truth(_effect("end_stop", localised=True)), said).overlap == 1.0
     assert math.isnan(_score(_truth(_effect("end_stop")), said).overlap)
+    assert _score(_truth(_effect("end_stop", localised=True)), answer("consistent")).overlap == 0.0
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from fricomp.sim_bench.proof import (
     PlannedCase,
     RunSettings,
     append_entry,
+    check_diagnosis,
     development_seeds,
     format_earlier,
     load_or_start,
@@ -24,6 +25,7 @@ from fricomp.sim_bench.proof import (
     read_entries,
     watch,
 )
+from fricomp.sim_bench.proof import settings as run_settings
 
 
 def _git(folder: Path, *arguments: str) -> None:
@@ -32,13 +34,14 @@ def _git(folder: Path, *arguments: str) -> None:
 
 
 @pytest.fixture
-def repository(tmp_path: Path) -> Path:
+def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     source = tmp_path / "repository" / "sim_bench" / "diagnosis" / "search.py"
     source.parent.mkdir(parents=True)
     source.write_text("threshold = 1\n")
     _git(tmp_path / "repository", "init", "-q")
     _git(tmp_path / "repository", "add", ".")
     _git(tmp_path / "repository", "commit", "-q", "-m", "diagnosis")
+    monkeypatch.setattr(run_settings, "imported_diagnosis", source.parent.resolve)
     return tmp_path / "repository"
 
 
@@ -95,6 +98,25 @@ def test_a_scored_run_stops_when_the_diagnosis_is_another(tmp_path: Path, reposi
     _git(repository, "commit", "-q", "-a", "-m", "another")
     with pytest.raises(DiagnosisError, match="start a new one"):
         go_on()
+
+
+def test_a_checkout_whose_diagnosis_is_not_the_one_that_runs_is_refused(
+    tmp_path: Path, repository: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(run_settings, "imported_diagnosis", lambda: tmp_path / "elsewhere" / "sim_bench" / "diagnosis")
+    with pytest.raises(DiagnosisError, match="elsewhere"):
+        _start(tmp_path, repository)
+    assert not (tmp_path / "runs.jsonl").exists()
+
+
+def test_a_development_run_goes_on_with_its_own_diagnosis_only(tmp_path: Path, repository: Path) -> None:
+    wanted = RunSettings(3)
+    run = load_or_start(tmp_path / "run", wanted, resume=False, log=tmp_path / "log", repository=repository)
+    check_diagnosis(run, repository)
+    (repository / "sim_bench" / "diagnosis" / "search.py").write_text("threshold = 2\n")
+    _git(repository, "commit", "-q", "-a", "-m", "another")
+    with pytest.raises(DiagnosisError, match="start a new one"):
+        check_diagnosis(run, repository)
 
 
 def test_time_that_is_over_stops_a_run(tmp_path: Path) -> None:
