@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from fricomp.errors import DiagnosisError
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -135,6 +137,9 @@ class Effect:
         return self.smallest(scene) if self.smallest else 1e-3 * self.typical(scene)[0]
 
 
+_SWITCHES = {"flexible"}
+
+
 def _add(first: NDArray[np.float64] | None, second: NDArray[np.float64] | None) -> NDArray[np.float64] | None:
     if first is None or second is None:
         return first if second is None else second
@@ -142,7 +147,13 @@ def _add(first: NDArray[np.float64] | None, second: NDArray[np.float64] | None) 
 
 
 def merge(first: Change, second: Change) -> Change:
-    """Both changes at once; a field set by both takes the second's value."""
+    """Both changes at once; a switch set by both stays on.
+
+    Raises:
+        DiagnosisError: Both set the same part of the joint, such as the stiffness of its transmission.
+    """
+    if clash := sorted((first.plant.keys() & second.plant.keys()) - _SWITCHES):
+        raise DiagnosisError(f"two effects set the same part of the joint ({', '.join(clash)}): conceal one of them")
     factor = second.factor if first.factor is None else first.factor
     if first.factor is not None and second.factor is not None:
         factor = first.factor * second.factor

@@ -28,6 +28,7 @@ GROUPS = {
 NULLS = ("null", "hard_null")
 """Groups in which nothing is missing."""
 
+_ONE_SPRING = {"joint_elasticity", "backlash"}  # both are of the one transmission, which has one stiffness
 _STRENGTHS = ("1", "0.5", "2", "0.2", "5", "0.1", "clear")
 _MOTIONS = ("rich", "fourier", "rich", "sweep", "rich", "fourier", "pick_and_place", "rich", "slow_reversals", "chirp")
 _NOISES = ("white", "coloured", "jittered", "quantised", "heavy_tailed")
@@ -149,6 +150,8 @@ def _several(rng: np.random.Generator, number: int) -> Iterator[dict[str, Any]]:
     names = [name for name in CATALOGUE if name not in _PARAMETERS + _LAWLESS]
     for fields, strength in zip(_settings(rng), cycle(("2", "1", "5", "clear", "0.5")), strict=False):
         drawn = rng.choice(names, number, replace=False)
+        while set(drawn) >= _ONE_SPRING:
+            drawn = rng.choice(names, number, replace=False)
         yield fields | {"effects": tuple(str(n) for n in drawn), "strength": strength, "excitation": "rich"}
 
 

@@ -140,6 +140,23 @@ def test_what_is_concealed_besides_is_refitted_all_at_once(cogging: Case) -> Non
     assert all(compute_enr(left_after_refit(both, rows, "refit", [other])) > 1.0 for other in others)
 
 
+@pytest.mark.parametrize("soft", ["joint_elasticity", "backlash"])
+def test_a_gear_runs_unevenly_behind_a_spring_too(soft: str) -> None:
+    """A gear that runs unevenly moves a resting end of the spring: its ripple is felt as a torque of its own."""
+    alone, both = (
+        generate(_spec(effects=effects, strength="5", seed=7)) for effects in ((soft,), (soft, "kinematic_error"))
+    )
+    ripple = both.concealed[1]
+    assert ripple.enr > 4.0
+    felt = both.outcome.torque[both.start :] - alone.outcome.torque[alone.start :]
+    assert np.std(felt) > 0.3 * np.std(ripple.torque[both.start :])
+
+
+def test_two_effects_that_set_one_spring_are_refused() -> None:
+    with pytest.raises(DiagnosisError, match=r"same part of the joint .*stiffness"):
+        generate(_spec(effects=("joint_elasticity", "backlash"), strength="1"))
+
+
 def _within(intervals: list[tuple[float, float]], time: np.ndarray) -> np.ndarray:
     inside = np.zeros(time.size, dtype=bool)
     for start, end in intervals:
