@@ -27,7 +27,9 @@ fricomp run friction.json --backend canopen --config joints.toml --inertia 0.12 
 @app.command(epilog=EPILOG)
 def run(
     models: Annotated[list[Path], typer.Argument(help="Model file of each joint, in the order of the bus.")],
-    backend: Annotated[str, typer.Option(help="Adapter; see `fricomp adapters`.")] = "sim",
+    backend: Annotated[
+        str | None, typer.Option(help="Adapter: `fricomp adapters` lists them; what --config says, or sim.")
+    ] = None,
     config: Annotated[Path | None, typer.Option(help="Configuration of bus and joints (TOML).")] = None,
     inertia: Annotated[list[float], typer.Option(help="At each joint \\[kg·m²] or \\[kg]; once for all.")] = [0.1],  # noqa: B006
     bandwidth: Annotated[float, typer.Option(help="Of the PD position loop \\[Hz].")] = 5.0,
@@ -47,7 +49,7 @@ def run(
     import msgspec
 
     from fricomp.adapters import open_adapter
-    from fricomp.adapters.configuration import read_configuration
+    from fricomp.adapters.configuration import choose_adapter
     from fricomp.cli.loop_charts import run_chart, timing_chart
     from fricomp.cli.terminal import console
     from fricomp.model import load_model
@@ -60,13 +62,12 @@ def run(
     )  # fmt: skip
     _require_not_negative(delay=delay, velocity_filter=velocity_filter)
     friction = [load_model(path) for path in models]
-    configuration = read_configuration(config) if config is not None else {}
-    configuration.pop("backend", None)
+    chosen = choose_adapter(backend, config)
     out.mkdir(parents=True, exist_ok=True)
     motion = (amplitude, frequency, cycles)
     results: dict[str, LoopResult] = {}
     for name in ("without", "with"):
-        with open_adapter(backend, configuration) as adapter:
+        with open_adapter(*chosen) as adapter:
             loop = _Setup(adapter, friction, inertia, (bandwidth, delay, velocity_filter), 1.0 / rate)
             compensators = loop.compensators(gain) if name == "with" else None
             for compensator in compensators or ():

@@ -6,7 +6,48 @@ import pytest
 from typer.testing import CliRunner
 
 from fricomp.cli.main import app
-from fricomp.errors import ParameterError
+from fricomp.errors import AdapterConfigurationError, ParameterError
+from fricomp.laws import FrictionLaw, Viscous
+from fricomp.model import FrictionModel, save_model
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> Path:
+    file = tmp_path / "friction.json"
+    save_model(FrictionModel(FrictionLaw((Viscous(0.02),)), joint="joint"), file)
+    return file
+
+
+@pytest.mark.parametrize("command", ["run", "calibrate"])
+@pytest.mark.parametrize("named", ["", 'backend = "sim"\n'])
+def test_a_file_of_the_simulated_joint_serves_both_commands(
+    tmp_path: Path, model: Path, command: str, named: str
+) -> None:
+    file = tmp_path / "joint.toml"
+    file.write_text(f"{named}seed = 3\n")
+    short = [str(model), "--frequency", "4", "--cycles", "1", "--amplitude", "0.01", "--out", str(tmp_path / "run")]
+    arguments = short if command == "run" else ["--dry-run"]
+    result = CliRunner().invoke(app, [command, *arguments, "--config", str(file)])
+    assert result.exit_code == 0, result.output
+
+
+@pytest.mark.parametrize("command", ["run", "calibrate"])
+def test_a_file_of_another_backend_than_the_one_asked_for_is_refused(tmp_path: Path, model: Path, command: str) -> None:
+    file = tmp_path / "drive.toml"
+    file.write_text('backend = "canopen"\n')
+    arguments = [str(model), "--out", str(tmp_path / "run")] if command == "run" else ["--dry-run"]
+    result = CliRunner().invoke(app, [command, *arguments, "--backend", "mit", "--config", str(file)])
+    assert isinstance(result.exception, AdapterConfigurationError), result.output
+    assert "'canopen', but 'mit'" in str(result.exception)
+
+
+@pytest.mark.parametrize("command", ["run", "calibrate"])
+def test_the_file_of_a_drive_says_which_it_is(tmp_path: Path, model: Path, command: str) -> None:
+    file = tmp_path / "drive.toml"
+    file.write_text('backend = "canopne"\n')
+    arguments = [str(model), "--out", str(tmp_path / "run")] if command == "run" else ["--dry-run"]
+    result = CliRunner().invoke(app, [command, *arguments, "--config", str(file)])
+    assert "unknown backend 'canopne'" in str(result.exception)
 
 
 @pytest.mark.parametrize(
