@@ -33,7 +33,7 @@ def second_generator(
 
     cases = choose_cases(only or (), quick=quick)
     out.mkdir(parents=True, exist_ok=True)
-    scores = run_side_by_side([partial(run_case, case, out, resume=resume) for case in cases], executor, "cases")
+    scores = run_side_by_side([partial(run_case, case, out, resume=resume) for case in cases], executor, "cases", out)
     table = Table("case", "verdict", "named", "right", "seconds")
     for one in scores:
         right = "no" if one.wrong else "yes"
