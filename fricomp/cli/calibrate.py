@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fricomp.cli.missing import REPORT, require
 from fricomp.cli.resume import flags
 from fricomp.errors import ParameterError
 
@@ -90,6 +91,8 @@ def calibrate(
 
     given = _given(context)
     _refuse_contradictions(given)
+    if not (dry_run or torque_constant or motion):
+        require(*REPORT, "onnx")
     settings = SweepSettings(
         speeds=speeds, repeats=repeats, dwell=dwell, warm_up=warm_up, positions=positions,
         loop=loop, inertia=inertia, bandwidth=bandwidth, check_torque=check_torque, seed=seed,  # type: ignore[arg-type]

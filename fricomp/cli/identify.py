@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from fricomp.cli.fleet import FleetRun, rich_table, run_joints
+from fricomp.cli.missing import REPORT, require
 
 if TYPE_CHECKING:
     import numpy as np
@@ -74,6 +75,7 @@ def identify(
     from fricomp.control import find_doubt_in_status
 
     _refuse_dynamic_law(law)
+    require(*REPORT, "onnx")
     settings = _Settings(method, noise, loss, law, gravity, seed, depart)
     if batch:
         _identify_batch(files, out, settings, device, resume=resume)
@@ -157,6 +159,7 @@ def _identify_fleet(files: Sequence[str], out: Path, settings: _Settings, run: F
 
     from fricomp.sim_bench.fleet import FleetJoint, list_joints
 
+    require("pyarrow")
     joints = list_joints(files, FleetJoint("", ()))
     work = partial(_identify_one, settings=settings)
     rows = run_joints(joints, work, out, run, asdict(settings) | {"command": "identify"}, "identifying joints")
@@ -186,6 +189,7 @@ def _identify_batch(files: Sequence[str], out: Path, settings: _Settings, device
 
     if (settings.law, settings.loss, settings.depart) != ("stribeck", "gaussian", False):
         raise IdentificationError("--batch fits the Stribeck law to Gaussian noise: leave out --law, --loss, --depart")
+    require("pyarrow")
     joints = list_joints(files, FleetJoint("", ()))
     _show_fleet(identify_tables(joints, out, settings.noise, device, resume=resume), out)
 

@@ -51,6 +51,7 @@ def run(
     from fricomp.adapters import open_adapter
     from fricomp.adapters.configuration import choose_adapter
     from fricomp.cli.loop_charts import run_chart, timing_chart
+    from fricomp.cli.missing import require
     from fricomp.cli.terminal import console
     from fricomp.model import load_model
     from fricomp.recording import write_recording
@@ -61,6 +62,7 @@ def run(
         rate=[rate],
     )  # fmt: skip
     _require_not_negative(delay=delay, velocity_filter=velocity_filter)
+    require("matplotlib")
     friction = [load_model(path) for path in models]
     chosen = choose_adapter(backend, config)
     out.mkdir(parents=True, exist_ok=True)
