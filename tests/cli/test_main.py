@@ -1,5 +1,7 @@
 """What all commands share."""
 
+import errno
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -66,13 +68,28 @@ def test_a_full_disk_is_one_sentence(monkeypatch: pytest.MonkeyPatch, capsys: py
     assert capsys.readouterr().err == "fricomp: out/report.html: No space left on device\n"
 
 
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT, errno.EIO])
+def test_a_full_disk_is_one_sentence_where_the_file_has_no_name(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], number: int
+) -> None:
+    with pytest.raises(SystemExit) as exit_info:
+        _run_raising(monkeypatch, OSError(number, os.strerror(number)))()
+    assert exit_info.value.code == 2
+    assert capsys.readouterr().err == f"fricomp: a file could not be written: {os.strerror(number)}\n"
+
+
+def test_any_other_error_of_the_system_without_a_name_goes_through(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(OSError, match="Bad address"):
+        _run_raising(monkeypatch, OSError(errno.EFAULT, "Bad address"))()
+
+
 def test_a_missing_package_names_the_extra_that_brings_it(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit) as exit_info:
         _run_raising(monkeypatch, ModuleNotFoundError("No module named 'can'", name="can"))()
     assert exit_info.value.code == 2
-    assert "fricomp[can]" in capsys.readouterr().err
+    assert "pip install '.[can]' in the checkout" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("module", "extra"), [("torch.nn", "calibrate"), ("serial", "serial"), ("nonesuch", None)])
