@@ -209,7 +209,8 @@ def convert(configuration: Mapping[str, Any], to: type[Configured]) -> Configure
     try:
         made = msgspec.convert(dict(configuration), to)
     except (msgspec.ValidationError, ValueError) as error:
-        raise AdapterConfigurationError(f"configuration: {error}") from error
+        hint = "" if configuration else "; give the drive's file with --config (docs/adapters.md)"
+        raise AdapterConfigurationError(f"configuration: {error}{hint}") from error
     joints: Sequence[JointConfiguration] = getattr(made, "joints", ())
     if not joints:
         raise AdapterConfigurationError("configuration: no joint; add a [[joints]] table for each")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from fricomp.calibration.sweep import CalibrationRequest
     from fricomp.calibration.sweep.weight import HungWeight
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 
 _EXAMPLES = """[bold]Examples[/bold]
@@ -67,7 +67,9 @@ def calibrate(
     adaptive: Annotated[bool, typer.Option("--adaptive", help="Choose speeds for information.")] = False,
     accuracy: Annotated[float, typer.Option(help="Mean standard deviation at which --adaptive stops \\[%].")] = 0.5,
     seed: Annotated[int, typer.Option(help="Of the order, the network's first weights and simulated noise.")] = 0,
-    motion: Annotated[Path | None, typer.Option(help="Record this motion (CSV: time, velocity) instead.")] = None,
+    motion: Annotated[
+        Path | None, typer.Option(help="Record this motion (CSV: time, velocity\\[, position]) instead.")
+    ] = None,
     torque_constant: Annotated[
         bool, typer.Option("--torque-constant", help="Hang a known weight to find the newton metres of a reading.")
     ] = False,
@@ -133,7 +135,7 @@ def _move(request: CalibrationRequest, hung: HungWeight | None, out: Path, *, ov
     from fricomp.cli.torque_constant import measure_torque_constant
 
     if hung is not None:
-        measure_torque_constant(request, hung, out)
+        measure_torque_constant(request, hung, out, overwrite=overwrite)
     elif request.motion:
         record_file(request, out, overwrite=overwrite)
     else:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from fricomp.sim_bench.diagnosis import Diagnosis
     from fricomp.sim_bench.fleet import FleetJoint, FleetRow
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 SHORTEST_RECORDING = 5.0
 """Below it a diagnosis fails, or finds unknown physics in a joint with nothing missing: blocks that can be held out,

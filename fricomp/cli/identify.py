@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["app", "identify"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 EXIT_NOT_USABLE = 1
 """Exit status where everything was written, and the model is one that compensator and exports refuse."""
@@ -60,7 +60,10 @@ def identify(
         Literal["gaussian", "robust"], typer.Option(help="For tables only; robust: against outliers.")
     ] = "gaussian",
     law: Annotated[
-        str, typer.Option(help="stribeck, symmetric_stribeck, coulomb, ...; for tables also auto.")
+        str,
+        typer.Option(
+            help="stribeck, symmetric_stribeck, coulomb, coulomb_viscous, tanh or arctan; for tables also auto."
+        ),
     ] = "stribeck",
     gravity: Annotated[bool, typer.Option(help="For a recording: gravity acts on the joint.")] = False,
     seed: Annotated[int, typer.Option(min=0, help="Of the network's first weights.")] = 0,

@@ -7,10 +7,13 @@ import sys
 from collections.abc import Callable
 
 import pytest
+import typer
 from typer.testing import CliRunner
 
 import fricomp
-from fricomp.cli import bench, main
+from fricomp.calibration.identification.form import separable_law_names
+from fricomp.cli import bench, check_loop, main
+from fricomp.cli import run as run_command
 from fricomp.cli.lazy import lazy_app
 from fricomp.cli.missing import extra_for
 from fricomp.errors import RecordingError
@@ -106,6 +109,7 @@ def test_a_lazy_app_leaves_out_what_is_not_installed() -> None:
 def test_every_command_shows_its_help(name: str) -> None:
     result = CliRunner().invoke(main.app, [name, "--help"])
     assert result.exit_code == 0, result.output
+    assert "--install-completion" not in result.output  # of `fricomp` alone
 
 
 @pytest.mark.parametrize("name", [command.name for command in bench.app.registered_commands])
@@ -118,3 +122,30 @@ def test_the_package_runs_as_a_module() -> None:
     command = [sys.executable, "-m", "fricomp", "--version"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == f"fricomp {fricomp.__version__}"
+
+
+def _help(*command: str) -> str:
+    """The words of a command's help, whatever the width of the terminal."""
+    output = CliRunner().invoke(main.app, [*command, "--help"], env={"COLUMNS": "400"}).output
+    return " ".join(output.split())
+
+
+def test_help_names_every_law() -> None:
+    for name in separable_law_names():
+        assert name in _help("identify")
+
+
+def test_help_says_what_is_easily_missed() -> None:
+    assert "(CSV: time, velocity[, position])" in _help("calibrate")
+    assert "The joints move at once" in _help("run")
+    assert "Make and list concealed cases" in _help("cases")
+    assert _help("cases", "make").count("`fricomp cases list` has the names; drawn from the seed by default") == 4
+
+
+def test_a_loop_is_checked_as_it_is_run() -> None:
+    checked, run = (
+        {option.name: option.default for option in typer.main.get_command(module.app).params}
+        for module in (check_loop, run_command)
+    )
+    for name in ("delay", "velocity_filter"):
+        assert checked[name] == run[name]

@@ -6,9 +6,11 @@ import pytest
 from typer.testing import CliRunner
 
 from fricomp.cli.main import app
-from fricomp.errors import AdapterConfigurationError, ParameterError
+from fricomp.control import ReferenceState, SineReference
+from fricomp.errors import AdapterConfigurationError, ParameterError, SafetyTrip
 from fricomp.laws import FrictionLaw, Viscous
 from fricomp.model import FrictionModel, save_model
+from fricomp.recording import read_recording
 
 
 @pytest.fixture
@@ -73,3 +75,28 @@ def test_an_option_outside_its_range_is_refused_with_its_name(
     assert str(result.exception).startswith(option)
     assert words in str(result.exception)
     assert not out.exists()
+
+
+def test_ctrl_c_keeps_what_was_recorded(tmp_path: Path, model: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = SineReference.sample
+
+    def interrupted(self: SineReference, time: float, state: ReferenceState) -> None:
+        if time > 0.6:
+            raise KeyboardInterrupt
+        whole(self, time, state)
+
+    monkeypatch.setattr(SineReference, "sample", interrupted)
+    out = tmp_path / "run"
+    result = CliRunner().invoke(app, ["run", str(model), "--out", str(out)])
+    assert result.exit_code == 130
+    assert "the joints are at zero torque" in result.output
+    assert read_recording(out / "without_compensation_joint.csv").duration == pytest.approx(0.6, abs=0.01)
+
+
+def test_a_joint_that_is_stopped_by_the_gate_leaves_its_recording(tmp_path: Path, model: Path) -> None:
+    file, out = tmp_path / "joint.toml", tmp_path / "run"
+    limits = "limits = { torque = 4.0, torque_rate = 200.0, velocity = 0.02 }"
+    file.write_text(f'[[joints]]\nname = "joint"\n{limits}\n')
+    result = CliRunner().invoke(app, ["run", str(model), "--config", str(file), "--out", str(out)])
+    assert isinstance(result.exception, SafetyTrip), result.output
+    assert read_recording(out / "without_compensation_joint.csv").duration > 0.5

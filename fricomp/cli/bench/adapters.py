@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 __all__ = ["app"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 JOINT_COUNTS = (1, 7)
 FRAME_COUNTS = (1, 14)

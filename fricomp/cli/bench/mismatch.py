@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from fricomp.sim_bench.proof import PlannedCase, RunSettings, Score
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 _EPILOG = """fricomp bench mismatch --quick --out runs/mismatch
 

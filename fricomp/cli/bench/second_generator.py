@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 _EPILOG = """fricomp bench second-generator --page docs/second_generator.md --out runs/second
 
