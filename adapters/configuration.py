@@ -114,7 +114,6 @@ class AdapterConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fields=Tr
 
     Attributes:
         backend: Name of the adapter; read by `choose_adapter` and `open_adapter` only.
-        rate: Rate of the control loop [Hz]; none to leave it to the command.
         ramp_time: Time over which torque may rise to its limit after enabling [s].
         stale_after: Age at which feedback counts as lost [s].
         watchdog: Time of silence after which the drives stop by themselves [s].
@@ -123,7 +122,6 @@ class AdapterConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fields=Tr
     """
 
     backend: str | None = None
-    rate: float | None = None
     ramp_time: float = 0.2
     stale_after: float = 0.02
     watchdog: float = 0.1

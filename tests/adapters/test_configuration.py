@@ -131,6 +131,11 @@ def test_two_joints_of_one_name_or_address_are_refused(what: str) -> None:
         open_adapter("mit", double)
 
 
+def test_a_rate_which_nothing_reads_is_refused_by_name() -> None:
+    with pytest.raises(AdapterConfigurationError, match="unknown field `rate`"):
+        open_adapter("mit", table() | {"rate": 500.0})
+
+
 def test_no_joint_is_refused() -> None:
     with pytest.raises(AdapterConfigurationError, match=r"\[\[joints\]\]"):
         open_adapter("mit", {"bus": {"interface": "virtual"}, "joints": []})
