@@ -13,6 +13,7 @@ from typing import Any, cast
 import pytest
 from typer.testing import CliRunner
 
+from fricomp import adapters
 from fricomp.adapters import JointAdapter, adapter_class, adapter_names, open_adapter, registry
 from fricomp.cli import missing
 from fricomp.cli.adapters import EXTRAS
@@ -126,3 +127,9 @@ def test_faults_are_cleared_from_the_command_line_and_nothing_is_energised(
     assert drives[0].state is DriveState.SWITCH_ON_DISABLED
     assert drives[0].error_code == 0
     assert not drives[0].axis.energised
+
+
+@pytest.mark.parametrize("name", ["CanAdapter", "Driver", "JointAdapter", "SerialAdapter"])
+def test_what_an_adapter_is_written_from_is_exported(name: str) -> None:
+    assert name in adapters.__all__
+    assert isinstance(getattr(adapters, name), type)
