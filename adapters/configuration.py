@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import msgspec
 
@@ -16,6 +16,7 @@ from .options import AdapterOptions
 from .transmission import Transmission
 
 __all__ = [
+    "AdapterChoice",
     "AdapterConfiguration",
     "CanAdapterConfiguration",
     "CanBusConfiguration",
@@ -24,12 +25,17 @@ __all__ = [
     "SerialAdapterConfiguration",
     "SerialConfiguration",
     "TransmissionConfiguration",
+    "choose_adapter",
     "convert",
     "options_of",
     "read_configuration",
 ]
 
 Configured = TypeVar("Configured", bound="AdapterConfiguration")
+
+_SIMULATED = "sim"
+_BUSES = frozenset({"bus", "serial"})  # tables that only a real drive has
+_NO_BACKEND = 'names no backend: add a line such as backend = "canopen" at the top'
 
 
 class LimitsConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -107,8 +113,7 @@ class AdapterConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fields=Tr
     """What every adapter takes; each adds its bus, its joints and its own keys.
 
     Attributes:
-        backend: Name of the adapter; only read by who chooses one.
-        rate: Rate of the control loop [Hz]; none to leave it to the command.
+        backend: Name of the adapter; read by `choose_adapter` and `open_adapter` only.
         ramp_time: Time over which torque may rise to its limit after enabling [s].
         stale_after: Age at which feedback counts as lost [s].
         watchdog: Time of silence after which the drives stop by themselves [s].
@@ -117,7 +122,6 @@ class AdapterConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fields=Tr
     """
 
     backend: str | None = None
-    rate: float | None = None
     ramp_time: float = 0.2
     stale_after: float = 0.02
     watchdog: float = 0.1
@@ -142,19 +146,56 @@ class SerialAdapterConfiguration(AdapterConfiguration, frozen=True, forbid_unkno
     serial: SerialConfiguration
 
 
+class AdapterChoice(NamedTuple):
+    """An adapter by name, and what it is made from."""
+
+    backend: str
+    configuration: dict[str, Any]
+
+
+def choose_adapter(backend: str | None, file: str | Path | None) -> AdapterChoice:
+    """The adapter that a command line and a configuration file ask for together.
+
+    Args:
+        backend: As given on the command line; none where the file, or the default, says it.
+        file: Configuration file; its `backend` may be left out where the command line names one, and for `sim`.
+
+    Raises:
+        AdapterConfigurationError: The file cannot be read, says another backend than the command line, or is that of a
+            drive and nobody says of which.
+    """
+    if file is None:
+        return AdapterChoice(backend or _SIMULATED, {})
+    configuration = _read(file)
+    named = configuration.pop("backend", None)
+    if named is None and backend is None and _BUSES & configuration.keys():
+        raise AdapterConfigurationError(f"{file} {_NO_BACKEND}, or give --backend")
+    if named is not None and not isinstance(named, str):
+        raise AdapterConfigurationError(f"{file}: backend must be a name in quotes, got {named!r}")
+    if None not in (named, backend) and named != backend:
+        raise AdapterConfigurationError(
+            f"{file} is for backend {named!r}, but {backend!r} is asked for: leave out --backend, or give its own file"
+        )
+    return AdapterChoice(backend or named or _SIMULATED, configuration)
+
+
 def read_configuration(path: str | Path) -> dict[str, Any]:
-    """What stands in a TOML file.
+    """What stands in a TOML file that names its backend.
 
     Raises:
         AdapterConfigurationError: It cannot be read, or names no backend.
     """
+    found = _read(path)
+    if not isinstance(found.get("backend"), str):
+        raise AdapterConfigurationError(f"{path} {_NO_BACKEND}")
+    return found
+
+
+def _read(path: str | Path) -> dict[str, Any]:
     try:
-        found = tomllib.loads(Path(path).read_text("utf-8"))
+        return tomllib.loads(Path(path).read_text("utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise AdapterConfigurationError(f"cannot read the configuration {path}: {error}") from error
-    if not isinstance(found.get("backend"), str):
-        raise AdapterConfigurationError(f'{path} names no backend: add a line such as backend = "canopen" at the top')
-    return found
 
 
 def convert(configuration: Mapping[str, Any], to: type[Configured]) -> Configured:
@@ -166,7 +207,8 @@ def convert(configuration: Mapping[str, Any], to: type[Configured]) -> Configure
     try:
         made = msgspec.convert(dict(configuration), to)
     except (msgspec.ValidationError, ValueError) as error:
-        raise AdapterConfigurationError(f"configuration: {error}") from error
+        hint = "" if configuration else "; give the drive's file with --config (docs/adapters.md)"
+        raise AdapterConfigurationError(f"configuration: {error}{hint}") from error
     joints: Sequence[JointConfiguration] = getattr(made, "joints", ())
     if not joints:
         raise AdapterConfigurationError("configuration: no joint; add a [[joints]] table for each")

@@ -62,12 +62,17 @@ def open_adapter(name: str, configuration: Mapping[str, Any] | None = None) -> J
 
     Args:
         name: One of `adapter_names()`.
-        configuration: As read from the configuration file; each adapter says what it takes.
+        configuration: As read from the configuration file; each adapter says what it takes. `backend` may stand in
+            it, and is this name then.
 
     Raises:
-        AdapterConfigurationError: The name or the configuration is wrong.
+        AdapterConfigurationError: The name or the configuration is wrong, or the configuration is for another backend.
     """
-    return adapter_class(name).from_configuration(configuration or {})
+    found, given = adapter_class(name), dict(configuration or {})
+    named = given.pop("backend", None)
+    if named not in (None, name):
+        raise AdapterConfigurationError(f"the configuration is for backend {named!r}, but {name!r} is asked for")
+    return found.from_configuration(given)
 
 
 def _plugins() -> dict[str, EntryPoint]:

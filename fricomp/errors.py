@@ -57,7 +57,7 @@ class MissingExtraError(FricompError, ImportError):
     """
 
     def __init__(self, package: str, extra: str) -> None:
-        super().__init__(f"{package} is needed here and not installed: pip install 'fricomp[{extra}]'")
+        super().__init__(f"{package} is needed here and not installed: pip install '.[{extra}]' in the checkout")
 
 
 class ModelFileError(FricompError, ValueError):

@@ -1,5 +1,5 @@
 /* Friction compensation on a microcontroller, shown on a desk: one sine, the torque that is added to it.
- * make MODEL=friction.json
+ * make MODEL=../../runs/demo/friction.json
  */
 #include <stdio.h>
 
@@ -11,7 +11,7 @@
 int main(void)
 {
     joint_statef_t state;
-    joint_inputf_t input = {0.0F, 0.0F, 0.0F, 1.0F, false, false, false};
+    joint_inputf_t input = {.load = 1.0F}; /* an extended model has more inputs: what is left out is 0 */
     float position = 0.0F;
     float velocity = 0.4F;
 

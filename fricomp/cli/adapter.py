@@ -9,7 +9,7 @@ import typer
 
 __all__ = ["app"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 MARKS = {True: "[green]ok[/green]", False: "[red]failed[/red]", None: "[yellow]open[/yellow]"}
 

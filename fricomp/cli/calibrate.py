@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fricomp.cli.missing import REPORT, require
 from fricomp.cli.resume import flags
-from fricomp.errors import AdapterConfigurationError, ParameterError
+from fricomp.errors import ParameterError
 
 if TYPE_CHECKING:
+    from fricomp.adapters.configuration import AdapterChoice
     from fricomp.calibration.sweep import CalibrationRequest
     from fricomp.calibration.sweep.weight import HungWeight
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 
 _EXAMPLES = """[bold]Examples[/bold]
@@ -37,7 +38,9 @@ fricomp calibrate --torque-constant --weight 0.5 --lever 0.25 --backend dynamixe
 @app.command(epilog=_EXAMPLES)
 def calibrate(
     context: typer.Context,
-    backend: Annotated[str, typer.Option(help="Adapter: `fricomp adapters` lists them.")] = "sim",
+    backend: Annotated[
+        str | None, typer.Option(help="Adapter: `fricomp adapters` lists them; what --config says, or sim.")
+    ] = None,
     out: Annotated[Path, typer.Option(help="Folder of the run.")] = Path("runs/calibration"),
     config: Annotated[Path | None, typer.Option(help="Configuration of the adapter (TOML).")] = None,
     joint: Annotated[str, typer.Option(help="Joint to calibrate; the first if not given.")] = "",
@@ -64,7 +67,9 @@ def calibrate(
     adaptive: Annotated[bool, typer.Option("--adaptive", help="Choose speeds for information.")] = False,
     accuracy: Annotated[float, typer.Option(help="Mean standard deviation at which --adaptive stops \\[%].")] = 0.5,
     seed: Annotated[int, typer.Option(help="Of the order, the network's first weights and simulated noise.")] = 0,
-    motion: Annotated[Path | None, typer.Option(help="Record this motion (CSV: time, velocity) instead.")] = None,
+    motion: Annotated[
+        Path | None, typer.Option(help="Record this motion (CSV: time, velocity\\[, position]) instead.")
+    ] = None,
     torque_constant: Annotated[
         bool, typer.Option("--torque-constant", help="Hang a known weight to find the newton metres of a reading.")
     ] = False,
@@ -88,6 +93,8 @@ def calibrate(
 
     given = _given(context)
     _refuse_contradictions(given)
+    if not (dry_run or torque_constant or motion):
+        require(*REPORT, "onnx")
     settings = SweepSettings(
         speeds=speeds, repeats=repeats, dwell=dwell, warm_up=warm_up, positions=positions,
         loop=loop, inertia=inertia, bandwidth=bandwidth, check_torque=check_torque, seed=seed,  # type: ignore[arg-type]
@@ -96,10 +103,10 @@ def calibrate(
         IdentificationSettings(method=method, noise=noise, seed=seed),  # type: ignore[arg-type]
         normal_load=normal_load, gravity_unknown=gravity_unknown, adaptive=adaptive, accuracy=0.01 * accuracy,
     )  # fmt: skip
-    configuration, file = adapter_configuration(backend, config, model, seed)
+    chosen, file = adapter_configuration(backend, config, model, seed)
     mechanism = "" if gravity_unknown else file
     wanted = "" if motion is None else str(motion)
-    request = CalibrationRequest(backend, configuration, joint, mechanism, settings, options, wanted)
+    request = CalibrationRequest(*chosen, joint, mechanism, settings, options, wanted)
     if resume:
         resume_run(out, request, {name for name in given if name not in ("resume", "out")})
         return
@@ -128,7 +135,7 @@ def _move(request: CalibrationRequest, hung: HungWeight | None, out: Path, *, ov
     from fricomp.cli.torque_constant import measure_torque_constant
 
     if hung is not None:
-        measure_torque_constant(request, hung, out)
+        measure_torque_constant(request, hung, out, overwrite=overwrite)
     elif request.motion:
         record_file(request, out, overwrite=overwrite)
     else:
@@ -154,24 +161,21 @@ def _refuse_contradictions(given: dict[str, Any]) -> None:
         raise ParameterError(f"{flags(weights)} belongs to --torque-constant: give that too, or leave it out")
 
 
-def adapter_configuration(backend: str, file: Path | None, model: str, seed: int) -> tuple[dict[str, Any], str]:
-    """What the adapter is made from, and the MJCF file of the mechanism.
+def adapter_configuration(backend: str | None, file: Path | None, model: str, seed: int) -> tuple[AdapterChoice, str]:
+    """The adapter with what it is made from, and the MJCF file of the mechanism.
 
     The simulated joint is its own mechanism: `--model` chooses it, and its file says what gravity and inertia are.
 
     Raises:
-        AdapterConfigurationError: The file cannot be read.
+        AdapterConfigurationError: The file cannot be read, or says another backend.
     """
-    configuration: dict[str, Any] = {}
-    if file is not None:
-        try:
-            configuration = tomllib.loads(file.read_text(encoding="utf-8"))
-        except (OSError, tomllib.TOMLDecodeError) as error:
-            raise AdapterConfigurationError(f"cannot read the configuration {file}: {error}") from error
-    if backend != "sim":
-        return configuration, model
+    from fricomp.adapters.configuration import AdapterChoice, choose_adapter
+
+    chosen = choose_adapter(backend, file)
+    if chosen.backend != "sim":
+        return chosen, model
     from fricomp.sim_bench.stand_in import PACKAGED_MODELS, packaged_model
 
-    name = model or configuration.get("model", "default_joint")
-    configuration = {"seed": seed, **configuration, "model": name}
-    return configuration, str(packaged_model(name)) if name in PACKAGED_MODELS else name
+    name = model or chosen.configuration.get("model", "default_joint")
+    chosen = AdapterChoice("sim", {"seed": seed, **chosen.configuration, "model": name})
+    return chosen, str(packaged_model(name)) if name in PACKAGED_MODELS else name

@@ -7,7 +7,12 @@ from typing import Annotated
 
 import typer
 
-app = typer.Typer(no_args_is_help=True)
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    help="Make and list concealed cases: joints with more physics than their simulation, to try the diagnosis on.",
+)
+_NAMES = "`fricomp cases list` has the names"
 
 _MAKE = "fricomp cases make --effect cogging --strength 1 --excitation fourier --out runs/cases"
 
@@ -15,18 +20,24 @@ _MAKE = "fricomp cases make --effect cogging --strength 1 --excitation fourier -
 @app.command(epilog=_MAKE)
 def make(
     out: Annotated[Path, typer.Option(help="Folder for the case; the answer goes into OUT.answers.")],
-    effect: Annotated[list[str] | None, typer.Option(help="Repeat for several; leave out for none.")] = None,
+    effect: Annotated[list[str] | None, typer.Option(help=f"Repeat for several; {_NAMES}; leave out for none.")] = None,
     seed: Annotated[int, typer.Option(help="Draws joint, motion, sensors and effect.")] = 1,
     strength: Annotated[str, typer.Option(help="Effect-to-noise ratio after a base refit, or clear.")] = "clear",
     excitation: Annotated[str, typer.Option(help="Motion; `fricomp cases list` has the names.")] = "rich",
     duration: Annotated[float, typer.Option(help="Length of the recording \\[s].")] = 60.0,
-    noise: Annotated[str | None, typer.Option(help="Kind of torque noise.")] = None,
-    core: Annotated[str | None, typer.Option(help="Friction core.")] = None,
-    family: Annotated[str | None, typer.Option(help="Family of joints.")] = None,
-    form: Annotated[str | None, typer.Option(help="Functional form of the first effect.")] = None,
+    noise: Annotated[
+        str | None, typer.Option(help=f"Kind of torque noise; {_NAMES}; drawn from the seed by default.")
+    ] = None,
+    core: Annotated[str | None, typer.Option(help=f"Friction core; {_NAMES}; drawn from the seed by default.")] = None,
+    family: Annotated[
+        str | None, typer.Option(help=f"Family of joints; {_NAMES}; drawn from the seed by default.")
+    ] = None,
+    form: Annotated[
+        str | None, typer.Option(help=f"Functional form of the first effect; {_NAMES}; drawn from the seed by default.")
+    ] = None,
     shifted: Annotated[bool, typer.Option("--shifted", help="Believed inertia and gravity are off.")] = False,
     hidden: Annotated[bool, typer.Option("--hidden", help="Load and temperature are not logged.")] = False,
-    fault: Annotated[str | None, typer.Option(help="Fault of the signal.")] = None,
+    fault: Annotated[str | None, typer.Option(help=f"Fault of the signal; {_NAMES}; none by default.")] = None,
 ) -> None:
     """Write recording, simulation and controller of a joint that has more physics than its simulation."""
     from fricomp.cli.terminal import console

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fricomp.cli.run import DELAY, VELOCITY_FILTER
+
 if TYPE_CHECKING:
     from fricomp.control import DriveLimits, LoopCheck
 
 __all__ = ["app"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 EPILOG = """fricomp check-loop friction.json --inertia 0.1 --bandwidth 10 --delay 0.004
 
@@ -28,10 +30,10 @@ def check_loop(
     bandwidth: Annotated[float | None, typer.Option(help="Of a critically damped PD loop \\[Hz].")] = None,
     stiffness: Annotated[float | None, typer.Option(help="Proportional gain \\[N·m/rad] or \\[N/m].")] = None,
     damping: Annotated[float | None, typer.Option(help="Derivative gain \\[N·m·s/rad] or \\[N·s/m].")] = None,
-    delay: Annotated[float, typer.Option(help="From motion to the torque that answers it \\[s].")] = 0.003,
+    delay: Annotated[float, typer.Option(help="From motion to the torque that answers it \\[s].")] = DELAY,
     velocity_filter: Annotated[
         float, typer.Option(help="Time constant of the measured velocity's filter \\[s].")
-    ] = 0.0,
+    ] = VELOCITY_FILTER,
     gain: Annotated[float | None, typer.Option(help="Of the compensation; chosen from the model if left out.")] = None,
     source: Annotated[str | None, typer.Option(help="reference, blend or measured; chosen if left out.")] = None,
     period: Annotated[float, typer.Option(help="Control period \\[s].")] = 1e-3,

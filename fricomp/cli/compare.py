@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 EPILOG = "fricomp compare runs/spring/friction.json runs/autumn/friction.json"
 

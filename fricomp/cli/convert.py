@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = ["app", "convert"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 _EPILOG = """
 fricomp convert DATA_EMPS.mat --mapping emps --out train.csv

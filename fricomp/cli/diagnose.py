@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from fricomp.cli.fleet import FleetRun, rich_table, run_joints
+from fricomp.cli.missing import REPORT, require
 
 if TYPE_CHECKING:
     from fricomp.recording import Recording
     from fricomp.sim_bench.diagnosis import Diagnosis
     from fricomp.sim_bench.fleet import FleetJoint, FleetRow
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 SHORTEST_RECORDING = 5.0
 """Below it a diagnosis fails, or finds unknown physics in a joint with nothing missing: blocks that can be held out,
@@ -77,6 +78,7 @@ def diagnose(
     """
     from fricomp.sim_bench.fleet import find_recordings, is_joint_table
 
+    require(*REPORT, "ruptures")
     options = {"thorough": thorough, "seed": seed, "joint": joint, "simulation": simulation}
     given = {"friction": friction, "simulated": simulated, "controller": controller}
     if each or any(map(is_joint_table, recordings)):
@@ -240,6 +242,7 @@ def _diagnose_fleet(
     from fricomp.sim_bench.diagnosis_report import fleet_table, write_fleet
     from fricomp.sim_bench.fleet import FleetJoint, list_joints
 
+    require("pyarrow")
     defaults = FleetJoint("", (), options["simulation"], options["joint"], given["friction"])
     joints = list_joints(sources, defaults)
     work = partial(_diagnose_one, options=options, given=given)

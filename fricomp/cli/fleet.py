@@ -27,10 +27,10 @@ def run_joints(
     joints: Sequence[FleetJoint], work: Work, out: Path, run: FleetRun, settings: Mapping[str, Any], title: str
 ) -> list[FleetRow]:
     """Do all joints under one progress bar; rows in the order of the joints."""
-    from fricomp.cli.terminal import progress
+    from fricomp.cli.terminal import progress, resumable
     from fricomp.sim_bench.fleet import open_executor, run_fleet
 
-    with progress() as bar, open_executor(run.executor, run.workers) as pool:
+    with resumable(out), progress() as bar, open_executor(run.executor, run.workers) as pool:
         task = bar.add_task(title, total=len(joints))
 
         def say(row: FleetRow | None) -> None:

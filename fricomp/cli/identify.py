@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from fricomp.cli.fleet import FleetRun, rich_table, run_joints
+from fricomp.cli.missing import REPORT, require
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["app", "identify"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 EXIT_NOT_USABLE = 1
 """Exit status where everything was written, and the model is one that compensator and exports refuse."""
@@ -59,7 +60,10 @@ def identify(
         Literal["gaussian", "robust"], typer.Option(help="For tables only; robust: against outliers.")
     ] = "gaussian",
     law: Annotated[
-        str, typer.Option(help="stribeck, symmetric_stribeck, coulomb, ...; for tables also auto.")
+        str,
+        typer.Option(
+            help="stribeck, symmetric_stribeck, coulomb, coulomb_viscous, tanh or arctan; for tables also auto."
+        ),
     ] = "stribeck",
     gravity: Annotated[bool, typer.Option(help="For a recording: gravity acts on the joint.")] = False,
     seed: Annotated[int, typer.Option(min=0, help="Of the network's first weights.")] = 0,
@@ -74,6 +78,7 @@ def identify(
     from fricomp.control import find_doubt_in_status
 
     _refuse_dynamic_law(law)
+    require(*REPORT, "onnx")
     settings = _Settings(method, noise, loss, law, gravity, seed, depart)
     if batch:
         _identify_batch(files, out, settings, device, resume=resume)
@@ -157,6 +162,7 @@ def _identify_fleet(files: Sequence[str], out: Path, settings: _Settings, run: F
 
     from fricomp.sim_bench.fleet import FleetJoint, list_joints
 
+    require("pyarrow")
     joints = list_joints(files, FleetJoint("", ()))
     work = partial(_identify_one, settings=settings)
     rows = run_joints(joints, work, out, run, asdict(settings) | {"command": "identify"}, "identifying joints")
@@ -186,6 +192,7 @@ def _identify_batch(files: Sequence[str], out: Path, settings: _Settings, device
 
     if (settings.law, settings.loss, settings.depart) != ("stribeck", "gaussian", False):
         raise IdentificationError("--batch fits the Stribeck law to Gaussian noise: leave out --law, --loss, --depart")
+    require("pyarrow")
     joints = list_joints(files, FleetJoint("", ()))
     _show_fleet(identify_tables(joints, out, settings.noise, device, resume=resume), out)
 

@@ -13,6 +13,7 @@ command is used; what is heavy is imported inside the functions.
 
 from __future__ import annotations
 
+import errno
 import sys
 from typing import Annotated
 
@@ -45,6 +46,9 @@ COMMANDS = {
 EXIT_ERROR = 2
 EXIT_INTERRUPTED = 130
 
+# A write into a file that is open already says no file name.
+_OF_THE_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+
 app = lazy_app(
     "fricomp.cli",
     COMMANDS,
@@ -71,7 +75,11 @@ def _options(
 
 
 def run() -> None:
-    """Entry point of `fricomp`; exits with 0, 2 (error), 130 (interrupted), or 1 (`identify`: not usable)."""
+    """Entry point of `fricomp`; exits with 0, 2 (error), 130 (interrupted), or 1.
+
+    1 means that everything was done and the answer is no: `identify` (not usable), `diagnose` (bad data), `check-loop`
+    (not safe), `adapter check` (a step failed), `bench adapters` (a target was missed).
+    """
     try:
         app()
     except KeyboardInterrupt:
@@ -84,9 +92,11 @@ def run() -> None:
             raise
         _fail(str(MissingExtraError(error.name or "", extra)))
     except OSError as error:
-        if error.filename is None:
+        if error.filename is not None:
+            _fail(f"{error.filename}: {error.strerror}")
+        if error.errno not in _OF_THE_DISK:
             raise
-        _fail(f"{error.filename}: {error.strerror}")
+        _fail(f"a file could not be written: {error.strerror}")
 
 
 def _fail(message: str) -> None:

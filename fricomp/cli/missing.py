@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import re
 from importlib.metadata import PackageNotFoundError, requires
+from importlib.util import find_spec
 
-__all__ = ["extra_for"]
+from fricomp.errors import MissingExtraError
+
+__all__ = ["REPORT", "extra_for", "is_installed", "require"]
+
+REPORT = ("matplotlib", "jinja2", "plotly")
+"""What draws a report: imported last of all, and asked for before anything moves or is thrown away."""
 
 # Import name to distribution, where they differ.
 _DISTRIBUTION = {"can": "python-can", "serial": "pyserial", "sklearn": "scikit-learn", "distributed": "dask"}
@@ -26,3 +32,23 @@ def extra_for(module: str) -> str | None:
         if match and match[1].lower() == wanted and match[2] not in _COLLECTIVE:
             return match[2]
     return None
+
+
+def is_installed(module: str) -> bool:
+    """Whether a package can be imported; it is not imported."""
+    return find_spec(module) is not None
+
+
+def require(*modules: str, extra: str = "") -> None:
+    """Refuse to begin what could not be brought to its end.
+
+    Args:
+        modules: Import names of the packages that will be needed.
+        extra: Brings them, where no extra of a user does.
+
+    Raises:
+        MissingExtraError: One is not installed.
+    """
+    for module in modules:
+        if not is_installed(module):
+            raise MissingExtraError(module, extra or extra_for(module) or "all")

@@ -15,6 +15,8 @@ __all__ = ["RESUMABLE", "changes", "flags", "refuse_other"]
 RESUMABLE = ("normal_load", "method", "noise")
 """Options that change what is made of a sweep, not the sweep."""
 
+_ELSEWHERE = ("seed", "backend")  # of a configuration: options of their own
+
 
 def changes(asked: CalibrationRequest, given: Iterable[str]) -> dict[str, Any]:
     """Those of `RESUMABLE` that stand on the command line, by name."""
@@ -52,7 +54,7 @@ def _told(request: CalibrationRequest) -> dict[str, Any]:
     settings, options = request.settings, request.options
     return {name: getattr(settings, name) for name in settings.__dataclass_fields__} | {
         "backend": request.backend,
-        "config": {name: value for name, value in request.configuration.items() if name != "seed"},
+        "config": {name: value for name, value in request.configuration.items() if name not in _ELSEWHERE},
         "joint": request.joint,
         "model": request.model,
         "motion": request.motion,

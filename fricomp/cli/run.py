@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -10,12 +13,16 @@ import typer
 
 if TYPE_CHECKING:
     from fricomp.adapters import JointAdapter
-    from fricomp.control import Compensator, LoopDynamics, LoopResult
+    from fricomp.control import Compensator, ControlLoop, LoopDynamics, LoopLog, LoopResult
     from fricomp.model import FrictionModel
+    from fricomp.recording import RecordingMetadata
 
-__all__ = ["app"]
+__all__ = ["DELAY", "VELOCITY_FILTER", "app"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
+
+DELAY, VELOCITY_FILTER = 0.002, 0.005
+"""Of a loop that nobody has measured, here and in `check-loop`: those of the simulated joint at 1 kHz [s]."""
 
 _REST = 0.5  # before the motion, while the enable ramp opens [s]
 
@@ -27,7 +34,9 @@ fricomp run friction.json --backend canopen --config joints.toml --inertia 0.12 
 @app.command(epilog=EPILOG)
 def run(
     models: Annotated[list[Path], typer.Argument(help="Model file of each joint, in the order of the bus.")],
-    backend: Annotated[str, typer.Option(help="Adapter; see `fricomp adapters`.")] = "sim",
+    backend: Annotated[
+        str | None, typer.Option(help="Adapter: `fricomp adapters` lists them; what --config says, or sim.")
+    ] = None,
     config: Annotated[Path | None, typer.Option(help="Configuration of bus and joints (TOML).")] = None,
     inertia: Annotated[list[float], typer.Option(help="At each joint \\[kg·m²] or \\[kg]; once for all.")] = [0.1],  # noqa: B006
     bandwidth: Annotated[float, typer.Option(help="Of the PD position loop \\[Hz].")] = 5.0,
@@ -35,23 +44,27 @@ def run(
     frequency: Annotated[float, typer.Option(help="Of the sine \\[Hz].")] = 0.1,
     cycles: Annotated[float, typer.Option(help="Cycles of the sine.")] = 2.0,
     rate: Annotated[float, typer.Option(help="Of the loop \\[Hz].")] = 1000.0,
-    delay: Annotated[float, typer.Option(help="From motion to the torque that answers it \\[s].")] = 0.002,
+    delay: Annotated[float, typer.Option(help="From motion to the torque that answers it \\[s].")] = DELAY,
     velocity_filter: Annotated[
         float, typer.Option(help="Time constant of the measured velocity's filter \\[s].")
-    ] = 0.005,
+    ] = VELOCITY_FILTER,
     gain: Annotated[float | None, typer.Option(help="Of the compensation; chosen from the model if left out.")] = None,
     priority: Annotated[int, typer.Option(min=0, max=99, help="FIFO priority on real hardware; 0 for none.")] = 80,
     out: Annotated[Path, typer.Option(help="Folder for recordings and plots.")] = Path("runs/run"),
 ) -> None:
-    """Follow a sine twice, without and with compensation, and show the difference."""
+    """Follow a sine twice, without and with compensation, and show the difference.
+
+    The joints move at once: nothing is asked first. Ctrl-C stops them at zero torque at any time; what was recorded is
+    in --out.
+    """
     import msgspec
 
     from fricomp.adapters import open_adapter
-    from fricomp.adapters.configuration import read_configuration
+    from fricomp.adapters.configuration import choose_adapter
     from fricomp.cli.loop_charts import run_chart, timing_chart
+    from fricomp.cli.missing import require
     from fricomp.cli.terminal import console
     from fricomp.model import load_model
-    from fricomp.recording import write_recording
     from fricomp.report import draw_png
 
     _require_above_zero(
@@ -59,22 +72,22 @@ def run(
         rate=[rate],
     )  # fmt: skip
     _require_not_negative(delay=delay, velocity_filter=velocity_filter)
+    require("matplotlib")
     friction = [load_model(path) for path in models]
-    configuration = read_configuration(config) if config is not None else {}
-    configuration.pop("backend", None)
+    chosen = choose_adapter(backend, config)
     out.mkdir(parents=True, exist_ok=True)
     motion = (amplitude, frequency, cycles)
     results: dict[str, LoopResult] = {}
     for name in ("without", "with"):
-        with open_adapter(backend, configuration) as adapter:
-            loop = _Setup(adapter, friction, inertia, (bandwidth, delay, velocity_filter), 1.0 / rate)
-            compensators = loop.compensators(gain) if name == "with" else None
+        with _kept(out, name) as record, open_adapter(*chosen) as adapter:
+            setup = _Setup(adapter, friction, inertia, (bandwidth, delay, velocity_filter), 1.0 / rate)
+            compensators = setup.compensators(gain) if name == "with" else None
             for compensator in compensators or ():
                 console().print(compensator.describe())
-            results[name] = loop.run(motion, compensators, priority)
-            metadata = loop.metadata()
-        for joint, facts in enumerate(metadata):
-            write_recording(results[name].log.recording(joint, facts), out / f"{name}_compensation_{facts.joint}.csv")
+            loop = setup.loop(motion, compensators, priority)
+            record(loop.log, setup.metadata())
+            results[name] = loop.run(cycles / frequency + _REST)
+            results[name].raise_if_tripped()
     logs = {f"{name} compensation": result.log for name, result in results.items()}
     for joint, model in enumerate(friction):
         chart = run_chart(logs, joint, (model.position_unit, model.torque_unit))
@@ -102,6 +115,27 @@ def _require_not_negative(**options: float) -> None:
     for name, value in options.items():
         if not 0.0 <= value < inf:
             raise ParameterError(f"--{name.replace('_', '-')} must be finite and at least 0, got {value:g}")
+
+
+@contextmanager
+def _kept(out: Path, name: str) -> Iterator[Callable[[LoopLog, list[RecordingMetadata]], None]]:
+    """Write the log that is handed over once the adapter is closed, however the motion has ended."""
+    given: list[tuple[LoopLog, list[RecordingMetadata]]] = []
+    try:
+        yield lambda log, metadata: given.append((log, metadata))
+    except KeyboardInterrupt:
+        print(f"\nInterrupted; the joints are at zero torque. What was recorded is in {out}", file=sys.stderr)
+        raise
+    finally:
+        _write_log(given, out, name)
+
+
+def _write_log(given: list[tuple[LoopLog, list[RecordingMetadata]]], out: Path, name: str) -> None:
+    from fricomp.recording import write_recording
+
+    for log, metadata in given:
+        for joint, facts in enumerate(metadata if len(log) > 1 else ()):
+            write_recording(log.recording(joint, facts), out / f"{name}_compensation_{facts.joint}.csv")
 
 
 class _Setup:
@@ -135,19 +169,19 @@ class _Setup:
         given: dict[str, Any] = {} if gain is None else {"gain": gain}
         quanta = [joint.velocity_quantum for joint in self.adapter.capabilities.joints]
         return [
-            Compensator(model, period=self.period, loop=self._loop(joint), velocity_quantum=quantum, **given)
+            Compensator(model, period=self.period, loop=self._dynamics(joint), velocity_quantum=quantum, **given)
             for joint, (model, quantum) in enumerate(zip(self.models, quanta, strict=True))
         ]
 
-    def _loop(self, joint: int) -> LoopDynamics:
+    def _dynamics(self, joint: int) -> LoopDynamics:
         from fricomp.control import LoopDynamics
 
         c = self.controller
         return LoopDynamics(c.inertia[joint], c.stiffness[joint], c.damping[joint], *self.lags)
 
-    def run(
+    def loop(
         self, motion: tuple[float, float, float], compensators: list[Compensator] | None, priority: int
-    ) -> LoopResult:
+    ) -> ControlLoop:
         """The sine, from where the joints are, towards the middle of their range."""
         from fricomp.control import ControlLoop, RealTimeOptions, SineReference
         from fricomp.joint import JointFeedback, await_feedback
@@ -161,7 +195,7 @@ class _Setup:
             -amplitude if joint.position_limits and start > sum(joint.position_limits) / 2.0 else amplitude
             for joint, start in zip(capabilities.joints, feedback.position, strict=True)
         ]
-        loop = ControlLoop(
+        return ControlLoop(
             self.adapter,
             SineReference(amplitudes, frequency, list(feedback.position), rest=_REST),
             self.controller,
@@ -170,11 +204,8 @@ class _Setup:
             log_capacity=round((cycles / frequency + _REST) / self.period) + 1,
             options=None if capabilities.simulated else RealTimeOptions(priority=priority, lock_memory=True),
         )
-        result = loop.run(cycles / frequency + _REST)
-        result.raise_if_tripped()
-        return result
 
-    def metadata(self) -> list[Any]:
+    def metadata(self) -> list[RecordingMetadata]:
         """Of each joint's recording."""
         from fricomp.recording import RecordingMetadata
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rich.console import Console
@@ -10,7 +14,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 if TYPE_CHECKING:
     from fricomp.recording import Finding
 
-__all__ = ["careful", "console", "progress"]
+__all__ = ["careful", "console", "progress", "resumable"]
 
 
 def careful(finding: Finding) -> str:
@@ -35,3 +39,18 @@ def progress(*, quiet: bool = False) -> Progress:
         transient=True,
         disable=quiet or not errors.is_terminal,
     )
+
+
+@contextmanager
+def resumable(out: Path, way: str = "--resume goes on") -> Iterator[None]:
+    """Work whose finished parts are in a folder: on Ctrl-C it says so, and how to go on.
+
+    Args:
+        out: The folder.
+        way: How to go on.
+    """
+    try:
+        yield
+    except KeyboardInterrupt:
+        print(f"\nInterrupted; what is finished is in {out}: {way}", file=sys.stderr)
+        raise

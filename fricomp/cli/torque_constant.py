@@ -19,9 +19,19 @@ __all__ = ["measure_torque_constant"]
 
 N_PASSES = 4
 
+_RESULT = "torque_constant.json"
 
-def measure_torque_constant(request: CalibrationRequest, weight: HungWeight, out: Path) -> None:
-    """Move the joint without and with the weight, and write what that says; a simulated joint hangs it by itself."""
+
+def measure_torque_constant(request: CalibrationRequest, weight: HungWeight, out: Path, *, overwrite: bool) -> None:
+    """Move the joint without and with the weight, and write what that says; a simulated joint hangs it by itself.
+
+    Raises:
+        SweepAborted: The folder cannot be made, or holds such a measurement that is not to be replaced.
+    """
+    if not overwrite and any((out / name).exists() for name in (_RESULT, "bare-0.csv", "loaded-0.csv")):
+        raise SweepAborted(
+            f"{out} holds a torque constant already: replace it (--overwrite), or choose another folder (--out)"
+        )
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -31,7 +41,7 @@ def measure_torque_constant(request: CalibrationRequest, weight: HungWeight, out
     bare = _record(request, weight, out, simulated=simulated, hung=False)
     loaded = _record(request, weight, out, simulated=simulated, hung=True)
     found = identify_torque_constant(bare, loaded, weight)
-    (out / "torque_constant.json").write_bytes(msgspec.json.format(msgspec.json.encode(asdict(found))) + b"\n")
+    (out / _RESULT).write_bytes(msgspec.json.format(msgspec.json.encode(asdict(found))) + b"\n")
     _print(found, out)
 
 

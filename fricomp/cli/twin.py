@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 __all__ = ["app", "twin"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 _EPILOG = """
 fricomp twin canopen --write-config drive.toml

@@ -15,7 +15,10 @@ from math import nan, tau
 from pathlib import Path
 from typing import Any
 
-__all__ = ["PEERS", "PeerComparison", "compare_with_peer"]
+__all__ = ["PEERS", "PEER_MODULES", "PeerComparison", "compare_with_peer"]
+
+PEER_MODULES = ("canopen", "cantools", "damiao_motor", "dynamixel_sdk", "moteus", "odrive_can", "robstride")
+"""Import names of the independent encoders; only those who develop need most of them, so that `dev` brings them."""
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,15 @@ from __future__ import annotations
 import multiprocessing
 import os
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
@@ -34,6 +42,38 @@ class SerialExecutor(Executor):
         return future
 
 
+class _Processes(ProcessPoolExecutor):
+    """Processes that start no call once they are told to stop, not even one that is on its way to a worker."""
+
+    def __init__(self, count: int) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._stopped = context.Event()
+        super().__init__(count, mp_context=context, initializer=_heed, initargs=(self._stopped,))
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """The future of `fn(*args, **kwargs)`."""
+        return super().submit(_unless_stopped, fn, *args, **kwargs)
+
+    def stop(self) -> None:
+        """Leave at once: what runs may finish, what waits is never begun."""
+        self._stopped.set()
+        self.shutdown(wait=False, cancel_futures=True)
+
+
+_stop: Any = None  # in a worker: the event that says that no further call may start
+
+
+def _heed(stopped: Any) -> None:
+    global _stop
+    _stop = stopped
+
+
+def _unless_stopped(call: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
+    if _stop is not None and _stop.is_set():
+        raise CancelledError
+    return call(*args, **kwargs)
+
+
 def always() -> bool:
     """True: no reason to stop."""
     return True
@@ -41,7 +81,7 @@ def always() -> bool:
 
 @contextmanager
 def open_executor(address: str = "processes", workers: int | None = None) -> Iterator[tuple[Executor, int]]:
-    """An executor and the number of its workers, closed at the end.
+    """An executor and the number of its workers, closed at the end; after an error or Ctrl-C no queued call starts.
 
     Args:
         address: `processes` or `processes://N` (N workers, by default one a core), `serial`, or `dask://host:port`
@@ -60,9 +100,8 @@ def open_executor(address: str = "processes", workers: int | None = None) -> Ite
             yield SerialExecutor(), 1
         elif kind == "processes":
             count = int(rest) if rest.isdecimal() and int(rest) > 0 else workers or os.cpu_count() or 1
-            context = multiprocessing.get_context("spawn")
-            with _one_thread_each(), ProcessPoolExecutor(count, mp_context=context) as pool:
-                yield pool, count
+            with _one_thread_each():
+                yield from _run_processes(count)
         elif kind == "dask" and rest:
             yield from _open_dask(rest)
         else:
@@ -71,6 +110,16 @@ def open_executor(address: str = "processes", workers: int | None = None) -> Ite
         raise DiagnosisError(
             "a worker process died, killed or out of memory: what is finished is kept, --resume goes on with the rest"
         ) from error
+
+
+def _run_processes(count: int) -> Iterator[tuple[Executor, int]]:
+    pool = _Processes(count)
+    try:
+        yield pool, count
+    except BaseException:  # Ctrl-C too
+        pool.stop()
+        raise
+    pool.shutdown()
 
 
 @contextmanager
@@ -89,6 +138,7 @@ def _one_thread_each() -> Iterator[None]:
 
 
 def _open_dask(place: str) -> Iterator[tuple[Executor, int]]:
+    """The executor is not shut down itself: a client that is closed takes its calls back, without waiting for any."""
     try:
         import distributed
     except ImportError as error:

@@ -23,7 +23,9 @@ END_STOP_MARGIN = 0.05
 
 
 class SimulatedJointAdapter(JointAdapter):
-    """A stand-in behind the adapter interface, in lock step: its clock's `sleep_until` runs the simulation.
+    """A simulated joint; no hardware.
+
+    A stand-in behind the adapter interface, in lock step: its clock's `sleep_until` runs the simulation.
 
     Args:
         settings: The joints; None for the default joint.

@@ -9,7 +9,7 @@ import pytest
 
 from fricomp.adapters import open_adapter
 from fricomp.adapters.bus_budget import BusBudget, can_frame_bits
-from fricomp.adapters.configuration import read_configuration
+from fricomp.adapters.configuration import choose_adapter, read_configuration
 from fricomp.errors import AdapterConfigurationError
 
 TEXT = """
@@ -58,6 +58,55 @@ def test_a_file_that_is_none_says_so(tmp_path: Path, text: str | None, complaint
 
 
 @pytest.mark.parametrize(
+    ("named", "asked", "chosen"),
+    [
+        ("canopen", None, "canopen"),
+        ("canopen", "canopen", "canopen"),
+        ("sim", None, "sim"),
+        (None, "twin-mit", "twin-mit"),
+        (None, "sim", "sim"),
+        (None, None, "sim"),
+    ],
+)
+def test_the_file_names_the_adapter_where_the_command_line_does_not(
+    tmp_path: Path, named: str | None, asked: str | None, chosen: str
+) -> None:
+    path = tmp_path / "arm.toml"
+    path.write_text(("" if named is None else f'backend = "{named}"\n') + "seed = 3\n")
+    assert choose_adapter(asked, path) == (chosen, {"seed": 3})
+
+
+def test_without_a_file_the_joint_is_simulated() -> None:
+    assert choose_adapter(None, None) == ("sim", {})
+
+
+@pytest.mark.parametrize(
+    ("text", "asked", "complaint"),
+    [
+        (TEXT, "canopen", "'mit', but 'canopen'"),
+        (TEXT, "sim", "'mit', but 'sim'"),
+        (TEXT.replace('backend = "mit"', ""), None, "names no backend.*--backend"),
+        ("backend = 3", "sim", "in quotes"),
+    ],
+)
+def test_a_file_and_a_command_line_that_differ_are_refused(
+    tmp_path: Path, text: str, asked: str | None, complaint: str
+) -> None:
+    path = tmp_path / "arm.toml"
+    path.write_text(text)
+    with pytest.raises(AdapterConfigurationError, match=complaint):
+        choose_adapter(asked, path)
+
+
+@pytest.mark.parametrize("name", ["sim", "twin-mit", "mit"])
+def test_every_adapter_takes_its_own_name_in_the_configuration_and_no_other(name: str) -> None:
+    configuration = table() if name == "mit" else {}
+    assert open_adapter(name, configuration | {"backend": name}) is not None
+    with pytest.raises(AdapterConfigurationError, match=f"'odrive', but '{name}'"):
+        open_adapter(name, configuration | {"backend": "odrive"})
+
+
+@pytest.mark.parametrize(
     ("joint", "complaint"),
     [
         ({"limits": {"torque": -1.0, "torque_rate": 1.0, "velocity": 1.0}}, r"'elbow'.*torque"),
@@ -80,6 +129,11 @@ def test_two_joints_of_one_name_or_address_are_refused(what: str) -> None:
     double["joints"].append(double["joints"][0] | {"name": "wrist", "id": 2} | {what: double["joints"][0][what]})
     with pytest.raises(AdapterConfigurationError, match=f"same {what}"):
         open_adapter("mit", double)
+
+
+def test_a_rate_which_nothing_reads_is_refused_by_name() -> None:
+    with pytest.raises(AdapterConfigurationError, match="unknown field `rate`"):
+        open_adapter("mit", table() | {"rate": 500.0})
 
 
 def test_no_joint_is_refused() -> None:

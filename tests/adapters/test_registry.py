@@ -5,14 +5,18 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Mapping
-from importlib.metadata import EntryPoint
+from importlib.metadata import EntryPoint, entry_points
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, cast
 
 import pytest
 from typer.testing import CliRunner
 
+from fricomp import adapters
 from fricomp.adapters import JointAdapter, adapter_class, adapter_names, open_adapter, registry
+from fricomp.cli import missing
+from fricomp.cli.adapters import EXTRAS
 from fricomp.cli.main import app
 from fricomp.errors import AdapterConfigurationError
 from fricomp.sim_bench.twins.backend import TwinCanOpenAdapter
@@ -74,6 +78,35 @@ def test_the_command_line_lists_them_all() -> None:
         assert name in result.stdout
 
 
+def _row(name: str) -> list[str]:
+    """The cells of a row of `fricomp adapters`."""
+    printed = CliRunner().invoke(app, ["adapters"], env={"COLUMNS": "400"}).stdout
+    (row,) = (line for line in printed.splitlines() if line.split("│")[1:2] and line.split("│")[1].strip() == name)
+    return [cell.strip() for cell in row.strip("│ ").split("│")]
+
+
+def test_the_list_knows_every_adapter_of_this_package() -> None:
+    points = entry_points(group=registry.ENTRY_POINT_GROUP)
+    own = {point.name for point in points if point.value.startswith("fricomp.")}
+    assert own | set(BUILT_IN) == set(EXTRAS)
+
+
+def test_the_list_says_what_each_needs_and_whether_it_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert _row("sim") == ["sim", "A simulated joint; no hardware", "fricomp", "sim", "yes"]
+    assert _row("twin-mit")[2:] == ["fricomp", "can, sim", "yes"]
+    monkeypatch.setattr(missing, "find_spec", lambda name: None if name == "serial" else find_spec(name))
+    assert _row("moteus")[2:] == ["fricomp", "serial", "no: pip install '.[serial]'"]
+    assert _row("mit")[-1] == "yes"
+
+
+def test_the_list_says_why_a_plug_in_does_not_load(monkeypatch: pytest.MonkeyPatch) -> None:
+    plugin(monkeypatch, "mine", "no.such.module:Nothing")
+    with pytest.warns(UserWarning, match="mine"):
+        row = _row("mine")
+    assert row[2] == "plug-in"
+    assert row[-1].startswith("no: backend 'mine' does not load")
+
+
 def test_faults_are_cleared_from_the_command_line_and_nothing_is_energised(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -94,3 +127,9 @@ def test_faults_are_cleared_from_the_command_line_and_nothing_is_energised(
     assert drives[0].state is DriveState.SWITCH_ON_DISABLED
     assert drives[0].error_code == 0
     assert not drives[0].axis.energised
+
+
+@pytest.mark.parametrize("name", ["CanAdapter", "Driver", "JointAdapter", "SerialAdapter"])
+def test_what_an_adapter_is_written_from_is_exported(name: str) -> None:
+    assert name in adapters.__all__
+    assert isinstance(getattr(adapters, name), type)

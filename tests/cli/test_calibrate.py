@@ -216,6 +216,21 @@ def test_a_run_folder_that_asks_for_nonsense_takes_another_method(tmp_path: Path
     assert again.request.options.normal_load == "3"
 
 
+@pytest.mark.usefixtures("nothing_moves")
+def test_a_torque_constant_is_replaced_only_when_told(tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    out.mkdir()
+    (out / "torque_constant.json").write_text("{}")
+    said = _refused("--torque-constant", "--weight", "0.5", "--lever", "0.25", "--out", str(out))
+    assert "replace it (--overwrite)" in said
+    assert (out / "torque_constant.json").read_text() == "{}"
+
+
+def test_a_drive_without_its_file_says_how_to_give_it(tmp_path: Path) -> None:
+    said = _refused("--backend", "canopen", "--out", str(tmp_path / "run"))
+    assert "give the drive's file with --config" in said
+
+
 def test_an_unknown_backend_is_one_sentence_with_the_known_ones() -> None:
     done = subprocess.run(
         [*COMMAND[:-2], "--backend", "telepathy"], check=False, capture_output=True, text=True, timeout=120

@@ -1,14 +1,19 @@
 """What all commands share."""
 
+import errno
+import os
 import subprocess
 import sys
 from collections.abc import Callable
 
 import pytest
+import typer
 from typer.testing import CliRunner
 
 import fricomp
-from fricomp.cli import bench, main
+from fricomp.calibration.identification.form import separable_law_names
+from fricomp.cli import bench, check_loop, main
+from fricomp.cli import run as run_command
 from fricomp.cli.lazy import lazy_app
 from fricomp.cli.missing import extra_for
 from fricomp.errors import RecordingError
@@ -66,13 +71,28 @@ def test_a_full_disk_is_one_sentence(monkeypatch: pytest.MonkeyPatch, capsys: py
     assert capsys.readouterr().err == "fricomp: out/report.html: No space left on device\n"
 
 
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT, errno.EIO])
+def test_a_full_disk_is_one_sentence_where_the_file_has_no_name(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], number: int
+) -> None:
+    with pytest.raises(SystemExit) as exit_info:
+        _run_raising(monkeypatch, OSError(number, os.strerror(number)))()
+    assert exit_info.value.code == 2
+    assert capsys.readouterr().err == f"fricomp: a file could not be written: {os.strerror(number)}\n"
+
+
+def test_any_other_error_of_the_system_without_a_name_goes_through(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(OSError, match="Bad address"):
+        _run_raising(monkeypatch, OSError(errno.EFAULT, "Bad address"))()
+
+
 def test_a_missing_package_names_the_extra_that_brings_it(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit) as exit_info:
         _run_raising(monkeypatch, ModuleNotFoundError("No module named 'can'", name="can"))()
     assert exit_info.value.code == 2
-    assert "fricomp[can]" in capsys.readouterr().err
+    assert "pip install '.[can]' in the checkout" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(("module", "extra"), [("torch.nn", "calibrate"), ("serial", "serial"), ("nonesuch", None)])
@@ -89,6 +109,7 @@ def test_a_lazy_app_leaves_out_what_is_not_installed() -> None:
 def test_every_command_shows_its_help(name: str) -> None:
     result = CliRunner().invoke(main.app, [name, "--help"])
     assert result.exit_code == 0, result.output
+    assert "--install-completion" not in result.output  # of `fricomp` alone
 
 
 @pytest.mark.parametrize("name", [command.name for command in bench.app.registered_commands])
@@ -101,3 +122,30 @@ def test_the_package_runs_as_a_module() -> None:
     command = [sys.executable, "-m", "fricomp", "--version"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == f"fricomp {fricomp.__version__}"
+
+
+def _help(*command: str) -> str:
+    """The words of a command's help, whatever the width of the terminal."""
+    output = CliRunner().invoke(main.app, [*command, "--help"], env={"COLUMNS": "400"}).output
+    return " ".join(output.split())
+
+
+def test_help_names_every_law() -> None:
+    for name in separable_law_names():
+        assert name in _help("identify")
+
+
+def test_help_says_what_is_easily_missed() -> None:
+    assert "(CSV: time, velocity[, position])" in _help("calibrate")
+    assert "The joints move at once" in _help("run")
+    assert "Make and list concealed cases" in _help("cases")
+    assert _help("cases", "make").count("`fricomp cases list` has the names; drawn from the seed by default") == 4
+
+
+def test_a_loop_is_checked_as_it_is_run() -> None:
+    checked, run = (
+        {option.name: option.default for option in typer.main.get_command(module.app).params}
+        for module in (check_loop, run_command)
+    )
+    for name in ("delay", "velocity_filter"):
+        assert checked[name] == run[name]

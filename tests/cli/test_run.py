@@ -6,7 +6,50 @@ import pytest
 from typer.testing import CliRunner
 
 from fricomp.cli.main import app
-from fricomp.errors import ParameterError
+from fricomp.control import ReferenceState, SineReference
+from fricomp.errors import AdapterConfigurationError, ParameterError, SafetyTrip
+from fricomp.laws import FrictionLaw, Viscous
+from fricomp.model import FrictionModel, save_model
+from fricomp.recording import read_recording
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> Path:
+    file = tmp_path / "friction.json"
+    save_model(FrictionModel(FrictionLaw((Viscous(0.02),)), joint="joint"), file)
+    return file
+
+
+@pytest.mark.parametrize("command", ["run", "calibrate"])
+@pytest.mark.parametrize("named", ["", 'backend = "sim"\n'])
+def test_a_file_of_the_simulated_joint_serves_both_commands(
+    tmp_path: Path, model: Path, command: str, named: str
+) -> None:
+    file = tmp_path / "joint.toml"
+    file.write_text(f"{named}seed = 3\n")
+    short = [str(model), "--frequency", "4", "--cycles", "1", "--amplitude", "0.01", "--out", str(tmp_path / "run")]
+    arguments = short if command == "run" else ["--dry-run"]
+    result = CliRunner().invoke(app, [command, *arguments, "--config", str(file)])
+    assert result.exit_code == 0, result.output
+
+
+@pytest.mark.parametrize("command", ["run", "calibrate"])
+def test_a_file_of_another_backend_than_the_one_asked_for_is_refused(tmp_path: Path, model: Path, command: str) -> None:
+    file = tmp_path / "drive.toml"
+    file.write_text('backend = "canopen"\n')
+    arguments = [str(model), "--out", str(tmp_path / "run")] if command == "run" else ["--dry-run"]
+    result = CliRunner().invoke(app, [command, *arguments, "--backend", "mit", "--config", str(file)])
+    assert isinstance(result.exception, AdapterConfigurationError), result.output
+    assert "'canopen', but 'mit'" in str(result.exception)
+
+
+@pytest.mark.parametrize("command", ["run", "calibrate"])
+def test_the_file_of_a_drive_says_which_it_is(tmp_path: Path, model: Path, command: str) -> None:
+    file = tmp_path / "drive.toml"
+    file.write_text('backend = "canopne"\n')
+    arguments = [str(model), "--out", str(tmp_path / "run")] if command == "run" else ["--dry-run"]
+    result = CliRunner().invoke(app, [command, *arguments, "--config", str(file)])
+    assert "unknown backend 'canopne'" in str(result.exception)
 
 
 @pytest.mark.parametrize(
@@ -32,3 +75,28 @@ def test_an_option_outside_its_range_is_refused_with_its_name(
     assert str(result.exception).startswith(option)
     assert words in str(result.exception)
     assert not out.exists()
+
+
+def test_ctrl_c_keeps_what_was_recorded(tmp_path: Path, model: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = SineReference.sample
+
+    def interrupted(self: SineReference, time: float, state: ReferenceState) -> None:
+        if time > 0.6:
+            raise KeyboardInterrupt
+        whole(self, time, state)
+
+    monkeypatch.setattr(SineReference, "sample", interrupted)
+    out = tmp_path / "run"
+    result = CliRunner().invoke(app, ["run", str(model), "--out", str(out)])
+    assert result.exit_code == 130
+    assert "the joints are at zero torque" in result.output
+    assert read_recording(out / "without_compensation_joint.csv").duration == pytest.approx(0.6, abs=0.01)
+
+
+def test_a_joint_that_is_stopped_by_the_gate_leaves_its_recording(tmp_path: Path, model: Path) -> None:
+    file, out = tmp_path / "joint.toml", tmp_path / "run"
+    limits = "limits = { torque = 4.0, torque_rate = 200.0, velocity = 0.02 }"
+    file.write_text(f'[[joints]]\nname = "joint"\n{limits}\n')
+    result = CliRunner().invoke(app, ["run", str(model), "--config", str(file), "--out", str(out)])
+    assert isinstance(result.exception, SafetyTrip), result.output
+    assert read_recording(out / "without_compensation_joint.csv").duration > 0.5

@@ -20,4 +20,9 @@ BENCHMARKS = {
 }
 """Benchmark to the line that `fricomp bench --help` shows; each lives in `fricomp/cli/bench/<name>.py`."""
 
-app = lazy_app("fricomp.cli.bench", BENCHMARKS, help="Benchmarks: every figure of the documentation, measured again.")
+app = lazy_app(
+    "fricomp.cli.bench",
+    BENCHMARKS,
+    help="Benchmarks: every figure of the documentation, measured again.",
+    add_completion=False,
+)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 __all__ = ["app"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 JOINT_COUNTS = (1, 7)
 FRAME_COUNTS = (1, 14)
@@ -35,10 +35,14 @@ def adapters(
     import msgspec
     from rich.table import Table as Printed
 
+    from fricomp.cli.missing import REPORT, require
     from fricomp.cli.terminal import console
     from fricomp.report import write_report
     from fricomp.sim_bench.adapter_bench.page import adapter_page, adapter_tables
+    from fricomp.sim_bench.adapter_bench.peers import PEER_MODULES
 
+    require(*PEER_MODULES, extra="dev")
+    require(*REPORT, "serial")
     out.mkdir(parents=True, exist_ok=True)
     figures = _measure(commands, frames or (20_000 if quick else 1_000_000), only, quick)
     (out / "figures.json").write_bytes(msgspec.json.format(msgspec.json.encode(figures)))

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from fricomp.sim_bench.proof import PlannedCase, RunSettings, Score
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 _EPILOG = """fricomp bench mismatch --quick --out runs/mismatch
 
@@ -85,12 +85,13 @@ def _measure_gaps(
     number: int, settings: RunSettings, out: Path, executor: tuple[str, int | None], page: Path | None
 ) -> None:
     """What is closed of the held-out gap, in `out` and beside the page, which shows it when it is next written."""
-    from fricomp.cli.terminal import console, progress
+    from fricomp.cli.terminal import console, progress, resumable
     from fricomp.sim_bench.fleet import open_executor
     from fricomp.sim_bench.proof import GAP, format_gaps, measure_gaps, plan_gaps, seeds_of
 
     planned = plan_gaps(number, seeds_of(settings), 30.0 if settings.quick else None)
-    with progress() as bar, open_executor(*executor) as pool:
+    again = resumable(out, "the same command goes on")
+    with again, progress() as bar, open_executor(*executor) as pool:
         task = bar.add_task("diagnosed twice", total=number)
         scores = measure_gaps(planned, out / "gap", pool, progress=lambda: bar.advance(task))
     kind = "--quick " if settings.quick else ""
@@ -125,13 +126,13 @@ def _run(
     from functools import partial
     from time import monotonic
 
-    from fricomp.cli.terminal import console, progress
+    from fricomp.cli.terminal import console, progress, resumable
     from fricomp.sim_bench.fleet import open_executor
     from fricomp.sim_bench.proof import check_diagnosis, compute_figures, count_open, log_outcome, run_proof, watch
 
     go_on, check = watch(settings, Path.cwd(), minutes), partial(check_diagnosis, settings, Path.cwd())
     start, done = monotonic(), 0
-    with progress() as bar, open_executor(*executor) as pool:
+    with resumable(out), progress() as bar, open_executor(*executor) as pool:
         task = bar.add_task("concealed cases", total=None)
 
         def count(score: Score | None) -> None:
@@ -175,14 +176,14 @@ def _compare(
     planned: Sequence[PlannedCase], out: Path, executor: tuple[str, int | None], scores: Sequence[Score]
 ) -> str:
     """The table of the other methods; that of an earlier call where none is asked for now."""
-    from fricomp.cli.terminal import progress
+    from fricomp.cli.terminal import progress, resumable
     from fricomp.sim_bench.fleet import open_executor
     from fricomp.sim_bench.proof import BASELINES
     from fricomp.sim_bench.proof.baselines import compare_baselines, format_table
 
     path = out / BASELINES
     if planned:
-        with progress() as bar, open_executor(*executor) as pool:
+        with resumable(out), progress() as bar, open_executor(*executor) as pool:
             task = bar.add_task("other methods", total=len(planned))
             found = compare_baselines(planned, out / "baselines", pool, progress=lambda: bar.advance(task))
         path.write_text(format_table(found, scores) + "\n", encoding="utf-8")

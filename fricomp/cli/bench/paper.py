@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["app", "paper"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 
 @dataclass(frozen=True)

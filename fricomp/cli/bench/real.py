@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 _EPILOG = """fricomp bench real --page docs/real.md --out runs/real
 
@@ -39,7 +39,7 @@ def real(
     cases = [known[name] for name in only] if only else list(REAL_CASES)
     out.mkdir(parents=True, exist_ok=True)
     calls = [partial(run_case, case, out, seed=seed, resume=resume) for case in cases]
-    outcomes = run_side_by_side(calls, executor, "recordings")
+    outcomes = run_side_by_side(calls, executor, "recordings", out)
     table = Table("recording", "verdict", "named", "as expected", "time [s]")
     for one in outcomes:
         verdict = one.record.verdict if one.record is not None else "no answer"

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 _EPILOG = """fricomp bench second-generator --page docs/second_generator.md --out runs/second
 
@@ -33,7 +33,7 @@ def second_generator(
 
     cases = choose_cases(only or (), quick=quick)
     out.mkdir(parents=True, exist_ok=True)
-    scores = run_side_by_side([partial(run_case, case, out, resume=resume) for case in cases], executor, "cases")
+    scores = run_side_by_side([partial(run_case, case, out, resume=resume) for case in cases], executor, "cases", out)
     table = Table("case", "verdict", "named", "right", "seconds")
     for one in scores:
         right = "no" if one.wrong else "yes"

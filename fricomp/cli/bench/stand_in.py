@@ -9,7 +9,7 @@ import typer
 
 __all__ = ["app", "stand_in"]
 
-app = typer.Typer()
+app = typer.Typer(add_completion=False)
 
 
 @app.command(epilog="fricomp bench stand-in --quick --out runs/stand_in")

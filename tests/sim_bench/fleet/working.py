@@ -1,6 +1,7 @@
 """Work for fleets whose outcome is known, and workers that die."""
 
 import os
+import time
 from pathlib import Path
 
 from fricomp.errors import DiagnosisError
@@ -33,3 +34,19 @@ def count_bytes_after_a_death(joint: FleetJoint, out: Path) -> FleetRow:
 def divide_by_zero(joint: FleetJoint, out: Path) -> FleetRow:
     """Fails in a way that nobody foresaw."""
     return {"bytes": 1 // (len(joint.name) - 1)}
+
+
+def leave_a_file(path: Path) -> None:
+    """Tells that this call was begun."""
+    path.touch()
+
+
+def wait_for_a_file(begun: Path | None, end: Path) -> None:
+    """Tells that this call was begun, and lasts until `end` exists, a minute at most."""
+    if begun is not None:
+        begun.touch()
+    deadline = time.monotonic() + 60.0
+    while not end.exists():
+        if time.monotonic() > deadline:
+            raise TimeoutError(f"{end} does not come")
+        time.sleep(0.01)

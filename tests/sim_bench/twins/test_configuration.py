@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 import tomllib
@@ -132,3 +133,13 @@ def test_the_command_serves_a_twin_in_a_process_of_its_own_until_interrupted(tmp
             assert feedback.position[0] == pytest.approx(0.0, abs=1e-4)
         process.send_signal(SIGINT)
         assert process.wait(timeout=10.0) == 130
+
+
+def test_the_documented_lines_open_a_twin_in_this_process() -> None:
+    """The imports are among them."""
+    page = (Path(__file__).parents[3] / "docs" / "twins.md").read_text("utf-8")
+    (lines,) = (block for block in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "make_twin(" in block)
+    names: dict[str, Any] = {}
+    exec(lines, names)
+    with names["twin"], names["adapter"] as adapter:
+        assert [joint.name for joint in adapter.capabilities.joints] == ["joint"]
