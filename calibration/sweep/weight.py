@@ -20,6 +20,7 @@ from fricomp.errors import IdentificationError, ParameterError, SweepAborted
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 
+from .log import CycleLog
 from .motion import MotionRunner
 from .plan import Travel, move_speed, possible_speeds, top_speed
 from .profile import move_profile
@@ -161,6 +162,10 @@ def _pass(runner: MotionRunner, context: SweepContext, travel: Travel, speed: fl
     profile = move_profile(goal - runner.position, speed, context.settings.ramp)
     start_ns = runner.now_ns
     log = runner.follow(lambda time: profile.velocity_at(time) if time < profile.duration else None)
+    return runner.meanwhile(lambda: _to_recording(log, context, start_ns))
+
+
+def _to_recording(log: CycleLog, context: SweepContext, start_ns: int) -> Recording:
     others = np.delete(log.configuration(), context.joint, axis=1)
     gave_way = float(np.max(np.ptp(others, axis=0))) if others.size else 0.0
     if gave_way > LARGEST_YIELD:
