@@ -152,7 +152,7 @@ class Sweep:
         report: Progress = lambda text, done: None,
     ) -> None:
         self.context, self.data = context, data
-        self._writer, self._report = writer, report
+        self._writer, self._told = writer, report
         self._metadata = context.metadata()
         self._mode = context.choose_mode()
         self.runner = MotionRunner(
@@ -331,6 +331,10 @@ class Sweep:
         samples = self.runner.meanwhile(lambda: self._append(log, label))
         self.data = self.data.with_block(label, samples)
         return samples
+
+    def _report(self, text: str, done: float) -> None:
+        """Tell about progress; a terminal may take its time as a disk may."""
+        self.runner.meanwhile(lambda: self._told(text, done))
 
     def _append(self, log: CycleLog, label: BlockLabel) -> Recording:
         samples = log.to_recording(self._origin_ns, self._metadata, self._load_torque(log))

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -145,11 +146,11 @@ def record_passes(
     plan = plan_passes(context, n_passes, runner.position)
     travel, rest = plan.travel, runner.position
     runner.start(context.make_loop(mode, runner.period, runner.feedback.position))
-    report("going to the start", 0.0)
+    runner.meanwhile(lambda: report("going to the start", 0.0))
     runner.move_to(travel.low, plan.fastest, settings.ramp)
     found = []
     for number in range(2 * n_passes):
-        report("moving to and fro", number / (2 * n_passes))
+        runner.meanwhile(partial(report, "moving to and fro", number / (2 * n_passes)))
         found.append(_pass(runner, context, travel, plan.speed))
     runner.move_to(rest, plan.fastest, settings.ramp)
     runner.stop()

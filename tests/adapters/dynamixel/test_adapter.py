@@ -178,7 +178,7 @@ def test_a_velocity_limit_beyond_the_servos_own_is_refused() -> None:
 
 
 def test_a_current_limit_behind_a_gear_is_the_servos_own() -> None:
-    joints = joint_tables(2, torque=3.3, velocity=2.0)
-    joints[1]["transmission"] = {"gear_ratio": 5.0}
+    joints = joint_tables(2, torque=3.2, velocity=2.0)
+    joints[1] |= {"transmission": {"gear_ratio": 5.0}, "limits": joints[1]["limits"] | {"torque": 3.3}}
     with pytest.raises(AdapterConfigurationError, match=r"torque limit 3\.3 is beyond"):
         DynamixelRig(joints=joints).adapter.open()

@@ -109,6 +109,25 @@ def test_a_joint_does_not_run_away_while_its_blocks_are_written(
     assert max(speeds.values()) < 0.05
 
 
+def test_a_terminal_that_hangs_does_not_hold_up_the_loop(
+    adapter: SimulatedJointAdapter, clock: RunningClock, context: SweepContext, folder: RunFolder
+) -> None:
+    moving = replace(context, settings=replace(context.settings, speeds="0.4,1.5,3.0", breakaway_positions=0))
+    beside_the_loop = []
+
+    def tell(text: str, done: float) -> None:
+        if adapter.enabled:
+            beside_the_loop.append(threading.current_thread() is not threading.main_thread())
+        clock.let_pass(0.09)
+
+    with folder.open_writer(moving.metadata(), channels_of(moving)) as writer:
+        sweep = Sweep(moving, writer, SweepData(), tell)
+        sweep.prepare()
+        sweep.run_plan(sweep.plan_first_pass())
+    assert len(beside_the_loop) > 4
+    assert all(beside_the_loop)
+
+
 def test_the_sign_check_ends_at_zero_torque_before_anything_else(
     adapter: SimulatedJointAdapter, context: SweepContext, folder: RunFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
