@@ -8,7 +8,7 @@ from types import TracebackType
 from typing import Self, final
 
 from fricomp.control import SafetyGate
-from fricomp.errors import AdapterError
+from fricomp.errors import AdapterConfigurationError, AdapterError
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, JointFeedback
 
 from .acceptance import check_counts, check_limits, check_rate, check_watchdog, raise_own
@@ -59,17 +59,18 @@ class JointAdapter(StoppableDriver):
         if self._capabilities is not None:
             raise AdapterError("the adapter is open already: close() it first")
         self._gate = None
+        self._released_stop = self._asked_stop  # of an earlier session; one that comes from here on holds
         try:
             drives = self._open()
             n_joints = len(drives.joints)
-            transmissions = self.options.transmissions or (Transmission(),) * n_joints
+            transmissions = tuple(self.options.transmissions or (Transmission(),) * n_joints)
             check_counts(n_joints, limits=self.options.limits, transmissions=transmissions)
             joints = tuple(t.capabilities_to_joint(j) for j, t in zip(drives.joints, transmissions, strict=True))
             check_limits(joints, self.options.limits)
         except BaseException as error:
             self._let_go()
             raise_own(error)
-        self._drive = DriveSide(drives, transmissions)
+        self._drive, self._transmissions = DriveSide(drives, transmissions), transmissions
         self._nothing_new = JointFeedback(n_joints)
         self._capabilities = replace(drives, joints=joints)
         return self._capabilities
@@ -92,12 +93,14 @@ class JointAdapter(StoppableDriver):
 
         Raises:
             AdapterConfigurationError: The mode is not offered, or bus or watchdog do not go with this rate.
+            AdapterConfigurationError: A limit is beyond the drive's.
             AdapterError: The joints are enabled, or the gate has tripped and was not cleared.
         """
         check_rate(self.capabilities, mode, period)
+        self._check_options()
         with self._lock:
             if self._enabled:
-                raise AdapterError("the joints are enabled: safe_stop() them before configuring")
+                raise AdapterError("the joints are enabled: disable() them before configuring")
             if self._gate is not None and self._gate.tripped:
                 raise AdapterError(f"the gate has tripped ({self._gate.trip_record}): call clear_faults() first")
             try:
@@ -116,6 +119,7 @@ class JointAdapter(StoppableDriver):
                 stale_after=self.options.stale_after,
                 watch_torque=mode != "torque",
             )
+            self._latch_stop()  # a stop that came in the meantime found another gate, or none
 
     @final
     def enable(self) -> None:
@@ -202,7 +206,7 @@ class JointAdapter(StoppableDriver):
             fresh = self._read_into(self._drive.feedback)
         except BaseException as error:
             self._trip(reason_of(error), str(error) or repr(error))
-            self.safe_stop()
+            self._stop_now()
             raise_own(error)
         if fresh:
             self._drive.feedback_to_joint(feedback)
@@ -210,17 +214,32 @@ class JointAdapter(StoppableDriver):
         if gate is not None and self._enabled:
             gate.observe(feedback if fresh else self._nothing_new, self.clock.now_ns())
             if gate.tripped:
-                self.safe_stop()
+                self._stop_now()
         return fresh
 
     @final
+    def disable(self) -> None:
+        """De-energise at zero torque: the ordinary end of a motion. Latches nothing, and releases nothing.
+
+        Raises:
+            AdapterError: The stop did not get through.
+        """
+        with self._lock:
+            if self._gate is not None:
+                self._gate.disarm()
+            self._halt()
+        if self._stop_owed:
+            raise AdapterError(self._stop_failure)
+
+    @final
     def clear_faults(self) -> None:
-        """Clear drive faults and unlatch the gate. Does not enable.
+        """Clear drive faults and unlatch the gate, but for a stop that comes meanwhile. Does not enable.
 
         Raises:
             AdapterError: A stop was owed and did not get through now either.
             DriveFault: The fault stays.
         """
+        seen = self._asked_stop
         with self._lock:
             self._halt()
             try:
@@ -229,8 +248,7 @@ class JointAdapter(StoppableDriver):
                 raise_own(error)
             if self._stop_owed:
                 raise AdapterError(self._stop_failure)
-            if self._gate is not None:
-                self._gate.reset()
+            self._release_stop(seen)
             self._stop_failure = ""
 
     @final
@@ -261,13 +279,23 @@ class JointAdapter(StoppableDriver):
 
     # -- inside -----------------------------------------------------------------------------------------
 
+    def _check_options(self) -> None:
+        """Once more before a gate is made of them: a caller may have exchanged the options since opening."""
+        joints = self.capabilities.joints
+        check_counts(len(joints), limits=self.options.limits)
+        check_limits(joints, self.options.limits)
+        if tuple(self.options.transmissions or (Transmission(),) * len(joints)) != self._transmissions:
+            raise AdapterConfigurationError(
+                "the transmissions are not those that the adapter was opened with: close() it and open() it again"
+            )
+
     def _admit(self, command: JointCommand, gate: SafetyGate) -> bool:
         """Fill the drives' command, still joint side, with what may be sent."""
         if gate.tripped or not gate.admit(command.torque, self._drive.command.torque, self.clock.now_ns()):
             return False
         if self._mode == "torque":
             return True
-        complaint = self._references.limit(command, self._mode, self._drive.command)
+        complaint = self._references.limit(command, self._mode, self._drive.command, self.clock.now_ns())
         if complaint is not None:
             gate.trip("not_finite", complaint, self.clock.now_ns())
         return complaint is None
@@ -286,7 +314,7 @@ class JointAdapter(StoppableDriver):
             self.clock.sleep_until(self.clock.now_ns() + POLL_INTERVAL_NS)
         feedback = JointFeedback(len(self.capabilities.joints))
         self._drive.feedback_to_joint(feedback)
-        if not self._references.start_at(feedback.position):
+        if not self._references.start_at(feedback.position, self.clock.now_ns()):
             raise AdapterError(f"positions {feedback.position} are not known: a position reference cannot begin there")
 
     def _let_go(self) -> None:

@@ -12,9 +12,6 @@ from .transmission import Transmission
 
 __all__ = ["DriveSide"]
 
-# Torque in the actuator's own unit, such as ampere, is not scaled by a gear: only the sign carries over.
-SCALED_UNITS = ("N·m", "N")
-
 
 class DriveSide:
     """Command and feedback on the drives' side, made once and filled every cycle.
@@ -29,7 +26,7 @@ class DriveSide:
         self.command = JointCommand(n_joints)
         self.feedback = JointFeedback(n_joints)
         self._gears = [
-            (joint, t.sign / t.gear_ratio, t.zero, _torque_gain(declared.torque_unit, t))
+            (joint, t.sign / t.gear_ratio, t.zero, t.torque_gain(declared.torque_unit))
             for joint, (declared, t) in enumerate(zip(capabilities.joints, transmissions, strict=True))
             if not t.is_identity
         ]
@@ -67,7 +64,3 @@ class DriveSide:
             feedback.position[joint] = source.position[joint] * gain - zero
             feedback.velocity[joint] = source.velocity[joint] * gain
             feedback.torque[joint] = source.torque[joint] * torque_gain
-
-
-def _torque_gain(unit: str, transmission: Transmission) -> float:
-    return transmission.sign * (transmission.gear_ratio if unit in SCALED_UNITS else 1.0)

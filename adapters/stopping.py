@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from typing import final
 
-from fricomp.control import SafetyGate, TripReason
+from fricomp.control import SafetyGate, TripReason, TripRecord
 from fricomp.errors import AdapterError, DriveFault
 from fricomp.joint import Clock, MonotonicClock
 
@@ -36,6 +36,9 @@ class StoppableDriver(Driver):
         self._enabling = False
         self._stop_owed = False  # a stop has been tried and has not got through
         self._stop_failure = ""
+        # The last stop that was asked for, and the last that was released: one that came in between is not forgotten.
+        self._asked_stop: TripRecord | None = None
+        self._released_stop: TripRecord | None = None
 
     @property
     @final
@@ -61,8 +64,22 @@ class StoppableDriver(Driver):
 
     @final
     def safe_stop(self, reason: str = "") -> None:
-        """Zero torque, now. From any thread, any number of times; never raises. Nothing queued follows it."""
-        self._trip("stop", reason or "stopped")
+        """Zero torque, now. From any thread, any number of times; never raises. Nothing queued follows it.
+
+        It holds whatever the adapter is doing, also configuring or nothing at all: only `clear_faults` releases it.
+        """
+        self._asked_stop = TripRecord("stop", reason or "stopped", self.clock.now_ns())
+        self._latch_stop()
+        self._stop_now()
+
+    def _latch_stop(self) -> None:
+        """Trip the gate, which may be a new one, on a stop that has not been released."""
+        gate, asked = self._gate, self._asked_stop
+        if gate is not None and asked is not None and asked is not self._released_stop:
+            gate.trip(asked.reason, asked.detail, asked.time_ns)
+
+    def _stop_now(self) -> None:
+        """Stop the drives from whatever thread this is, as soon as a write in progress has ended."""
         if self._lock_owner == threading.get_ident() and self._lock.locked():
             return  # a signal handler inside this thread's own write: that write stops the joints as it ends
         held = self._lock.acquire(timeout=STOP_PATIENCE)  # a writer hung in a bus library must not hold up the stop
@@ -81,6 +98,13 @@ class StoppableDriver(Driver):
         """Latch the gate, if the joints are energised or about to be."""
         if self._gate is not None and (self._enabled or self._enabling):
             self._gate.trip(reason, detail, self.clock.now_ns())
+
+    def _release_stop(self, seen: TripRecord | None) -> None:
+        """Unlatch the gate, unless a stop has come after the one that was `seen`."""
+        self._released_stop = seen
+        if self._gate is not None:
+            self._gate.reset()
+        self._latch_stop()
 
     def _raise_if_stopped(self) -> None:
         """For loops of a driver that wait while enabling: raises `SafetyTrip` once somebody has stopped the joints."""

@@ -10,7 +10,10 @@ from fricomp.control import JointLimits
 from fricomp.errors import AdapterConfigurationError
 from fricomp.joint import JointCapabilities
 
-__all__ = ["Transmission", "torques_at_drives"]
+__all__ = ["SCALED_UNITS", "Transmission", "torques_at_drives"]
+
+SCALED_UNITS = ("N·m", "N")
+"""Torque in the actuator's own unit, such as ampere, is not scaled by a gear: only the sign carries over."""
 
 
 @dataclass(frozen=True)
@@ -69,6 +72,10 @@ class Transmission:
         """Drive torque [N·m] of a joint torque [N·m] or [N]."""
         return self.sign * torque / self.gear_ratio
 
+    def torque_gain(self, unit: str) -> float:
+        """Torque at the joint for one at the drive, both in `unit` [1]."""
+        return self.sign * (self.gear_ratio if unit in SCALED_UNITS else 1.0)
+
     def capabilities_to_joint(self, drive: JointCapabilities) -> JointCapabilities:
         """What the drive declares, seen from the joint."""
         if self.is_identity:
@@ -77,14 +84,15 @@ class Transmission:
         if limits is not None:
             low, high = sorted(self.position_to_joint(edge) for edge in limits)
             limits = (low, high)
+        torque_ratio = abs(self.torque_gain(drive.torque_unit))
         return replace(
             drive,
             position_quantum=drive.position_quantum / self.gear_ratio,
             velocity_quantum=drive.velocity_quantum / self.gear_ratio,
             velocity_command_quantum=drive.velocity_command_quantum / self.gear_ratio,
             velocity_limit=drive.velocity_limit / self.gear_ratio,
-            torque_quantum=drive.torque_quantum * self.gear_ratio,
-            torque_limit=drive.torque_limit * self.gear_ratio,
+            torque_quantum=drive.torque_quantum * torque_ratio,
+            torque_limit=drive.torque_limit * torque_ratio,
             position_limits=limits,
         )
 

@@ -22,6 +22,7 @@ from .control_table import (
     GOAL_VELOCITY,
     GOALS,
     HARDWARE_ERROR,
+    LARGEST_POSITION,
     MODEL_NUMBER,
     MODES,
     OPERATING_MODE,
@@ -33,6 +34,7 @@ from .control_table import (
     TORQUE_ENABLE,
     UNWANTED,
     VELOCITY_COUNT,
+    VELOCITY_LIMIT,
     WATCHDOG_COUNT,
     Model,
     models,
@@ -76,12 +78,17 @@ class DynamixelAdapter(ServoLine):
         n_joints = len(self._servos)
         self._torque_counts = [1.0] * n_joints
         self._current_counts = [1.0] * n_joints
-        self._current_limits = [0] * n_joints
+        self._current_limits, self._velocity_limits = [0] * n_joints, [0] * n_joints
         self._data_addresses = [0] * n_joints
         self._goal_counts: dict[CommandMode, Sequence[float]] = {
             "torque": self._torque_counts,
             "velocity": [VELOCITY_COUNT] * n_joints,
             "position": [POSITION_COUNT] * n_joints,
+        }
+        self._goal_bounds: dict[CommandMode, Sequence[int]] = {
+            "torque": self._current_limits,
+            "velocity": self._velocity_limits,
+            "position": [LARGEST_POSITION] * n_joints,
         }
         self._writers = {mode: SyncWriter(*goal, self._servos) for mode, goal in GOALS.items()}
         self._request, self._answer_bytes = sync_read_packet(*STATE, self._servos), STATE.size
@@ -152,6 +159,7 @@ class DynamixelAdapter(ServoLine):
         self._refuse_unwanted(servo, named.name)
         self._data_addresses[joint] = model.indirect_data
         self._current_limits[joint] = self._read_item(servo, CURRENT_LIMIT)
+        self._velocity_limits[joint] = self._read_item(servo, VELOCITY_LIMIT)
         self._current_counts[joint] = model.current_count
         self._torque_counts[joint] = count = model.current_count * (named.torque_constant or 1.0)
         return JointCapabilities(
@@ -160,6 +168,7 @@ class DynamixelAdapter(ServoLine):
             position_quantum=POSITION_COUNT,
             velocity_quantum=VELOCITY_COUNT,
             velocity_command_quantum=VELOCITY_COUNT,
+            velocity_limit=self._velocity_limits[joint] * VELOCITY_COUNT,
             torque_quantum=count,
             torque_limit=self._current_limits[joint] * count,
         )
@@ -288,7 +297,7 @@ class DynamixelAdapter(ServoLine):
             )
 
     def _write(self, command: JointCommand, mode: CommandMode) -> None:
-        counts = encode_goals(getattr(command, mode), self._goal_counts[mode], GOALS[mode].size)
+        counts = encode_goals(getattr(command, mode), self._goal_counts[mode], self._goal_bounds[mode])
         if self._is_taken():
             # A cycle came early, or an answer is missing. Goals would be destroyed by the answers, and destroy them;
             # those of the next cycle will find the wire silent, because the rate leaves time for a whole exchange.

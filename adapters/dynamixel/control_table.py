@@ -32,7 +32,7 @@ MODEL_NUMBER = Item(0, 2)
 RETURN_DELAY = Item(9, 1)  # 2 µs a count
 DRIVE_MODE = Item(10, 1)
 OPERATING_MODE = Item(11, 1)
-CURRENT_LIMIT = Item(38, 2)
+CURRENT_LIMIT, VELOCITY_LIMIT = Item(38, 2), Item(44, 4)
 # Up to the shutdown mask: a read across the gap before 60, which older firmware has not got, is answered.
 STARTUP = Item(52, 12)
 TORQUE_ENABLE = Item(64, 1)
@@ -62,6 +62,7 @@ UNWANTED: Sequence[tuple[Item, int, int, str]] = (
 VELOCITY_COUNT = 0.229 * tau / 60.0  # [rad/s]
 POSITION_COUNT = tau / 4096.0  # [rad]
 WATCHDOG_COUNT = 0.02  # [s]
+LARGEST_POSITION = 1_048_575  # goal of current-based position, 256 turns either way [counts]
 
 
 class Model(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -7,14 +7,13 @@ from math import ceil
 
 from fricomp.errors import AdapterConfigurationError, AdapterValueError
 
-from ..drive_side import SCALED_UNITS
+from ..transmission import SCALED_UNITS
 from .control_table import GOAL_CURRENT, TORQUE_ENABLE
 from .packet import sync_write_packet
 from .report import REPORT_SIZE, STATUS_BYTES
 
 __all__ = ["compute_current_bound", "encode_goals", "stop_packets"]
 
-LARGEST_GOAL = {2: 0x7FFF, 4: 0x7FFFFFFF}
 # A limit that is a whole number of counts in decimals must not lose one to its binary fraction.
 ROUNDING = 1e-9
 
@@ -38,8 +37,10 @@ def compute_current_bound(limit: float, unit: str, gear_ratio: float, count: flo
     return bound
 
 
-def encode_goals(values: Sequence[float], counts: Sequence[float], n_bytes: int) -> list[int]:
-    """Values in the nearest whole numbers of their counts; what is beyond the bytes of a goal gets their edge.
+def encode_goals(values: Sequence[float], counts: Sequence[float], bounds: Sequence[int]) -> list[int]:
+    """Values in the nearest whole numbers of their counts, none beyond its bound.
+
+    A servo drops a goal beyond its own limit without a word, and goes on with the one before.
 
     Raises:
         AdapterValueError: A value is not finite.
@@ -48,10 +49,7 @@ def encode_goals(values: Sequence[float], counts: Sequence[float], n_bytes: int)
         goals = [round(value / count) for value, count in zip(values, counts, strict=True)]
     except (ValueError, OverflowError) as error:
         raise AdapterValueError(f"{list(values)} cannot be sent to servos: {error}") from error
-    bound = LARGEST_GOAL[n_bytes]
-    if max(goals) > bound or min(goals) < -bound:
-        return [min(max(goal, -bound), bound) for goal in goals]
-    return goals
+    return [min(max(goal, -bound), bound) for goal, bound in zip(goals, bounds, strict=True)]
 
 
 def stop_packets(servos: bytes) -> bytes:

@@ -199,7 +199,8 @@ class MitAdapter(CanAdapter):
         """Velocity loops, at rest where the motors are; none where no gains are configured."""
         limits = torques_at_drives(self.gate.limits, self.options.transmissions)
         rows = zip(self._motors, self._gains, limits, self._reported.position, strict=True)
-        return [MotorVelocityLoop(m, g, limit, self._period, at) for m, g, limit, at in rows if g is not None]
+        now_ns, period = self.clock.now_ns(), self._period
+        return [MotorVelocityLoop(m, g, most, period, at, now_ns=now_ns) for m, g, most, at in rows if g is not None]
 
     def _all_enabled(self) -> bool:
         self._raise_if_stopped()
@@ -215,9 +216,9 @@ class MitAdapter(CanAdapter):
         if mode == "torque":
             self._send([motor.torque_frame(torque[joint]) for joint, motor in enumerate(self._motors)])
             return
-        share = self._ramp_share()
+        share, now_ns = self._ramp_share(), self.clock.now_ns()
         rows = zip(self._loops, command.velocity, torque, reported.position, reported.velocity, strict=True)
-        self._send([loop.frame(velocity, ff, at, moving, share) for loop, velocity, ff, at, moving in rows])
+        self._send([loop.frame(v, ff, at, moving, share, now_ns=now_ns) for loop, v, ff, at, moving in rows])
 
     def _ramp_share(self) -> float:
         """Share of the torque limit that the velocity loops may use: the gate ramps nothing but the feed-forward."""

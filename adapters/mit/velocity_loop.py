@@ -67,18 +67,24 @@ class MotorVelocityLoop:
         motor: Which.
         gains: Of the loop.
         torque_limit: Of the safety gate, at the motor; the loop never demands more [N·m].
-        period: Between commands [s].
+        period: Between commands [s]; commands that come faster move the reference no faster.
         position: Where the motor is [rad].
+        now_ns: The time there [ns].
     """
 
-    def __init__(self, motor: Motor, gains: LoopGains, torque_limit: float, period: float, position: float) -> None:
+    def __init__(
+        self, motor: Motor, gains: LoopGains, torque_limit: float, period: float, position: float, *, now_ns: int = 0
+    ) -> None:
         self._motor, self._gains = motor, gains
-        self._limit, self._period = torque_limit, period
+        self._limit, self._period_ns = torque_limit, round(period * 1e9)
+        self._sent_ns, self._due_ns = now_ns, self._period_ns
         # What rounding the torque sent and the velocity reported may add to what the motor exerts.
         self._margin = 0.5 * (motor.quanta[2] + gains.damping * motor.quanta[1])
         self._reference = position
 
-    def frame(self, velocity: float, torque: float, at: float, moving: float, share: float = 1.0) -> CanFrame:
+    def frame(
+        self, velocity: float, torque: float, at: float, moving: float, share: float = 1.0, *, now_ns: int
+    ) -> CanFrame:
         """The command for a reference.
 
         Args:
@@ -87,6 +93,7 @@ class MotorVelocityLoop:
             at: Newest reported position [rad].
             moving: Newest reported velocity [rad/s].
             share: Of the torque limit that may be used now, from 0 to 1.
+            now_ns: The time [ns].
 
         Raises:
             AdapterValueError: A value is not finite.
@@ -94,12 +101,25 @@ class MotorVelocityLoop:
         stiffness, damping = self._gains.stiffness, self._gains.damping
         limit = self._limit * saturate(share, 1.0)
         # The reference never runs further ahead than full torque.
-        reference = at + saturate(self._reference + velocity * self._period - at, limit / stiffness)
+        ahead = velocity * self._step_time(now_ns)
+        reference = at + saturate(self._reference + ahead - at, limit / stiffness)
         most = max(limit - self._margin, 0.0)
         demand = saturate(torque + stiffness * (reference - at) + damping * (velocity - moving), most)
         self._reference = reference
         sent = self._sent_velocity(velocity, moving, demand)
         return self._motor.command_frame(0.0, sent, 0.0, damping, demand - damping * (sent - moving))
+
+    def _step_time(self, now_ns: int) -> float:
+        """For how long the reference moves now [s]: one period at most, and over time no more than has passed.
+
+        What a command comes early, the next may make up for; without that, jitter would slow the reference down.
+        """
+        passed = max(now_ns - self._sent_ns, 0)
+        self._sent_ns = now_ns
+        due = min(self._due_ns + passed, self._period_ns + self._period_ns // 2)
+        step = min(due, self._period_ns)
+        self._due_ns = due - step
+        return step * 1e-9
 
     def _sent_velocity(self, wanted: float, moving: float, demand: float) -> float:
         """The code nearest to a velocity at which the torque range can still make up for what the damping overdoes."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from functools import partial
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from .analysis import HALF_DIFFERENCE, SweepAnalysis, analyse_sweep
 from .block import SweepData
 from .estimate import Estimate, IdentificationSettings, estimate_friction
 from .feasibility import check_feasible
-from .plan import first_again, plan_plateaus, plan_velocities, top_speed
+from .plan import SweepPlan, first_again, plan_plateaus, plan_velocities, top_speed
 from .request import CalibrationOptions
 from .run_folder import RunFolder
 from .sign_check import SignCheck
@@ -72,7 +73,7 @@ def calibrate(
         sweep = Sweep(context, writer, data, report)
         sweep.prepare()
         sweep.warm_up()
-        first = sweep.plan_first_pass()
+        first = sweep.runner.meanwhile(sweep.plan_first_pass)
         sweep.run_plan(first)
         number = _refine(sweep, options, len(first.plateaus))
         sweep.run_plan(first_again(first, number), "first speed again")
@@ -120,12 +121,13 @@ def _refine(sweep: Sweep, options: CalibrationOptions, number: int) -> int:
     settings = sweep.context.settings
     if not settings.dense_count or settings.speeds:
         return number
-    bend = stribeck_velocity(_analyse(sweep.data, options))
+    bend = sweep.runner.meanwhile(lambda: stribeck_velocity(_analyse(sweep.data, options)))
     if bend is None:
         return number
     low, high = (edge * bend for edge in FALLING_BRANCH)
     if high <= top_speed(sweep.travel, settings):
-        plan = plan_plateaus(dense_around(bend, settings.dense_count), sweep.travel, settings, first=number)
+        speeds = dense_around(bend, settings.dense_count)
+        plan = sweep.runner.meanwhile(lambda: plan_plateaus(speeds, sweep.travel, settings, first=number))
         sweep.run_plan(plan, f"denser from {low:.3g} to {high:.3g}")
         number += len(plan.plateaus)
     return number
@@ -147,19 +149,27 @@ def stribeck_velocity(analysis: SweepAnalysis) -> float | None:
 
 def _adapt(sweep: Sweep, options: CalibrationOptions, number: int) -> int:
     """Rounds of plateaus at the speeds that shrink the covariance most, until it is small enough."""
-    settings, top = sweep.context.settings, top_speed(sweep.travel, sweep.context.settings)
-    slowest = float(sweep.plan_first_pass().speeds[0])
-    quick = IdentificationSettings(method="least_squares", noise=options.identification.noise)
     for _ in range(ROUNDS):
-        estimate = estimate_friction(_analyse(sweep.data, options), quick)
-        if mean_relative_deviation(estimate) <= options.accuracy:
+        deviation, plan = sweep.runner.meanwhile(partial(_plan_round, sweep, options, number))
+        if plan is None:
             break
-        design = plan_informative_speeds(estimate.result.model, top, ROUND, "absolute", slowest=slowest)
-        velocities = np.repeat(design.velocity, design.plateaus)
-        plan = plan_velocities(velocities, sweep.travel, settings, first=number)
-        sweep.run_plan(plan, f"adaptive, now {100.0 * mean_relative_deviation(estimate):.2g} %")
+        sweep.run_plan(plan, f"adaptive, now {100.0 * deviation:.2g} %")
         number += len(plan.plateaus)
     return number
+
+
+def _plan_round(sweep: Sweep, options: CalibrationOptions, first: int) -> tuple[float, SweepPlan | None]:
+    """Mean relative deviation of what there is, and the next round, numbered from `first`; None if it is enough."""
+    settings, top = sweep.context.settings, top_speed(sweep.travel, sweep.context.settings)
+    quick = IdentificationSettings(method="least_squares", noise=options.identification.noise)
+    estimate = estimate_friction(_analyse(sweep.data, options), quick)
+    deviation = mean_relative_deviation(estimate)
+    if deviation <= options.accuracy:
+        return deviation, None
+    slowest = float(sweep.plan_first_pass().speeds[0])
+    design = plan_informative_speeds(estimate.result.model, top, ROUND, "absolute", slowest=slowest)
+    velocities = np.repeat(design.velocity, design.plateaus)
+    return deviation, plan_velocities(velocities, sweep.travel, settings, first=first)
 
 
 def mean_relative_deviation(estimate: Estimate) -> float:

@@ -22,8 +22,8 @@ def check_feasible(context: SweepContext, options: CalibrationOptions) -> SweepP
         The plan of the first pass, of a joint that turns freely about 0.
 
     Raises:
-        ParameterError: A speed does not fit, there are too few plateaus, the normal load is not to be had, or the
-            host's loop lacks an inertia.
+        ParameterError: A speed does not fit, there are too few plateaus, the normal load is not to be had, or a loop on
+            the host lacks an inertia.
         AdapterConfigurationError: The drive cannot close the loop as asked for.
     """
     mode, travel, settings = context.choose_mode(), context.travel(), context.settings
@@ -31,7 +31,10 @@ def check_feasible(context: SweepContext, options: CalibrationOptions) -> SweepP
     _check_count(len(plan.plateaus) + (0 if options.adaptive else AGAIN))
     _check_load(context, options)
     places = [0.0] * len(context.adapter.capabilities.joints)
-    context.make_loop(mode, loop_period(context.adapter, settings, mode), places)
+    period = loop_period(context.adapter, settings, mode)
+    context.make_loop(mode, period, places)
+    if "torque" in context.adapter.capabilities.modes:
+        context.make_check_loop(period, places)
     return plan
 
 

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TypeVar
 
 from fricomp.adapters import JointAdapter
 from fricomp.errors import AdapterError, SweepAborted
-from fricomp.joint import JointCommand, JointFeedback, await_feedback
+from fricomp.joint import JointCommand, JointFeedback, await_feedback, stands_still
 
+from .background import in_background
 from .log import CycleLog
 from .profile import move_profile
 from .velocity_loop import VelocityLoop
 
 __all__ = ["MotionRunner"]
 
+Outcome = TypeVar("Outcome")
 Reference = Callable[[float], float | None]
 """Velocity over the time since the start of the motion [rad/s] or [m/s]; None ends it."""
 
@@ -49,25 +52,32 @@ class MotionRunner:
         return self._clock.now_ns()
 
     def start(self, loop: VelocityLoop) -> None:
-        """Configure for `loop`, enable, and hold.
+        """Configure for `loop`, enable, and hold. Nothing is cleared: after a fault or a stop nothing enables again.
 
         Raises:
+            SweepAborted: The drives report a fault, be it an old one, or the safety gate has tripped.
             AdapterError: The drive does not take the mode or does not enable.
         """
         adapter = self._adapter
         if adapter.enabled:
-            adapter.safe_stop("changing the mode")
-            adapter.clear_faults()
+            adapter.read_into(self.feedback)  # trips the gate on whatever has happened since the last cycle
+            self._refuse_faults()
+            self.stop()
+            self._refuse_trip()  # by somebody else's stop
         adapter.configure(loop.mode, self.period)
         self.await_feedback()
+        self._refuse_faults()
         adapter.enable()
         loop.start(self.feedback)
         self._loop, self._next_ns = loop, self._clock.now_ns()
 
     def stop(self) -> None:
-        """Zero torque."""
-        self._adapter.safe_stop("end of the motion")
-        self._adapter.clear_faults()
+        """Zero torque, not energised.
+
+        Raises:
+            AdapterError: The stop did not get through.
+        """
+        self._adapter.disable()
 
     def await_feedback(self) -> None:
         """Wait until the drive has reported a position.
@@ -76,6 +86,25 @@ class MotionRunner:
             AdapterError: It did not in time.
         """
         await_feedback(self._adapter, self.feedback, self.period)
+
+    def meanwhile(self, work: Callable[[], Outcome]) -> Outcome:
+        """Do what takes long, such as writing to a disk or fitting, while the loop goes on holding the joints at rest.
+
+        Where no time passes meanwhile, in lock step or not energised, it is simply done: the recording of a simulation
+        does not depend on how long it took. Whatever goes wrong stops the joints before the work is waited for.
+
+        Raises:
+            SweepAborted: The safety gate has tripped.
+            AdapterError: The bus failed.
+            Exception: Whatever `work` raises.
+        """
+        if not self._adapter.enabled or stands_still(self._clock):
+            return work()
+        return in_background(
+            work,
+            serve=lambda is_done: self.follow(lambda _: None if is_done() else 0.0),
+            stop=lambda: self._adapter.safe_stop("the sweep was ended while it worked"),
+        )
 
     def follow(self, reference: Reference, log: CycleLog | None = None) -> CycleLog:
         """Follow a velocity until it is None.
@@ -135,6 +164,18 @@ class MotionRunner:
                 self._note(log, 0.0, None)
             self._wait()
         return log
+
+    def _refuse_faults(self) -> None:
+        self._refuse_trip()
+        if any(self.feedback.fault):
+            codes = ", ".join(f"{fault:#x}" for fault in self.feedback.fault)
+            raise SweepAborted(
+                f"the drives report faults ({codes}): find the cause, then clear them with fricomp adapter clear"
+            )
+
+    def _refuse_trip(self) -> None:
+        if self._adapter.gate.tripped:
+            raise SweepAborted(f"stopped by the safety gate: {self._adapter.gate.trip_record}")
 
     def _send(self) -> None:
         if not self._adapter.write(self._command):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fricomp.adapters import JointAdapter
-from fricomp.errors import AdapterConfigurationError, SweepAborted
+from fricomp.errors import AdapterConfigurationError, ParameterError, SweepAborted
 from fricomp.joint import CommandMode
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording, RecordingMetadata, RecordingWriter
@@ -93,6 +93,22 @@ class SweepContext:
         limits = [limit.torque for limit in self.adapter.options.limits]
         return HostLoop(inertias, self.settings.bandwidth, period, limits)
 
+    def make_check_loop(self, period: float, position: Sequence[float]) -> VelocityLoop:
+        """The loop of the sign check, which pushes with torque alone.
+
+        Raises:
+            ParameterError: Nothing is known that would hold the other joints of an arm.
+        """
+        if self.body is not None or self.settings.inertia:
+            return self.make_loop("torque", period, position)
+        joints = self.adapter.capabilities.joints
+        if len(joints) > 1:
+            raise ParameterError(
+                f"the sign check would leave all {len(joints)} joints without torque, because nothing says their "
+                "inertia: give a model or --inertia, or configure this joint alone"
+            )
+        return LimpLoop()
+
     def travel(self, at: float = 0.0) -> Travel:
         """Where the joint may move, of one that turns freely about the position `at` [rad] or [m]."""
         limits = self.adapter.options.limits[self.joint]
@@ -136,7 +152,7 @@ class Sweep:
         report: Progress = lambda text, done: None,
     ) -> None:
         self.context, self.data = context, data
-        self._writer, self._report = writer, report
+        self._writer, self._told = writer, report
         self._metadata = context.metadata()
         self._mode = context.choose_mode()
         self.runner = MotionRunner(
@@ -154,8 +170,8 @@ class Sweep:
         """Zero of the torque sensor, then signs and scales at low torque, then the loop holds the joint.
 
         Raises:
-            SweepAborted: A sign or scale is wrong, or the joint does not move.
-            ParameterError: A speed does not fit into the travel, or the host's loop lacks an inertia.
+            SweepAborted: A sign or scale is wrong, the joint does not move, or a drive reports a fault.
+            ParameterError: A speed does not fit into the travel, or a loop on the host lacks an inertia.
         """
         context = self.context
         context.adapter.configure(self._mode, self.runner.period)
@@ -164,11 +180,15 @@ class Sweep:
         # Both refuse what cannot be done before anything moves.
         self.plan_first_pass()
         context.make_loop(self._mode, self.runner.period, self.runner.feedback.position)
+        checks_signs = "torque" in context.adapter.capabilities.modes
+        if checks_signs:
+            context.make_check_loop(self.runner.period, self.runner.feedback.position)
         self.measure_offset("measuring the zero of the torque sensor")
-        if "torque" in context.adapter.capabilities.modes:
-            self._check_signs()
+        pushed = self._check_signs() if checks_signs else None
         loop = context.make_loop(self._mode, self.runner.period, self.runner.feedback.position)
         self.runner.start(loop)
+        if pushed is not None:  # now, because without torque the joint may fall: a disk is nothing to wait for then
+            self.write(pushed, BlockLabel("sign_check"))
         return self.travel
 
     def measure_offset(self, text: str) -> None:
@@ -230,15 +250,16 @@ class Sweep:
 
     # -- inside -----------------------------------------------------------------------------------------
 
-    def _check_signs(self) -> None:
-        """Torque rises until the joint has moved a little; then nothing holds it but its friction."""
+    def _check_signs(self) -> CycleLog:
+        """Torque rises until the joint has moved a little; then nothing holds it but its friction.
+
+        Returns:
+            What was seen, not written yet. Of a check that fails it is written, at zero torque.
+        """
         context, runner = self.context, self.runner
         limit = context.settings.check_torque * context.adapter.options.limits[context.joint].torque
         self._report("checking signs at low torque", 0.0)
-        position = runner.feedback.position
-        has_inertia = context.body is not None or context.settings.inertia
-        loop = context.make_loop("torque", runner.period, position) if has_inertia else LimpLoop()
-        runner.start(loop)
+        runner.start(context.make_check_loop(runner.period, runner.feedback.position))
         start = runner.position
         direction = 1.0 if start <= self.travel.middle else -1.0
         base = self._gravity_here()
@@ -250,13 +271,22 @@ class Sweep:
             return base + direction * limit * time / SIGN_CHECK_RISE
 
         log = runner.apply_torque(torque)
-        samples = self.write(log, BlockLabel("sign_check"))
-        if abs(samples.position[-1] - start) <= enough:
+        runner.stop()  # at once: the last torque has torn the joint loose, and no loop may be closed over unknown signs
+        try:
+            self.sign_check = self._judge_push(log, limit, moved=abs(runner.position - start) > enough)
+        except BaseException:
+            self.write(log, BlockLabel("sign_check"))
+            raise
+        return log
+
+    def _judge_push(self, log: CycleLog, limit: float, *, moved: bool) -> SignCheck:
+        if not moved:
             raise SweepAborted(
                 f"joint {self._metadata.joint!r} did not move under {limit:.3g} {self._metadata.torque_unit}: release "
                 "the brake, or raise --check-torque"
             )
-        self.sign_check = check_signs(samples, torque_is_echo=self._metadata.torque_kind == "commanded")
+        samples = log.to_recording(self._origin_ns, self._metadata, None)
+        return check_signs(samples, torque_is_echo=self._metadata.torque_kind == "commanded")
 
     def _gravity_here(self) -> float:
         body, here = self.context.body, np.array([self.runner.feedback.position])
@@ -292,10 +322,23 @@ class Sweep:
         return (time_ns - self._origin_ns) * 1e-9
 
     def write(self, log: CycleLog, label: BlockLabel) -> Recording:
-        """Put one block on disk; it is there when this returns."""
+        """Put one block on disk; it is there when this returns. The loop goes on holding an energised joint meanwhile.
+
+        Raises:
+            RecordingError: The file cannot be written.
+            SweepAborted: The safety gate has tripped meanwhile.
+        """
+        samples = self.runner.meanwhile(lambda: self._append(log, label))
+        self.data = self.data.with_block(label, samples)
+        return samples
+
+    def _report(self, text: str, done: float) -> None:
+        """Tell about progress; a terminal may take its time as a disk may."""
+        self.runner.meanwhile(lambda: self._told(text, done))
+
+    def _append(self, log: CycleLog, label: BlockLabel) -> Recording:
         samples = log.to_recording(self._origin_ns, self._metadata, self._load_torque(log))
         self._writer.append(samples, label.encode())
-        self.data = self.data.with_block(label, samples)
         return samples
 
     def _load_torque(self, log: CycleLog) -> FloatArray | None:

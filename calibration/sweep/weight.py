@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from fricomp.errors import IdentificationError, ParameterError, SweepAborted
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 
+from .log import CycleLog
 from .motion import MotionRunner
 from .plan import Travel, move_speed, possible_speeds, top_speed
 from .profile import move_profile
@@ -144,11 +146,11 @@ def record_passes(
     plan = plan_passes(context, n_passes, runner.position)
     travel, rest = plan.travel, runner.position
     runner.start(context.make_loop(mode, runner.period, runner.feedback.position))
-    report("going to the start", 0.0)
+    runner.meanwhile(lambda: report("going to the start", 0.0))
     runner.move_to(travel.low, plan.fastest, settings.ramp)
     found = []
     for number in range(2 * n_passes):
-        report("moving to and fro", number / (2 * n_passes))
+        runner.meanwhile(partial(report, "moving to and fro", number / (2 * n_passes)))
         found.append(_pass(runner, context, travel, plan.speed))
     runner.move_to(rest, plan.fastest, settings.ramp)
     runner.stop()
@@ -161,6 +163,10 @@ def _pass(runner: MotionRunner, context: SweepContext, travel: Travel, speed: fl
     profile = move_profile(goal - runner.position, speed, context.settings.ramp)
     start_ns = runner.now_ns
     log = runner.follow(lambda time: profile.velocity_at(time) if time < profile.duration else None)
+    return runner.meanwhile(lambda: _to_recording(log, context, start_ns))
+
+
+def _to_recording(log: CycleLog, context: SweepContext, start_ns: int) -> Recording:
     others = np.delete(log.configuration(), context.joint, axis=1)
     gave_way = float(np.max(np.ptp(others, axis=0))) if others.size else 0.0
     if gave_way > LARGEST_YIELD:

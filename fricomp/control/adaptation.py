@@ -15,6 +15,8 @@ __all__ = ["AdaptationSettings", "OnlineAdaptation"]
 
 _SLIDING_SPEEDS = 4.0  # Stribeck velocities from which the falling branch no longer matters
 _PRIOR_SHARE = 0.01  # information that the identified model always keeps, for what a motion leaves open
+_LEAST_OWN = 1e-12  # of a share that the model says nothing of, such as the dry one of viscous friction alone
+_LEAST_DETERMINANT = 1e-12  # of the product of both shares: what rounding may leave of two that cannot be told apart
 
 
 @dataclass(frozen=True)
@@ -89,7 +91,7 @@ class OnlineAdaptation:
 
     def _start(self) -> None:
         curve, self._slid = self._curves.forward, 0.0
-        self._own = curve.dry(self._fast) ** 2, max((curve.viscous * self._fast) ** 2, 1e-12)
+        self._own = max(curve.dry(self._fast) ** 2, _LEAST_OWN), max((curve.viscous * self._fast) ** 2, _LEAST_OWN)
         # Information matrix (dry, viscous, cross) and its product with the scales, all means over the time constant.
         self._information = (*self._own, 0.0)
         self._product = self._own
@@ -109,7 +111,7 @@ class OnlineAdaptation:
         temperature: float | None = None,
         acceleration: float = 0.0,
     ) -> None:
-        """Take one sample, once a period.
+        """Take one sample, once a period. One that cannot be reckoned with changes nothing.
 
         Args:
             velocity: Measured, or the reference of a joint that follows well [rad/s] or [m/s].
@@ -132,24 +134,41 @@ class OnlineAdaptation:
         self._slid += self._compensator.period
         if self.frozen:
             return
-        curve = self._curves.forward if ahead else self._curves.reverse
-        dry, viscous = curve.dry(speed), curve.viscous * speed
-        if self._extra is not None:
-            extra = self._extra(speed, velocity, position, load_torque, temperature, acceleration)
-            dry, viscous = max(dry + extra.dry, 0.0), viscous + (extra.drag if ahead else -extra.drag)
-            friction_torque -= extra.held
-        level = friction_torque if ahead else -friction_torque
+        try:
+            dry, viscous, held = self._modelled(speed, velocity, position, load_torque, temperature, acceleration)
+        except (ArithmeticError, ValueError):  # of inputs far beyond the model, from which a power runs over
+            return
+        level = friction_torque - held if ahead else held - friction_torque
         keep, rate = 1.0 - self._rate, self._rate
         dd, vv, dv = self._information
-        dd, vv, dv = (
+        information = (
             keep * dd + rate * dry * dry,
             keep * vv + rate * viscous * viscous,
             keep * dv + rate * dry * viscous,
         )
-        self._information = dd, vv, dv
         d, v = self._product
-        self._product = keep * d + rate * dry * level, keep * v + rate * viscous * level
-        self._solve()
+        product = keep * d + rate * dry * level, keep * v + rate * viscous * level
+        if math.isfinite(sum(information) + sum(product)):
+            self._information, self._product = information, product
+            self._solve()
+
+    def _modelled(
+        self,
+        speed: float,
+        velocity: float,
+        position: float,
+        load_torque: float,
+        temperature: float | None,
+        acceleration: float,
+    ) -> tuple[float, float, float]:
+        """Dry and viscous friction of the model along the motion, and what it holds whatever the direction."""
+        ahead = velocity >= 0.0
+        curve = self._curves.forward if ahead else self._curves.reverse
+        dry, viscous = curve.dry(speed), curve.viscous * speed
+        if self._extra is None:
+            return dry, viscous, 0.0
+        extra = self._extra(speed, velocity, position, load_torque, temperature, acceleration)
+        return max(dry + extra.dry, 0.0), viscous + (extra.drag if ahead else -extra.drag), extra.held
 
     def _solve(self) -> None:
         """Scales from the data and the model's own share of the information."""
@@ -157,12 +176,14 @@ class OnlineAdaptation:
         dd, vv, dv = self._information
         dd, vv = dd + own_dry, vv + own_viscous
         d, v = self._product[0] + own_dry, self._product[1] + own_viscous
-        determinant = dd * vv - dv * dv  # positive: both own shares are
+        determinant = max(dd * vv - dv * dv, _LEAST_DETERMINANT * dd * vv)  # positive: both own shares are
         dry_scale = _clip((vv * d - dv * v) / determinant, self._dry_bounds)
         # Given a scale at its bound the other one is best elsewhere; away from the bounds this changes nothing.
-        self.viscous_scale = _clip((v - dv * dry_scale) / vv, self._viscous_bounds)
-        self.dry_scale = _clip((d - dv * self.viscous_scale) / dd, self._dry_bounds)
-        self._compensator.set_scale(self.dry_scale, self.viscous_scale)
+        viscous_scale = _clip((v - dv * dry_scale) / vv, self._viscous_bounds)
+        dry_scale = _clip((d - dv * viscous_scale) / dd, self._dry_bounds)
+        if math.isfinite(dry_scale + viscous_scale):  # products of the largest numbers run over
+            self.dry_scale, self.viscous_scale = dry_scale, viscous_scale
+            self._compensator.set_scale(dry_scale, viscous_scale)
 
     def reset(self) -> None:
         """Back to the model as it was identified."""

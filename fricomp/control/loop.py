@@ -132,32 +132,44 @@ class ControlLoop:
         self.options = options or RealTimeOptions(freeze_garbage=False)
         self.most_skipped = most_skipped
         self.log = LoopLog(len(joints), log_capacity)
-        self._n = len(joints)
+        self._n, self._log_capacity = len(joints), log_capacity
         self._stop = threading.Event()
         self._skipped = 0
 
     def stop(self) -> None:
-        """End the loop after the cycle that runs. From any thread."""
+        """End the loop after the cycle that runs, or before its first. From any thread.
+
+        It holds until the run that it ends has returned, or the next one where none is going on: that runs no cycle.
+        """
         self._stop.set()
 
     def run(self, duration: float) -> LoopResult:
-        """Configure, enable, run for `duration` [s], stop.
+        """Configure, enable, run for `duration` [s], stop. Log and counters are those of this run alone.
 
         Raises:
             AdapterError: The bus or a drive failed; the joints have been stopped, unless the message says that the
                 stop did not get through.
             KeyboardInterrupt: Ctrl-C; the joints have been stopped.
         """
+        try:
+            return self._run(duration)
+        finally:
+            self._stop.clear()  # only now: one that came while the drives were configured holds
+
+    def _run(self, duration: float) -> LoopResult:
         adapter, signals, feedback = self.adapter, EndingSignals(self._stop), JointFeedback(self._n)
+        if len(self.log):
+            self.log = LoopLog(self._n, self._log_capacity)  # whoever has the one of the last run keeps it
+        self._skipped = cycles = 0
+        rejected = self.compensation.rejected
         adapter.configure(self.mode, self.period)
         self.compensation.reset()
-        cycles = 0
-        self._stop.clear()
         with real_time(self.options) as granted, signals:
             try:
                 await_feedback(adapter, feedback, self.period)
-                adapter.enable()
-                cycles = self._cycle(feedback, duration)
+                if not self._stop.is_set():
+                    adapter.enable()
+                    cycles = self._cycle(feedback, duration)
             except BaseException as error:
                 adapter.gate.trip("exception", f"{type(error).__name__}: {error}")
                 raise
@@ -167,7 +179,8 @@ class ControlLoop:
         if failure := adapter.stop_failure:
             raise AdapterError(f"the loop has ended, but {failure}: cut the power of the joints")
         signals.raise_interrupt()
-        return LoopResult(self.log, cycles, self._skipped, self.compensation.rejected, trip, granted)
+        rejected = self.compensation.rejected - rejected
+        return LoopResult(self.log, cycles, self._skipped, rejected, trip, granted)
 
     def _cycle(self, feedback: JointFeedback, duration: float) -> int:
         """The cycles themselves; returns their number."""

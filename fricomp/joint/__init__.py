@@ -2,7 +2,7 @@
 
 from fricomp.joint.arrival import FeedbackSource, await_feedback
 from fricomp.joint.capabilities import Capabilities, CommandMode, JointCapabilities, TorqueKind, Watchdog
-from fricomp.joint.clock import Clock, MonotonicClock
+from fricomp.joint.clock import Clock, MonotonicClock, stands_still
 from fricomp.joint.exchange import JointCommand, JointFeedback
 
 __all__ = [
@@ -17,4 +17,5 @@ __all__ = [
     "TorqueKind",
     "Watchdog",
     "await_feedback",
+    "stands_still",
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import Protocol
 
-__all__ = ["Clock", "MonotonicClock"]
+__all__ = ["Clock", "MonotonicClock", "stands_still"]
 
 
 class Clock(Protocol):
@@ -16,6 +16,14 @@ class Clock(Protocol):
 
     def sleep_until(self, deadline_ns: int) -> None:
         """Return once the time is at or past `deadline_ns` [ns]."""
+
+
+def stands_still(clock: Clock) -> bool:
+    """Whether time passes in `sleep_until` only, as in lock step with a simulation: what is done meanwhile takes none.
+
+    A clock that is so says it by the attribute `is_lock_step`; any other one counts as running by itself.
+    """
+    return bool(getattr(clock, "is_lock_step", False))
 
 
 class MonotonicClock:

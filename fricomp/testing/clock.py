@@ -15,6 +15,8 @@ class VirtualClock:
         step_ns: Longest step in which listeners follow [ns].
     """
 
+    is_lock_step = True
+
     def __init__(self, start_ns: int = 1_000_000_000, step_ns: int = 1_000_000) -> None:
         self._now_ns = start_ns
         self._step_ns = step_ns

@@ -33,11 +33,33 @@ class StoppingConformance:
     def test_stopping_often_and_early_is_harmless(self, rig: AdapterRig) -> None:
         rig.adapter.safe_stop()
         opened(rig)
-        rig.adapter.safe_stop()
         start(rig)
         for _ in range(3):
             rig.adapter.safe_stop()
         assert stopped(rig)
+
+    def test_a_stop_before_enabling_holds_until_it_is_cleared(self, rig: AdapterRig) -> None:
+        opened(rig)
+        rig.adapter.safe_stop()
+        rig.adapter.configure("torque", rig.period)
+        with pytest.raises(SafetyTrip):
+            rig.adapter.enable()
+        assert stopped(rig)
+        rig.adapter.clear_faults()
+        rig.adapter.enable()
+        assert all(rig.energised())
+
+    def test_a_motion_that_was_ended_may_begin_again_without_clearing(self, rig: AdapterRig) -> None:
+        opened(rig)
+        start(rig)
+        run(rig, 5, torque=0.5 * rig.torque_limit)
+        rig.adapter.disable()
+        rig.clock.advance(rig.period)
+        assert stopped(rig)
+        rig.adapter.configure("torque", rig.period)
+        rig.adapter.enable()
+        assert all(rig.energised())
+        assert run(rig, 5, torque=0.5 * rig.torque_limit)
 
     def test_closing_stops(self, rig: AdapterRig) -> None:
         opened(rig)

@@ -48,6 +48,9 @@ class AdapterUnderTest(Protocol):
     def safe_stop(self, reason: str = "") -> None:
         """Stop."""
 
+    def disable(self) -> None:
+        """De-energise without latching."""
+
     def clear_faults(self) -> None:
         """Clear."""
 

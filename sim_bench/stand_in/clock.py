@@ -14,6 +14,8 @@ class LockStepClock:
         stand_in: What is stepped.
     """
 
+    is_lock_step = True
+
     def __init__(self, stand_in: StandIn) -> None:
         self._stand_in = stand_in
 

@@ -76,6 +76,8 @@ class DriveTwin(ABC):
 class TwinClock:
     """Virtual time of a twin for an adapter in the same process: sleeping lets the twin run, in lock step."""
 
+    is_lock_step = True
+
     def __init__(self, twin: DriveTwin) -> None:
         self._twin = twin
 

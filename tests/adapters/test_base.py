@@ -18,7 +18,7 @@ from fricomp.errors import (
     FricompError,
     SafetyTrip,
 )
-from fricomp.joint import JointFeedback, Watchdog
+from fricomp.joint import JointCapabilities, JointFeedback, Watchdog
 from tests.adapters.fake_driver import LIMITS, PERIOD, FakeAdapter, command, enabled_adapter, run_in_thread
 
 
@@ -359,10 +359,96 @@ def test_sign_and_gear_are_applied_once_in_both_directions() -> None:
 
 def test_a_position_reference_starts_where_the_joint_is_and_cannot_jump() -> None:
     adapter = enabled_adapter("position")
-    adapter.write(command(position=2.9))
-    assert adapter.references[-1][1] == pytest.approx(0.5 + LIMITS.velocity * PERIOD)
-    adapter.write(command(position=-2.9))
-    assert adapter.references[-1][1] == pytest.approx(0.5)
+    for wanted, reached in ((2.9, 0.5 + LIMITS.velocity * PERIOD), (-2.9, 0.5)):
+        adapter.manual_clock.advance(PERIOD)
+        adapter.write(command(position=wanted))
+        assert adapter.references[-1][1] == pytest.approx(reached)
+
+
+@pytest.mark.parametrize("pause", [0.1 * PERIOD, 1.5 * PERIOD])
+def test_a_position_reference_is_no_faster_than_the_velocity_limit_however_often_it_is_written(pause: float) -> None:
+    adapter = enabled_adapter("position")
+    for _ in range(10):
+        adapter.manual_clock.advance(pause)
+        adapter.write(command(position=2.9))
+    assert adapter.references[-1][1] == pytest.approx(0.5 + 10 * LIMITS.velocity * min(pause, PERIOD))
+
+
+def test_limits_that_were_exchanged_after_opening_are_checked_before_a_gate_is_made_of_them() -> None:
+    adapter = FakeAdapter()
+    adapter.open()
+    for limits in ((replace(LIMITS, torque=5.1),), (replace(LIMITS, velocity=51.0),), (LIMITS, LIMITS)):
+        adapter.options = AdapterOptions(limits=limits)
+        with pytest.raises(AdapterConfigurationError):
+            adapter.configure("torque", PERIOD)
+    adapter.options = AdapterOptions(limits=(LIMITS,), transmissions=(Transmission(gear_ratio=2.0),))
+    with pytest.raises(AdapterConfigurationError, match="opened with"):
+        adapter.configure("torque", PERIOD)
+
+
+@pytest.mark.parametrize("during", ["configure", "clear"])
+def test_a_stop_from_another_thread_is_not_forgotten_whatever_the_adapter_was_doing(during: str) -> None:
+    adapter = FakeAdapter()
+    adapter.open()
+    adapter.configure("torque", PERIOD)
+    adapter.fail[during] = lambda: run_in_thread(lambda: adapter.safe_stop("operator"))
+    if during == "configure":
+        adapter.configure("torque", PERIOD)
+    else:
+        adapter.clear_faults()
+    assert str(adapter.gate.trip_record) == "stop: operator"
+    with pytest.raises(SafetyTrip, match="operator"):
+        adapter.enable()
+    with pytest.raises(AdapterError, match="operator"):
+        adapter.configure("torque", PERIOD)
+    adapter.fail.clear()
+    adapter.clear_faults()
+    adapter.configure("torque", PERIOD)
+    adapter.enable()
+
+
+def test_a_stop_before_configuring_is_not_forgotten() -> None:
+    adapter = FakeAdapter()
+    adapter.open()
+    adapter.safe_stop("operator")
+    adapter.configure("torque", PERIOD)
+    with pytest.raises(SafetyTrip, match="operator"):
+        adapter.enable()
+    adapter.close()
+    adapter.open()
+    adapter.configure("torque", PERIOD)
+    adapter.enable()
+
+
+def test_a_motion_that_is_disabled_ends_at_zero_torque_and_keeps_no_stop_from_holding() -> None:
+    adapter = enabled_adapter()
+    adapter.disable()
+    assert adapter.log[-1] == "stop"
+    assert not adapter.enabled
+    assert adapter.gate.trip_record is None
+    with pytest.raises(AdapterError, match="not enabled"):
+        adapter.write(command(torque=1.0))
+    adapter.enable()
+    adapter.safe_stop("operator")
+    adapter.disable()
+    with pytest.raises(SafetyTrip, match="operator"):
+        adapter.enable()
+
+
+def test_disabling_says_when_the_stop_did_not_get_through() -> None:
+    adapter = enabled_adapter()
+    adapter.fail["stop"] = AdapterConnectionError("cable")
+    with pytest.raises(AdapterError, match="did not reach the drive"):
+        adapter.disable()
+    assert adapter.gate.tripped
+
+
+def test_torque_in_amperes_passes_a_gear_unscaled_in_what_the_drive_declares_too() -> None:
+    drive = JointCapabilities("j", torque_unit="A", torque_quantum=2.69e-3, torque_limit=3.2, velocity_limit=10.0)
+    seen = Transmission(gear_ratio=5.0, sign=-1).capabilities_to_joint(drive)
+    assert (seen.torque_limit, seen.torque_quantum, seen.velocity_limit) == (3.2, 2.69e-3, 2.0)
+    turned = Transmission(gear_ratio=5.0).capabilities_to_joint(replace(drive, torque_unit="N·m"))
+    assert turned.torque_limit == pytest.approx(16.0)
 
 
 def test_a_position_reference_does_not_start_at_an_old_position() -> None:

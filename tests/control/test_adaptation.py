@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from fricomp.control import AdaptationSettings, Compensator, OnlineAdaptation
 from fricomp.errors import ParameterError
-from fricomp.laws import BidirectionalStribeck, DwellStiction, FrictionLaw, StribeckCurve, ThermalFriction
+from fricomp.laws import BidirectionalStribeck, DwellStiction, FrictionLaw, StribeckCurve, ThermalFriction, Viscous
 from fricomp.model import Covariance, FrictionModel, Validity
 
 CURVE = StribeckCurve(0.2, 0.3, 0.05, 0.4)
@@ -44,6 +45,26 @@ def test_never_leaves_its_bounds() -> None:
     adaptation.reset()
     follow(adaptation, (-50.0, -50.0), 20.0)
     assert (adaptation.dry_scale, adaptation.viscous_scale) == (0.7, 0.5)
+
+
+def test_viscous_friction_alone_is_followed() -> None:
+    model = FrictionModel(FrictionLaw((Viscous(0.4),)), validity=Validity(velocity=(-2.0, 2.0)))
+    adaptation = OnlineAdaptation(Compensator(model, gain=1.0), replace(BOUNDS, sliding_velocity=0.1))
+    for _ in range(20_000):
+        adaptation.update(1.0, 0.7 * 0.4)
+    assert adaptation.viscous_scale == pytest.approx(0.7, abs=0.01)
+    assert adaptation.dry_scale == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("sample", [(1e200, 1.0), (-1e200, 1.0), (1e150, 1e300)])
+def test_samples_that_no_number_holds_change_nothing_and_raise_nothing(sample: tuple[float, float]) -> None:
+    compensator = Compensator(MODEL, gain=1.0, authority=5.0)
+    adaptation = OnlineAdaptation(compensator, BOUNDS)
+    for k in range(2000):
+        adaptation.update(sample[0], sample[1] * (-1.0) ** k)
+        assert 0.7 <= adaptation.dry_scale <= 1.3
+        assert 0.5 <= adaptation.viscous_scale <= 1.5
+    assert math.isfinite(compensator.torque(1.0))
 
 
 def test_is_frozen_at_rest_and_after_reversals() -> None:

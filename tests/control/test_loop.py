@@ -225,11 +225,47 @@ def test_a_stop_that_did_not_get_through_is_no_clean_end() -> None:
         make_loop(joints).run(0.1)
 
 
-def test_a_stopped_loop_runs_again() -> None:
+@pytest.mark.parametrize("when", ["before", "while configuring"])
+def test_a_loop_that_is_stopped_before_it_moves_enables_nothing_and_runs_again(
+    when: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     joints = IdealJoints()
-    loop = make_loop(joints)
-    loop.stop()
+    loop, configure = make_loop(joints), joints.configure
+
+    def stopped(mode: CommandMode, period: float) -> None:
+        loop.stop()
+        configure(mode, period)
+
+    if when == "before":
+        loop.stop()
+    else:
+        monkeypatch.setattr(joints, "configure", stopped)
+    assert loop.run(0.1).cycles == 0
+    assert "enable" not in joints.events
+    monkeypatch.undo()
     assert loop.run(0.1).cycles == 100
+
+
+def test_a_second_run_is_told_of_itself_alone() -> None:
+    class OnceBroken(PositionController):
+        def torque_into(self, out: list[float], feedback: JointFeedback, goal: ReferenceState) -> None:
+            super().torque_into(out, feedback, goal)
+            if len(joints.written) == 20:
+                joints.clock.late_ns = 5 * MS
+                feedback.velocity[:] = [float("nan")] * 2
+
+    joints = IdealJoints()
+    controller = OnceBroken.from_bandwidth([0.05] * 2, 2.0)
+    loop = ControlLoop(
+        joints, SineReference([0.1] * 2, 1.0, [0.0] * 2), controller, compensators=[Compensator(MODEL)] * 2
+    )
+    first = loop.run(0.1)
+    assert first.skipped > 0
+    assert first.rejected > 0
+    second = loop.run(0.05)
+    assert (second.skipped, second.rejected, len(second.log)) == (0, 0, 50)
+    assert np.all(np.diff(second.log.time) > 0.0)
+    assert len(first.log) == first.cycles
 
 
 def test_the_log_holds_what_the_gate_let_through() -> None:

@@ -35,7 +35,7 @@ class Servo(DynamixelServo):
 
 
 def configuration(**changes: Any) -> dict[str, Any]:
-    joints = joint_tables(2, torque=1.0, velocity=20.0)
+    joints = joint_tables(2, torque=1.0, velocity=12.0)
     joints[1]["transmission"] = {"sign": -1, "gear_ratio": 2.0}
     return {"serial": {"port": "loop://"}, "joints": joints, "ramp_time": 0.0} | changes
 
@@ -52,7 +52,7 @@ class DynamixelRig(AdapterRig):
         self.torque_limit, self.period = 1.0, 0.004
         self.clock = VirtualClock()
         self.axes = [HandHeldAxis(), HandHeldAxis()]
-        settings = [DynamixelSettings(identifier, torque_constant=1.0) for identifier in (1, 2)]
+        settings = [DynamixelSettings(identifier, torque_constant=1.0, velocity_limit=1023) for identifier in (1, 2)]
         self.servos = [Servo(cast(Any, axis), setting) for axis, setting in zip(self.axes, settings, strict=True)]
         bus = SerialBus()
         bus.twin = DynamixelTwin(cast(Any, bus), cast(Any, None), self.servos)

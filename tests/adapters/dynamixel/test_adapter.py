@@ -120,7 +120,7 @@ def test_torque_stays_in_amperes_without_a_torque_constant() -> None:
 
 
 def test_a_torque_constant_turns_all_into_newton_metres() -> None:
-    joints = joint_tables(2, torque=1.78, velocity=20.0, torque_constant=1.78)
+    joints = joint_tables(2, torque=1.78, velocity=9.0, torque_constant=1.78)
     rig = DynamixelRig(joints=joints)
     rig.adapter.open()
     assert rig.adapter.capabilities.joints[0].torque_unit == "N·m"
@@ -163,9 +163,22 @@ def test_a_servo_that_is_not_there_is_named() -> None:
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
 def test_a_goal_that_is_not_finite_is_never_encoded(value: float) -> None:
     with pytest.raises(AdapterValueError):
-        encode_goals([0.0, value], [1e-3, 1e-3], 2)
+        encode_goals([0.0, value], [1e-3, 1e-3], [1193, 1193])
 
 
-@pytest.mark.parametrize(("value", "count"), [(0.0014, 1), (-0.0014, -1), (1e9, 32767), (-1e9, -32767)])
+@pytest.mark.parametrize(("value", "count"), [(0.0014, 1), (-0.0014, -1), (1e9, 1193), (-1e9, -1193)])
 def test_goals_are_rounded_and_saturate(value: float, count: int) -> None:
-    assert encode_goals([0.0, value], [2.69e-3, 2.69e-3], 2) == [0, count]
+    assert encode_goals([0.0, value], [2.69e-3, 2.69e-3], [0, 1193]) == [0, count]
+
+
+def test_a_velocity_limit_beyond_the_servos_own_is_refused() -> None:
+    rig = DynamixelRig(joints=joint_tables(2, torque=1.0, velocity=25.0))
+    with pytest.raises(AdapterConfigurationError, match="velocity limit 25 is beyond"):
+        rig.adapter.open()
+
+
+def test_a_current_limit_behind_a_gear_is_the_servos_own() -> None:
+    joints = joint_tables(2, torque=3.2, velocity=2.0)
+    joints[1] |= {"transmission": {"gear_ratio": 5.0}, "limits": joints[1]["limits"] | {"torque": 3.3}}
+    with pytest.raises(AdapterConfigurationError, match=r"torque limit 3\.3 is beyond"):
+        DynamixelRig(joints=joints).adapter.open()

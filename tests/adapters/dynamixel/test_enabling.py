@@ -171,7 +171,7 @@ def test_the_limit_is_the_gates_in_counts_rounded_towards_zero(
     constant: float | None, limit: float, counts: tuple[int, int]
 ) -> None:
     """Behind a gear of 2, half the newton metres, but all of the amperes."""
-    joints = joint_tables(2, torque=limit, velocity=20.0, torque_constant=constant)
+    joints = joint_tables(2, torque=limit, velocity=9.0, torque_constant=constant)
     joints[1]["transmission"] = {"sign": -1, "gear_ratio": 2.0}
     rig = ready("position", joints=joints)
     rig.adapter.enable()
@@ -179,7 +179,7 @@ def test_the_limit_is_the_gates_in_counts_rounded_towards_zero(
 
 
 def test_a_limit_below_one_step_is_refused_where_the_servo_has_to_keep_it() -> None:
-    rig = DynamixelRig(joints=joint_tables(2, torque=1e-3, velocity=20.0))
+    rig = DynamixelRig(joints=joint_tables(2, torque=1e-3, velocity=9.0))
     rig.adapter.open()
     rig.adapter.configure("torque", rig.period)
     with pytest.raises(AdapterConfigurationError, match="less than the servo's step"):

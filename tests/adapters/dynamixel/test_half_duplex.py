@@ -23,7 +23,7 @@ TORQUE_ENABLE, WATCHDOG = 64, 98
 class HalfDuplexRig(DynamixelRig):
     def __init__(self, baudrate: int = 1_000_000, temperature: float | None = None) -> None:
         self.lines: list[HalfDuplexLine] = []
-        joints = joint_tables(2, torque=1.0, velocity=20.0)
+        joints = joint_tables(2, torque=1.0, velocity=9.0)
         for joint in joints:
             joint["limits"]["temperature"] = temperature
         joints[1]["transmission"] = {"sign": -1}

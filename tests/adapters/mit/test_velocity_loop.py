@@ -58,7 +58,7 @@ def test_what_rounding_takes_off_the_reference_is_sent_as_torque() -> None:
         velocity, moving, torque = rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3), rng.uniform(-0.5, 0.5)
         loop = MotorVelocityLoop(made, gains, LIMIT, PERIOD, 0.1)
         wanted = gains.stiffness * velocity * PERIOD + gains.damping * (velocity - moving) + torque
-        exerted, damping = understood(loop.frame(velocity, torque, 0.1, moving), made, moving)
+        exerted, damping = understood(loop.frame(velocity, torque, 0.1, moving, now_ns=0), made, moving)
         assert damping == pytest.approx(gains.damping)
         assert exerted == pytest.approx(wanted, abs=0.51 * made.quanta[2])
 
@@ -74,8 +74,9 @@ def test_no_reference_and_no_motion_in_the_whole_range_demand_more_than_the_limi
     loop, most = MotorVelocityLoop(made, gains, limit, PERIOD, 0.0), 0.0
     edges = [(velocity, moving) for velocity in (-fastest, 0.0, fastest) for moving in (-fastest, 0.0, fastest)]
     anywhere = [(rng.uniform(-fastest, fastest), rng.uniform(-fastest, fastest)) for _ in range(3000)]
-    for velocity, moving in edges + anywhere:
-        frame = loop.frame(velocity, rng.uniform(-limit, limit), rng.uniform(-3.0, 3.0), reported(made, moving))
+    for cycle, (velocity, moving) in enumerate(edges + anywhere):
+        torque, at = rng.uniform(-limit, limit), rng.uniform(-3.0, 3.0)
+        frame = loop.frame(velocity, torque, at, reported(made, moving), now_ns=round(cycle * PERIOD * 1e9))
         exerted, _ = understood(frame, made, moving)
         most = max(most, abs(exerted))
     assert most <= max(limit, coarse) + 1e-9
@@ -86,9 +87,31 @@ def test_a_part_of_the_limit_is_the_whole_of_it_while_the_ramp_lasts() -> None:
     made = motor()
     loop = MotorVelocityLoop(made, LoopGains(60.0, 5.0), LIMIT, PERIOD, 0.0)
     for share in (0.0, 0.25, 0.5, 1.0):
-        exerted, _ = understood(loop.frame(8.0, LIMIT, 0.0, 0.0, share), made, 0.0)
+        exerted, _ = understood(loop.frame(8.0, LIMIT, 0.0, 0.0, share, now_ns=0), made, 0.0)
         assert exerted == pytest.approx(share * LIMIT, abs=0.05)
         assert exerted <= max(share * LIMIT, made.quanta[2])
+
+
+def test_commands_that_come_too_fast_do_not_move_the_reference_faster() -> None:
+    made, speed = motor(), 0.5
+    torques = []
+    for commands in (1, 10):
+        loop = MotorVelocityLoop(made, LoopGains(60.0, 1.0), LIMIT, PERIOD, 0.0)
+        for step in range(20 * commands):
+            frame = loop.frame(speed, 0.0, 0.0, 0.0, now_ns=round(step * PERIOD * 1e9 / commands))
+        torques.append(understood(frame, made, 0.0)[0])
+    assert torques[0] == pytest.approx(speed + 60.0 * speed * 20 * PERIOD, abs=made.quanta[2])
+    assert torques[1] == pytest.approx(torques[0], abs=1.5 * 60.0 * speed * PERIOD)
+
+
+def test_jitter_does_not_slow_the_reference_down() -> None:
+    made, speed = motor(), 0.5
+    loop = MotorVelocityLoop(made, LoopGains(60.0, 1.0), LIMIT, PERIOD, 0.0)
+    for step in range(40):
+        late = 0.2 if step % 2 else 0.0
+        frame = loop.frame(speed, 0.0, 0.0, 0.0, now_ns=round((step + late) * PERIOD * 1e9))
+    exerted, _ = understood(frame, made, 0.0)
+    assert exerted == pytest.approx(speed + 60.0 * speed * 40 * PERIOD, abs=60.0 * speed * PERIOD)
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
@@ -99,8 +122,8 @@ def test_no_value_that_is_not_finite_moves_the_reference(value: float) -> None:
         values = [0.0, 0.0, 0.0, 0.0, 1.0]
         values[place] = value
         with pytest.raises(AdapterValueError):
-            loop.frame(*values)
-    exerted, _ = understood(loop.frame(0.0, 0.0, 0.0, 0.0), made, 0.0)
+            loop.frame(*values, now_ns=0)
+    exerted, _ = understood(loop.frame(0.0, 0.0, 0.0, 0.0, now_ns=0), made, 0.0)
     assert abs(exerted) <= made.quanta[2]
 
 

@@ -197,7 +197,7 @@ def test_both_joints_of_the_arm_are_calibrated_under_gravity(joint: int, folder:
 
 @pytest.mark.slow
 def test_without_a_model_the_half_difference_gives_the_mean_of_both_directions(folder: RunFolder) -> None:
-    settings = replace(folder.request.settings, dwell=0.8)
+    settings = replace(folder.request.settings, dwell=0.8, inertia=0.1)
     options = replace(folder.request.options, gravity_unknown=True)
     with SimulatedJointAdapter(two_link_arm(disturbances=NO_DISTURBANCE, seed=1)) as adapter:
         calibration = calibrate(SweepContext(adapter, 1, settings), folder, options)
@@ -213,7 +213,7 @@ def test_without_a_model_the_age_of_the_torque_is_in_the_interval_of_the_viscous
     folder: RunFolder, speeds: str
 ) -> None:
     """3 ms along the gravity of the shoulder look like -0.007 N·m·s/rad."""
-    settings = replace(folder.request.settings, speeds=speeds, dwell=0.8, breakaway_positions=5)
+    settings = replace(folder.request.settings, speeds=speeds, dwell=0.8, breakaway_positions=5, inertia=0.1)
     options = replace(folder.request.options, gravity_unknown=True)
     with SimulatedJointAdapter(two_link_arm(seed=2)) as adapter:
         calibration = calibrate(SweepContext(adapter, 0, settings), folder, options)
