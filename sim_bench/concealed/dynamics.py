@@ -65,15 +65,15 @@ def _gravity(q: float, p: Record) -> float:
 
 
 @compiled
-def _spring(s: Record, p: Record) -> float:
-    """Torque through the flexible transmission [N·m], none inside the gap."""
-    stretch = s.position - s.link_position
+def _spring(position: float, velocity: float, s: Record, p: Record) -> float:
+    """Torque through the flexible transmission with this end of it on the motor's side [N·m], none inside the gap."""
+    stretch = position - s.link_position
     half = 0.5 * p.gap
     stretch -= min(max(stretch, -half), half)
     if stretch == 0.0 and p.gap > 0.0:
         return 0.0
     linear = p.stiffness * stretch
-    damping = p.spring_damping * (s.velocity - s.link_velocity)
+    damping = p.spring_damping * (velocity - s.link_velocity)
     return float(linear * (1.0 + p.hardening * linear * linear) + damping)
 
 
@@ -93,12 +93,14 @@ def _kinematic(s: Record, p: Record) -> tuple[float, float]:
 def _advance_link(dt: float, s: Record, p: Record) -> tuple[float, float]:
     """Inertia [kg·m²] on the motor's side of the transmission and the load torque there [N·m]."""
     if p.flexible > 0.0:
-        torque = _spring(s, p)
+        angle = p.kinematic_order * s.position + p.kinematic_phase
+        slope = 1.0 + p.kinematic * p.kinematic_order * np.cos(angle)
+        torque = _spring(s.position + p.kinematic * np.sin(angle), s.velocity * slope, s, p)
         link_acceleration = (torque - _gravity(s.link_position, p)) / p.link_inertia
         s.link_velocity += dt * link_acceleration
         s.link_position += dt * s.link_velocity
         s.load = torque
-        return float(p.inertia - p.link_inertia), float(torque)
+        return float(p.inertia - p.link_inertia), float(torque * slope)
     inertia, load = p.inertia, _gravity(s.position, p)
     if p.kinematic != 0.0:
         inertia, load = _kinematic(s, p)
