@@ -9,7 +9,7 @@ from itertools import islice, product
 import numpy as np
 
 from .alias import alternatives, as_good, told
-from .comparison import NAMED, PLAIN, Doubt
+from .comparison import AGREES, NAMED, Doubt
 from .effects import EFFECTS, Context
 from .explanation import Explanation
 from .preparation import Prepared
@@ -47,7 +47,7 @@ def agreeing(
     best = found.best
     if best is None:
         return found
-    if differs(best, PLAIN):
+    if differs(best, AGREES):
         options = alternatives(found)
         if rigid is not None and rigid.rotary:
             held = _held(prepared, _near(found, best), rigid)
@@ -64,7 +64,7 @@ def _kept(
     best: Explanation, options: Sequence[Explanation], differs: Callable[[Explanation, Doubt], bool]
 ) -> list[Explanation]:
     """The options that leave the simulation as it is, or as nearly as a law of another form can, where it can."""
-    plain = [one for one in options if not differs(one, PLAIN)]
+    plain = [one for one in options if not differs(one, AGREES)]
     return plain if plain or not differs(best, NAMED) else [one for one in options if not differs(one, NAMED)]
 
 
@@ -73,12 +73,12 @@ def _without_bent(
 ) -> Found:
     """What was found, each rival that moves the simulation as it fits with the simulation's parameters, or refused."""
     best = found.best
-    bent = [rival for rival in told(found) if differs(rival, PLAIN)]
+    bent = [rival for rival in told(found) if differs(rival, AGREES)]
     if best is None or not bent:
         return found
     straight: dict[tuple[str, ...], Explanation] = {}
     for one in _held(prepared, list({rival.names: rival for rival in bent}.values()), rigid):
-        if not one.refused and as_good(one, best) and not differs(one, PLAIN):
+        if not one.refused and as_good(one, best) and not differs(one, AGREES):
             straight[one.names] = max(one, straight.get(one.names, one), key=lambda e: e.gain)
     rest = [replace(e, refused=_BENT) if e in bent else e for e in found.explanations if e is not best]
     rest = sorted([*rest, *straight.values()], key=lambda e: -e.gain)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from .result import Change, NamedEffect, Quantity
 from .track import FloatArray
 
 __all__ = [
+    "AGREES",
     "NAMED",
     "PLAIN",
     "SIGNIFICANT",
@@ -19,6 +20,7 @@ __all__ = [
     "UNEXPLAINED",
     "Comparison",
     "Doubt",
+    "beside",
     "change",
     "inertia_strays",
     "parameter_effect",
@@ -56,9 +58,12 @@ class Doubt:
     uneven: float
 
 
-# From simulated joints with nothing missing, with one effect that was named, and with something that was not.
-PLAIN = Doubt(inertia=1e-4, accelerating=4e-4, gravity=3e-4, sliding=1e-3, uneven=3e-4)
+# From simulated joints with nothing missing, with one strong effect that was named, and with something that was not.
+PLAIN = Doubt(inertia=1e-4, accelerating=1e-4, gravity=5e-5, sliding=3e-4, uneven=3e-4)
 NAMED = Doubt(inertia=0.005, accelerating=4e-4, gravity=2e-3, sliding=3e-3, uneven=3e-3)
+AGREES = Doubt(inertia=1e-4, accelerating=4e-4, gravity=3e-4, sliding=1e-3, uneven=3e-4)
+"""Doubt within which an explanation leaves the simulation as it is."""
+_STRONG = 8.0  # residual of the base over its noise, beside whose effects parameters stray as much as `NAMED` says
 UNEXPLAINED = Doubt(inertia=0.02, accelerating=4e-4, gravity=0.01, sliding=0.02, uneven=0.02)
 
 
@@ -68,6 +73,18 @@ class Comparison:
 
     effects: tuple[NamedEffect, ...] = ()
     changes: tuple[Change, ...] = ()
+
+
+def beside(noise_ratio: float) -> Doubt:
+    """Doubt beside named effects that make the base's residual so many times its noise.
+
+    A law of slightly another form leaves a part of the effect's size, so that parameters stray the less, the weaker the
+    effect is.
+    """
+    share = min(float(np.sqrt(max(noise_ratio**2 - 1.0, 0.0))) / _STRONG, 1.0)
+    return Doubt(
+        *(plain + share * (named - plain) for plain, named in zip(astuple(PLAIN), astuple(NAMED), strict=True))
+    )
 
 
 def inertia_strays(plant: Plant, doubt: Doubt, acceleration: float) -> float:

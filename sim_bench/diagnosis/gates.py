@@ -24,6 +24,7 @@ _SMOOTH, _LEAST_SMOOTH, _UNKNOWN = 0.05, 110.0, 0.15
 # Residual over noise that these must reach; beyond the last something is missing anyway. 98 of 100 joints with nothing
 # missing stay below 1.07, those with noise of a long memory now and then reach 1.09.
 _AUDIBLE, _LOUD, _LOUDEST = 1.09, 1.15, 1.25
+_SWINGING = 1.04  # the same of what has lines or peaks over time that no null has
 # Times the strongest line that a null shows, and share of what is beyond the noise, from which a line is a vibration.
 _TONE, _ALONE = 2.5, 0.2
 _EXPLAINED = 0.7  # on held-out data, of what shows in a few blocks only or leaves more than the next
@@ -89,8 +90,10 @@ def vibration(prepared: Prepared) -> Tone | None:
 
 
 def stands_out(found: Found, prepared: Prepared) -> bool:
-    """Whether something smooth is missing that no accepted effect covers."""
+    """Whether something is missing that no accepted effect covers: it is smooth, or swings as no noise does."""
     rows, ratio = prepared.fit.residual.size, prepared.noise_ratio
+    if prepared.structured and ratio > _SWINGING:
+        return True
     if ratio < _AUDIBLE or ratio > _LOUDEST:
         return ratio > _LOUDEST
     if found.explainable > max(3.0 * found.explainable_null, _SMOOTH * rows, _LEAST_SMOOTH):

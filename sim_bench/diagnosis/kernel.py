@@ -77,7 +77,7 @@ _MOBILITY, _SOFTNESS, _NARROW, _KEEP, _PER_SPEED, _PER_SPEED_REVERSE = 18, 19, 2
 _X, _W, _Z, _FELT, _MEAN, _FIRST, _SECOND, _THIRD = 24, 25, 26, 27, 28, 29, 30, 31
 _Q, _V, _TAU, _LEVEL, _DQ, _DV, _DTAU, _DLEVEL = 32, 33, 34, 35, 36, 37, 38, 39
 _RATIO, _POWER, _LEAK, _SUM_U, _SUM_BRISTLE, _BEFORE, _TOP = 40, 41, 42, 43, 44, 45, 46
-_Q_NEXT, _V_NEXT, _TAU_NEXT, _LEVEL_NEXT, _N_STATE = 47, 48, 49, 50, 51
+_Q_NEXT, _V_NEXT, _TAU_NEXT, _LEVEL_NEXT, _CHANGE, _AHEAD, _N_STATE = 47, 48, 49, 50, 51, 52, 53
 
 
 def compiled(function: _F) -> _F:
@@ -128,19 +128,31 @@ def _start(state: np.ndarray, plants: np.ndarray) -> tuple[bool, bool]:
 
 
 @_inlined
-def _shortened(state: np.ndarray, h: float) -> float:
-    """Take substeps of `h` [s] from here on; returns it."""
+def _shortened(state: np.ndarray, h: float, before: float) -> float:
+    """Take substeps of `h` [s] from here on, after others of `before` [s], 0 for none; returns it.
+
+    Friction acts at the middle of a substep, and what is felt is known where it begins: for that half of it the
+    velocity is extrapolated. Left out, viscous friction comes half a substep late, which looks like a larger inertia.
+    A low pass that takes the velocity for held since the last substep is ahead already, the more the longer its lag.
+    """
     for j in range(state.shape[1]):
-        state[_KEEP, j] = np.exp(-h / state[_LAG, j]) if state[_LAG, j] > 0.0 else 0.0
+        lag = state[_LAG, j]
+        state[_KEEP, j], state[_AHEAD, j] = 0.0, 0.5
+        if lag > 0.0:
+            state[_KEEP, j] = np.exp(-h / lag)
+            state[_AHEAD, j] = 0.5 + 1.0 / np.expm1(h / lag) - lag / h
+        if before > 0.0:
+            state[_CHANGE, j] *= h / before
     return h
 
 
 @_inlined
 def _feel(state: np.ndarray, general: bool) -> None:
-    """The speed that the friction level follows, and the exponent of its fall."""
+    """The speed that friction follows, at the middle of the substep, and the exponent of its fall."""
     for j in range(state.shape[1]):
         w, forth, back = state[_W, j], state[_PER_SPEED, j], state[_PER_SPEED_REVERSE, j]
-        felt = w + (state[_FELT, j] - w) * state[_KEEP, j]
+        ahead = w + state[_AHEAD, j] * state[_CHANGE, j]
+        felt = ahead + (state[_FELT, j] - ahead) * state[_KEEP, j]
         ratio = abs(felt) * (forth if w >= 0.0 else back)
         state[_FELT, j], state[_RATIO, j], state[_POWER, j] = felt, ratio, ratio * ratio
     if general:
@@ -182,6 +194,7 @@ def _advance(
         leak = state[_LEAK, j]
         x += h * (leak if abs(faster) < rest_speed else 0.0) * (q + v * h - x)
         state[_X, j], state[_W, j], state[_Z, j], state[_MEAN, j] = x, faster, z, mean
+        state[_CHANGE, j] = faster - w
         state[_FIRST, j], state[_SECOND, j], state[_THIRD, j] = first, second, third
         state[_SUM_U, j] += u
         state[_SUM_BRISTLE, j] += bristle
@@ -218,6 +231,7 @@ def _creep(state: np.ndarray, h: float) -> None:
             friction = gradual + state[_SHARPNESS, j] * (abrupt - gradual)
             state[_W, j] -= h * friction * mobility
             state[_X, j] -= 0.5 * h * h * friction * mobility
+            state[_CHANGE, j] = state[_W, j] - state[_BEFORE, j]
             state[_SUM_BRISTLE, j] += friction
 
 
@@ -299,7 +313,7 @@ def observe(
         state[_X, j], state[_W, j], state[_FELT, j] = state[_Q_NEXT, j], state[_V_NEXT, j], state[_V_NEXT, j]
     for k in range(n):
         if substeps[k] != taken:
-            taken, h = substeps[k], _shortened(state, dt / substeps[k])
+            taken, h = substeps[k], _shortened(state, dt / substeps[k], h)
         _take(state, leak, rest_speed)
         _look_ahead(state, signals, rows, min(k + 1, n - 1))
         _aim(state)
@@ -348,7 +362,7 @@ def close_loop(
         state[_X, j], state[_W, j], state[_FELT, j] = position[0], velocity[0], velocity[0]
     for k in range(n):
         if substeps[k] != taken:
-            taken, h = substeps[k], _shortened(state, dt / substeps[k])
+            taken, h = substeps[k], _shortened(state, dt / substeps[k], h)
         after = min(k + 1, n - 1)
         for j in range(state.shape[1]):
             x, step, origin = state[_X, j], steps[j], origins[j]

@@ -13,7 +13,18 @@ from fricomp.recording import Recording
 
 from .controller import Controller
 from .rigid import Spring
-from .track import SIMULATED_SPRING, SIMULATED_STIFFNESS, FloatArray, Track, smooth_derivative
+from .track import (
+    SIMULATED_SPRING,
+    SIMULATED_STIFFNESS,
+    FloatArray,
+    TorqueNoise,
+    Track,
+    calm_samples,
+    encoder_step,
+    smooth_derivative,
+    torque_noise,
+    without_spikes,
+)
 
 __all__ = ["build_tracks", "low_rate"]
 
@@ -76,13 +87,20 @@ def _track(recording: Recording, loop: Controller | None, dt: float, name: str) 
     extra = recording.metadata.extra.get("neighbour_position")
     if isinstance(extra, list):
         channels["neighbour_position"] = sampled(np.asarray(extra, dtype=np.float64))
+    position, torque, noise = np.array(recording.position), np.array(recording.torque), None
+    if recording.sample_period > 1.5 * dt:
+        velocity = smooth_derivative(position, recording.sample_period)
+        seen = torque_noise(torque, calm_samples(position, velocity, recording.sample_period))
+        torque = without_spikes(torque, seen.size)
+        noise = TorqueNoise(0.0, seen.size, float(np.exp(-dt / recording.sample_period)))
     track = Track.build(
         dt,
-        sampled(recording.position),
-        sampled(recording.torque),
+        sampled(position),
+        sampled(torque),
         rotary=recording.metadata.motion == "rotary",
         channels=channels,
         name=name,
+        noise=noise,
     )
-    resolution = recording.metadata.encoder_resolution or track.resolution
+    resolution = recording.metadata.encoder_resolution or encoder_step(position)
     return replace(track, resolution=resolution, loop=None if recording.sample_period > 1.5 * dt else loop)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -77,7 +78,20 @@ def _energy(
     shape: str,
 ) -> FloatArray:
     ripple = ripple_rows(problem, contexts, orders, shape)
-    ripple = ripple - basis @ (basis.T @ ripple)
+    if shape == "additive" and len(contexts) > 1:  # each recording has a phase of its own
+        ends = np.cumsum([0, *(grid.centres.size for grid in problem.grids)])
+        each = []
+        for a, b in pairwise(ends):
+            alone = np.zeros_like(ripple)
+            alone[a:b] = ripple[a:b]
+            each.append(_explained(alone - basis @ (basis.T @ alone), residual))
+        total: FloatArray = np.sum(each, axis=0)
+        return total
+    return _explained(ripple - basis @ (basis.T @ ripple), residual)
+
+
+def _explained(ripple: ComplexArray, residual: FloatArray) -> FloatArray:
+    """Energy of `residual` that cosine and sine of each ripple explain. Shape (n_orders,)."""
     C, S = ripple.real, ripple.imag
     cc, ss, cs = np.sum(C * C, axis=0), np.sum(S * S, axis=0), np.sum(C * S, axis=0)
     c, s = residual @ C, residual @ S

@@ -24,6 +24,7 @@ from .problem import Problem, observer_for
 from .rigid import RigidJoint
 from .screening import orthonormal, project_out
 from .solver import Box, Fit, minimise
+from .spectrum import floor_of, is_structured
 from .structure import Structure
 from .time_window import time_windows
 from .track import FloatArray, Track
@@ -61,6 +62,7 @@ class Prepared:
         box: Domain of the base parameters.
         nulls: Recordings in which nothing is missing.
         recolouring: Filter that whitens the residual beyond what whitens the nulls, shape (4,); None where none does.
+        structured: Whether what is left has lines or peaks over time that no null has: more than noise.
     """
 
     problem: Problem
@@ -69,6 +71,7 @@ class Prepared:
     box: Box
     nulls: Nulls
     recolouring: FloatArray | None = None
+    structured: bool = False
 
     @cached_property
     def basis(self) -> FloatArray:
@@ -190,8 +193,13 @@ def _noise_parts(prepared: Prepared) -> tuple[FloatArray, list[FloatArray]]:
 
 
 def _recoloured(prepared: Prepared) -> Prepared:
-    """Whiten the residual by its own correlation where it is not that of the nulls, which keep theirs."""
+    """Whiten the residual by its own correlation where it is not that of the nulls, which keep theirs.
+
+    What swings at frequencies of its own is correlated as well, and is no noise.
+    """
     ours, theirs = _noise_parts(prepared)
+    if is_structured(ours, theirs):
+        return replace(prepared, structured=True)
     trimmed, bulk = (_ratio(ours, theirs, size) for size in (_trimmed, _typical))
     if trimmed > min(_LEVEL[1], bulk / _EVEN):
         return prepared
@@ -243,9 +251,12 @@ def _level_noise(prepared: Prepared) -> Prepared:
     """Scale the nulls to the part of the residual that neither the base nor any smooth torque reaches."""
     ours, theirs = _noise_parts(prepared)
     usual = max(_ratio(ours, theirs, _typical), _USUAL)
-    factor = float(np.clip(min(_ratio(ours, theirs, _trimmed), usual), *_LEVEL))
+    found = _ratio(ours, theirs, floor_of) if prepared.structured else min(_ratio(ours, theirs, _trimmed), usual)
+    factor = float(np.clip(found, *_LEVEL))
     nulls, fit, own = prepared.nulls.scaled(factor), prepared.fit, prepared.problem.weights
-    fit = replace(fit, residual=fit.residual / factor, jacobian=fit.jacobian / factor, cost=fit.cost / factor**2)
+    # The priors in the cost know nothing of the noise.
+    cost = fit.cost + (1.0 / factor**2 - 1.0) * float(fit.residual @ fit.residual)
+    fit = replace(fit, residual=fit.residual / factor, jacobian=fit.jacobian / factor, cost=cost)
     weights = nulls.weights if own is None else replace(nulls.weights, whitener=own.whitener)
     return replace(prepared, problem=replace(prepared.problem, weights=weights), fit=fit, nulls=nulls)
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from math import log
-
 import numpy as np
 from msgspec.structs import replace
 
@@ -35,11 +33,14 @@ def compare_rigid(
         acceleration: RMS of the motion's [rad/s²].
     """
     gravity = float(np.hypot(*given.gravity))
-    refit = np.array([log(plant.inertia), *plant.gravity])
-    prior = np.array([log(given.inertia), *given.gravity])
+    refit = np.array([plant.inertia / given.inertia, *plant.gravity])
+    prior = np.array([1.0, *given.gravity])
     # Gravity far below friction says nothing about a gain: the floor keeps chi squared from tiny biases.
     least = max(float(np.hypot(doubt.gravity * gravity, doubt.sliding * plant.level)), 1e-12)
     floor = np.diag([inertia_strays(plant, doubt, acceleration), least, least]) ** 2
+    # Relative and not logarithmic: a gain moves inertia and gravity by one factor, and 5 % of that are 0.0488 there.
+    relative = np.array([plant.inertia / given.inertia, 1.0, 1.0])
+    covariance = covariance * np.outer(relative, relative)
     weight = np.linalg.inv(covariance + floor)
     shift = refit - prior
     hypotheses = {
@@ -62,7 +63,7 @@ def compare_rigid(
         best = "torque_gain_error" if follows and fits and usual else "payload_error"
     deviation = np.sqrt(np.diag(covariance))
     changes = [
-        change("inertia", given.inertia, plant.inertia, plant.inertia * float(deviation[0]), "kg·m²"),
+        change("inertia", given.inertia, plant.inertia, given.inertia * float(deviation[0]), "kg·m²"),
         change("gravity_cos", given.gravity[0], plant.gravity[0], float(deviation[1]), unit),
         change("gravity_sin", given.gravity[1], plant.gravity[1], float(deviation[2]), unit),
     ]
@@ -78,7 +79,7 @@ def _named(
     given, plant, unit = context
     half = 1.96 * np.sqrt(np.diag(np.linalg.inv(span.T @ np.linalg.inv(covariance) @ span)))
     if name == "inertia_error":
-        change, wide = given.inertia * float(np.exp(step[0]) - 1.0), given.inertia * float(half[0])
+        change, wide = given.inertia * float(step[0]), given.inertia * float(half[0])
         numbers = {"inertia_change": Quantity(change, "kg·m²", (change - wide, change + wide))}
         sentence = f"the inertia is {plant.inertia:.4g} kg·m², not {given.inertia:.4g}"
         return parameter_effect(name, "parameter", numbers, sentence)

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from .base import BASE_NAMES, unpack
 from .context import loaded
 from .effects import EFFECTS, Context, Effect, EffectParameter
-from .observer import Contribution, Observation, Plant
+from .observer import THREADS, Contribution, Observation, Plant
 from .problem import Problem
 from .solver import Box, Descent, Fit, descend, together
 from .track import FloatArray
@@ -57,6 +59,11 @@ class Structure:
 
     def parameters(self) -> list[tuple[str, EffectParameter]]:
         """Effect name and parameter, in the order of the vector."""
+        return self._parameters
+
+    @cached_property
+    def _parameters(self) -> list[tuple[str, EffectParameter]]:
+        """The same; their scales are asked of whole recordings, and they are needed at every point of a fit."""
         return [(c.name, p) for c in self.candidates for p in c.effect.parameters(self.contexts)]
 
     @property
@@ -176,9 +183,15 @@ def fit_all(problem: Problem, descents: Sequence[tuple[Structure, Descent]]) -> 
 
 def _contributions(points: Sequence[tuple[Structure, FloatArray]]) -> list[list[Contribution]]:
     """What the effects add at each point. A Jacobian moves one parameter at a time: most points share theirs."""
-    known: dict[tuple[int, bytes], list[Contribution]] = {}
     keys = [(id(structure), point[N_BASE:].tobytes()) for structure, point in points]
-    for key, (structure, point) in zip(keys, points, strict=True):
-        if key not in known:
-            known[key] = structure.contributions(point[N_BASE:])
+    different = dict(zip(keys, points, strict=True))
+    with ThreadPoolExecutor(THREADS) as pool:
+        known = dict(zip(different, pool.map(_at, different.values()), strict=True))
     return [known[key] for key in keys]
+
+
+def _at(pair: tuple[Structure, FloatArray]) -> list[Contribution]:
+    """What the effects add at a point, on a thread of its own: a point that does not simulate may overflow."""
+    structure, point = pair
+    with np.errstate(over="ignore", invalid="ignore"):
+        return structure.contributions(point[N_BASE:])

@@ -149,15 +149,21 @@ class Track:
         rotary: bool = True,
         channels: Mapping[str, FloatArray] | None = None,
         name: str = "recording",
+        noise: TorqueNoise | None = None,
     ) -> Track:
-        """Estimate velocity, encoder step and torque noise from the samples, and take lone spikes out of the torque."""
+        """Estimate velocity, encoder step and torque noise from the samples, and take lone spikes out of the torque.
+
+        Samples that were interpolated do not show their noise: it is given, and the spikes were taken out before.
+        """
         velocity = smooth_derivative(position, dt)
-        noise = torque_noise(torque, calm_samples(position, velocity, dt))
+        if noise is None:
+            noise = torque_noise(torque, calm_samples(position, velocity, dt))
+            torque = without_spikes(torque, noise.size)
         return cls(
             dt=dt,
             position=position,
             velocity=velocity,
-            torque=without_spikes(torque, noise.size),
+            torque=torque,
             resolution=encoder_step(position),
             torque_noise=noise,
             rotary=rotary,
@@ -175,8 +181,11 @@ def smooth_derivative(values: FloatArray, dt: float, window: float = _VELOCITY_W
 
 
 def encoder_step(position: FloatArray) -> float:
-    """Smallest step that most changes of `position` are multiples of; 0 for a position that is not quantised."""
-    steps = np.abs(np.diff(position))
+    """Smallest step that most changes of `position` are multiples of; 0 for a position that is not quantised.
+
+    Of the values and not of neighbouring samples, which slow ones leave many steps apart.
+    """
+    steps = np.diff(np.unique(position))
     steps = steps[steps > 1e-12 * max(1.0, float(np.ptp(position)))]
     if steps.size < 10:
         return 0.0

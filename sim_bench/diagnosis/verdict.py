@@ -10,7 +10,7 @@ from .agreement import agreeing, hold
 from .alias import distinguishability, told
 from .answer import Answer, compare_given, fit_given, moved_parameters
 from .base import BASE_NAMES
-from .comparison import NAMED, PLAIN, UNEXPLAINED, Doubt
+from .comparison import AGREES, PLAIN, UNEXPLAINED, Doubt, beside
 from .confirmation import Confirmation, confirm
 from .experiment import propose
 from .explanation import Explanation
@@ -63,7 +63,10 @@ def conclude(answer: Answer) -> Diagnosis:
     tone = vibration(prepared) if chosen is None else None
     unknown = chosen is None and (tone is not None or stands_out(found, prepared))
     refitted = Refitted.of(prepared, chosen)
-    compared = compare_given(answer, refitted, UNEXPLAINED if unknown else PLAIN if chosen is None else NAMED)
+    doubt = UNEXPLAINED if unknown else PLAIN
+    if chosen is not None and held is not None:
+        doubt = beside(_loudness(prepared, held, chosen))
+    compared = compare_given(answer, refitted, doubt)
     given = None if unknown or chosen is not None else fit_given(answer, compared.effects)
     if held is None:
         held = confirm(prepared, prepared.structure, prepared.fit, answer.seed, given=given)
@@ -142,7 +145,7 @@ def _propose(
     if chosen is None or not rivals:
         return None
     box = answer.prepared.box
-    if answer.rigid is not None and answer.rigid.rotary and not compare_given(answer, refitted, PLAIN).effects:
+    if answer.rigid is not None and answer.rigid.rotary and not compare_given(answer, refitted, AGREES).effects:
         box = hold(box, answer.rigid)  # beside one that agrees, rivals are held to the simulation too
     proposal = propose(answer.prepared, chosen, list(rivals.values())[:_MOST_RIVALS], box)
     if proposal is None:

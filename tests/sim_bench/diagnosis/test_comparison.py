@@ -23,7 +23,7 @@ from fricomp.sim_bench.diagnosis.track import FloatArray
 _PLANT = Plant(0.3, (1.0, 6.0), 0.0, (2.0, 2.6, 0.05, 1.0), (2.0, 2.6, 0.05, 1.0), 4e4)
 _SURE = np.diag([1e-4, 1e-3, 1e-3]) ** 2
 _GRAVITY_FOR_OFFSET = np.eye(12)[3] - np.eye(12)[1]
-_BRISK, _GENTLE = 10.0, 1.0  # RMS accelerations [rad/s²]
+_BRISK, _GENTLE = 10.0, 0.25  # RMS accelerations [rad/s²]
 
 
 def _given(rigid: RigidJoint | None = None, offset: float = 0.0) -> GivenFriction:

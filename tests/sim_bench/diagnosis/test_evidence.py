@@ -275,21 +275,23 @@ def test_what_is_named_covers_the_mismatch(coverage: float, left: float, certain
 
 
 @pytest.mark.parametrize(
-    ("ratio", "explainable", "null", "unknown"),
+    ("ratio", "structured", "explainable", "null", "unknown"),
     [
-        (1.10, 130.0, 20.0, True),
-        (1.08, 130.0, 20.0, False),  # as loud as nulls now and then are
-        (1.10, 100.0, 20.0, False),  # as much as nulls of few rows
-        (1.10, 130.0, 50.0, False),
-        (1.24, 0.0, 0.0, False),  # nothing smooth
-        (1.26, 0.0, 0.0, True),
+        (1.10, False, 130.0, 20.0, True),
+        (1.08, False, 130.0, 20.0, False),  # as loud as nulls now and then are
+        (1.10, False, 100.0, 20.0, False),  # as much as nulls of few rows
+        (1.10, False, 130.0, 50.0, False),
+        (1.24, False, 0.0, 0.0, False),  # nothing smooth
+        (1.26, False, 0.0, 0.0, True),
+        (1.05, True, 0.0, 0.0, True),  # swings as no noise does
+        (1.03, True, 0.0, 0.0, False),
     ],
 )
-def test_something_smooth_that_is_heard_is_unknown(
-    ratio: float, explainable: float, null: float, unknown: bool
+def test_something_smooth_or_swinging_that_is_heard_is_unknown(
+    ratio: float, structured: bool, explainable: float, null: float, unknown: bool
 ) -> None:
     found = Found((), None, 30.0, explainable, null, cast(Any, None))
-    base = cast(Prepared, SimpleNamespace(fit=fit_of(np.zeros(2000)), noise_ratio=ratio))
+    base = cast(Prepared, SimpleNamespace(fit=fit_of(np.zeros(2000)), noise_ratio=ratio, structured=structured))
     assert stands_out(found, base) == unknown
 
 

@@ -154,8 +154,10 @@ def test_friction_that_lags_with_a_soft_bristle_is_that_of_the_simulated_joint(c
     assert isinstance(term, LaggedLuGre)
     velocity, friction = observed(replace(PLANT, sigma_0=term.sigma_0, sigma_1=term.sigma_1, lag=8e-3), context)
     found = follow(model, context, velocity)
-    assert np.max(np.abs(friction)) > 2.0
-    np.testing.assert_allclose(found, friction, atol=1e-5)
+    prompt = np.asarray(model.torque(velocity))
+    assert np.max(np.abs(prompt - friction)[velocity > 0.1]) > 0.1
+    # The law takes the velocity where a step begins, the simulated joint in its middle.
+    np.testing.assert_allclose(found, friction, atol=1.5e-3)
 
 
 def test_friction_that_lags_is_that_of_the_simulated_joint_where_it_slides(context: Context) -> None:

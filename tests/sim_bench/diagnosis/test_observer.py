@@ -9,9 +9,9 @@ import pytest
 
 from fricomp.sim_bench.diagnosis.delay import ahead_of, behind
 from fricomp.sim_bench.diagnosis.kernel import _falling
-from fricomp.sim_bench.diagnosis.observer import Contribution, Job, Observation, Observer, Plant
+from fricomp.sim_bench.diagnosis.observer import Contribution, Job, Observation, Observer, Plant, missing_torques
 from fricomp.sim_bench.diagnosis.problem import improved, observer_for
-from fricomp.sim_bench.diagnosis.track import Track
+from fricomp.sim_bench.diagnosis.track import FloatArray, TorqueNoise, Track
 from fricomp.sim_bench.diagnosis.weak_form import _curve, estimate_plants
 
 from .toy_joint import ToyJoint, record
@@ -121,6 +121,33 @@ def test_few_substeps_where_the_bristle_has_yielded_change_little() -> None:
     mixed, everywhere = (problem.observe([Job(one, plant, Contribution())])[0].missing for one in (track, fine))
     rows = [problem.grids[0].of(one) for one in (mixed, everywhere)]
     assert np.sqrt(np.mean((rows[0] - rows[1]) ** 2)) < 0.1 * np.std(rows[1])
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.01])
+@pytest.mark.parametrize("substeps", [2, 4, 10, 40])
+def test_friction_is_felt_when_it_acts_however_long_the_steps(substeps: int, lag: float) -> None:
+    """Half a step late, viscous friction would follow the acceleration and count as an inertia."""
+    dt, frequency, viscous, coulomb = 1e-3, 2.0 * np.pi, 3.4, 3.2
+    time = np.arange(8000) * dt
+
+    def velocity(t: FloatArray) -> FloatArray:
+        return np.asarray(1.0 + 0.5 * np.sin(frequency * t))
+
+    # A sine through a low pass is a sine, smaller and later.
+    late = np.arctan(frequency * lag)
+    felt = 1.0 + 0.5 * np.cos(late) * np.sin(frequency * time - late)
+    acceleration = 0.5 * frequency * np.cos(frequency * time)
+    curve = (coulomb, coulomb, 0.05, viscous)
+    plant = Plant(1.0, (0.0, 0.0), 0.0, curve, curve, sigma_0=8e4, lag=lag)
+    track = Track(
+        dt, time - 0.5 / frequency * np.cos(frequency * time), velocity(time), acceleration + coulomb + viscous * felt,
+        0.0, TorqueNoise(0.0, 0.0, 0.0), substeps=np.full(time.size, substeps),
+    )  # fmt: skip
+    (missing,) = missing_torques([Job(track, plant, Contribution())], Observer(), (1e4, 2e2))
+    middle, kept = time + 0.5 * dt, slice(2000, 7500)
+    waves = np.stack([np.cos(frequency * middle), np.sin(frequency * middle), np.ones_like(middle)], axis=1)[kept]
+    along_acceleration = np.linalg.lstsq(waves, missing[kept], rcond=None)[0][0] / (0.5 * frequency)
+    assert abs(along_acceleration) < 2e-5
 
 
 def test_another_stribeck_exponent_in_one_lane_leaves_the_others_as_they_are() -> None:
