@@ -128,7 +128,7 @@ def test_few_substeps_where_the_bristle_has_yielded_change_little() -> None:
 def test_friction_is_felt_when_it_acts_however_long_the_steps(substeps: int, lag: float) -> None:
     """Half a step late, viscous friction would follow the acceleration and count as an inertia."""
     dt, frequency, viscous, coulomb = 1e-3, 2.0 * np.pi, 3.4, 3.2
-    time = np.arange(8000) * dt
+    time: FloatArray = np.asarray(np.arange(8000) * dt, dtype=np.float64)
 
     def velocity(t: FloatArray) -> FloatArray:
         return np.asarray(1.0 + 0.5 * np.sin(frequency * t))
