@@ -15,6 +15,7 @@ ENOUGH = 0.98  # coverage at which a generic basis sees nothing more
 _ANOTHER = 0.08  # of the gain, that one more effect must add: less is the form of the first one not quite met
 # Thresholds of gain, part of it, and part of what is left, of effects that complete an explanation.
 _MUCH, _MATERIAL, _REMNANT = 3.0, 0.01, 0.3
+_LOUD, _SILENCED = 0.2, 0.4  # part of the noise that is left beyond it, and part of that that may remain
 # Coverage that it must add while a generic basis sees something, or part of what was not covered.
 _WIDER, _OF_THE_REST = 0.015, 0.1
 _UNTOUCHED, _APART = 0.3, 2.0  # noise of a row, and thresholds of evidence in rows that the first effects hardly reach
@@ -52,7 +53,7 @@ def _idle(prepared: Prepared, larger: Explanation, tried: Sequence[Explanation],
     return any(
         set(part.names) < set(larger.names)
         and _weighed(larger) < _weighed(part) + _worth(part, threshold)
-        and not _completes(larger, part, threshold)
+        and not _completes(prepared, larger, part, threshold)
         and not _stands_apart(prepared, larger, part, threshold)
         for part in tried
     )
@@ -62,7 +63,7 @@ def _better(prepared: Prepared, larger: Explanation, best: Explanation, threshol
     """Whether the further effects of a larger explanation add enough, and where they can be seen."""
     shown = evidence(prepared, set(larger.names) - set(best.names), best.fit, larger.fit)
     more = _weighed(larger) - _weighed(best)
-    if _completes(larger, best, threshold):
+    if _completes(prepared, larger, best, threshold):
         return shown > threshold or more > max(_OVERWHELMING * threshold, _ANOTHER * best.gain)
     wider = best.coverage + min(_WIDER, _OF_THE_REST * (1.0 - best.coverage))
     visible = shown > max(threshold, _ANOTHER * best.certain)
@@ -93,11 +94,19 @@ def _worth(part: Explanation, threshold: float) -> float:
     return max(threshold, _ANOTHER * part.gain)
 
 
-def _completes(larger: Explanation, part: Explanation, threshold: float) -> bool:
+def _completes(prepared: Prepared, larger: Explanation, part: Explanation, threshold: float) -> bool:
     """Whether its further effects take away nearly all that is left, as none does of a form that is not quite met."""
     clear = _weighed(larger) > _weighed(part) + max(_MUCH * threshold, _MATERIAL * part.gain)
-    takes_all = larger.coverage > ENOUGH and larger.left < _REMNANT * part.left
-    return clear and takes_all and not _fill_in(set(larger.names) - set(part.names))
+    takes_all = larger.left < _REMNANT * part.left or _silences(prepared, larger, part)
+    fills_in = _fill_in(set(larger.names) - set(part.names))
+    return clear and larger.coverage > ENOUGH and takes_all and not fills_in
+
+
+def _silences(prepared: Prepared, larger: Explanation, part: Explanation) -> bool:
+    """Whether most of what a part leaves beyond the noise goes, about reversals too, where no generic basis sees it."""
+    noise = float(np.mean([null @ null for null in prepared.null_residuals]))
+    before, after = (float(one.fit.residual @ one.fit.residual) - noise for one in (part, larger))
+    return before > _LOUD * noise and after < _SILENCED * before
 
 
 def _fill_in(names: Collection[str]) -> bool:

@@ -22,6 +22,8 @@ class LoadStribeck(Effect):
     kind = "physics"
     equation = "tau_f = c_ls |tau_l| exp(-(|v|/v_s)^2) sgn(v)"
     citation = "duclusaud2025bam"
+    shown_at_rest = True
+    like_a_bristle = True
     says = "the extra friction of slow motion grows with the transmitted load"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
