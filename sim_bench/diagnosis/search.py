@@ -28,6 +28,7 @@ _PARTNERS = 4  # partners tried for each explanation that is grown
 _ALIKE = 0.9  # of the energy of a partner's best hypothesis, from which its next one is tried as well
 # Residual over noise, and coverage, from and to which effects that screened badly are refitted as well.
 _BENT, _MOST = 1.2, 0.85
+_CLEARLY = 5.0  # thresholds of gain by which an explanation that was not chosen leaves far less
 _NAMEABLE = 0.7  # coverage below which nothing is named anyway
 _STANDS_OUT = 2.0  # thresholds of energy in the screening about an explanation that covers about all
 _NOTHING = 0.01  # of the noise of a row
@@ -79,7 +80,8 @@ def search(prepared: Prepared) -> Found:
         close = close_to(best, acceptable(tried, threshold))
         finished = polish(prepared, close, iterations=LAST_STEPS, refresh=2)
         tried = finished + [explanation for explanation in tried if explanation not in close]
-        tried += _parts(prepared, choose(prepared, tried, threshold))
+        for whole in _wholes(tried, choose(prepared, tried, threshold), threshold):
+            tried += _parts(prepared, whole)
         best = choose(prepared, tried, threshold)
         if best is not None and _holds_idle(prepared, best):
             tried += _parts(prepared, best)
@@ -114,8 +116,16 @@ def _swapped(prepared: Prepared, tried: Sequence[Explanation], threshold: float)
     return refit(prepared, [((*pair.settled, *third), pair) for pair in others])
 
 
+def _wholes(tried: Sequence[Explanation], best: Explanation | None, threshold: float) -> list[Explanation]:
+    """What was chosen, and the one that leaves least where that is far less: what it lacks may have led it there."""
+    if best is None:
+        return []
+    top = acceptable(tried, threshold)[0]
+    return [best, top] if top.gain > best.gain + _CLEARLY * threshold else [best]
+
+
 def _parts(prepared: Prepared, best: Explanation | None) -> list[Explanation]:
-    """What was chosen without each of its effects, from where it ended: alone a part may not have got that far."""
+    """An explanation without each of its effects, from where it ended: alone a part may not have got that far."""
     if best is None or len(best.names) == 1 or best.coverage < _NAMEABLE:
         return []
     kept = [tuple(c for c in best.settled if c.name != name) for name in best.names]
