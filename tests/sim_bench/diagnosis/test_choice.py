@@ -18,7 +18,8 @@ from .known import fit_of, known
 _ROWS = 400
 _SLIDING = np.arange(_ROWS) % 4 > 0
 _QUIET = np.zeros(_ROWS)
-_PREPARED = cast(Prepared, SimpleNamespace(sliding=_SLIDING))
+_LOUD_NULLS = (np.full(_ROWS, 9.0),)  # beside which no explanation leaves anything
+_PREPARED = cast(Prepared, SimpleNamespace(sliding=_SLIDING, null_residuals=_LOUD_NULLS))
 
 
 def test_what_rest_alone_gains_does_not_make_a_pair() -> None:
@@ -116,6 +117,24 @@ def test_a_faint_effect_beside_a_strong_one_must_complete_it(
     first = known(("end_stop",), 9000.0, np.ones(_ROWS), left=400.0, coverage=0.96)
     pair = known(("end_stop", further), gain, _QUIET, left=left, coverage=1.0)
     assert (choose(_PREPARED, [first, pair], 30.0) is pair) == named
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "further", "named"),
+    [
+        (1.3, 1.05, "load_stribeck", True),  # most of what was louder than the noise is gone
+        (1.3, 1.2, "load_stribeck", False),  # some of it
+        (1.05, 1.0, "load_stribeck", False),  # there was next to nothing
+        (1.3, 1.05, "position_coulomb", False),  # would fill in for any form
+    ],
+)
+def test_a_further_effect_may_complete_what_no_generic_basis_sees(
+    before: float, after: float, further: str, named: bool
+) -> None:
+    prepared = cast(Prepared, SimpleNamespace(sliding=_SLIDING, null_residuals=(np.ones(_ROWS),)))
+    first = known(("quadratic_drag",), 9000.0, np.full(_ROWS, before), coverage=1.0)
+    pair = known(("quadratic_drag", further), 9500.0, np.full(_ROWS, after), coverage=1.0)
+    assert (choose(prepared, [first, pair], 30.0) is pair) == named
 
 
 def test_an_effect_that_is_only_carried_is_not_named() -> None:

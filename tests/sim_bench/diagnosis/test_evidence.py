@@ -71,7 +71,7 @@ def test_rest_speaks_only_for_effects_that_show_there(prepared: Prepared) -> Non
 
 def test_a_fall_about_rest_that_no_bristle_reaches_speaks_for_any_effect(prepared: Prepared) -> None:
     loud = np.where(prepared.sliding, 1.0, 2.0)
-    shown = evidence(prepared, ("load_stribeck",), fit_of(loud), fit_of(np.ones(loud.size)))
+    shown = evidence(prepared, ("load_coulomb",), fit_of(loud), fit_of(np.ones(loud.size)))
     assert shown == pytest.approx(3.0 * np.sum(~prepared.sliding))
 
 
