@@ -20,13 +20,14 @@ _CREEP = BASE_NAMES.index("creep_velocity")
 def creeps_beside(prepared: Prepared, found: Found) -> bool:
     """Whether the best explanation leaves far less where its joint has friction that creeps in place of a bristle.
 
-    A strong effect, such as a ripple as large as the friction, hides from the base alone what its friction does.
+    A strong effect, such as a ripple as large as the friction, hides from the base alone what its friction does. A
+    curve over speed that is nobody's may draw the creep.
     """
     if not found.explanations or prepared.fit.theta[_CREEP] > 0.0:
         return False
     best = found.best or found.explanations[0]
     residual = best.fit.residual
-    if float(residual @ residual) < _LOUD**2 * residual.size:
+    if float(residual @ residual) < _LOUD**2 * residual.size and not best.foreign_curve:
         return False
     starts = creep_starts(best.fit.theta[:N_BASE], prepared.box, top_speed(prepared.problem.tracks))
     fits = [one for start, box in starts for one in fit_from(prepared, [(best.settled, start)], box)]
