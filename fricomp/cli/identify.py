@@ -47,8 +47,8 @@ def identify(
     files: Annotated[
         list[str],
         typer.Argument(
-            help="Recording, or CSV with the columns velocity, torque\\[, normal_load]; several files, a folder, a "
-            "pattern or a table of joints are a fleet."
+            help="Recording, or CSV with the columns velocity \\[rad/s], torque \\[N·m] and if wanted "
+            "normal_load; several files, a folder, a pattern or a table of joints are a fleet."
         ),
     ],
     out: Annotated[Path, typer.Option(help="Folder for friction.json, friction.onnx and report.html.")] = Path(
@@ -67,7 +67,7 @@ def identify(
             help="stribeck, symmetric_stribeck, coulomb, coulomb_viscous, tanh or arctan; for tables also auto."
         ),
     ] = "stribeck",
-    gravity: Annotated[bool, typer.Option(help="For a recording: gravity acts on the joint.")] = False,
+    gravity: Annotated[bool, typer.Option(help="For a recording: gravity acts on the joint, and is fitted.")] = False,
     seed: Annotated[int, typer.Option(min=0, help="Of the network's first weights.")] = 0,
     depart: Annotated[bool, typer.Option(help="Let a network leave the law where held-out points ask for it.")] = False,
     batch: Annotated[bool, typer.Option("--batch", help="Tables of a fleet: all joints in one call.")] = False,
