@@ -31,7 +31,7 @@ __all__ = ["identification_page"]
 _INTRODUCTION = """# Identification
 
 Written by `fricomp bench paper`; every number in a table is measured by it. The comparison is with [luo2024pinn]
-(see `references.md`), whose data, bounds and settings it repeats.
+(see [references](references.md)), whose data, bounds and settings it repeats.
 
 ## The method, and what it is not
 

@@ -44,37 +44,55 @@ def calibrate(
     out: Annotated[Path, typer.Option(help="Folder of the run.")] = Path("runs/calibration"),
     config: Annotated[Path | None, typer.Option(help="Configuration of the adapter (TOML).")] = None,
     joint: Annotated[str, typer.Option(help="Joint to calibrate; the first if not given.")] = "",
-    model: Annotated[str, typer.Option(help="MJCF of the mechanism, for gravity and inertia.")] = "",
+    model: Annotated[
+        str,
+        typer.Option(
+            help="MJCF of the mechanism, for gravity and inertia; of sim: default_joint, two_link_arm or a file."
+        ),
+    ] = "",
     gravity_unknown: Annotated[
         bool, typer.Option(help="No model of the gravity on this joint: half difference of both directions.")
     ] = False,
     speeds: Annotated[
-        str, typer.Option(help="log:LOW:HIGH:COUNT, uniform:LOW:HIGH:COUNT or a list; log-spaced if not given.")
+        str,
+        typer.Option(
+            help="log:LOW:HIGH:COUNT, uniform:LOW:HIGH:COUNT or a list \\[rad/s] or \\[m/s]; "
+            "log-spaced below the highest that fits into the travel if not given."
+        ),
     ] = "",
     repeats: Annotated[int, typer.Option(help="Visits to each speed in each direction.")] = 2,
     dwell: Annotated[float, typer.Option(help="Time on a settled plateau \\[s].")] = 1.0,
     warm_up: Annotated[float, typer.Option(help="Time of moving to and fro before the sweep \\[s].")] = 8.0,
     positions: Annotated[int, typer.Option(help="Places over the travel at which slow plateaus are centred.")] = 1,
     loop: Annotated[str, typer.Option(help="Who closes the velocity loop: auto, drive or host.")] = "auto",
-    inertia: Annotated[float, typer.Option(help="About the joint, for the host's loop \\[kg·m²].")] = 0.0,
+    inertia: Annotated[
+        float,
+        typer.Option(
+            show_default=False,
+            help="About the joint, for the host's loop \\[kg·m²] or \\[kg]; that of --model if not given.",
+        ),
+    ] = 0.0,
     bandwidth: Annotated[float, typer.Option(help="Of the host's loop \\[rad/s].")] = 60.0,
     check_torque: Annotated[
-        float, typer.Option(help="Sign check gives up at this fraction of the torque limit.")
+        float, typer.Option(help="Largest torque of the sign check, as a fraction of the torque limit.")
     ] = 0.3,
     normal_load: Annotated[str, typer.Option(help="none, transmitted (from the model), or a number.")] = "none",
-    method: Annotated[str, typer.Option(help="pinn or least_squares.")] = "pinn",
-    noise: Annotated[str, typer.Option(help="auto, relative or absolute.")] = "auto",
-    adaptive: Annotated[bool, typer.Option("--adaptive", help="Choose speeds for information.")] = False,
+    method: Annotated[str, typer.Option(help="pinn or least_squares; both have the same optimum.")] = "pinn",
+    noise: Annotated[str, typer.Option(help="Of the torque: auto, relative to the friction, or absolute.")] = "auto",
+    adaptive: Annotated[
+        bool, typer.Option("--adaptive", help="Second pass at the speeds that tell most, until --accuracy is reached.")
+    ] = False,
     accuracy: Annotated[float, typer.Option(help="Mean standard deviation at which --adaptive stops \\[%].")] = 0.5,
     seed: Annotated[int, typer.Option(help="Of the order, the network's first weights and simulated noise.")] = 0,
     motion: Annotated[
-        Path | None, typer.Option(help="Record this motion (CSV: time, velocity\\[, position]) instead.")
+        Path | None,
+        typer.Option(help="Record this motion (CSV: time, velocity\\[, position]) instead, in SI units."),
     ] = None,
     torque_constant: Annotated[
         bool, typer.Option("--torque-constant", help="Hang a known weight to find the newton metres of a reading.")
     ] = False,
-    weight: Annotated[float, typer.Option(help="Hung for --torque-constant \\[kg].")] = 0.0,
-    lever: Annotated[float, typer.Option(help="From the axis to where it hangs \\[m].")] = 0.0,
+    weight: Annotated[float, typer.Option(show_default=False, help="Hung for --torque-constant \\[kg].")] = 0.0,
+    lever: Annotated[float, typer.Option(show_default=False, help="From the axis to where it hangs \\[m].")] = 0.0,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Print the plan and what it can tell; nothing moves.")
     ] = False,

@@ -22,7 +22,9 @@ def make(
     out: Annotated[Path, typer.Option(help="Folder for the case; the answer goes into OUT.answers.")],
     effect: Annotated[list[str] | None, typer.Option(help=f"Repeat for several; {_NAMES}; leave out for none.")] = None,
     seed: Annotated[int, typer.Option(help="Draws joint, motion, sensors and effect.")] = 1,
-    strength: Annotated[str, typer.Option(help="Effect-to-noise ratio after a base refit, or clear.")] = "clear",
+    strength: Annotated[
+        str, typer.Option(help="Effect-to-noise ratio after a base refit: 0.1, 0.2, 0.5, 1, 2, 5 or clear.")
+    ] = "clear",
     excitation: Annotated[str, typer.Option(help="Motion; `fricomp cases list` has the names.")] = "rich",
     duration: Annotated[float, typer.Option(help="Length of the recording \\[s].")] = 60.0,
     noise: Annotated[

@@ -25,7 +25,7 @@ fricomp check-loop friction.json --inertia 0.1 --stiffness 395 --damping 12.6 --
 
 @app.command(name="check-loop", epilog=EPILOG)
 def check_loop(
-    model: Annotated[Path, typer.Argument(help="Model file of the joint.")],
+    model: Annotated[Path, typer.Argument(help="Model file of the joint (friction.json).")],
     inertia: Annotated[float, typer.Option(help="Inertia at the joint \\[kg·m²] or \\[kg].")],
     bandwidth: Annotated[float | None, typer.Option(help="Of a critically damped PD loop \\[Hz].")] = None,
     stiffness: Annotated[float | None, typer.Option(help="Proportional gain \\[N·m/rad] or \\[N/m].")] = None,

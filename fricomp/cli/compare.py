@@ -14,7 +14,7 @@ EPILOG = "fricomp compare runs/spring/friction.json runs/autumn/friction.json"
 
 @app.command(epilog=EPILOG)
 def compare(
-    old: Annotated[Path, typer.Argument(help="Model file from before.")],
+    old: Annotated[Path, typer.Argument(help="Model file from before (friction.json).")],
     new: Annotated[Path, typer.Argument(help="Model file from now.")],
     significance: Annotated[float, typer.Option(help="Chance to call an unchanged joint changed.")] = 0.05,
 ) -> None:

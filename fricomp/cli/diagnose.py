@@ -41,12 +41,19 @@ fricomp diagnose joints.toml --executor dask://scheduler:8786 --resume --out run
 
 Exit status of one joint: 0 with an answer, 1 where the report is written and says that the data cannot be diagnosed, 2
 where nothing could be done. A fleet says it in its table and ends with 0.
+
+docs/diagnosis.md says what to do with each answer; fricomp convert makes recordings of logs in other formats.
 """
 
 
 @app.command(epilog=_EXAMPLES)
 def diagnose(
-    recordings: Annotated[list[str], typer.Argument(help="Recordings: files, folders, patterns; or joints (table).")],
+    recordings: Annotated[
+        list[str],
+        typer.Argument(
+            help="Recordings (CSV or Parquet: time, position, torque): files, folders, patterns; or a table of joints."
+        ),
+    ],
     out: Annotated[Path, typer.Option(help="Folder for the report, the record and the models.")],
     simulation: Annotated[
         Path | None, typer.Option(help="MJCF or URDF of the joint; a rigid joint is identified without it.")
@@ -61,7 +68,9 @@ def diagnose(
     controller: Annotated[
         Path | None, typer.Option(help="PD or PID loop that moved the joint (TOML); it is estimated without it.")
     ] = None,
-    thorough: Annotated[bool, typer.Option("--thorough", help="More nulls for the thresholds; takes longer.")] = False,
+    thorough: Annotated[
+        bool, typer.Option("--thorough", help="200 nulls instead of 32 for the thresholds; takes longer.")
+    ] = False,
     each: Annotated[
         bool, typer.Option("--each", help="Every recording on its own, each into a subfolder of --out.")
     ] = False,

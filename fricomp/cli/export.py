@@ -46,7 +46,9 @@ def export(
     into: Annotated[Path | None, typer.Option(help="MJCF or URDF file to write the friction into.")] = None,
     joint: Annotated[str | None, typer.Option(help="Joint's name there; the model's own if left out.")] = None,
     period: Annotated[float, typer.Option(help="C: control period \\[s].")] = 1e-3,
-    prefix: Annotated[str | None, typer.Option(help="C: prefix of every name.")] = None,
+    prefix: Annotated[
+        str | None, typer.Option(help="C: prefix of every name; friction_ and the joint's name if left out.")
+    ] = None,
     any_status: Annotated[
         bool, typer.Option("--any-status", help="Export a model too that its identification calls unusable.")
     ] = False,

@@ -29,6 +29,8 @@ app = typer.Typer(add_completion=False)
 EXIT_NOT_USABLE = 1
 """Exit status where everything was written, and the model is one that compensator and exports refuse."""
 
+_MASS = {"N·m": "kg·m²", "N": "kg"}  # unit of the inertia beside that of the torque
+
 
 @app.command(
     epilog="fricomp identify points.csv --out runs/joint_1\n\n"
@@ -45,8 +47,8 @@ def identify(
     files: Annotated[
         list[str],
         typer.Argument(
-            help="Recording, or CSV with the columns velocity, torque\\[, normal_load]; several files, a folder, a "
-            "pattern or a table of joints are a fleet."
+            help="Recording, or CSV with the columns velocity \\[rad/s], torque \\[N·m] and if wanted "
+            "normal_load; several files, a folder, a pattern or a table of joints are a fleet."
         ),
     ],
     out: Annotated[Path, typer.Option(help="Folder for friction.json, friction.onnx and report.html.")] = Path(
@@ -65,7 +67,7 @@ def identify(
             help="stribeck, symmetric_stribeck, coulomb, coulomb_viscous, tanh or arctan; for tables also auto."
         ),
     ] = "stribeck",
-    gravity: Annotated[bool, typer.Option(help="For a recording: gravity acts on the joint.")] = False,
+    gravity: Annotated[bool, typer.Option(help="For a recording: gravity acts on the joint, and is fitted.")] = False,
     seed: Annotated[int, typer.Option(min=0, help="Of the network's first weights.")] = 0,
     depart: Annotated[bool, typer.Option(help="Let a network leave the law where held-out points ask for it.")] = False,
     batch: Annotated[bool, typer.Option("--batch", help="Tables of a fleet: all joints in one call.")] = False,
@@ -272,20 +274,25 @@ def _identify_recording(file: Path, gravity: bool, law: str, notes: list[str]) -
 
 
 def _rigid_sentence(motion: MotionIdentification) -> str:
-    body = motion.rigid_body
+    body, model = motion.rigid_body, motion.friction.model
+    torque, angle = model.torque_unit, model.position_unit
     of_inertia, *_, of_offset = body.standard_deviations
-    of_cosine, of_sine = body.gravity_deviations
+    (cosine, sine), (of_cosine, of_sine) = body.gravity, body.gravity_deviations
+    gravity = f"({cosine:.4g} ± {of_cosine:.2g}) cos q + ({sine:.4g} ± {of_sine:.2g}) sin q {torque}"
+    offset = f", offset {body.offset:.4g} ± {of_offset:.2g} {torque}" if of_offset > 0.0 else ""
     said = (
-        f"Rigid body: inertia {body.inertia:.5g}, offset {body.offset:.4g}, gravity {body.gravity[0]:.4g} cos q + "
-        f"{body.gravity[1]:.4g} sin q, with standard deviations of {of_inertia:.2g}, {of_offset:.2g}, {of_cosine:.2g} "
-        f"and {of_sine:.2g}; symmetric friction beside it: Coulomb {body.coulomb_torque:.5g}, viscous "
-        f"{body.viscous_coefficient:.5g}. {len(motion.points)} samples slide and count; standard deviations allow for "
-        "their correlation."
+        f"Rigid body, ± its standard deviations: inertia {body.inertia:.5g} ± {of_inertia:.2g} "
+        f"{_MASS.get(torque, f'{torque}·s²/{angle}')}{offset}, gravity "
+        f"{gravity if any(body.gravity) else 'not asked for (--gravity)'}; symmetric friction beside it: Coulomb "
+        f"{body.coulomb_torque:.5g} {torque}, viscous {body.viscous_coefficient:.5g} {torque}·s/{angle}. "
+        f"{len(motion.points)} samples slide and count; standard deviations allow for their correlation."
     )
     if body.inertia < 2.0 * of_inertia:  # a 95 % interval that holds zero
         said += " The motion does not determine the inertia: record one with quicker accelerations while it slides."
     if motion.presliding > 0.0:
-        said += f" Friction builds up after rests and reversals: the first {motion.presliding:.2g} are left out."
+        said += (
+            f" Friction builds up after rests and reversals: the first {motion.presliding:.2g} {angle} are left out."
+        )
     return said
 
 

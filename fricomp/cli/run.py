@@ -33,7 +33,9 @@ fricomp run friction.json --backend canopen --config joints.toml --inertia 0.12 
 
 @app.command(epilog=EPILOG)
 def run(
-    models: Annotated[list[Path], typer.Argument(help="Model file of each joint, in the order of the bus.")],
+    models: Annotated[
+        list[Path], typer.Argument(help="Model file of each joint (friction.json), in the order of the bus.")
+    ],
     backend: Annotated[
         str | None, typer.Option(help="Adapter: `fricomp adapters` lists them; what --config says, or sim.")
     ] = None,

@@ -23,6 +23,7 @@ _SHARES = (1.0, 0.75, 0.5, 0.25)
 _DEFAULT_SHARE = 0.5
 # The describing function was up to a quarter above the simulated limit cycle, so the choice asks for more than 15 %.
 _PREDICTED_MARGIN = 1.25 * LIMIT_CYCLE_MARGIN
+_CURE = "try a shorter delay or another bandwidth in fricomp check-loop"
 _LOWEST_GAIN = 0.5
 _DEFAULT_GAIN = 0.95
 _HIGHEST_GAIN = 0.98
@@ -87,7 +88,7 @@ def _with_margin(
     curves: FrictionCurves, loop: LoopDynamics, chosen: CompensationSettings, given: dict[str, Any]
 ) -> tuple[CompensationSettings, list[str]]:
     """`chosen`, changed so that it keeps its distance to the limit cycle, where that is possible."""
-    stuck = [f"nothing keeps gain {chosen.gain:g} free of a limit cycle with this loop and its delay: see check-loop"]
+    stuck = [f"nothing keeps gain {chosen.gain:.3g} free of a limit cycle with this loop and its delay: {_CURE}"]
     if chosen.source != "reference":
         return _keep_margin(curves, loop, chosen, given) or (chosen, stuck)
     # A reference has no part in the loop, but a late damping may still not hold the falling branch.
@@ -119,7 +120,10 @@ def _keep_margin(
     if limit == 0.0 or "gain" in given:
         return None
     lowered = replace(chosen, measured_share=share, gain=limit / _PREDICTED_MARGIN)
-    return lowered, [f"gain lowered to {lowered.gain:.2f}, 15 % below where a limit cycle starts"]
+    # The limit was looked for from the higher gain on: a lower one may leave the fall of friction to a late damping.
+    if find_gain_limit(curves, loop, lowered) < LIMIT_CYCLE_MARGIN * lowered.gain:
+        return lowered, [f"gain lowered to {lowered.gain:.2f}, at which the loop may still oscillate: {_CURE}"]
+    return lowered, [f"gain lowered to {lowered.gain:.2f}: a limit cycle would start at gain {limit:.2f}"]
 
 
 def _doubts(given: FrictionModel, bounded: FrictionModel) -> list[str]:

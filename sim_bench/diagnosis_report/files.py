@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+import xml.etree.ElementTree as ET
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -59,7 +60,7 @@ def write_diagnosis(
         diagnosis: What was found.
         folder: Where; made if needed.
         simulation: MJCF file of the joint, to write the friction into; a snippet is written without it.
-        joint: Name of the joint in it.
+        joint: Name of the joint in it; its only joint, or the one that the recording names, if not given.
         facts: Lines for the section on how it was made.
 
     Raises:
@@ -133,11 +134,21 @@ def _save_mjcf(simulation: Path | None, joint: str | None):  # type: ignore[no-u
         if model.torque_unit != unit:
             raise DiagnosisError(f"MuJoCo wants {unit}, and the torque of this recording is in {model.torque_unit}")
         export = export_mjcf(model)
-        text = simulation.read_text(encoding="utf-8") if simulation is not None else None
-        path.write_text(apply_to_mjcf(export, text, joint or model.joint), encoding="utf-8")
+        text = simulation.read_text(encoding="utf-8-sig") if simulation is not None else None
+        name = joint or (_only_joint(text) if text is not None else None) or model.joint
+        path.write_text(apply_to_mjcf(export, text, name), encoding="utf-8")
         return str(export.fidelity)
 
     return write
+
+
+def _only_joint(text: str) -> str | None:
+    """The joint of a simulation that has one only: the diagnosed one, whatever the recording calls it."""
+    try:
+        joints = {joint.get("name") for body in ET.fromstring(text).iter("body") for joint in body.iter("joint")}
+    except ET.ParseError:
+        return None
+    return joints.pop() if len(joints) == 1 else None
 
 
 def _write_motion(motion: Mapping[str, FloatArray], path: Path) -> Path:

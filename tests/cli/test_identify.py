@@ -1,3 +1,4 @@
+import re
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -251,7 +252,7 @@ def _identify_motion(recording: Path, *options: str) -> tuple[str, dict[str, flo
     call = [str(recording), "--law", "coulomb_viscous", *options, "--out", str(out)]
     done = CliRunner().invoke(app, call, env={"COLUMNS": "300"})
     assert done.exit_code == 0, (done.output, done.exception)
-    inertia = float(done.output.partition("inertia ")[2].partition(",")[0])
+    inertia = float(done.output.partition("inertia ")[2].partition(" ")[0])
     return done.output, load_model(out / "friction.json").law.parameters() | {"inertia": inertia}
 
 
@@ -267,6 +268,13 @@ def test_torque_of_the_motor_is_brought_to_the_joint(tmp_path: Path) -> None:
     said, found = _identify_motion(tmp_path / "motor.csv")
     _expect_motion(found)
     assert "brought to the joint by the gear ratio 100" in said
+
+
+def test_the_rigid_body_is_told_with_its_units(tmp_path: Path) -> None:
+    write_recording(_motion(), tmp_path / "motion.csv")
+    said, _ = _identify_motion(tmp_path / "motion.csv")
+    told = r"inertia [\d.]+ ± [\d.e-]+ kg·m², .*gravity not asked for .*viscous [\d.]+ N·m·s/rad"
+    assert re.search(told, " ".join(said.split()))
 
 
 def test_a_gap_is_not_bridged(tmp_path: Path) -> None:

@@ -66,6 +66,13 @@ def test_default_keeps_its_margin_to_the_limit_cycle(static: float, bandwidth: f
     assert check.is_safe
 
 
+def test_a_lowered_gain_at_which_the_loop_still_oscillates_is_told() -> None:
+    model, loop = make_model(0.8), pd_loop(5.0, 0.004)
+    settings = choose_settings(model, loop=loop)
+    assert not check_loop(model, loop, settings).is_safe
+    assert "at which the loop may still oscillate" in settings.notes[-1]
+
+
 def test_gain_is_the_lower_bound_of_friction_over_the_range() -> None:
     names = ("stribeck.forward.coulomb_torque", "stribeck.reverse.coulomb_torque")
     model = make_model(0.3, Covariance(names, np.diag([1e-4, 1e-4])))

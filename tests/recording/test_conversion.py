@@ -342,3 +342,10 @@ def test_bad_mappings_are_refused_with_the_reason(tmp_path: Path, text: str, mes
         load_mapping(path)
     with pytest.raises(RecordingError, match="no mapping 'nowhere': give a TOML file or one of anymal-sea"):
         load_mapping("nowhere")
+
+
+def test_names_without_a_header_line_are_refused_with_what_to_set(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    _write_text(path, ",", "t, q, tau")
+    with pytest.raises(RecordingError, match=r"no column is called .*: set header = true"):
+        convert(path, _mapping(_NAMED))

@@ -20,8 +20,9 @@ def read_text(path: Path, source: Source, keys: Collection[str], *, skip_bad_row
         skip_bad_rows: Give NaN for a cell that is missing or no number, instead of an error.
 
     Raises:
-        RecordingError: A wanted cell is missing or no number.
+        RecordingError: A wanted cell is missing or no number, or a column is asked for by a name that no header gives.
     """
+    _refuse_names(path, source, keys)
     lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()[source.skip_lines :]
     separator = source.delimiter or None
     header = [cell.strip() for cell in lines.pop(0).split(separator)] if source.header and lines else []
@@ -33,6 +34,16 @@ def read_text(path: Path, source: Source, keys: Collection[str], *, skip_bad_row
     if skip_bad_rows:
         return {key: np.array([_number_or_nan(cells, k) for _, cells in rows]) for key, k in indices.items()}
     return {key: _parse_column(rows, k, key, path) for key, k in indices.items()} | _names_only(header, indices)
+
+
+def _refuse_names(path: Path, source: Source, keys: Collection[str]) -> None:
+    """Without a header line columns have numbers only."""
+    names = [key for key in keys if not key.isdigit()]
+    if names and not source.header:
+        raise RecordingError(
+            f"{path} is read without a header line, so that no column is called {names[0]!r}: set header = true under "
+            "[source] of the mapping if the first line holds the names, or give the column's number"
+        )
 
 
 def _find_index(key: str, header: list[str]) -> int | None:

@@ -341,3 +341,13 @@ def test_a_browser_draws_every_chart_without_errors_or_a_network(
     for name in diagnosis_charts(diagnosis):
         drawn = shown.dom[shown.dom.index(f'id="chart-{name}"') :][:200_000]
         assert 'class="subplot xy"' in drawn, name
+
+
+def test_the_only_joint_of_a_simulation_gets_the_friction_whatever_the_recording_calls_it(
+    diagnosis: Diagnosis, tmp_path: Path
+) -> None:
+    simulation = tmp_path / "arm.xml"
+    simulation.write_text('<mujoco><worldbody><body><joint name="hinge"/></body></worldbody></mujoco>', "utf-8-sig")
+    plain = replace(diagnosis, evidence=Evidence(), motion=None)
+    write_diagnosis(plain, tmp_path / "why", simulation=simulation)
+    assert 'joint="hinge"' in (tmp_path / "why/friction.xml").read_text()
