@@ -88,8 +88,8 @@ REAL_CASES = (
         known=(("period", 0.00125, "rad"),),
         published="RMS of the authors' models on the file: Coulomb-viscous 6.059, SVM 4.360, PINN 2.802, their network "
         "0.982 N·m",
-        remark="the ripple has its period, but another size at each speed, and so slow a motion does not determine the "
-        "inertia: one of some hundred kg·m² lets an uneven gear draw that better than cogging",
+        remark="the ripple has its period, but a size that grows with the speed fits better, and so slow a motion does "
+        "not determine the inertia: one of some hundred kg·m² lets an uneven gear draw that better than cogging",
     ),
     RealCase(
         "franka-joint-7",
