@@ -37,8 +37,9 @@ The oracle beside the power is the likelihood-ratio test that knows every effect
 
 A run goes in pieces: `--minutes M` starts no case after M minutes, finishes those under way and writes the page,
 `--resume` goes on, in another checkout from the data beside this page. Groups, effects and strengths are interleaved,
-so that any beginning is a fair sample of the whole; scored runs up to the 12th have the same designs in the same order,
-later ones each an order of its own. A scored run refuses to go on with another diagnosis than the one it began with.
+so that any beginning is a fair sample of the whole; every scored run has an order of its own. Up to the 25th, every
+effect met one friction core only, as lists turned side by side. A scored run refuses to go on with another diagnosis
+than the one it began with.
 `--nulls` runs joints with nothing missing alone ([300 of them](nulls.md)), `--baselines N` compares
 other methods on the first N cases, `--speed-up N` times N cases with one worker and with two, and
 [executors](fleet.md) are those of fleets.

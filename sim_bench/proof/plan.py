@@ -1,8 +1,12 @@
-"""Which cases a proof consists of: groups in fixed shares, interleaved so that any beginning is a fair sample."""
+"""Which cases a proof consists of: groups in fixed shares, interleaved so that any beginning is a fair sample.
+
+Motions, friction cores and noises are drawn from shuffled decks, so that every effect meets all of them: lists that turn
+side by side meet in the same pairs for ever where their lengths share a divisor.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import cycle, islice
 from typing import Any
@@ -35,7 +39,6 @@ _NOISES = ("white", "coloured", "jittered", "quantised", "heavy_tailed")
 _HIDDEN = ("load_coulomb", "thermal_friction", "load_stribeck", "load_quadratic")
 _PARAMETERS = ("inertia_error", "payload_error", "torque_offset", "direction_asymmetry")
 _LAWLESS = ("external_disturbance", "neighbour_coupling")  # pushes and unlogged neighbours: no names for two
-_LONGEST_SKIP = 1000  # designs of a group that an order may leave out at its beginning: several rounds of effects
 
 
 @dataclass(frozen=True)
@@ -99,11 +102,14 @@ def plan_clear_cases(seeds: Iterator[int], duration: float = 30.0) -> list[Plann
 
 
 def _maker(group: str, order: int) -> Iterator[dict[str, Any]]:
-    """Designs of a group without end; order 0 is that of the first twelve scored runs."""
-    place = list(GROUPS).index(group)
-    rng = np.random.default_rng([7, place, order] if order else [7, place])
-    skip = int(rng.integers(_LONGEST_SKIP)) if order else 0
-    return islice(_MAKERS[group](rng), skip, None)
+    """Designs of a group without end."""
+    return _MAKERS[group](np.random.default_rng([8, list(GROUPS).index(group), order]))
+
+
+def _deck(rng: np.random.Generator, cards: Sequence[str]) -> Iterator[str]:
+    """All cards in an order of its own, again and again."""
+    while True:
+        yield from (cards[place] for place in rng.permutation(len(cards)))
 
 
 def _interleave() -> Iterator[str]:
@@ -118,13 +124,11 @@ def _interleave() -> Iterator[str]:
 
 
 def _settings(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
-    """Motions, noises, cores, families and lengths in turn, each list in an order of its own."""
-    noises, cores = CHOICES["noise"], CHOICES["core"]
-    for index in range(2**31):
+    """Motions, noises, cores, families and lengths, each drawn by itself; an effect that has its own meets them all."""
+    decks = {"excitation": _MOTIONS, "noise": CHOICES["noise"], "core": CHOICES["core"]}
+    for drawn in zip(*(_deck(rng, cards) for cards in decks.values()), strict=True):
         yield {
-            "excitation": _MOTIONS[index % len(_MOTIONS)],
-            "noise": noises[int(rng.integers(len(noises)))],
-            "core": cores[index % len(cores)],
+            **dict(zip(decks, drawn, strict=True)),
             "family": CHOICES["family"][int(rng.random() < 0.4)],
             "duration": float(rng.choice([60.0, 60.0, 60.0, 30.0, 120.0])),
         }
@@ -132,10 +136,12 @@ def _settings(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
 
 def _single(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
     """Every effect of the catalogue in turn; strengths turn with the rounds, shifted from effect to effect."""
-    names = tuple(rng.permutation(list(CATALOGUE)))
-    for index, fields in enumerate(_settings(rng)):
+    names = tuple(map(str, rng.permutation(list(CATALOGUE))))
+    own = {name: _settings(rng) for name in names}
+    for index in range(2**31):
         turn, place = divmod(index, len(names))
-        yield fields | {"effects": (str(names[place]),), "strength": _STRENGTHS[(turn + place) % len(_STRENGTHS)]}
+        name, strength = names[place], _STRENGTHS[(turn + place) % len(_STRENGTHS)]
+        yield next(own[name]) | {"effects": (name,), "strength": strength}
 
 
 def _pair(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
@@ -165,15 +171,15 @@ def _hard_null(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
 
 
 def _outside(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
-    for fields, name, strength in zip(
-        _settings(rng), cycle(OUTSIDE), cycle(("5", "clear", "2", "1", "clear")), strict=False
-    ):
-        yield fields | {"effects": (name,), "strength": strength}
+    own = {name: _settings(rng) for name in OUTSIDE}
+    for name, strength in zip(cycle(OUTSIDE), cycle(("5", "clear", "2", "1", "clear")), strict=False):
+        yield next(own[name]) | {"effects": (name,), "strength": strength}
 
 
 def _hidden(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
-    for fields, name in zip(_settings(rng), cycle(_HIDDEN), strict=False):
-        yield fields | {"effects": (name,), "strength": "5", "hidden": True}
+    own = {name: _settings(rng) for name in _HIDDEN}
+    for name in cycle(_HIDDEN):
+        yield next(own[name]) | {"effects": (name,), "strength": "5", "hidden": True}
 
 
 def _fault(rng: np.random.Generator) -> Iterator[dict[str, Any]]:

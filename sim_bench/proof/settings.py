@@ -49,7 +49,7 @@ class RunSettings(msgspec.Struct, frozen=True):
         tree: Hash of the diagnosis; empty where it was not committed when a run on development seeds began.
         run: Number of the scored run; 0 for development seeds.
         nulls: Only cases in which nothing is missing.
-        order: Of the designs; the number of the run for scored ones from the 13th on, so that what one run missed
+        order: Of the designs; the number of the run for scored ones, so that what one run missed
             is not what the next one begins with.
     """
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from fricomp.errors import DiagnosisError
-from fricomp.sim_bench.concealed import CATALOGUE, EXCITATIONS, OUTSIDE, CaseSpec, case_id
+from fricomp.sim_bench.concealed import CATALOGUE, CHOICES, EXCITATIONS, OUTSIDE, CaseSpec, case_id
 from fricomp.sim_bench.proof import (
     GROUPS,
     PlannedCase,
@@ -82,6 +82,14 @@ def test_a_run_that_is_cut_short_has_weak_and_strong_effects_alike() -> None:
     strengths = Counter(each.spec.strength for each in planned if each.group == "single")
     assert len(strengths) == 7
     assert max(strengths.values()) - min(strengths.values()) <= 3
+
+
+def test_every_effect_meets_every_friction_core_and_motion() -> None:
+    met: dict[str, set[str]] = {name: set() for name in CATALOGUE}
+    for each in plan_cases(2000, development_seeds(), order=26):
+        if each.group == "single" and isinstance(each.spec, CaseSpec):
+            met[each.spec.effects[0]] |= {each.spec.core, each.spec.excitation}
+    assert all(some == {*CHOICES["core"], *EXCITATIONS} for some in met.values())
 
 
 @pytest.mark.parametrize("number", [1, 13, 14])

@@ -1,6 +1,5 @@
 """Starting, resuming and logging a run; a scored one follows the committed diagnosis and nothing else."""
 
-import json
 import subprocess
 from collections.abc import Iterable
 from dataclasses import replace
@@ -15,12 +14,10 @@ from fricomp.sim_bench.proof import (
     RunSettings,
     append_entry,
     check_diagnosis,
-    development_seeds,
     format_earlier,
     load_or_start,
     log_outcome,
     next_run,
-    plan_cases,
     plan_run,
     read_entries,
     watch,
@@ -76,16 +73,6 @@ def test_a_resumed_run_keeps_its_seeds_and_may_grow(tmp_path: Path, repository: 
 def test_two_scored_runs_do_not_begin_with_the_same_designs(tmp_path: Path, repository: Path) -> None:
     one, other = (plan_run(_start(tmp_path, repository, name, cases=60)) for name in ("run", "another"))
     assert sum(a == b for a, b in zip(_designs(one), _designs(other), strict=True)) <= 5
-
-
-def test_a_run_from_before_orders_keeps_its_plan(tmp_path: Path, repository: Path) -> None:
-    settings = _start(tmp_path, repository)
-    path = tmp_path / "run" / "run.json"
-    fields = json.loads(path.read_text())
-    assert fields.pop("order") == settings.run
-    path.write_text(json.dumps(fields))
-    again = _start(tmp_path, repository, resume=True)
-    assert _designs(plan_run(again)) == _designs(plan_cases(8, development_seeds()))
 
 
 def test_a_scored_run_stops_when_the_diagnosis_is_another(tmp_path: Path, repository: Path) -> None:
