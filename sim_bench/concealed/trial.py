@@ -48,7 +48,7 @@ class Trial:
     """
 
     def __init__(self, spec: CaseSpec, reference: NDArray[np.float64] | None = None) -> None:
-        streams = np.random.SeedSequence(spec.seed).spawn(8)
+        streams = np.random.SeedSequence(spec.seed).spawn(9)
         self.spec = spec
         rng = np.random.default_rng(streams[0])
         self.joint = draw_joint(rng, spec.family, spec.core)
@@ -64,6 +64,7 @@ class Trial:
         self._noise_stream = streams[3] if given is None else streams[3].spawn(1)[0]
         self._effect_streams = streams[4:7]
         self.shift = _draw_shift(np.random.default_rng(streams[7]), self.joint) if spec.shifted else {}
+        self._warming = _draw_warming(np.random.default_rng(streams[8]))
 
     def effect_rng(self, index: int) -> np.random.Generator:
         """The same numbers at every call."""
@@ -73,7 +74,8 @@ class Trial:
         """Temperature of the joint [°C], shape (n_samples,)."""
         if change.temperature is not None:
             return change.temperature
-        return np.asarray(25.0 + 0.5 * np.sin(0.05 * self.scene.time))
+        (rise, settling), time = self._warming, self.scene.time
+        return np.asarray(25.0 - rise * np.expm1(-(time - time[0]) / settling) + 0.5 * np.sin(0.05 * time))
 
     def run(self, change: Change) -> Outcome:
         """The closed loop with the change.
@@ -96,6 +98,11 @@ class Trial:
         motion = Motion(*(values[self.start :] for values in whole))
         sensed = Sensed(*(values[self.start :] for values in sensed))
         return Outcome(motion, sensed, torque, build_rows(motion, sensed, self.joint))
+
+
+def _draw_warming(rng: np.random.Generator) -> tuple[float, float]:
+    """Rise [K] and time constant [s] of a joint whose friction does not care: every other one warms up."""
+    return float(rng.choice([0.0, 1.0]) * rng.uniform(5.0, 20.0)), float(rng.uniform(15.0, 60.0))
 
 
 def _draw_shift(rng: np.random.Generator, joint: Joint) -> dict[str, float]:

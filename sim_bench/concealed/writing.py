@@ -55,6 +55,8 @@ def expected_verdict(case: Case) -> str:
 def write_case(case: Case, folder: Path) -> Path:
     """Write recording, simulation and controller, and the friction where the case is about its parameters.
 
+    Every other joint with nothing missing comes with its friction too: it must not be found changed.
+
     Returns:
         The case's folder, `folder`/<id>.
     """
@@ -64,7 +66,7 @@ def write_case(case: Case, folder: Path) -> Path:
     _write_table(_channels(case), _metadata(case), target / "recording.parquet")
     (target / "joint.xml").write_text(format_simulation(fields, fields["limit"]), encoding="utf-8")
     (target / "loop.toml").write_text(format_controller(fields), encoding="utf-8")
-    if any(each.effect.against == "nothing" for each in case.concealed):
+    if any(each.effect.against == "nothing" for each in case.concealed) or _states_friction(case):
         (target / "friction.json").write_text(format_friction(fields), encoding="utf-8")
     return target
 
@@ -113,6 +115,10 @@ def _channels(case: Case) -> dict[str, NDArray[np.float64]]:
 
 def _time(n: int) -> NDArray[np.float64]:
     return np.asarray(SAMPLE_PERIOD * np.arange(n), dtype=np.float64)
+
+
+def _states_friction(case: Case) -> bool:
+    return not case.concealed and bool(np.random.default_rng([case.spec.seed, 78]).random() < 0.5)
 
 
 def _logs(case: Case, about: str, rng: np.random.Generator) -> bool:
