@@ -61,5 +61,5 @@ def _split(figure: Figure, name: str, key: Callable[[Score], str]) -> str:
     parts = []
     for value in sorted(set(map(key, figure.cases))):
         some = [score for score in figure.cases if key(score) == value]
-        parts.append(f"{value} {figure.brief(some)}")
-    return f"- by {name}: {', '.join(parts)}"
+        parts.append(f"{value}: {figure.brief(some)}")
+    return f"- by {name}: {'; '.join(parts)}"

@@ -29,7 +29,7 @@ A run goes in pieces: `--minutes M` starts no case after M minutes, finishes tho
 so that any beginning is a fair sample of the whole; every scored run has an order of its own. Up to the 25th, every
 effect met one friction core only, as lists turned side by side. A scored run refuses to go on with another diagnosis
 than the one it began with; `--replay N` diagnoses the cases of run N anew, and with `--verify` makes their answers
-again and holds them against the seals without diagnosing.
+again and holds them against the seals without diagnosing. `--close "reason"` ends a run; its data moves to `run-N`.
 `--nulls` runs joints with nothing missing alone ([300 of them](nulls.md)), `--baselines N` compares
 other methods on the first N cases, `--speed-up N` times N cases with one worker and with two, and
 [executors](fleet.md) are those of fleets.
@@ -62,8 +62,8 @@ LIMITS = """## How the figures count
 - Pairs are of physics and measurement on a rich motion: no parameters, no pushes, no neighbours. Effects outside the
   catalogue are wanted at ENR 1 or more.
 - Intervals of shares are exact for a number of cases that is fixed beforehand. Runs were ended after their errors had
-  been read, so that across runs they are a little too narrow. Those of medians are order statistics; those of coverage
-  and of the mean size of a set come from drawing whole cases again, as parameters of one case are not independent.
+  been read, for which no interval here makes up. Those of medians are order statistics; those of coverage and of the
+  mean size of a set come from drawing whole cases again, as parameters of one case are not independent.
 - Who holds the file of seals from before the diagnosis can check the order of events; everybody else is told it.
 
 ## What is not proved here
