@@ -24,8 +24,8 @@ what changes slowly over them meets 4/3 of its variance, and 0.75 of their numbe
 change quickly, or where the encoder's noise leads, that is too few and the oracle stands too low; for coloured noise
 too high.
 
-A run goes in pieces: `--minutes M` starts no case after M minutes, finishes those under way and writes the page,
-`--resume` goes on, in another checkout from the data beside this page. Groups, effects and strengths are interleaved,
+A run (`--scored --page docs/proof.md`) goes in pieces: `--minutes M` starts no case after M minutes, finishes those
+under way and writes the page, `--resume` goes on, in another checkout from the data beside this page. Groups, effects and strengths are interleaved,
 so that any beginning is a fair sample of the whole; every scored run has an order of its own. Up to the 25th, every
 effect met one friction core only, as lists turned side by side. A scored run refuses to go on with another diagnosis
 than the one it began with; `--replay N` diagnoses the cases of run N anew, and with `--verify` makes their answers
