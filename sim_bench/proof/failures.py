@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from .judging import is_wrong
 from .score import Score
-from .summary import is_wrong
 
 __all__ = ["format_failures"]
 

@@ -192,12 +192,13 @@ def _held_out(answer: BlindAnswer) -> HeldOut | None:
     return msgspec.convert(read_diagnosis(answer.diagnosis).get("heldout"), HeldOut | None)
 
 
-def format_gaps(scores: Sequence[GapScore], reproduce: str) -> str:
+def format_gaps(scores: Sequence[GapScore], reproduce: str, measured: str) -> str:
     """A section of the page: the share closed over all cases and over those named right, and each case.
 
     Args:
         scores: Of the cases that could be made.
         reproduce: Command that measures them again.
+        measured: When, and of which diagnosis.
     """
     known = [score for score in scores if np.isfinite(score.closed)]
     right = [score for score in known if score.top_right]
@@ -206,6 +207,7 @@ def format_gaps(scores: Sequence[GapScore], reproduce: str) -> str:
         "",
         f"    {reproduce}",
         "",
+        f"{measured} "
         "Each case is diagnosed twice: as it was recorded, and with the concealed torque taken away from torque, "
         "command and current. What the refitted joint leaves there could be reached, whatever the first diagnosis says."
         " Closed is (before² - after²) / (before² - reachable²), on held-out blocks. Single effects on the joint, ENR "

@@ -5,17 +5,21 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+from fricomp.errors import DiagnosisError
 from fricomp.recording.whole_file import whole_file
 
 from .run import REFUSED, SEALS
-from .settings import SETTINGS
+from .settings import SETTINGS, read_settings
 
-__all__ = ["BASELINES", "keep_data", "restore_data"]
+__all__ = ["BASELINES", "KEPT", "find_kept", "keep_data", "restore_data"]
 
 BASELINES = "baselines.md"
 """File of a run that holds the table of the other methods."""
 
 _SCORES = "scores.parquet"
+KEPT = (SEALS, REFUSED, _SCORES, SETTINGS)
+"""Files that are a run's own; settings last, as a folder without them holds no run."""
+
 _COPIED = (SEALS, REFUSED, BASELINES, SETTINGS)  # settings last: a folder without them is no run yet
 
 
@@ -44,6 +48,19 @@ def restore_data(folder: Path, out: Path) -> None:
     for index, case in enumerate(table["case"].to_pylist()):
         parquet.write_table(table.slice(index, 1), out / "scores" / f"{case}.parquet")
     _copy(folder, out)
+
+
+def find_kept(folder: Path, run: int) -> Path:
+    """Where the settings and seals of a scored run are kept: in `folder` while it is the last one, then in run-N.
+
+    Raises:
+        DiagnosisError: They are not kept.
+    """
+    for place in (folder, folder / f"run-{run}"):
+        settings = place / SETTINGS
+        if settings.exists() and read_settings(settings).run == run:
+            return place
+    raise DiagnosisError(f"no {SETTINGS} of scored run {run} is kept in {folder} or {folder / f'run-{run}'}")
 
 
 def _copy(source: Path, target: Path) -> None:

@@ -1,7 +1,7 @@
 """Which cases a proof consists of: groups in fixed shares, interleaved so that any beginning is a fair sample.
 
-Motions, friction cores and noises are drawn from shuffled decks, so that every effect meets all of them: lists that turn
-side by side meet in the same pairs for ever where their lengths share a divisor.
+Motions, friction cores and noises are drawn from shuffled decks, so that every effect meets all of them: lists that
+turn side by side meet in the same pairs for ever where their lengths share a divisor.
 """
 
 from __future__ import annotations

@@ -20,10 +20,10 @@ from ..fleet import always
 from .blind import BlindAnswer, Prepared, diagnose_blind, prepare, prepare_follow_up
 from .making import command_of, name_of
 from .plan import PlannedCase
-from .score import Score, read_diagnosis, score_case
+from .score import Score, asks_for_more, score_case
 from .seal import SealBook
 
-__all__ = ["REFUSED", "SEALS", "Diagnose", "count_open", "read_refused", "read_scores", "run_proof"]
+__all__ = ["REFUSED", "SEALS", "Diagnose", "count_open", "read_refused", "read_scores", "run_proof", "salt_of"]
 
 Diagnose = Callable[[dict[str, bytes]], BlindAnswer]
 
@@ -45,8 +45,8 @@ class _Pending:
 class _Run:
     """State of one proof in a folder."""
 
-    def __init__(self, folder: Path, salt: str) -> None:
-        self.folder, self.salt = folder, salt
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
         for name in ("scores", "answers", "diagnoses"):
             (folder / name).mkdir(parents=True, exist_ok=True)
         self.seals = SealBook(folder / SEALS)
@@ -61,10 +61,6 @@ class _Run:
         entry = {"case": name, "group": planned.group, "reason": reason, "command": command_of(planned.spec)}
         with (self.folder / REFUSED).open("a", encoding="utf-8") as file:
             file.write(json.dumps(entry, ensure_ascii=False) + "\n")
-
-    def salt_of(self, planned: PlannedCase) -> str:
-        """The salt of one answer, not to be guessed without the run's own."""
-        return hashlib.sha256(f"{self.salt}:{name_of(planned.spec)}".encode()).hexdigest()[:32]
 
     def seal(self, prepared: Prepared) -> None:
         self.seals.seal(prepared.case, prepared.answer)
@@ -109,7 +105,7 @@ def run_proof(
     Returns:
         The scores of the planned cases, those of earlier runs in the folder included.
     """
-    run = _Run(folder, salt)
+    run = _Run(folder)
     todo = iter([each for each in planned if not run.finished(each)])
     pool, workers = executor
     waiting: dict[Future[Any], _Pending] = {}
@@ -119,7 +115,7 @@ def run_proof(
 
     while True:
         while len(waiting) < 2 * workers and go_on() and (each := next(todo, None)) is not None:
-            submit(_Pending(each), prepare, each.spec, run.salt_of(each))
+            submit(_Pending(each), prepare, each.spec, salt_of(salt, name_of(each.spec)))
         if not waiting:
             break
         done, _ = wait(waiting, return_when=FIRST_COMPLETED)
@@ -128,7 +124,7 @@ def run_proof(
             result = _result_of(future, pending)
             if isinstance(result, Prepared):
                 _take_prepared(run, pending, result, submit, diagnose, progress)
-            elif pending.first is None and _asks_for_more(result):
+            elif pending.first is None and asks_for_more(result):
                 first = replace(pending, first=result)
                 submit(first, prepare_follow_up, pending.planned.spec, result.motion)
             else:
@@ -136,6 +132,11 @@ def run_proof(
                 progress(_finish(run, pending, result))
     names = {name_of(each.spec) for each in planned}
     return [score for score in read_scores(folder) if score.case in names]
+
+
+def salt_of(salt: str, case: str) -> str:
+    """The salt of one answer, not to be guessed without the run's own."""
+    return hashlib.sha256(f"{salt}:{case}".encode()).hexdigest()[:32]
 
 
 def _result_of(future: Future[Any], pending: _Pending) -> BlindAnswer | Prepared:
@@ -172,12 +173,6 @@ def _take_prepared(
             run.seal(prepared)
         files = pending.files | prepared.files
         submit(replace(pending, files=files), diagnose, files)
-
-
-def _asks_for_more(answer: BlindAnswer) -> bool:
-    """Whether a diagnosis printed a set and proposed a motion to tell it apart."""
-    said = read_diagnosis(answer.diagnosis)
-    return bool(answer.motion) and any(each.get("indistinguishable_from") for each in said["effects"])
 
 
 def _finish(run: _Run, pending: _Pending, result: BlindAnswer) -> Score:

@@ -15,9 +15,11 @@ from .blind import BlindAnswer
 from .making import command_of
 from .plan import PlannedCase
 
-__all__ = ["Score", "interval_overlap", "read_diagnosis", "score_case"]
+__all__ = ["PARAMETERS", "Score", "asks_for_more", "interval_overlap", "read_diagnosis", "score_case"]
 
-_PARAMETERS = ("inertia_error", "payload_error", "torque_offset", "direction_asymmetry")
+PARAMETERS = frozenset({"inertia_error", "payload_error", "torque_offset", "direction_asymmetry"})
+"""Names of parameters that the simulation has, as against physics that it lacks."""
+
 _GRID = 1e-3  # [s] of the comparison of two sets of intervals
 
 
@@ -44,10 +46,14 @@ class Score:
         named: What was named, strongest first, joined by a plus sign.
         sets: For each name, what it cannot be told from, joined by a bar.
         top_right: The strongest name is a concealed effect, or was accepted for it.
-        exact: The named effects are the concealed ones, no more and no less, parameters aside.
+        exact: The named effects are the concealed ones, no more and no less; inertia and gravity that are off aside.
         in_set: Every concealed effect is named or in the set of a name.
         set_size: Mean number of names in a set; 0 where nothing was named.
-        false_names: Names that are neither concealed, nor accepted, nor come with a concealed one in their set.
+        printed: Sets of two names or more.
+        printed_right: How many of them hold a concealed effect, or what is accepted for one.
+        false_names: Names that are neither concealed, nor accepted, nor come with a concealed one in their set; those
+            of parameters count where the simulation has them right.
+        false_parameters: How many of them are names of parameters.
         verdict_right: The verdict is the expected one, or was accepted for it.
         overlap: Intersection over union of the located and the true time, 0 where no time was named; NaN where the
             effect is not localised.
@@ -57,8 +63,10 @@ class Score:
         noise_ratio: Residual of the base model over its noise floor, as the diagnosis sees it; NaN where not given.
         parameters: Number of parameters that can be compared.
         covered: How many of their 95 % intervals hold the truth.
+        coverage: The same for each concealed effect that was named, such as `cogging 3/3`, joined by a plus sign.
         worst_error: Largest relative error of them; NaN for none.
-        proposed: It proposed a motion to tell a printed set apart, and that motion was recorded.
+        proposed: It proposed a motion to tell a printed set apart.
+        recorded: That motion could be recorded, and both recordings were diagnosed together.
         resolved: With it, a concealed effect was named alone.
         seconds: Time of the diagnosis [s].
         error: Why it failed; empty where it did not.
@@ -86,15 +94,20 @@ class Score:
     exact: bool
     in_set: bool
     set_size: float
+    printed: int
+    printed_right: int
     false_names: int
+    false_parameters: int
     verdict_right: bool
     overlap: float
     gap_closed: float
     noise_ratio: float
     parameters: int
     covered: int
+    coverage: str
     worst_error: float
     proposed: bool
+    recorded: bool
     resolved: bool
     seconds: float
     error: str
@@ -119,7 +132,7 @@ def score_case(planned: PlannedCase, answer: bytes, blind: BlindAnswer, follow_u
     """Compare an opened answer with what the diagnosis said, and with what it said after the proposed motion."""
     truth, said = json.loads(answer), read_diagnosis(blind.diagnosis)
     naming = _score_names(truth, said)
-    covered, total, worst = _score_parameters(truth, said)
+    coverage, worst = _score_parameters(truth, said)
     effects, joint, spec = truth["effects"], truth["joint"], truth["spec"]
     return Score(
         case=truth["id"],
@@ -144,10 +157,12 @@ def score_case(planned: PlannedCase, answer: bytes, blind: BlindAnswer, follow_u
         overlap=_score_location(truth, said, spec["duration"]),
         gap_closed=_gap_closed(said),
         noise_ratio=_number(said.get("noise_ratio")),
-        parameters=total,
-        covered=covered,
+        parameters=sum(total for _, total in coverage.values()),
+        covered=sum(covered for covered, _ in coverage.values()),
+        coverage="+".join(f"{name} {covered}/{total}" for name, (covered, total) in coverage.items()),
         worst_error=worst,
-        proposed=follow_up is not None,
+        proposed=asks_for_more(blind),
+        recorded=follow_up is not None,
         resolved=follow_up is not None and _resolved(truth, read_diagnosis(follow_up.diagnosis)),
         seconds=blind.seconds,
         error=blind.error,
@@ -161,7 +176,7 @@ def _right_names(truth: dict[str, Any]) -> list[set[str]]:
 
 
 def _tolerated(truth: dict[str, Any]) -> set[str]:
-    """Names that are never wrong in this case: parameters that are off, and what an outside effect may be called."""
+    """Names that are never wrong in this case: inertia and gravity that are off, and what an outside effect may be."""
     outside = {name for each in truth["effects"] if each["kind"] == "outside" for name in each["accepted"]}
     return {*truth["shifted_parameters"], *outside}
 
@@ -171,18 +186,26 @@ def _score_names(truth: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
     wanted: set[str] = set().union(*right) if right else set()
     named = [each["name"] for each in said["effects"]]
     sets = [{each["name"], *each.get("indistinguishable_from", ())} for each in said["effects"]]
-    parameters_wanted = bool(wanted & set(_PARAMETERS))
-    ignored = tolerated - wanted | (set() if parameters_wanted else set(_PARAMETERS))
-    judged = [name for name in named if name not in ignored]
+    judged = [name for name in named if name in wanted or name not in tolerated]
     false = [name for name, group in zip(named, sets, strict=True) if name in judged and not group & wanted]
     found = [any(name in judged for name in names) for names in right]
+    printed = [group for group in sets if len(group) > 1]
     return {
         "top_right": bool(judged) and judged[0] in wanted,
         "exact": all(found) and set(judged) <= wanted and len(judged) <= len(right),
         "in_set": bool(right) and all(any(names & group for group in sets) for names in right),
         "set_size": float(np.mean([len(group) for group in sets])) if sets else 0.0,
+        "printed": len(printed),
+        "printed_right": sum(bool(group & (wanted | tolerated)) for group in printed),
         "false_names": len(false),
+        "false_parameters": len(PARAMETERS.intersection(false)),
     }
+
+
+def asks_for_more(answer: BlindAnswer) -> bool:
+    """Whether a diagnosis printed a set and proposed a motion to tell it apart."""
+    said = read_diagnosis(answer.diagnosis)
+    return bool(answer.motion) and any(each.get("indistinguishable_from") for each in said["effects"])
 
 
 def _resolved(truth: dict[str, Any], said: dict[str, Any]) -> bool:
@@ -227,19 +250,22 @@ def _gap_closed(said: dict[str, Any]) -> float:
     return float((before - after) / (before - floor)) if before > floor else float("nan")
 
 
-def _score_parameters(truth: dict[str, Any], said: dict[str, Any]) -> tuple[int, int, float]:
-    """Intervals that hold the truth, how many could, and the largest relative error, over comparable parameters."""
+def _score_parameters(truth: dict[str, Any], said: dict[str, Any]) -> tuple[dict[str, tuple[int, int]], float]:
+    """For each effect how many intervals hold the truth and how many could; the largest relative error of all."""
     answers = {each["name"]: each["parameters"] for each in said["effects"]}
-    covered, errors = 0, []
+    coverage, errors = {}, []
     for each in truth["effects"]:
+        covered, total = 0, 0
         for name, parameter in each["comparable"].items():
             given = answers.get(each["name"], {}).get(name)
             if given is None or not given["ci95"][0] < given["ci95"][1]:
                 continue
             low, high = given["ci95"]
-            covered += low <= parameter["value"] <= high
+            covered, total = covered + (low <= parameter["value"] <= high), total + 1
             errors.append(abs(given["value"] / parameter["value"] - 1.0) if parameter["value"] else np.nan)
-    return covered, len(errors), float(np.max(errors)) if errors else float("nan")
+        if total:
+            coverage[each["name"]] = (covered, total)
+    return coverage, float(np.max(errors)) if errors else float("nan")
 
 
 def _number(value: float | None) -> float:

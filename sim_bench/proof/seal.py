@@ -50,11 +50,20 @@ class SealBook:
             os.fsync(file.fileno())
         return digest
 
+    @property
+    def cases(self) -> frozenset[str]:
+        """All cases that are sealed."""
+        return frozenset(self._digests)
+
+    def matches(self, case: str, answer: bytes) -> bool:
+        """Whether an answer is the one that was sealed."""
+        return self._digests.get(case) == hashlib.sha256(answer).hexdigest()
+
     def open(self, case: str, answer: bytes) -> None:
         """Check an answer against its seal.
 
         Raises:
             DiagnosisError: It is another one, or was never sealed.
         """
-        if self._digests.get(case) != hashlib.sha256(answer).hexdigest():
+        if not self.matches(case, answer):
             raise DiagnosisError(f"the answer of {case} does not match its seal: it cannot be scored")

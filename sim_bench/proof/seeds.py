@@ -14,7 +14,7 @@ from pathlib import Path
 
 from fricomp.errors import DiagnosisError
 
-__all__ = ["development_seeds", "diagnosis_tree", "scored_seeds"]
+__all__ = ["current_commit", "development_seeds", "diagnosis_tree", "folder_tree", "scored_seeds"]
 
 _SCORED = 1 << 62  # set in every scored seed and in no development seed
 
@@ -43,11 +43,28 @@ def diagnosis_tree(repository: Path) -> str:
     Raises:
         DiagnosisError: There is no git repository, or the folder differs from what is committed.
     """
-    folder = "sim_bench/diagnosis"
+    return folder_tree(repository, "sim_bench/diagnosis")
+
+
+def folder_tree(repository: Path, folder: str) -> str:
+    """Git's tree hash of a committed folder.
+
+    Raises:
+        DiagnosisError: There is no git repository, or the folder differs from what is committed.
+    """
     changed = _git(repository, "status", "--porcelain", "--", folder)
     if changed:
         raise DiagnosisError(f"{folder} differs from what is committed, commit it before a scored run:\n{changed}")
     return _git(repository, "rev-parse", f"HEAD:{folder}")
+
+
+def current_commit(repository: Path) -> str:
+    """Hash of the commit that is checked out.
+
+    Raises:
+        DiagnosisError: There is no git repository.
+    """
+    return _git(repository, "rev-parse", "HEAD")
 
 
 def _git(repository: Path, *arguments: str) -> str:

@@ -16,21 +16,28 @@ from fricomp.errors import DiagnosisError
 from ..diagnosis_version import imported_diagnosis
 from .plan import GROUPS, NULLS, PlannedCase, plan_cases, plan_clear_cases
 from .run_log import append_entry, next_run
-from .seeds import development_seeds, diagnosis_tree, scored_seeds
+from .seeds import current_commit, development_seeds, diagnosis_tree, folder_tree, scored_seeds
 
 __all__ = [
+    "GENERATOR",
+    "SCORER",
     "SETTINGS",
     "RunSettings",
     "check_diagnosis",
     "load_or_start",
     "log_outcome",
     "plan_run",
+    "read_settings",
     "seeds_of",
     "watch",
+    "write_settings",
 ]
 
 SETTINGS = "run.json"
 """File of a run that holds its settings."""
+
+GENERATOR, SCORER = "sim_bench/concealed", "sim_bench/proof"
+"""Folders that, with the diagnosis, decide what a scored run measures."""
 
 _QUICK = 30.0  # [s] of a recording
 
@@ -51,6 +58,10 @@ class RunSettings(msgspec.Struct, frozen=True):
         nulls: Only cases in which nothing is missing.
         order: Of the designs; the number of the run for scored ones, so that what one run missed
             is not what the next one begins with.
+        generator: Git's tree hash of the generator of a scored run; empty for others and for runs before the 26th.
+        scorer: The same of plan and scoring.
+        commit: That was checked out when the scored run began.
+        replayed: The run is made again: it is no entry of the log.
     """
 
     cases: int
@@ -64,6 +75,10 @@ class RunSettings(msgspec.Struct, frozen=True):
     run: int = 0
     nulls: bool = False
     order: int = 0
+    generator: str = ""
+    scorer: str = ""
+    commit: str = ""
+    replayed: bool = False
 
 
 def load_or_start(out: Path, wanted: RunSettings, *, resume: bool, log: Path, repository: Path) -> RunSettings:
@@ -80,25 +95,46 @@ def load_or_start(out: Path, wanted: RunSettings, *, resume: bool, log: Path, re
 
     Raises:
         DiagnosisError: There is a run and it is not to be resumed, or the diagnosis of a scored run is not committed or
-            not the one that would run.
+            not the one that would run, or generator or scoring are not committed.
     """
     path = out / SETTINGS
     if path.exists():
         if not resume:
             raise DiagnosisError(f"{out} holds a run: give --resume to go on with it, or another --out")
-        found = msgspec.json.decode(path.read_bytes(), type=RunSettings)
+        found = read_settings(path)
         return msgspec.structs.replace(found, cases=wanted.cases)
     settings = msgspec.structs.replace(wanted, salt=secrets.token_hex(16))
     if not wanted.scored:
         with suppress(DiagnosisError):
             settings = msgspec.structs.replace(settings, tree=_tree_that_runs(repository))
     else:
-        run = next_run(log)
-        settings = msgspec.structs.replace(settings, tree=_tree_that_runs(repository), run=run, order=run)
-        append_entry(log, {"run": settings.run, "tree": settings.tree, "event": "started", "cases": wanted.cases})
-    out.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(msgspec.json.format(msgspec.json.encode(settings), indent=1) + b"\n")
+        settings = _start_scored(settings, log, repository)
+    write_settings(settings, path)
     return settings
+
+
+def _start_scored(settings: RunSettings, log: Path, repository: Path) -> RunSettings:
+    """Number and code of a new scored run, which is in the log from now on."""
+    run = next_run(log)
+    code = {
+        "tree": _tree_that_runs(repository),
+        "generator": folder_tree(repository, GENERATOR),
+        "scorer": folder_tree(repository, SCORER),
+        "commit": current_commit(repository),
+    }
+    append_entry(log, {"run": run, "tree": code["tree"], "event": "started", "cases": settings.cases} | code)
+    return msgspec.structs.replace(settings, run=run, order=run, **code)
+
+
+def read_settings(path: Path) -> RunSettings:
+    """The settings in a file."""
+    return msgspec.json.decode(path.read_bytes(), type=RunSettings)
+
+
+def write_settings(settings: RunSettings, path: Path) -> None:
+    """Write the settings to a file."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(msgspec.json.format(msgspec.json.encode(settings), indent=1) + b"\n")
 
 
 def seeds_of(settings: RunSettings) -> Iterator[int]:
@@ -159,7 +195,7 @@ def _tree_that_runs(repository: Path) -> str:
 
 
 def log_outcome(settings: RunSettings, log: Path, left: int, count: int, figures: Mapping[str, Any]) -> None:
-    """Append what came of a scored run so far: `finished`, or `paused` where cases are left."""
-    if settings.scored:
+    """Append what came of a scored run so far: `finished`, or `paused` where cases are left; nothing of a replay."""
+    if settings.scored and not settings.replayed:
         entry = {"run": settings.run, "tree": settings.tree, "event": "paused" if left else "finished", "cases": count}
         append_entry(log, entry | ({"left": left} if left else {}) | {"figures": dict(figures)})

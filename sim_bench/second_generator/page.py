@@ -48,7 +48,7 @@ _SCORING = """The filter of the recorded velocity is a flaw of each recording th
 right there, and turns `consistent` and `parameters` into `measurement`. A name is right, too, where the right one is
 printed as what it cannot be told from. An answer is wrong that has another verdict, a name that is not right, or
 another name first than a right one. Parameters that are named though the simulation has them right count as false
-names here; the proof lets them pass, and the figures stand for that count as well. `torque_offset` and
+names here, as in the proof; the figures stand for the count without them as well. `torque_offset` and
 `direction_asymmetry` are a mismatch because the simulation has a friction loss, which is the same both ways; beside
 one without friction they are part of what is identified. Intervals of shares are exact 95 % intervals.
 """

@@ -26,14 +26,21 @@ fricomp bench mismatch --injected --page docs/injected.md --out runs/injected
 
 fricomp bench mismatch --gap 24 --first-seed 810000 --page docs/proof.md --out runs/gap
 
+fricomp bench mismatch --replay 26 --verify
+
+fricomp bench mismatch --replay 26 --out runs/replay
+
+fricomp bench mismatch --close "the diagnosis was changed"
+
 fricomp bench mismatch --quick --speed-up 4 --out runs/speed"""
 _QUICK, _FULL = 12, 2000
+_OUT = Path("runs/mismatch")
 _LOG = Path("docs/proof/runs.jsonl")
 
 
 @app.command(epilog=_EPILOG)
 def mismatch(
-    out: Annotated[Path, typer.Option(help="Folder for seals, answers, diagnoses and scores.")],
+    out: Annotated[Path, typer.Option(help="Folder for seals, answers, diagnoses and scores.")] = _OUT,
     quick: Annotated[bool, typer.Option("--quick", help=f"{_QUICK} cases of 30 s.")] = False,
     clear: Annotated[bool, typer.Option("--clear", help="Every effect once, clear, 30 s, with nulls between.")] = False,
     nulls: Annotated[bool, typer.Option("--nulls", help="Only cases in which nothing is missing.")] = False,
@@ -48,46 +55,73 @@ def mismatch(
     baselines: Annotated[int, typer.Option(min=0, help="Try the other methods on this many of the cases.")] = 0,
     speed_up: Annotated[int, typer.Option(min=0, help="Only time this many cases with one worker and with two.")] = 0,
     gap: Annotated[int, typer.Option(min=0, help="Only measure the held-out gap closed, on this many.")] = 0,
-    log: Annotated[Path, typer.Option(help="Log of the scored runs.")] = _LOG,
+    replay: Annotated[int, typer.Option(min=0, help="Make scored run N again from what is kept; not logged.")] = 0,
+    verify: Annotated[bool, typer.Option("--verify", help="With --replay: only check its answers' seals.")] = False,
+    close: Annotated[str | None, typer.Option(help="End the kept scored run with this reason; run nothing.")] = None,
+    log: Annotated[Path, typer.Option(help="Log of the scored runs, their data beside it.")] = _LOG,
     page: Annotated[Path | None, typer.Option(help="Write this page, such as docs/proof.md.")] = None,
 ) -> None:
     """Conceal physics in joints, diagnose them blind, and score the answers.
 
     Cases are interleaved: any beginning of a run is a fair sample of the whole, and a run that was stopped goes on.
     """
-    from fricomp.errors import DiagnosisError
-    from fricomp.sim_bench.proof import RunSettings, load_or_start, plan_run, restore_data
+    from fricomp.sim_bench.proof import RunSettings, load_or_start, load_replay, plan_run, restore_data
 
-    if nulls and (clear or injected or scored):
-        raise DiagnosisError("nulls alone come from development seeds: leave out --clear, --injected and --scored")
-    if gap and (clear or injected or scored or nulls):
-        raise DiagnosisError("--gap takes cases of its own, of development seeds: leave out what chooses others")
+    from . import mismatch_kept, mismatch_page
+
+    pool = (executor, workers)
+    if close is not None or verify:
+        mismatch_kept.only(close, replay, log, pool)
+        return
+    _refuse(replay, page, log, gap, others=clear or injected or scored, nulls=nulls)
     number = cases or (_QUICK if quick else _FULL)
     wanted = RunSettings(number, quick, clear, scored, first_seed, injected=injected, nulls=nulls)
     if gap:
-        _measure_gaps(gap, wanted, out, (executor, workers), page)
+        _measure_gaps(gap, wanted, out, pool, page)
         return
     if speed_up:
         _time_workers(plan_run(wanted)[:speed_up], out)
         return
-    if resume and page is not None:
-        restore_data(page.with_suffix(""), out)
-    settings = load_or_start(out, wanted, resume=resume, log=log, repository=Path.cwd())
-    pool = (executor, workers)
+    if replay:
+        settings = load_replay(replay, out, log, Path.cwd(), cases)
+    else:
+        if resume and page is not None:
+            restore_data(page.with_suffix(""), out)
+        settings = load_or_start(out, wanted, resume=resume, log=log, repository=Path.cwd())
     scores, planned = _run(settings, out, pool, minutes, log)
-    others = _compare(planned[:baselines], out, pool, scores)
+    others = _compare(planned[:baselines], out, pool, scores, settings.tree)
     _show(scores, planned, out)
     if page is not None:
-        _write(page, settings, scores, len(planned), out, others, log)
+        mismatch_page.write(page, settings, scores, len(planned), out, others, log)
+
+
+def _refuse(replay: int, page: Path | None, log: Path, gap: int, *, others: bool, nulls: bool) -> None:
+    """Nothing, where the options go together.
+
+    Raises:
+        DiagnosisError: They do not.
+    """
+    from fricomp.errors import DiagnosisError
+
+    if replay and page is not None and page.with_suffix("").resolve() == log.parent.resolve():
+        raise DiagnosisError(f"{page} is of the run itself: give the replay a --page of its own, or none")
+    if replay and (others or nulls or gap):
+        raise DiagnosisError("--replay takes the cases of a scored run: leave out what chooses others")
+    if nulls and others:
+        raise DiagnosisError("nulls alone come from development seeds: leave out --clear, --injected and --scored")
+    if gap and (others or nulls):
+        raise DiagnosisError("--gap takes cases of its own, of development seeds: leave out what chooses others")
 
 
 def _measure_gaps(
     number: int, settings: RunSettings, out: Path, executor: tuple[str, int | None], page: Path | None
 ) -> None:
     """What is closed of the held-out gap, in `out` and beside the page, which shows it when it is next written."""
+    from datetime import date
+
     from fricomp.cli.terminal import console, progress, resumable
     from fricomp.sim_bench.fleet import open_executor
-    from fricomp.sim_bench.proof import GAP, format_gaps, measure_gaps, plan_gaps, seeds_of
+    from fricomp.sim_bench.proof import GAP, format_gaps, format_stamp, measure_gaps, plan_gaps, seeds_of
 
     planned = plan_gaps(number, seeds_of(settings), 30.0 if settings.quick else None)
     again = resumable(out, "the same command goes on")
@@ -96,7 +130,8 @@ def _measure_gaps(
         scores = measure_gaps(planned, out / "gap", pool, progress=lambda: bar.advance(task))
     kind = "--quick " if settings.quick else ""
     options = f"--gap {number} {kind}--first-seed {settings.first_seed} --out runs/{out.name}"
-    text = format_gaps(scores, f"fricomp bench mismatch {options}") + "\n"
+    measured = format_stamp(date.today(), Path.cwd())
+    text = format_gaps(scores, f"fricomp bench mismatch {options}", measured) + "\n"
     for path in (out / GAP, *((page.with_suffix("") / GAP,) if page is not None else ())):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
@@ -173,12 +208,14 @@ def _plan(
 
 
 def _compare(
-    planned: Sequence[PlannedCase], out: Path, executor: tuple[str, int | None], scores: Sequence[Score]
+    planned: Sequence[PlannedCase], out: Path, executor: tuple[str, int | None], scores: Sequence[Score], tree: str
 ) -> str:
     """The table of the other methods; that of an earlier call where none is asked for now."""
+    from datetime import date
+
     from fricomp.cli.terminal import progress, resumable
     from fricomp.sim_bench.fleet import open_executor
-    from fricomp.sim_bench.proof import BASELINES
+    from fricomp.sim_bench.proof import BASELINES, format_stamp
     from fricomp.sim_bench.proof.baselines import compare_baselines, format_table
 
     path = out / BASELINES
@@ -186,7 +223,8 @@ def _compare(
         with resumable(out), progress() as bar, open_executor(*executor) as pool:
             task = bar.add_task("other methods", total=len(planned))
             found = compare_baselines(planned, out / "baselines", pool, progress=lambda: bar.advance(task))
-        path.write_text(format_table(found, scores) + "\n", encoding="utf-8")
+        measured = format_stamp(date.today(), Path.cwd(), tree)
+        path.write_text(format_table(found, scores, measured) + "\n", encoding="utf-8")
     return path.read_text(encoding="utf-8") if path.exists() else ""
 
 
@@ -214,34 +252,3 @@ def _table(figures: Sequence[Any]) -> Any:
         mark = {True: "yes", False: "no", None: "–"}[figure.reached]
         table.add_row(*map(escape, (figure.name, figure.target, figure.value)), mark, style=style)
     return table
-
-
-def _write(
-    page: Path, settings: RunSettings, scores: Sequence[Score], planned: int, out: Path, others: str, log: Path
-) -> None:
-    from fricomp.cli.terminal import console
-    from fricomp.sim_bench.proof import GAP, format_earlier, keep_data, read_entries, write_page
-
-    title, reproduce = _title(settings, len(scores), planned), _reproduce(settings, out, page)
-    earlier = format_earlier(read_entries(log), settings.run) if settings.scored else ""
-    measured = page.with_suffix("") / GAP
-    gaps = measured.read_text(encoding="utf-8") if measured.exists() else ""
-    write_page(scores, page, title=title, reproduce=reproduce, baselines=others, earlier=earlier, gaps=gaps)
-    keep_data(out, page.with_suffix(""))
-    console().print(f"{page} written", soft_wrap=True)
-
-
-def _title(settings: RunSettings, count: int, planned: int) -> str:
-    cases = f"{count} cases" if count >= planned else f"the first {count} of {planned} cases"
-    if settings.scored:
-        return f"Scored run {settings.run} of the diagnosis with tree {settings.tree[:12]}: {cases}."
-    of = f"Diagnosis with tree {settings.tree[:12]}, development" if settings.tree else "Development"
-    return f"{of} seeds from {settings.first_seed}: {cases}. No scored run."
-
-
-def _reproduce(settings: RunSettings, out: Path, page: Path) -> str:
-    seeds = "--scored" if settings.scored else f"--first-seed {settings.first_seed}"
-    kind = "".join(f"--{name} " for name in ("quick", "clear", "nulls", "injected") if getattr(settings, name))
-    return (
-        f"fricomp bench mismatch {kind}--cases {settings.cases} {seeds} --page docs/{page.name} --out runs/{out.name}"
-    )

@@ -148,8 +148,14 @@ def _smoothed(torque: Samples) -> Samples:
     return np.asarray(savgol_filter(torque, 21, 3))
 
 
-def format_table(baselines: Sequence[BaselineScore], scores: Sequence[Score] = ()) -> str:
-    """The comparison as Markdown, with the diagnosis on the same cases in its first row where `scores` has them."""
+def format_table(baselines: Sequence[BaselineScore], scores: Sequence[Score], measured: str) -> str:
+    """The comparison as Markdown, with the diagnosis on the same cases in its first row where `scores` has them.
+
+    Args:
+        baselines: Of the other methods.
+        scores: Of the diagnosis.
+        measured: When, and of which diagnosis.
+    """
     cases = {score.case for score in baselines}
     own = [score for score in scores if score.case in cases]
     rows = [_own_row(own)] if own else []
@@ -158,6 +164,7 @@ def format_table(baselines: Sequence[BaselineScore], scores: Sequence[Score] = (
     head = [
         "## Other methods on the same cases",
         "",
+        f"{measured} "
         "Error: on held-out blocks, over that of a refit with the true concealed torque, at ENR 0.5 or more (median, "
         "quartiles; 1 is as good as knowing that torque, less is possible where the refitted joint itself does not "
         "fit). Gap closed: share of the squared error above 1 that is removed, where the refitted joint alone leaves "

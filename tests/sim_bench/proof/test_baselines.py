@@ -49,6 +49,7 @@ def test_all_methods_answer_and_their_table_is_written(tmp_path: Path) -> None:
     scores = compare_baselines(planned, tmp_path, (SerialExecutor(), 1))
     assert len(scores) == 2 * len(METHODS)
     assert first.stat().st_mtime_ns == written  # what is compared is not compared again
-    table = format_table(scores)
+    table = format_table(scores, [], "Measured on a day.")
+    assert "Measured on a day. Error: on held-out blocks" in table
     assert all(f"| {method} |" in table for method in METHODS)
     assert all(np.isfinite(score.error) for score in scores)

@@ -92,6 +92,9 @@ def test_a_scored_run_goes_in_pieces_and_its_log_tells(tmp_path: Path, monkeypat
     source = tmp_path / "sim_bench" / "diagnosis" / "search.py"
     source.parent.mkdir(parents=True)
     source.write_text("threshold = 1\n")
+    for name in ("concealed", "proof"):
+        (source.parents[1] / name).mkdir()
+        (source.parents[1] / name / "code.py").write_text(f"{name} = 1\n")
     identity = ("-c", "user.name=test", "-c", "user.email=test@example.org")
     for call in (("init", "-q"), ("add", "."), ("commit", "-q", "-m", "diagnosis")):
         subprocess.run(["git", "-C", str(tmp_path), *identity, *call], check=True, capture_output=True)

@@ -88,7 +88,7 @@ def test_every_effect_meets_every_friction_core_and_motion() -> None:
     met: dict[str, set[str]] = {name: set() for name in CATALOGUE}
     for each in plan_cases(2000, development_seeds(), order=26):
         if each.group == "single" and isinstance(each.spec, CaseSpec):
-            met[each.spec.effects[0]] |= {each.spec.core, each.spec.excitation}
+            met[each.spec.effects[0]] |= {str(each.spec.core), each.spec.excitation}
     assert all(some == {*CHOICES["core"], *EXCITATIONS} for some in met.values())
 
 

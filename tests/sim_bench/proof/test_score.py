@@ -181,7 +181,7 @@ def test_what_is_near_one_by_construction_reaches_no_target(tmp_path: Path) -> N
     (row,) = (
         line for line in (tmp_path / "proof.md").read_text().splitlines() if "own estimate of the noise, re" in line
     )
-    assert row.endswith("| – | median 1 (quartiles 1 to 1; 1 cases) | no target |")
+    assert row.endswith("| – | median 1 (1 to 1, all; 1 cases) | no target |")
     assert "near 1 by construction" in (tmp_path / "proof.md").read_text()
 
 
@@ -227,12 +227,21 @@ def test_the_oracle_reaches_its_false_alarm_rate_and_full_power() -> None:
     assert powers[-1] == pytest.approx(1.0)
 
 
-def test_the_oracle_is_the_likelihood_ratio_test() -> None:
-    """Against a simulation of the test it stands for."""
-    rng, enr, rows = np.random.default_rng(1), 0.12, 1000
-    statistic = rng.normal([np.sqrt(0.5 * rows) * enr, 0.0], 1.0, (20000, 2)) ** 2
+def test_the_oracle_is_the_likelihood_ratio_test_over_windows_that_overlap() -> None:
+    """Against a simulation of the test it stands for, for slow effects on correlated rows."""
+    window = np.sin(np.pi * (np.arange(42) + 0.5) / 42) ** 2
+    shared = window[21:] @ window[:21] / (window @ window)
+    assert shared == pytest.approx(1.0 / 6.0)
+    rows, enr = 400, 0.19
+    place = np.arange(rows)
+    columns = np.stack([np.sin(2.0 * np.pi * 3.0 * place / rows), np.cos(2.0 * np.pi * 3.0 * place / rows)], axis=1)
+    factor = np.linalg.cholesky(np.eye(rows) + shared * (np.eye(rows, k=1) + np.eye(rows, k=-1)))
+    basis = np.linalg.qr(np.linalg.solve(factor, columns))[0]
+    noise = np.random.default_rng(1).standard_normal((20000, rows))
+    whitened = noise + np.linalg.solve(factor, np.sqrt(2.0) * enr * columns[:, 0])
+    statistic = np.sum((whitened @ basis) ** 2, axis=1)
     threshold = -2.0 * np.log(0.02 / 32)  # chi-squared with two degrees of freedom
-    assert oracle_power(enr, rows) == pytest.approx(np.mean(statistic.sum(axis=1) > threshold), abs=0.015)
+    assert oracle_power(enr, rows) == pytest.approx(np.mean(statistic > threshold), abs=0.015)
 
 
 def test_figures_follow_the_scores() -> None:
@@ -258,3 +267,61 @@ def test_what_cannot_be_named_is_right_when_it_is_called_unknown(verdict: str, r
     assert figures["printed set holds the truth, these cases"].reached is right
     assert compute_power([score])[0].named.share == float(right)
     assert is_wrong(score) is not right
+
+
+def test_a_parameter_that_the_simulation_has_right_is_a_false_name() -> None:
+    null = _score(_truth(verdict="consistent"), answer("parameters", ["torque_offset"]), "null")
+    assert (null.false_names, null.false_parameters) == (1, 1)
+    hard = _truth(verdict="parameters", shifted_parameters=["inertia_error", "payload_error"])
+    shifted = _score(hard, answer("parameters", ["inertia_error", "torque_offset"]), "hard_null")
+    assert (shifted.false_names, shifted.false_parameters) == (1, 1)
+    beside = _score(_truth(_effect("cogging")), answer("missing_physics", ["cogging", "payload_error"]))
+    assert (beside.top_right, beside.exact, beside.false_parameters) == (True, False, 1)
+    before = _score(_truth(_effect("cogging")), answer("missing_physics", ["payload_error", "cogging"]))
+    assert not before.top_right
+
+
+def test_both_counts_of_false_alarms_are_printed_where_they_differ() -> None:
+    quiet = _score(_truth(verdict="consistent"), answer("consistent"), "null")
+    offset = _score(_truth(verdict="consistent"), answer("parameters", ["torque_offset"]), "null")
+    values = [
+        next(f.value for f in compute_figures(scores) if f.name == "named where nothing is missing")
+        for scores in ([quiet] * 4, [quiet] * 3 + [offset])
+    ]
+    assert "without names of parameters" not in values[0]
+    assert values[1].startswith("25.0% (1 of 4")
+    assert "without names of parameters 0.0% (0 of 4" in values[1]
+
+
+def _unsure(name: str, *others: str, motion: bytes = b"") -> BlindAnswer:
+    said = json.loads(answer("missing_physics", [name]).diagnosis)
+    said["effects"][0]["indistinguishable_from"] = list(others)
+    return BlindAnswer(json.dumps(said).encode(), motion, 1.0, "")
+
+
+def test_a_proposed_motion_that_could_not_be_recorded_counts() -> None:
+    asked = _score(_truth(_effect("cogging")), _unsure("backlash", "cogging", motion=b"time"))
+    wrong = _score(_truth(_effect("cogging")), _unsure("backlash", "end_stop"))
+    assert (asked.proposed, asked.recorded, asked.resolved) == (True, False, False)
+    assert (asked.printed, asked.printed_right, wrong.printed, wrong.printed_right) == (1, 1, 1, 0)
+    figures = {figure.name: figure for figure in compute_figures([asked, wrong])}
+    assert figures["cannot tell: every set of two or more holds a truth"].value.startswith("50.0% (1 of 2")
+    assert figures["cannot tell: with a proposed motion"].value.startswith("50.0% (1 of 2")
+    settled = figures["proposed motion tells the set apart"]
+    assert settled.reached is False
+    assert settled.value.endswith("1 of them could not be recorded and count as no")
+
+
+def test_coverage_is_kept_for_each_effect_of_a_pair() -> None:
+    interval = {"value": 1.0, "ci95": [0.9, 1.1]}
+    said = json.loads(answer("missing_physics", ["cogging", "drive_lag"]).diagnosis)
+    for each, name in zip(said["effects"], ("sine", "time_constant"), strict=True):
+        each["parameters"] = {name: interval}
+    truth = _truth(
+        _effect("cogging", comparable={"sine": {"value": 1.0}}),
+        _effect("drive_lag", comparable={"time_constant": {"value": 2.0}}),
+    )
+    score = _score(truth, BlindAnswer(json.dumps(said).encode(), b"", 1.0, ""), "pair")
+    assert (score.coverage, score.covered, score.parameters) == ("cogging 1/1+drive_lag 0/1", 1, 2)
+    (figure,) = (f for f in compute_figures([score]) if f.name == "95 % interval of a parameter holds the truth")
+    assert figure.value.startswith("50.0% (1 of 2 in 1 cases")

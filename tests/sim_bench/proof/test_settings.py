@@ -35,6 +35,9 @@ def repository(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     source = tmp_path / "repository" / "sim_bench" / "diagnosis" / "search.py"
     source.parent.mkdir(parents=True)
     source.write_text("threshold = 1\n")
+    for name in ("concealed", "proof"):
+        (source.parents[1] / name).mkdir()
+        (source.parents[1] / name / "code.py").write_text(f"{name} = 1\n")
     _git(tmp_path / "repository", "init", "-q")
     _git(tmp_path / "repository", "add", ".")
     _git(tmp_path / "repository", "commit", "-q", "-m", "diagnosis")

@@ -1,0 +1,40 @@
+"""Charts of the page of a proof."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from fricomp.report import Chart, HeatMap, Line, Panel, Points
+
+from .power import PowerPoint
+
+__all__ = ["draw_confusion", "draw_power"]
+
+
+def draw_power(points: Sequence[PowerPoint]) -> Chart:
+    """Shares against strength, beside the oracle's."""
+    enr = np.array([point.enr for point in points])
+    order = np.argsort(enr)
+    marks = [Line(enr[order], np.array([p.oracle for p in points])[order], "likelihood-ratio oracle", stroke="dashed")]
+    for name, shares in (("detected", [p.detected for p in points]), ("right name first", [p.named for p in points])):
+        half = np.array([0.5 * (s.high - s.low) for s in shares])
+        middle = np.array([0.5 * (s.high + s.low) for s in shares])
+        marks.append(Line(enr[order], np.array([s.share for s in shares])[order], name))
+        marks.append(Points(enr, middle, error=half, size=0.1))  # type: ignore[arg-type]
+    panel = Panel(tuple(marks), "effect-to-noise ratio after the base refit", "share of cases", x_scale="log")
+    return Chart("power", "Power against strength", (panel,), caption="Bars are exact 95 % intervals.")
+
+
+def draw_confusion(table: Mapping[str, Counter[str]]) -> Chart:
+    """For each effect, how often each answer came first."""
+    answers = sorted({answer for row in table.values() for answer in row})
+    values = np.array([[row[answer] / sum(row.values()) for answer in answers] for row in table.values()])
+    values[values == 0.0] = np.nan
+    names = tuple(f"{name} ({sum(row.values())})" for name, row in table.items())
+    x, y = (np.arange(n, dtype=np.float64) for n in values.shape[::-1])
+    heat = HeatMap(x, y, values, "share of cases", x_names=tuple(answers), y_names=names)
+    panel = Panel((heat,), "answer", "concealed (cases)")
+    return Chart("confusion", "Which answer came first", (panel,), panel_height=200 + 18 * len(names))

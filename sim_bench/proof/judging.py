@@ -1,0 +1,51 @@
+"""Which answers are right, which are wrong, and which cases a figure of names counts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from .figure import WEAK, where
+from .plan import NULLS
+from .score import Score
+
+__all__ = ["count_for_names", "count_for_pairs", "holds", "is_wrong", "right_first"]
+
+
+def right_first(score: Score) -> bool:
+    """Whether the right answer came first: the name, or what is accepted for it where it cannot be known."""
+    return score.top_right or _unnamed_but_right(score)
+
+
+def holds(score: Score) -> bool:
+    """Whether the truth is in the printed set, or what is accepted for it was said."""
+    return score.in_set or _unnamed_but_right(score)
+
+
+def _unnamed_but_right(score: Score) -> bool:
+    """Such as unknown where the motion of the neighbour is not logged."""
+    return score.verdict_right and not score.named
+
+
+def count_for_names(scores: Sequence[Score], motion: str, weakest: float) -> list[Score]:
+    """Single effects on this motion, of at least this strength."""
+    return where(scores, lambda s: s.group == "single" and s.excitation == motion and s.enr >= WEAK * weakest)
+
+
+def count_for_pairs(scores: Sequence[Score]) -> list[Score]:
+    """Pairs of which either effect can be seen beside the other."""
+    return where(scores, lambda s: s.group == "pair" and s.weakest_enr >= 0.3 * WEAK)
+
+
+def is_wrong(score: Score) -> bool:
+    """Whether the answer belongs in the list of wrong ones: a false name, a miss at ENR 0.5 or more, or none."""
+    if score.group == "injected_null":  # nobody knows what is in it
+        return score.verdict == "failed"
+    if score.verdict == "failed" or score.false_names:
+        return True
+    if score.group in NULLS:
+        return score.verdict not in ("consistent", "parameters")
+    if score.group == "fault":
+        return score.verdict != "bad_data"
+    if score.group == "outside":
+        return score.enr >= WEAK and not score.verdict_right
+    return score.weakest_enr >= 0.5 * WEAK and not holds(score)

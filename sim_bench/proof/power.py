@@ -1,0 +1,70 @@
+"""Power against strength beside the best possible detector's, and which answer came first."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from .figure import WEAK, count_share, where
+from .judging import right_first
+from .plan import NULLS
+from .score import Score
+from .statistics import ShareEstimate, oracle_power
+
+__all__ = ["PowerPoint", "compute_confusion", "compute_power"]
+
+
+class PowerPoint(NamedTuple):
+    """Single effects of one wanted strength.
+
+    Attributes:
+        strength: Key of the strengths.
+        enr: Median of the strengths reached.
+        detected: Not called consistent.
+        named: Strongest name right.
+        oracle: Mean power of the likelihood-ratio test on the same cases.
+    """
+
+    strength: str
+    enr: float
+    detected: ShareEstimate
+    named: ShareEstimate
+    oracle: float
+
+
+def compute_power(scores: Sequence[Score]) -> list[PowerPoint]:
+    """Power against strength over the single effects, weakest first; parameters are no detection and stay out."""
+    single = where(scores, lambda s: s.group == "single" and s.expected != "parameters")
+    points = []
+    for strength in sorted(
+        {s.strength for s in single}, key=lambda name: float("inf") if name == "clear" else float(name)
+    ):
+        cases = where(single, lambda s, wanted=strength: s.strength == wanted)  # type: ignore[misc]
+        points.append(
+            PowerPoint(
+                strength,
+                float(np.median([s.enr for s in cases])),
+                count_share(cases, lambda s: s.verdict not in ("consistent", "parameters", "failed")),
+                count_share(cases, right_first),
+                float(np.mean([oracle_power(s.enr, s.rows) for s in cases])),
+            )
+        )
+    return points
+
+
+def compute_confusion(scores: Sequence[Score], weakest: float = 0.5) -> dict[str, Counter[str]]:
+    """For each single effect of at least this strength, how often each answer came first.
+
+    Answers without a name count as their verdict.
+    """
+    table: dict[str, Counter[str]] = {}
+    for score in scores:
+        if score.group in ("single", "outside", "injected", *NULLS) and (
+            score.enr >= weakest * WEAK or not score.truth
+        ):
+            answer = score.named.split("+")[0] or f"({score.verdict})"
+            table.setdefault(score.truth or "(nothing)", Counter())[answer] += 1
+    return dict(sorted(table.items()))

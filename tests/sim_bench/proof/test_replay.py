@@ -1,0 +1,145 @@
+"""A scored run is made again from what is kept of it, held against its seals, and closed."""
+
+import json
+import shutil
+import subprocess
+from functools import partial
+from pathlib import Path
+
+import msgspec
+import pytest
+from typer.testing import CliRunner
+
+from fricomp.cli.bench import mismatch
+from fricomp.errors import DiagnosisError
+from fricomp.sim_bench import proof
+from fricomp.sim_bench.concealed import CaseSpec
+from fricomp.sim_bench.fleet import SerialExecutor
+from fricomp.sim_bench.proof import PlannedCase, RunSettings, read_entries, replay, settings
+from tests.sim_bench.proof.answering import always_consistent
+
+
+def _git(folder: Path, *arguments: str) -> None:
+    identity = ("-c", "user.name=test", "-c", "user.email=test@example.org")
+    subprocess.run(["git", "-C", str(folder), *identity, *arguments], check=True, capture_output=True)
+
+
+def _plan(wanted: RunSettings) -> list[PlannedCase]:
+    seeds = proof.scored_seeds(wanted.tree, wanted.run)
+    return [PlannedCase("null", CaseSpec(next(seeds), duration=5.0)) for _ in range(min(wanted.cases, 3))]
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A repository in which a scored run of two cases was made and is kept."""
+    folder = tmp_path_factory.mktemp("repository")
+    for name in ("diagnosis", "concealed", "proof"):
+        (folder / "sim_bench" / name).mkdir(parents=True)
+        (folder / "sim_bench" / name / "code.py").write_text(f"{name} = 1\n")
+    _git(folder, "init", "-q")
+    _git(folder, "add", ".")
+    _git(folder, "commit", "-q", "-m", "code")
+    (folder / "docs").mkdir()
+    with pytest.MonkeyPatch.context() as patch:
+        _enter(folder, patch)
+        _call("--scored", "--cases", "2", "--out", "run", "--page", "docs/proof.md")
+    return folder
+
+
+@pytest.fixture
+def checkout(made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A copy of that repository to work in."""
+    folder = tmp_path / "repository"
+    shutil.copytree(made, folder)
+    _enter(folder, monkeypatch)
+    return folder
+
+
+def _enter(folder: Path, patch: pytest.MonkeyPatch) -> None:
+    patch.chdir(folder)
+    patch.setenv("COLUMNS", "200")
+    patch.setattr(settings, "imported_diagnosis", (folder / "sim_bench" / "diagnosis").resolve)
+    patch.setattr(proof, "run_proof", partial(proof.run_proof, diagnose=always_consistent))
+    for module in (proof, replay):
+        patch.setattr(module, "plan_run", _plan)
+
+
+def _call(*options: str) -> str:
+    result = CliRunner().invoke(mismatch.app, [*options, "--executor", "serial"], catch_exceptions=False)
+    assert result.exit_code == 0
+    return result.stdout
+
+
+def _log(checkout: Path) -> list[str]:
+    return [entry["event"] for entry in read_entries(checkout / "docs/proof/runs.jsonl")]
+
+
+def test_a_scored_run_keeps_which_code_made_it(checkout: Path) -> None:
+    kept = json.loads((checkout / "docs/proof/run.json").read_text())
+    assert all(len(kept[name]) == 40 for name in ("tree", "generator", "scorer", "commit"))
+    assert read_entries(checkout / "docs/proof/runs.jsonl")[0]["commit"] == kept["commit"]
+
+
+def test_answers_made_again_have_the_hash_that_was_sealed(checkout: Path) -> None:
+    assert "2 answers made again have the hash that was sealed" in _call("--replay", "1", "--verify")
+    assert _log(checkout) == ["started", "finished"]
+
+
+def test_an_answer_that_was_sealed_with_another_hash_is_told(checkout: Path) -> None:
+    seals = checkout / "docs/proof/seals.jsonl"
+    first, second = map(json.loads, seals.read_text().splitlines())
+    seals.write_text("\n".join(map(json.dumps, (first | {"sha256": second["sha256"]}, second))) + "\n")
+    with pytest.raises(DiagnosisError, match=f"1 have another hash, {first['case']} first"):
+        _call("--replay", "1", "--verify")
+
+
+def test_a_seal_that_the_plan_does_not_lead_to_is_told(checkout: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(replay, "plan_run", lambda wanted: _plan(wanted)[1:])
+    found = replay.verify_seals(1, checkout / "docs/proof/runs.jsonl", (SerialExecutor(), 1), checkout)
+    assert (found.agree, len(found.unplanned), found.holds) == (1, 1, False)
+
+
+def test_another_generator_does_not_replay_a_run(checkout: Path) -> None:
+    (checkout / "sim_bench/concealed/code.py").write_text("concealed = 2\n")
+    _git(checkout, "commit", "-q", "-a", "-m", "another generator")
+    for options in (("--verify",), ("--out", "again")):
+        with pytest.raises(DiagnosisError, match="check out commit"):
+            _call("--replay", "1", *options)
+    assert not (checkout / "again").exists()
+
+
+def test_a_replay_has_the_cases_and_the_salt_of_its_run_and_no_entry_in_the_log(checkout: Path) -> None:
+    _call("--replay", "1", "--out", "again")
+    first, again = (set((checkout / run / "seals.jsonl").read_text().splitlines()) for run in ("run", "again"))
+    assert first == again
+    assert _log(checkout) == ["started", "finished"]
+    assert json.loads((checkout / "again/run.json").read_text())["replayed"]
+    with pytest.raises(DiagnosisError, match="of its own"):
+        _call("--replay", "1", "--out", "again", "--page", "docs/proof.md")
+    with pytest.raises(DiagnosisError, match="scored run 7 is kept"):
+        _call("--replay", "7", "--out", "other")
+    with pytest.raises(DiagnosisError, match="give --replay N"):
+        _call("--verify")
+
+
+def test_a_closed_run_has_its_reason_in_the_log_and_its_data_in_a_folder_of_its_own(checkout: Path) -> None:
+    assert "scored run 1 is closed" in _call("--close", "one core only")
+    folder = checkout / "docs/proof"
+    assert read_entries(folder / "runs.jsonl")[-1] | {"tree": ""} == {
+        "run": 1, "tree": "", "event": "closed", "reason": "one core only",
+    }  # fmt: skip
+    assert {path.name for path in (folder / "run-1").iterdir()} == {"run.json", "scores.parquet", "seals.jsonl"}
+    assert not (folder / "run.json").exists()
+    assert "2 answers made again" in _call("--replay", "1", "--verify")  # from its new place
+    _call("--scored", "--cases", "1", "--resume", "--out", "next", "--page", "docs/proof.md")
+    assert msgspec.json.decode((folder / "run.json").read_bytes())["run"] == 2  # nothing was resumed
+    assert "one core only" in (checkout / "docs/proof.md").read_text()
+
+
+def test_a_run_is_closed_once_and_with_a_reason(checkout: Path) -> None:
+    with pytest.raises(DiagnosisError, match="with a reason"):
+        _call("--close", " ")
+    _call("--close", "over")
+    with pytest.raises(DiagnosisError, match="nothing to close"):
+        _call("--close", "again")
+    assert _log(checkout) == ["started", "finished", "closed"]
