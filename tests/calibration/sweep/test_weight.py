@@ -14,7 +14,9 @@ from fricomp.calibration.sweep import SweepContext, SweepSettings
 from fricomp.calibration.sweep.weight import HungWeight, identify_torque_constant, record_passes
 from fricomp.cli.main import app
 from fricomp.errors import IdentificationError, ParameterError, SweepAborted
+from fricomp.joint import CommandMode, JointCommand
 from fricomp.recording import Recording, RecordingMetadata
+from fricomp.sim_bench.stand_in import SimulatedJointAdapter, default_joint
 from fricomp.sim_bench.twins.weight import hang_weight
 
 WEIGHT = HungWeight(0.5, 0.25)
@@ -76,6 +78,29 @@ def test_a_sensor_that_reads_too_much_is_found_out(tmp_path: Path) -> None:
     found = identify_torque_constant(bare, loaded, WEIGHT)
     assert found.unit == "N·m"
     assert found.value == pytest.approx(1.0 / 1.05, rel=2e-3)
+
+
+def test_no_loop_is_closed_here_over_a_torque_that_counts_the_other_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    largest = 0.0
+
+    def inverted(adapter: SimulatedJointAdapter, command: JointCommand, mode: CommandMode) -> None:
+        nonlocal largest
+        largest = max(largest, abs(command.torque[0]))
+        adapter.stand_in.command([-torque for torque in command.torque], command.velocity, command.position)
+
+    monkeypatch.setattr(SimulatedJointAdapter, "_write", inverted)
+    settings = SweepSettings(loop="host", inertia=0.1)
+    with SimulatedJointAdapter(default_joint(seed=3)) as adapter:
+        with pytest.raises(SweepAborted, match="opposite directions"):
+            record_passes(SweepContext(adapter, 0, settings), 2)
+        assert not adapter.enabled
+        assert largest <= settings.check_torque * adapter.options.limits[0].torque
+
+
+def test_a_joint_with_right_signs_is_weighed_by_the_loop_on_the_host() -> None:
+    with SimulatedJointAdapter(default_joint(seed=3)) as adapter:
+        context = SweepContext(adapter, 0, SweepSettings(loop="host", inertia=0.1))
+        assert len(record_passes(context, 2)) == 4
 
 
 def test_another_joint_that_gives_way_is_told(tmp_path: Path) -> None:
