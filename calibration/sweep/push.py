@@ -15,11 +15,14 @@ from .motion import MotionRunner
 from .plan import Travel
 from .sign_check import SignCheck, check_signs
 
-__all__ = ["Push", "push_joint"]
+__all__ = ["Push", "await_rest", "push_joint"]
 
 # Distance that ends the push, as a fraction of the travel; time over which its torque rises [s].
 ENOUGH = 0.01
 RISE = 3.0
+# A joint rests that moves by less than this fraction of its travel, or some encoder counts, over a while [s]; a
+# pendulum on a geared joint has come to rest long before the patience ends [s].
+STILL, COUNTS, WHILE, PATIENCE = 1e-4, 3, 0.3, 30.0
 
 
 class Push(NamedTuple):
@@ -48,6 +51,21 @@ class Push(NamedTuple):
             )
         samples = self.log.to_recording(next(iter(self.log.time_ns), 0), metadata, None)
         return check_signs(samples, torque_is_echo=metadata.torque_kind == "commanded")
+
+
+def await_rest(runner: MotionRunner, travel: Travel, joint: str) -> None:
+    """Let a joint that is not energised come to rest: one that still falls would answer a push with the wrong sign.
+
+    Raises:
+        SweepAborted: It does not.
+        AdapterError: The bus failed.
+    """
+    still = max(STILL * travel.length, COUNTS * travel.quantum)
+    for _ in range(round(PATIENCE / WHILE)):
+        seen = runner.watch(WHILE).position
+        if len(seen) > 1 and float(np.ptp(seen)) < still:
+            return
+    raise SweepAborted(f"joint {joint!r} does not come to rest within {PATIENCE:g} s, not energised: let it hang still")
 
 
 def push_joint(runner: MotionRunner, context: SweepContext, travel: Travel) -> Push:

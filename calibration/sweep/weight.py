@@ -27,7 +27,7 @@ from .log import CycleLog
 from .motion import MotionRunner
 from .plan import Travel, move_speed, possible_speeds, top_speed
 from .profile import move_profile
-from .push import push_joint
+from .push import await_rest, push_joint
 from .sweep import Progress
 
 __all__ = [
@@ -154,10 +154,12 @@ def _record_passes(context: SweepContext, n_passes: int, report: Progress) -> tu
     runner = MotionRunner(adapter, context.joint, loop_period(adapter, settings, mode))
     adapter.configure(mode, runner.period)
     runner.await_feedback()
+    if mode == "torque":
+        context.make_loop(mode, runner.period, runner.feedback.position)  # refused before anything moves
+        await_rest(runner, context.travel(runner.position), context.metadata().joint)
     plan = plan_passes(context, n_passes, runner.position)
     travel, rest = plan.travel, runner.position
     if mode == "torque":
-        context.make_loop(mode, runner.period, runner.feedback.position)  # refused before anything moves
         report("checking signs at low torque", 0.0)
         push_joint(runner, context, travel).judge(context.metadata())
     runner.start(context.make_loop(mode, runner.period, runner.feedback.position))
