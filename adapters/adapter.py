@@ -44,6 +44,7 @@ class JointAdapter(StoppableDriver):
         self._asked_ns = 0  # when the drives were last asked for their state: every write asks
         self._capabilities: Capabilities | None = None
         self._mode: CommandMode = "torque"
+        self._close_failure = ""
 
     # -- what users call --------------------------------------------------------------------------------
 
@@ -253,10 +254,15 @@ class JointAdapter(StoppableDriver):
 
     @final
     def health(self) -> dict[str, float | str]:
-        """Counters and states of bus and drives, for display; `stop_failure` if a stop did not get through."""
+        """Counters and states of bus and drives, for display.
+
+        `stop_failure` and `close_failure` are among them if a stop did not get through, or the bus did not close.
+        """
         health = self._health()
         if self._stop_failure:
             health["stop_failure"] = self._stop_failure
+        if self._close_failure:
+            health["close_failure"] = self._close_failure
         return health
 
     @final
@@ -321,4 +327,4 @@ class JointAdapter(StoppableDriver):
         try:
             self._close()
         except Exception as error:  # closing never raises; what is left belongs to the operating system
-            self._stop_failure = self._stop_failure or f"the bus did not close: {error}"
+            self._close_failure = f"the bus did not close: {error}"

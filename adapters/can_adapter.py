@@ -3,44 +3,23 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import final
 
-from fricomp.joint import Clock
-
-from .configuration import CanAdapterConfiguration, JointConfiguration, options_of
+from .configuration import CanAdapterConfiguration
 from .link import CanFrame, CanLink, open_can_link
 from .link_adapter import LinkAdapter
 
 __all__ = ["CanAdapter"]
 
 
-class CanAdapter(LinkAdapter[CanLink]):
-    """N drives on one CAN bus; see `LinkAdapter`.
+class CanAdapter(LinkAdapter[CanAdapterConfiguration, CanLink]):
+    """N drives on one CAN bus; see `LinkAdapter`."""
 
-    Args:
-        configuration: Of bus and adapter.
-        joints: In its order.
-        open_link: Makes the link; as configured unless given.
-        clock: Real time unless a simulation brings its own.
-        parts: Messages that make up the state of one joint.
-    """
-
-    def __init__(
-        self,
-        configuration: CanAdapterConfiguration,
-        joints: Sequence[JointConfiguration],
-        open_link: Callable[[], CanLink] | None,
-        clock: Clock | None,
-        *,
-        parts: int = 1,
-    ) -> None:
-        super().__init__(
-            options_of(configuration, joints),
-            open_link or (lambda: open_can_link(configuration.bus)),
-            clock,
-            parts=parts,
-        )
+    @staticmethod
+    @final
+    def _link_of(configuration: CanAdapterConfiguration) -> CanLink:
+        return open_can_link(configuration.bus)
 
     @abstractmethod
     def _on_frame(self, frame: CanFrame) -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Generic, Protocol, TypeVar, final
 
 from fricomp.errors import AdapterConnectionError, AdapterTimeout
@@ -11,7 +12,7 @@ from fricomp.joint import Clock, JointFeedback
 
 from .adapter import POLL_INTERVAL_NS, JointAdapter
 from .arrivals import Arrivals
-from .options import AdapterOptions
+from .configuration import AdapterConfiguration, JointConfiguration, options_of
 
 __all__ = ["LinkAdapter"]
 
@@ -30,28 +31,44 @@ class AnyLink(Protocol):
 
 
 Link = TypeVar("Link", bound=AnyLink)
+Configuration = TypeVar("Configuration", bound=AdapterConfiguration)
 
 
-class LinkAdapter(JointAdapter, Generic[Link]):
+class LinkAdapter(JointAdapter, Generic[Configuration, Link]):
     """N drives behind one link. Received in the control thread only; any thread may send.
 
     Args:
-        options: Limits and transmissions.
-        open_link: Makes the link; called by `open`.
+        configuration: Of bus and adapter.
+        joints: In its order.
+        open_link: Makes the link, called by `open`; as configured unless given.
         clock: Real time unless a simulation brings its own.
         parts: Messages that make up the state of one joint.
+
+    Raises:
+        AdapterConfigurationError: A limit or a transmission is out of its domain.
     """
 
     def __init__(
-        self, options: AdapterOptions, open_link: Callable[[], Link], clock: Clock | None = None, *, parts: int = 1
+        self,
+        configuration: Configuration,
+        joints: Sequence[JointConfiguration],
+        open_link: Callable[[], Link] | None,
+        clock: Clock | None,
+        *,
+        parts: int = 1,
     ) -> None:
-        super().__init__(options, clock)
-        self._open_link = open_link
+        super().__init__(options_of(configuration, joints), clock)
+        self._open_link = open_link or partial(self._link_of, configuration)
         self._link: Link | None = None
-        self._arrivals = Arrivals(parts * len(options.limits))
-        self._reported = JointFeedback(len(options.limits))
+        self._arrivals = Arrivals(parts * len(joints))
+        self._reported = JointFeedback(len(joints))
         self._taken_ns = -1
         self.n_damaged = 0
+
+    @staticmethod
+    @abstractmethod
+    def _link_of(configuration: Configuration) -> Link:
+        """Open the link that is configured."""
 
     @abstractmethod
     def _pump(self) -> None:

@@ -3,44 +3,22 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
 from typing import final
 
-from fricomp.joint import Clock
-
-from .configuration import JointConfiguration, SerialAdapterConfiguration, options_of
+from .configuration import SerialAdapterConfiguration
 from .link import SerialLink, open_serial_link
 from .link_adapter import LinkAdapter
 
 __all__ = ["SerialAdapter"]
 
 
-class SerialAdapter(LinkAdapter[SerialLink]):
-    """N drives on one serial port; see `LinkAdapter`.
+class SerialAdapter(LinkAdapter[SerialAdapterConfiguration, SerialLink]):
+    """N drives on one serial port; see `LinkAdapter`."""
 
-    Args:
-        configuration: Of bus and adapter.
-        joints: In its order.
-        open_link: Makes the link; as configured unless given.
-        clock: Real time unless a simulation brings its own.
-        parts: Messages that make up the state of one joint.
-    """
-
-    def __init__(
-        self,
-        configuration: SerialAdapterConfiguration,
-        joints: Sequence[JointConfiguration],
-        open_link: Callable[[], SerialLink] | None,
-        clock: Clock | None,
-        *,
-        parts: int = 1,
-    ) -> None:
-        super().__init__(
-            options_of(configuration, joints),
-            open_link or (lambda: open_serial_link(configuration.serial)),
-            clock,
-            parts=parts,
-        )
+    @staticmethod
+    @final
+    def _link_of(configuration: SerialAdapterConfiguration) -> SerialLink:
+        return open_serial_link(configuration.serial)
 
     @abstractmethod
     def _on_bytes(self, data: bytes) -> None:

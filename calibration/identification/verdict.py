@@ -69,7 +69,7 @@ def judge(
     rival = nearest_rival(reference)
     if not exact and gap > BASIN_GAP and distance > 1.0:
         return Verdict(
-            Status.WRONG_BASIN_SUSPECTED,
+            Status.NOT_CONVERGED,  # not merely suspected: such a model is refused wherever one is used
             f"another basin is more likely by {gap:.3g} nats; do not use these parameters",
             distance,
         )

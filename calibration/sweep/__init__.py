@@ -4,6 +4,7 @@ from .accuracy import Assumption, assume_friction, expected_deviations
 from .analysis import SweepAnalysis, analyse_sweep
 from .block import SweepData, load_sweep
 from .calibrate import Calibration, calibrate, channels_of, identify_recorded, mean_relative_deviation
+from .context import SweepContext, loop_period
 from .estimate import Estimate, IdentificationSettings, estimate_friction
 from .feasibility import check_feasible
 from .motion_file import MotionFile, at_rows_rate, fit_into, read_motion, record_motion, travel_now
@@ -12,7 +13,7 @@ from .request import CalibrationOptions, CalibrationRequest
 from .rigid_body import RigidBody
 from .run_folder import RunFolder
 from .settings import SweepSettings
-from .sweep import Sweep, SweepContext, loop_period
+from .sweep import Sweep
 
 __all__ = [
     "Assumption",

@@ -14,10 +14,10 @@ from fricomp.laws import FrictionLaw
 from fricomp.report import Chart, Panel, Points, Rule
 
 from .calibrate import Calibration, calibrate
+from .context import SweepContext
 from .request import CalibrationRequest
 from .run_folder import RunFolder
 from .settings import SweepSettings
-from .sweep import SweepContext
 
 __all__ = ["Score", "SeedStudy", "study_seeds"]
 

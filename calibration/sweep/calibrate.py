@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from fricomp.control.ending import stopping_on_error
 from fricomp.errors import IdentificationError
 from fricomp.joint import JointCapabilities
 
@@ -14,6 +15,7 @@ from ..identification import identify
 from ..identification.design import plan_informative_speeds
 from .analysis import HALF_DIFFERENCE, SweepAnalysis, analyse_sweep
 from .block import SweepData
+from .context import SweepContext
 from .estimate import Estimate, IdentificationSettings, estimate_friction
 from .feasibility import check_feasible
 from .plan import SweepPlan, first_again, plan_plateaus, plan_velocities, top_speed
@@ -21,7 +23,7 @@ from .request import CalibrationOptions
 from .run_folder import RunFolder
 from .sign_check import SignCheck
 from .speed import FALLING_BRANCH, dense_around
-from .sweep import Progress, Sweep, SweepContext
+from .sweep import Progress, Sweep
 
 __all__ = [
     "Calibration",
@@ -64,12 +66,14 @@ def calibrate(
 ) -> Calibration:
     """Sweep a joint and identify its friction; the recording grows in the run's folder.
 
+    The joint ends at zero torque; what goes wrong stops it before the recording is closed.
+
     Raises:
         FricompError: See `Sweep`, `analyse_sweep` and `estimate_friction`; what was recorded stays.
     """
     check_feasible(context, options)
     data = folder.load_data()
-    with folder.open_writer(context.metadata(), channels_of(context)) as writer:
+    with folder.open_writer(context.metadata(), channels_of(context)) as writer, stopping_on_error(context.adapter):
         sweep = Sweep(context, writer, data, report)
         sweep.prepare()
         sweep.warm_up()

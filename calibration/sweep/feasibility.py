@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from fricomp.errors import ParameterError
 
+from .context import SweepContext, loop_period
 from .estimate import FEWEST_POINTS
 from .plan import SweepPlan, default_speeds, plan_plateaus
 from .request import CalibrationOptions
-from .sweep import SweepContext, loop_period
 
 __all__ = ["check_feasible"]
 

@@ -14,10 +14,11 @@ from fricomp.errors import AdapterError, ParameterError
 from fricomp.laws import FloatArray
 
 from .block import BlockLabel
+from .context import HOST_RATE, SweepContext, loop_period
 from .log import CycleLog
 from .motion import MotionRunner
 from .plan import Travel, move_speed
-from .sweep import HOST_RATE, Sweep, SweepContext, loop_period
+from .sweep import Sweep
 
 __all__ = ["MotionFile", "at_rows_rate", "fit_into", "read_motion", "record_motion", "travel_now"]
 

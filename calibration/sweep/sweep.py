@@ -2,39 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 
 import numpy as np
 
-from fricomp.adapters import JointAdapter
-from fricomp.errors import AdapterConfigurationError, ParameterError, SweepAborted
-from fricomp.joint import CommandMode
 from fricomp.laws import FloatArray
-from fricomp.recording import Recording, RecordingMetadata, RecordingWriter
+from fricomp.recording import Recording, RecordingWriter
 
 from .block import BlockLabel, SweepData
+from .context import SweepContext, loop_period
 from .log import CycleLog
 from .motion import MotionRunner
-from .plan import Plateau, SweepPlan, Travel, default_speeds, move_speed, plan_plateaus, travel_of
-from .rigid_body import RigidBody, derivatives
-from .settings import SweepSettings
-from .sign_check import SignCheck, check_signs
-from .velocity_loop import DriveLoop, HostLoop, LimpLoop, VelocityLoop
+from .plan import Plateau, SweepPlan, Travel, default_speeds, move_speed, plan_plateaus
+from .push import push_joint
+from .rigid_body import derivatives
+from .sign_check import SignCheck
 from .visit import PlateauVisit
 
-__all__ = ["Progress", "Sweep", "SweepContext", "loop_period"]
+__all__ = ["Progress", "Sweep"]
 
-# Distance that ends the sign check, as a fraction of the travel; time over which its torque rises [s].
-SIGN_CHECK_MOTION = 0.01
-SIGN_CHECK_RISE = 3.0
 # The reference of a breakaway ramp creeps at this fraction of the lowest speed of the sweep.
 CREEP_RATIO = 0.2
 # Encoder counts after which a joint has given way, and the time after which it counts as held fast [s].
 BREAKAWAY_MOTION = 16
 LONGEST_CREEP = 30.0
-# Cycles a second of the loop by who closes it [Hz].
-DRIVE_RATE, HOST_RATE = 500.0, 1000.0
 # Rest before the torque sensor is read [s].
 REST = 0.3
 # Time between a run that was interrupted and its continuation, in the recording [s].
@@ -42,96 +33,6 @@ RESUME_GAP = 1.0
 
 Progress = Callable[[str, float], None]
 """Called with what is being done and the fraction that is done [1]."""
-
-
-def loop_period(adapter: JointAdapter, settings: SweepSettings, mode: CommandMode) -> float:
-    """Period of the loop [s]: as asked for, else what suits the mode, never faster than the bus."""
-    wanted = settings.rate or (HOST_RATE if mode == "torque" else DRIVE_RATE)
-    return 1.0 / min(wanted, adapter.capabilities.rate_in(mode))
-
-
-@dataclass(frozen=True)
-class SweepContext:
-    """What a sweep works with.
-
-    Attributes:
-        adapter: Open.
-        joint: Index of the joint.
-        settings: As chosen.
-        body: Rigid-body model of the arm; None where gravity and inertia are unknown.
-    """
-
-    adapter: JointAdapter
-    joint: int
-    settings: SweepSettings
-    body: RigidBody | None = None
-
-    def choose_mode(self) -> CommandMode:
-        """The command mode of the velocity loop.
-
-        Raises:
-            AdapterConfigurationError: The drive cannot do what was asked for.
-        """
-        offered, wanted = self.adapter.capabilities.modes, self.settings.loop
-        if wanted != "host":
-            own: tuple[CommandMode, ...] = ("velocity", "position")
-            for mode in own:
-                if mode in offered:
-                    return mode
-        if wanted != "drive" and "torque" in offered:
-            return "torque"
-        raise AdapterConfigurationError(f"loop {wanted!r} is not possible: the drive offers {', '.join(offered)}")
-
-    def make_loop(self, mode: CommandMode, period: float, position: Sequence[float]) -> VelocityLoop:
-        """The loop for a mode."""
-        n_joints = len(self.adapter.capabilities.joints)
-        if mode != "torque":
-            return DriveLoop(n_joints, period, mode)
-        inertias = [self.settings.inertia] * n_joints
-        if self.body is not None and not self.settings.inertia:
-            inertias = self.body.inertias(position)
-        limits = [limit.torque for limit in self.adapter.options.limits]
-        return HostLoop(inertias, self.settings.bandwidth, period, limits)
-
-    def make_check_loop(self, period: float, position: Sequence[float]) -> VelocityLoop:
-        """The loop of the sign check, which pushes with torque alone.
-
-        Raises:
-            ParameterError: Nothing is known that would hold the other joints of an arm.
-        """
-        if self.body is not None or self.settings.inertia:
-            return self.make_loop("torque", period, position)
-        joints = self.adapter.capabilities.joints
-        if len(joints) > 1:
-            raise ParameterError(
-                f"the sign check would leave all {len(joints)} joints without torque, because nothing says their "
-                "inertia: give a model or --inertia, or configure this joint alone"
-            )
-        return LimpLoop()
-
-    def travel(self, at: float = 0.0) -> Travel:
-        """Where the joint may move, of one that turns freely about the position `at` [rad] or [m]."""
-        limits = self.adapter.options.limits[self.joint]
-        return travel_of(self.adapter.capabilities.joints[self.joint], limits.position, limits.velocity, at)
-
-    def metadata(self) -> RecordingMetadata:
-        """Facts for the recording."""
-        declared, limits = self.adapter.capabilities.joints[self.joint], self.adapter.options.limits[self.joint]
-        return RecordingMetadata(
-            joint=declared.name,
-            motion=declared.motion,
-            torque_unit=declared.torque_unit,
-            torque_kind=declared.torque_kind,
-            encoder_resolution=declared.position_quantum or None,
-            position_limits=limits.position or declared.position_limits,
-            velocity_limit=limits.velocity,
-            continuous=limits.position is None and declared.position_limits is None,
-            source="fricomp calibrate",
-            extra={
-                "torque_limit": min(limits.torque, declared.torque_limit),
-                "torque_quantum": declared.torque_quantum,
-            },
-        )
 
 
 class Sweep:
@@ -251,48 +152,19 @@ class Sweep:
     # -- inside -----------------------------------------------------------------------------------------
 
     def _check_signs(self) -> CycleLog:
-        """Torque rises until the joint has moved a little; then nothing holds it but its friction.
+        """See `push_joint`.
 
         Returns:
             What was seen, not written yet. Of a check that fails it is written, at zero torque.
         """
-        context, runner = self.context, self.runner
-        limit = context.settings.check_torque * context.adapter.options.limits[context.joint].torque
         self._report("checking signs at low torque", 0.0)
-        runner.start(context.make_check_loop(runner.period, runner.feedback.position))
-        start = runner.position
-        direction = 1.0 if start <= self.travel.middle else -1.0
-        base = self._gravity_here()
-        enough = SIGN_CHECK_MOTION * self.travel.length
-
-        def torque(time: float) -> float | None:
-            if abs(runner.position - start) > enough or time > SIGN_CHECK_RISE:
-                return None
-            return base + direction * limit * time / SIGN_CHECK_RISE
-
-        log = runner.apply_torque(torque)
-        runner.stop()  # at once: the last torque has torn the joint loose, and no loop may be closed over unknown signs
+        push = push_joint(self.runner, self.context, self.travel)
         try:
-            self.sign_check = self._judge_push(log, limit, moved=abs(runner.position - start) > enough)
+            self.sign_check = push.judge(self._metadata)
         except BaseException:
-            self.write(log, BlockLabel("sign_check"))
+            self.write(push.log, BlockLabel("sign_check"))
             raise
-        return log
-
-    def _judge_push(self, log: CycleLog, limit: float, *, moved: bool) -> SignCheck:
-        if not moved:
-            raise SweepAborted(
-                f"joint {self._metadata.joint!r} did not move under {limit:.3g} {self._metadata.torque_unit}: release "
-                "the brake, or raise --check-torque"
-            )
-        samples = log.to_recording(self._origin_ns, self._metadata, None)
-        return check_signs(samples, torque_is_echo=self._metadata.torque_kind == "commanded")
-
-    def _gravity_here(self) -> float:
-        body, here = self.context.body, np.array([self.runner.feedback.position])
-        if body is None:
-            return 0.0
-        return float(body.torque(self.context.joint, here, 0.0 * here, 0.0 * here)[0])
+        return push.log
 
     def _visit(self, plateau: Plateau) -> None:
         runner, quantum = self.runner, self.travel.quantum

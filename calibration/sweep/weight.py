@@ -17,15 +17,18 @@ from functools import partial
 
 import numpy as np
 
+from fricomp.control.ending import stopping_on_error
 from fricomp.errors import IdentificationError, ParameterError, SweepAborted
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 
+from .context import SweepContext, loop_period
 from .log import CycleLog
 from .motion import MotionRunner
 from .plan import Travel, move_speed, possible_speeds, top_speed
 from .profile import move_profile
-from .sweep import Progress, SweepContext, loop_period
+from .push import await_rest, push_joint
+from .sweep import Progress
 
 __all__ = [
     "GRAVITY",
@@ -132,19 +135,33 @@ def record_passes(
 ) -> tuple[Recording, ...]:
     """Move the joint slowly over its travel, to and fro; each pass is a recording, up and down in turn.
 
-    The joint ends where it began, at rest and not energised.
+    Where the loop is closed here, over commanded torque, a push of low torque has told before that signs and scales are
+    right. The joint ends where it began, at rest and not energised; what goes wrong stops it before it is told.
 
     Raises:
-        SweepAborted: The safety gate has tripped, or another joint gave way, which tilts the lever.
+        SweepAborted: A sign or scale is wrong, the joint does not move, the safety gate has tripped, or another joint
+            gave way, which tilts the lever.
+        ParameterError: A loop on the host lacks an inertia.
         AdapterError: The drive does not do as it is told.
     """
+    with stopping_on_error(context.adapter):
+        return _record_passes(context, n_passes, report)
+
+
+def _record_passes(context: SweepContext, n_passes: int, report: Progress) -> tuple[Recording, ...]:
     adapter, settings = context.adapter, context.settings
     mode = context.choose_mode()
     runner = MotionRunner(adapter, context.joint, loop_period(adapter, settings, mode))
     adapter.configure(mode, runner.period)
     runner.await_feedback()
+    if mode == "torque":
+        context.make_loop(mode, runner.period, runner.feedback.position)  # refused before anything moves
+        await_rest(runner, context.travel(runner.position), context.metadata().joint)
     plan = plan_passes(context, n_passes, runner.position)
     travel, rest = plan.travel, runner.position
+    if mode == "torque":
+        report("checking signs at low torque", 0.0)
+        push_joint(runner, context, travel).judge(context.metadata())
     runner.start(context.make_loop(mode, runner.period, runner.feedback.position))
     runner.meanwhile(lambda: report("going to the start", 0.0))
     runner.move_to(travel.low, plan.fastest, settings.ramp)

@@ -37,6 +37,7 @@ from fricomp.calibration.sweep.report import write_calibration_report
 from fricomp.calibration.sweep.sweep import Progress
 from fricomp.cli.resume import changes, refuse_other
 from fricomp.cli.terminal import console, progress
+from fricomp.control.ending import require_stopped, stopping_on_error
 from fricomp.control.interruption import interrupt_on_ending_signals
 from fricomp.errors import ParameterError, SweepAborted
 from fricomp.recording import write_recording
@@ -96,7 +97,12 @@ def record_file(request: CalibrationRequest, out: Path, *, overwrite: bool = Fal
         folder = RunFolder.create(out, request, overwrite=overwrite)
         alone = folder.path / MOTION_ALONE
         alone.unlink(missing_ok=True)
-        with folder.open_writer(context.metadata(), channels_of(context)) as writer, _interruptible(folder):
+        channels = channels_of(context)
+        with (
+            folder.open_writer(context.metadata(), channels) as writer,
+            _interruptible(folder, context.adapter),
+            stopping_on_error(context.adapter),
+        ):
             sweep = Sweep(context, writer, SweepData())
             sweep.prepare()
             distance = record_motion(sweep, wanted)
@@ -121,10 +127,14 @@ def _print_recorded(folder: RunFolder, distance: str) -> None:
 
 @contextmanager
 def open_joint(request: CalibrationRequest) -> Iterator[SweepContext]:
-    """The joint, open; zero torque and closed at the end, whatever happens."""
+    """The joint, open; zero torque and closed at the end, whatever happens.
+
+    Raises:
+        AdapterError: The last stop did not get through, whatever else has happened.
+    """
     interrupt_on_ending_signals()
     adapter: JointAdapter = open_adapter(request.backend, request.configuration)
-    with adapter:
+    with _told(adapter), adapter, stopping_on_error(adapter):
         names = [joint.name for joint in adapter.capabilities.joints]
         if request.joint and request.joint not in names:
             raise ParameterError(f"no joint {request.joint!r}; this backend has {', '.join(names)}")
@@ -134,22 +144,28 @@ def open_joint(request: CalibrationRequest) -> Iterator[SweepContext]:
 
 
 @contextmanager
-def _interruptible(folder: RunFolder) -> Iterator[None]:
+def _told(adapter: JointAdapter) -> Iterator[None]:
+    try:
+        yield
+    finally:
+        require_stopped(adapter)  # closing it has tried once more
+
+
+@contextmanager
+def _interruptible(folder: RunFolder, adapter: JointAdapter) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
         way = f"go on with fricomp calibrate --resume --out {folder.path}"
         if folder.request.motion:
             way = "the same command with --overwrite records the motion anew, from its beginning"
-        print(
-            f"\nInterrupted; the joint is at zero torque. What was recorded is safe in {folder.recording}: {way}",
-            file=sys.stderr,
-        )
+        stopped = "" if adapter.enabled or adapter.stop_failure else "; the joint is at zero torque"
+        print(f"\nInterrupted{stopped}. What was recorded is safe in {folder.recording}: {way}", file=sys.stderr)
         raise
 
 
 def _run(context: SweepContext, folder: RunFolder) -> None:
-    with progress() as bar, _interruptible(folder):
+    with progress() as bar, _interruptible(folder, context.adapter):
         calibration = calibrate(context, folder, folder.request.options, follow(bar))
         context.adapter.close()
         _write(calibration, folder, bar)

@@ -65,7 +65,8 @@ def check_loop(
     friction, loop = load_model(model), LoopDynamics(inertia, stiffness, damping, delay, velocity_filter)
     given = {name: value for name, value in (("gain", gain), ("source", source)) if value is not None}
     settings = choose_settings(friction, loop=loop, velocity_quantum=quantum, **given)
-    drive = DriveLimits(torque_limit or float("inf"), torque_rate or float("inf"))
+    limits = {"torque": torque_limit, "torque_rate": torque_rate}
+    drive = DriveLimits(**{name: value for name, value in limits.items() if value is not None})
     result = check(friction, loop, settings, period=period, velocity_quantum=quantum, drive=drive)
     unit = f"{friction.position_unit}/s"
     table = Table("what", "value", title=f"Loop of joint {friction.joint}")

@@ -161,9 +161,9 @@ class SafetyGate:
 
     def trip(self, reason: TripReason, detail: str, now_ns: int | None = None) -> None:
         """Latch. The first record stays. May be called from any thread."""
-        self._armed = False
-        if self._record is None:
+        if self._record is None:  # before anything else: an `arm` that comes between the two lines finds it
             self._record = TripRecord(reason, detail, now_ns)
+        self._armed = False
 
     def reset(self) -> None:
         """Forget the trip. The gate stays closed until it is armed; nothing but the user's own code calls this."""
@@ -273,7 +273,7 @@ class SafetyGate:
             self.trip("not_finite", f"the torque command {torque_in!r} cannot be read: {error}", now_ns)
         if abs(now_ns - self._feedback_ns) > self._stale_ns:
             self._trip_stale(now_ns)
-        if not self._armed or len(wanted) != len(last):
+        if not self._armed or self._record is not None or len(wanted) != len(last):
             return self._refuse(wanted, torque_out, now_ns)
         if now_ns < self._open_ns or now_ns < self._due_ns or not self._is_within(wanted):
             if not all(map(self._is_sane, wanted, self._torque_limits)):
@@ -282,7 +282,7 @@ class SafetyGate:
         last[:] = torque_out[:] = wanted
         self._due_ns = now_ns + self._period_ns
         # Another thread may have tripped the gate while this one was computing.
-        return True if self._armed else self._close(torque_out)
+        return True if self._armed and self._record is None else self._close(torque_out)
 
     def _is_within(self, wanted: list[float]) -> bool:
         """Whether nothing has to be bounded, which is the rule; NaN is never within."""

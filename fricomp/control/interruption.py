@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import signal
 import threading
+from collections.abc import Iterator
 from types import FrameType
 from typing import Any, NoReturn
 
@@ -19,14 +20,15 @@ ENDING_SIGNALS = tuple(
 class EndingSignals(contextlib.AbstractContextManager["EndingSignals"]):
     """The first one ends a loop after its cycle: a handler that stopped the drives could meet a held lock.
 
-    The second does not wait for a cycle that hangs; further ones do not disturb the stop that follows.
+    Inside `impatient` the second does not wait for a cycle that hangs. No other raises anything: what runs in this
+    context beside that, the stop of the joints above all, is not disturbed.
 
     Args:
         stop: Set by the first.
     """
 
     def __init__(self, stop: threading.Event) -> None:
-        self._stop, self._received = stop, 0
+        self._stop, self._received, self._may_raise = stop, 0, False
         self._before: dict[int, Any] = {}
 
     def __enter__(self) -> EndingSignals:
@@ -42,8 +44,18 @@ class EndingSignals(contextlib.AbstractContextManager["EndingSignals"]):
     def _handle(self, number: int, _: FrameType | None) -> None:
         self._received += 1
         self._stop.set()
-        if self._received == 2:
+        if self._may_raise and self._received >= 2:
+            self._may_raise = False
             raise KeyboardInterrupt
+
+    @contextlib.contextmanager
+    def impatient(self) -> Iterator[None]:
+        """Where the second signal raises `KeyboardInterrupt`, once; what must follow is in a `finally` around it."""
+        self._may_raise = True
+        try:
+            yield
+        finally:
+            self._may_raise = False
 
     def raise_interrupt(self) -> None:
         """Hand on what was received, now that the joints are at rest."""

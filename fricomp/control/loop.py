@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Sequence
@@ -11,6 +12,7 @@ from typing import Protocol
 
 from fricomp.control.adaptation import AdaptationSettings
 from fricomp.control.compensator import Compensator
+from fricomp.control.ending import Stoppable, require_stopped
 from fricomp.control.gate import SafetyGate, TripRecord
 from fricomp.control.interruption import EndingSignals
 from fricomp.control.load import LoadModel
@@ -18,13 +20,13 @@ from fricomp.control.loop_compensation import LoopCompensation
 from fricomp.control.loop_log import LoopLog
 from fricomp.control.position_loop import Controller, Reference, ReferenceState
 from fricomp.control.real_time import RealTimeOptions, RealTimeReport, real_time
-from fricomp.errors import AdapterError, ParameterError, SafetyTrip
+from fricomp.errors import ParameterError, SafetyTrip
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, JointFeedback, await_feedback
 
 __all__ = ["ControlLoop", "LoopAdapter", "LoopResult"]
 
 
-class LoopAdapter(Protocol):
+class LoopAdapter(Stoppable, Protocol):
     """What the loop needs of an adapter; `fricomp.adapters.JointAdapter` has it."""
 
     @property
@@ -33,13 +35,10 @@ class LoopAdapter(Protocol):
     def capabilities(self) -> Capabilities: ...
     @property
     def gate(self) -> SafetyGate: ...
-    @property
-    def stop_failure(self) -> str: ...
     def configure(self, mode: CommandMode, period: float) -> None: ...
     def enable(self) -> None: ...
     def write(self, command: JointCommand) -> bool: ...
     def read_into(self, feedback: JointFeedback) -> bool: ...
-    def safe_stop(self, reason: str = "") -> None: ...
 
 
 @dataclass(frozen=True)
@@ -147,10 +146,13 @@ class ControlLoop:
         """Configure, enable, run for `duration` [s], stop. Log and counters are those of this run alone.
 
         Raises:
+            ParameterError: The duration is not finite or negative; nothing has been configured.
             AdapterError: The bus or a drive failed; the joints have been stopped, unless the message says that the
-                stop did not get through.
+                stop did not get through. That one comes in place of any other error, which is its cause.
             KeyboardInterrupt: Ctrl-C; the joints have been stopped.
         """
+        if not 0.0 <= duration * 1e9 < math.inf:  # it is counted in nanoseconds
+            raise ParameterError(f"the duration of a run must be finite and not negative, got {duration!r} s")
         try:
             return self._run(duration)
         finally:
@@ -161,23 +163,24 @@ class ControlLoop:
         if len(self.log):
             self.log = LoopLog(self._n, self._log_capacity)  # whoever has the one of the last run keeps it
         self._skipped = cycles = 0
+        trip: TripRecord | None = None
         rejected = self.compensation.rejected
         adapter.configure(self.mode, self.period)
         self.compensation.reset()
         with real_time(self.options) as granted, signals:
             try:
-                await_feedback(adapter, feedback, self.period)
-                if not self._stop.is_set():
-                    adapter.enable()
-                    cycles = self._cycle(feedback, duration)
+                with signals.impatient():
+                    await_feedback(adapter, feedback, self.period)
+                    if not self._stop.is_set():
+                        adapter.enable()
+                        cycles = self._cycle(feedback, duration)
+                    trip = adapter.gate.trip_record  # before the stop, which latches the gate too
             except BaseException as error:
                 adapter.gate.trip("exception", f"{type(error).__name__}: {error}")
                 raise
             finally:
-                trip = adapter.gate.trip_record
                 adapter.safe_stop("end of the loop")
-        if failure := adapter.stop_failure:
-            raise AdapterError(f"the loop has ended, but {failure}: cut the power of the joints")
+                require_stopped(adapter)
         signals.raise_interrupt()
         rejected = self.compensation.rejected - rejected
         return LoopResult(self.log, cycles, self._skipped, rejected, trip, granted)

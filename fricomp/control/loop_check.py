@@ -69,7 +69,8 @@ class LoopCheck:
         unsettled_from: Distance to the reference at the start from which the joint keeps oscillating; infinity if it
             settles from every one that was tried, up to 0.5 [rad] or [m].
         unsettled_without: The same without compensation.
-        left_out: What the check does not know of the law: terms beside the curve, and the lag of friction.
+        left_out: What the check does not know of the law: terms beside the curve, the bristle of a dynamic law, whose
+            curve of steady sliding is checked, and the lag of friction.
     """
 
     settings: CompensationSettings
@@ -114,11 +115,12 @@ def check_loop(
         drive: Limits of the torque; none if None.
 
     Raises:
-        ParameterError: The loop has no stiffness, or the model is dynamic.
+        ParameterError: The loop has no stiffness, or the law leaves nothing to compensate.
     """
     if loop.stiffness <= 0.0:
         raise ParameterError("the loop check needs a position loop: its stiffness must be positive")
-    curves = replace(trusted_curves(model), bristle=None)
+    known = trusted_curves(model)
+    curves = replace(known, bristle=None)
     chosen = settings or choose_settings(model, loop=loop, velocity_quantum=velocity_quantum)
     gains = (chosen.gain or 1.0) * np.array(_GAINS)
     predicted = find_oscillation(curves, loop, chosen, gains).at_gains.astype(np.float64)
@@ -140,8 +142,13 @@ def check_loop(
         drive=bench.drive,
         unsettled_from=stop.unsettled_from,
         unsettled_without=stop.unsettled_without,
-        left_out=(*(term.name for term in curves.extra), *(["lag of friction"] if curves.lag else [])),
+        left_out=_left_out(known),
     )
+
+
+def _left_out(curves: FrictionCurves) -> tuple[str, ...]:
+    state = {"bristle": curves.bristle is not None, "lag of friction": curves.lag > 0.0}
+    return (*(term.name for term in curves.extra), *(name for name, has in state.items() if has))
 
 
 def _safe_gain(scan: GainScan) -> float:

@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from fricomp.control.network_file import open_network, read_largest_torque, read_velocity_range
 from fricomp.control.trust import LARGEST_EXTRAPOLATION, find_doubt_in_status
-from fricomp.errors import MissingExtraError, ModelFileError, ParameterError
+from fricomp.errors import ModelFileError, ParameterError
 from fricomp.laws import FloatArray
 
 __all__ = ["NetworkCompensator"]
@@ -43,8 +44,9 @@ class NetworkCompensator:
 
     Raises:
         MissingExtraError: onnxruntime is not installed.
-        ModelFileError: The file is no friction network.
-        ParameterError: Its calls are too slow for the period, or its model is not usable.
+        ModelFileError: The file is no friction network, or what it says of its range or largest torque cannot be meant.
+        ParameterError: Its calls are too slow for the period, its model is not usable, or an argument is outside its
+            domain.
     """
 
     def __init__(
@@ -60,7 +62,7 @@ class NetworkCompensator:
     ) -> None:
         if not 0.0 <= gain <= 2.0 or not smoothing > 0.0:
             raise ParameterError(f"gain must lie from 0 to 2 and smoothing be positive, got {gain!r} and {smoothing!r}")
-        self._session = _open(Path(path))
+        self._session = open_network(Path(path))
         about = self._session.get_modelmeta().custom_metadata_map
         doubt = find_doubt_in_status(about.get("status", ""), about.get("message", ""))
         if doubt is not None and not any_status:
@@ -78,8 +80,8 @@ class NetworkCompensator:
         self._indices = range(self.n_joints)
         self._run = _bind(self._session, self._state, self._torque)
         self._gain, self._smoothing, self.rejected = gain, smoothing, 0
-        self._range = velocity_range or self._range_of_file()
-        cap = LARGEST_EXTRAPOLATION * float(about.get("largest_torque", "inf"))
+        self._range = read_velocity_range(velocity_range, about)
+        cap = LARGEST_EXTRAPOLATION * read_largest_torque(about)
         self.authority: list[float] = np.minimum(self._largest(), cap).tolist()
         self.tail = self._measure_tail()
         if self.tail > largest_share * period:
@@ -142,12 +144,6 @@ class NetworkCompensator:
         """Run the graph on the inputs of the last call."""
         self._run()
 
-    def _range_of_file(self) -> tuple[float, float]:
-        words = self._session.get_modelmeta().custom_metadata_map.get("velocity_range", "").split()
-        if len(words) != 2:
-            raise ParameterError("the network's file states no range of velocity: give velocity_range=(low, high)")
-        return float(words[0]), float(words[1])
-
     def _largest(self) -> FloatArray:
         """Largest torque of each network over the range. Shape (n_joints,)."""
         found = np.zeros(self.n_joints)
@@ -172,25 +168,6 @@ class NetworkCompensator:
 
 def _plain_view(array: Any) -> Any:
     return memoryview(array.ravel())
-
-
-def _open(path: Path) -> Any:
-    try:
-        import onnxruntime
-    except ImportError:
-        raise MissingExtraError("onnxruntime", "onnx") from None
-    options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = options.inter_op_num_threads = 1
-    options.execution_mode = onnxruntime.ExecutionMode.ORT_SEQUENTIAL
-    options.log_severity_level = 3
-    try:
-        session = onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
-    except Exception as error:  # the runtime raises its own kinds, and bare ones
-        raise ModelFileError(f"cannot read the network {path}: {error}") from error
-    shapes = [tuple(item.shape[1:]) for item in (*session.get_inputs(), *session.get_outputs())]
-    if [item.name for item in session.get_inputs()] != ["state"] or shapes != [(2,), (1,)]:
-        raise ModelFileError(f"{path} is no friction network: it must take `state` (n, 2) and give `torque` (n, 1)")
-    return session
 
 
 def _bind(session: Any, state: Any, torque: Any) -> Any:

@@ -138,3 +138,10 @@ class CompensationSettings:
             raise ParameterError(f"measured_share must lie from 0 to 1, got {self.measured_share!r}")
         if not 0.0 <= self.gain <= 2.0:
             raise ParameterError(f"gain must lie from 0 to 2 (below 1 to under-compensate), got {self.gain!r}")
+        self._require_ranges()
+
+    def _require_ranges(self) -> None:
+        for name in ("velocity_range", "load_range", "load_torque_range", "temperature_range", "acceleration_range"):
+            bounds = getattr(self, name)
+            if bounds is not None and not (len(bounds) == 2 and bounds[0] <= bounds[1]):  # NaN is not ordered either
+                raise ParameterError(f"{name} must be (lowest, highest), got {bounds!r}")

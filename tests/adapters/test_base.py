@@ -517,6 +517,8 @@ def test_a_close_that_fails_never_raises() -> None:
     adapter.fail["close"] = OSError("foreign")
     adapter.close()
     assert adapter.log[-2:] == ["stop", "close"]
+    assert adapter.stop_failure == "", "the stop got through"
+    assert "foreign" in str(adapter.health()["close_failure"])
 
 
 def test_nothing_works_before_its_turn() -> None:

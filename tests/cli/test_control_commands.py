@@ -90,6 +90,14 @@ def test_check_loop_says_safe_or_exits_with_one(model: Path) -> None:
     assert "at most 5 N·m, 100 N·m/s" in " ".join(bad.stdout.split())
 
 
+@pytest.mark.parametrize("option", ["--torque-limit", "--torque-rate"])
+def test_check_loop_takes_no_limit_of_zero_for_none(model: Path, option: str) -> None:
+    done = fricomp("check-loop", model, "--inertia", 0.1, "--bandwidth", 10, option, 0)
+    assert done.returncode == 2
+    assert "must be positive" in done.stderr
+    assert "Safe." not in done.stdout
+
+
 def test_check_loop_needs_gains(model: Path) -> None:
     done = fricomp("check-loop", model, "--inertia", 0.1)
     assert done.returncode == 2

@@ -7,10 +7,11 @@ from typer.testing import CliRunner
 
 from fricomp.cli.main import app
 from fricomp.control import ReferenceState, SineReference
-from fricomp.errors import AdapterConfigurationError, ParameterError, SafetyTrip
+from fricomp.errors import AdapterConfigurationError, AdapterError, ParameterError, SafetyTrip
 from fricomp.laws import FrictionLaw, Viscous
 from fricomp.model import FrictionModel, save_model
 from fricomp.recording import read_recording
+from fricomp.sim_bench.stand_in import SimulatedJointAdapter
 
 
 @pytest.fixture
@@ -91,6 +92,23 @@ def test_ctrl_c_keeps_what_was_recorded(tmp_path: Path, model: Path, monkeypatch
     assert result.exit_code == 130
     assert "the joints are at zero torque" in result.output
     assert read_recording(out / "without_compensation_joint.csv").duration == pytest.approx(0.6, abs=0.01)
+
+
+def test_ctrl_c_claims_no_zero_torque_where_the_stop_did_not_get_through(
+    tmp_path: Path, model: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(self: SineReference, time: float, state: ReferenceState) -> None:
+        raise KeyboardInterrupt
+
+    def dead(adapter: SimulatedJointAdapter) -> None:
+        raise AdapterError("the bus is off")
+
+    monkeypatch.setattr(SineReference, "sample", interrupted)
+    monkeypatch.setattr(SimulatedJointAdapter, "_stop", dead)
+    result = CliRunner().invoke(app, ["run", str(model), "--out", str(tmp_path / "run")])
+    assert isinstance(result.exception, AdapterError), result.output
+    assert "the bus is off: cut the power" in str(result.exception)
+    assert "zero torque" not in result.output
 
 
 def test_a_joint_that_is_stopped_by_the_gate_leaves_its_recording(tmp_path: Path, model: Path) -> None:

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fricomp.control import ABSURD_TORQUE_RATIO, JointLimits, SafetyGate
+from fricomp.control import ABSURD_TORQUE_RATIO, JointLimits, SafetyGate, TripRecord
 from fricomp.errors import ParameterError, SafetyTrip
 from fricomp.joint import JointFeedback
 
@@ -166,6 +166,25 @@ def test_nothing_but_reset_opens_a_latched_gate() -> None:
     assert not gate.admit([1.0, 1.0], out, 2 * MS), "a reset gate must stay closed until it is armed"
     gate.arm(3 * MS)
     assert gate.admit([1.0, 1.0], out, 3 * MS)
+
+
+@pytest.mark.parametrize("when", ["record", "command"])
+def test_no_torque_passes_a_trip_that_another_thread_interleaves(when: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    gate, out = make_gate(), [0.0, 0.0]
+    if when == "record":  # the control thread arms while the trip is half done
+
+        def armed_meanwhile(*given: Any) -> TripRecord:
+            gate.arm(MS)
+            return TripRecord(*given)
+
+        monkeypatch.setattr("fricomp.control.gate.TripRecord", armed_meanwhile)
+        gate.trip("stop", "from another thread")
+        assert not gate.armed
+    else:  # the trip has left its record and nothing else yet
+        gate._record = TripRecord("stop", "from another thread")
+    assert gate.tripped
+    assert not gate.admit([0.5, 0.5], out, 2 * MS)
+    assert out == [0.0, 0.0]
 
 
 def test_wrong_number_of_joints_trips() -> None:

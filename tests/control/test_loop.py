@@ -225,6 +225,44 @@ def test_a_stop_that_did_not_get_through_is_no_clean_end() -> None:
         make_loop(joints).run(0.1)
 
 
+def test_no_signal_comes_between_an_error_and_the_stop() -> None:
+    joints = IdealJoints()
+    stop = joints.safe_stop
+
+    def disturbed(reason: str = "") -> None:
+        for _ in range(3):
+            signal.raise_signal(signal.SIGINT)
+        stop(reason)
+
+    joints.on_write = lambda: signal.raise_signal(signal.SIGINT) if len(joints.written) == 5 else None
+    joints.safe_stop = disturbed  # type: ignore[method-assign]
+    with pytest.raises(KeyboardInterrupt):
+        make_loop(joints).run(1.0)
+    assert joints.events[-1] == "stop"
+
+
+@pytest.mark.parametrize("error", [AdapterTimeout("the bus is silent"), ZeroDivisionError(), KeyboardInterrupt()])
+def test_a_stop_that_did_not_get_through_is_told_before_any_other_error(error: BaseException) -> None:
+    joints = IdealJoints()
+
+    def broken() -> None:
+        joints.stop_failure = "the stop did not reach the drive"
+        raise error
+
+    joints.on_write = broken
+    with pytest.raises(AdapterError, match=f"{type(error).__name__}.*did not reach the drive: cut the power") as caught:
+        make_loop(joints).run(0.1)
+    assert caught.value.__cause__ is error
+
+
+@pytest.mark.parametrize("duration", [float("inf"), float("nan"), -1.0, 1e300])
+def test_a_duration_that_never_ends_is_refused_before_anything_is_energised(duration: float) -> None:
+    joints = IdealJoints()
+    with pytest.raises(ParameterError, match="duration of a run"):
+        make_loop(joints).run(duration)
+    assert joints.events == []
+
+
 @pytest.mark.parametrize("when", ["before", "while configuring"])
 def test_a_loop_that_is_stopped_before_it_moves_enables_nothing_and_runs_again(
     when: str, monkeypatch: pytest.MonkeyPatch

@@ -16,7 +16,7 @@ from fricomp.control import (
 )
 from fricomp.control.limit_cycle import find_oscillation
 from fricomp.errors import ParameterError
-from fricomp.laws import BidirectionalStribeck, Cogging, Coulomb, FrictionLaw, StribeckCurve, Viscous
+from fricomp.laws import BidirectionalStribeck, Cogging, Coulomb, FrictionLaw, LuGre, StribeckCurve, Viscous
 from fricomp.model import FrictionModel, Validity
 
 FALLING = FrictionModel(
@@ -119,6 +119,13 @@ def test_simulated_torque_keeps_to_the_drive() -> None:
 def test_terms_that_the_check_does_not_know_are_named() -> None:
     model = FrictionModel(FrictionLaw((*LINEAR.law.terms, Cogging(0.1, 0.0, 5.0))), validity=LINEAR.validity)
     assert check_loop(model, pd_loop(5.0, 0.001)).left_out == ("cogging",)
+
+
+def test_the_bristle_of_a_dynamic_law_is_named_as_left_out() -> None:
+    (curves,) = FALLING.law.terms
+    assert isinstance(curves, BidirectionalStribeck)
+    dynamic = FrictionModel(FrictionLaw((LuGre(curves.forward, curves.reverse, 1e4, 10.0),)), validity=FALLING.validity)
+    assert check_loop(dynamic, pd_loop(5.0, 0.001)).left_out == ("bristle",)
 
 
 @pytest.mark.parametrize("given", [{"torque": 0.0}, {"torque_rate": -1.0}, {"torque": float("nan")}])

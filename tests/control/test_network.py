@@ -72,6 +72,25 @@ def test_foreign_files_are_refused(tmp_path: Path) -> None:
         NetworkCompensator(tmp_path / "x.onnx")
 
 
+@pytest.mark.parametrize(
+    "stated",
+    [
+        *({"largest_torque": word} for word in ("nan", "abc", "inf", "0", "-1")),
+        *({"velocity_range": words} for words in ("1 -1", "nan 1", "a b", "0 0", "-inf inf")),
+    ],
+)
+def test_a_file_that_states_what_cannot_be_is_refused(tmp_path: Path, stated: dict[str, str]) -> None:
+    save_graph(closed_form_graph(MODELS), tmp_path / "a.onnx", {"velocity_range": "-1 1"} | stated)
+    with pytest.raises(ModelFileError, match="states"):
+        make(tmp_path / "a.onnx")
+
+
+@pytest.mark.parametrize("given", [(1.0, -1.0), (math.nan, 1.0), (0.0, 0.0), (-math.inf, 1.0)])
+def test_a_range_that_is_none_is_refused(path: Path, given: tuple[float, float]) -> None:
+    with pytest.raises(ParameterError, match="ascending"):
+        NetworkCompensator(path, velocity_range=given)
+
+
 def test_range_must_be_known(tmp_path: Path) -> None:
     save_graph(closed_form_graph(MODELS[:1]), tmp_path / "a.onnx")
     with pytest.raises(ParameterError, match="velocity_range"):

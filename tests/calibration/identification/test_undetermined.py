@@ -23,6 +23,7 @@ from fricomp.calibration.identification.verdict import covariance_of, judge
 from fricomp.calibration.sweep import SweepSettings, assume_friction, expected_deviations, plan_plateaus
 from fricomp.calibration.sweep.plan import Travel
 from fricomp.control import LARGEST_EXTRAPOLATION, Compensator, choose_settings
+from fricomp.control.trust import find_doubt_in_status
 from fricomp.errors import ParameterError
 from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel, load_model
@@ -128,6 +129,16 @@ def test_convergence_is_judged_by_the_distance_to_the_optimum(step: float, statu
     away = step * np.sqrt(covariance[0, 0]) / np.exp(best.logs[0])
     found = optimum_at(best.logs + away * np.eye(8)[0], form, points, noise)
     assert judge(found, best, covariance, form.names, points).status is status
+
+
+def test_parameters_of_a_less_likely_basin_are_not_usable() -> None:
+    draw = noisy("absolute", 0)
+    points, form, noise = observe(draw.velocity, draw.torque), separable_law("stribeck"), Noise("absolute")
+    best = fit_likelihood(form, points, noise)
+    found = optimum_at(best.logs + 0.3, form, points, noise)
+    verdict = judge(found, best, covariance_of(best), form.names, points)
+    assert "another basin is more likely" in verdict.message
+    assert find_doubt_in_status(verdict.status, verdict.message) is not None
 
 
 def test_a_viscous_coefficient_near_zero_makes_no_model_unusable() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +18,10 @@ from fricomp.calibration.sweep import (
     SweepSettings,
     load_sweep,
 )
-from fricomp.cli.calibration import start_run
-from fricomp.errors import FricompError
+from fricomp.calibration.sweep.motion import MotionRunner
+from fricomp.calibration.sweep.velocity_loop import DriveLoop
+from fricomp.cli.calibration import record_file, start_run
+from fricomp.errors import AdapterError, FricompError
 from fricomp.joint import JointCommand
 from fricomp.recording import RecordingWriter
 from fricomp.sim_bench.adapter_bench.bench import PROTOCOLS
@@ -88,6 +91,81 @@ def assert_stopped_and_kept(adapter: Any, out: Path) -> None:
         getattr(adapter, "twin", stand_in).step()
     assert stand_in.torque == [0.0]
     assert [label.number for label, _ in load_sweep(out / "recording.csv").of_kind("plateau")] == [0, 1]
+
+
+def strike_between_calls(monkeypatch: pytest.MonkeyPatch, strike: Callable[[], None]) -> list[Any]:
+    """Do something in motion while no adapter is called; returns the adapter, once there is one."""
+    seen: list[Any] = []
+    start, command, left = MotionRunner.start, DriveLoop.command, iter(range(100, -1, -1))
+
+    def noted(runner: MotionRunner, loop: Any) -> None:
+        seen[:] = [runner._adapter]
+        start(runner, loop)
+
+    def struck(loop: DriveLoop, *given: Any) -> None:
+        if next(left, None) == 0:
+            strike()
+        command(loop, *given)
+
+    monkeypatch.setattr(MotionRunner, "start", noted)
+    monkeypatch.setattr(DriveLoop, "command", struck)
+    return seen
+
+
+def run_or_record(out: Path, *, motion: bool) -> None:
+    if not motion:
+        start_run(make_request("sim"), out, overwrite=False)
+        return
+    file = out.with_suffix(".csv")
+    file.write_text("time,position,velocity\n0,1.0,0\n1,1.0,0\n2,1.0,0\n")
+    record_file(replace(make_request("sim"), motion=str(file)), out)
+
+
+@pytest.mark.parametrize("motion", [False, True])
+def test_the_joint_is_stopped_before_anything_is_closed_or_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, motion: bool
+) -> None:
+    told: list[tuple[str, bool]] = []
+    seen = strike_between_calls(monkeypatch, lambda: signal.raise_signal(signal.SIGINT))
+    stop, close = adapter_class("sim")._stop, RecordingWriter.close
+
+    def disturbed(adapter: Any) -> None:
+        if adapter.gate.tripped:
+            signal.raise_signal(signal.SIGINT)
+        stop(adapter)
+
+    def closing(writer: RecordingWriter) -> None:
+        told.append(("closed", seen[0].enabled))
+        close(writer)
+
+    monkeypatch.setattr(adapter_class("sim"), "_stop", disturbed)
+    monkeypatch.setattr(RecordingWriter, "close", closing)
+    monkeypatch.setattr("builtins.print", lambda text, **_: told.append((text, seen[0].enabled)))
+    with pytest.raises(KeyboardInterrupt):
+        run_or_record(tmp_path / "run", motion=motion)
+    assert "closed" in dict(told)
+    assert "the joint is at zero torque" in "".join(text for text, _ in told)
+    assert not any(enabled for _, enabled in told)
+
+
+@pytest.mark.parametrize("motion", [False, True])
+def test_a_stop_that_fails_is_told_and_no_zero_torque_is_claimed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *, motion: bool
+) -> None:
+    def fail(adapter: Any) -> None:
+        raise AdapterError("the bus is off")
+
+    def strike() -> None:
+        monkeypatch.setattr(adapter_class("sim"), "_stop", fail)
+        signal.raise_signal(signal.SIGINT)
+
+    strike_between_calls(monkeypatch, strike)
+    with pytest.raises(AdapterError, match=r"KeyboardInterrupt.*the bus is off: cut the power") as caught:
+        run_or_record(tmp_path / "run", motion=motion)
+    assert isinstance(caught.value.__cause__, KeyboardInterrupt)
+    said = capsys.readouterr().err
+    assert "Interrupted" in said
+    assert "zero torque" not in said
 
 
 def unplug(adapter: Any) -> None:

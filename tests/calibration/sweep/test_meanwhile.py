@@ -138,7 +138,7 @@ def test_the_sign_check_ends_at_zero_torque_before_anything_else(
         raise SweepAborted("wrong sign")
 
     slow_disk(monkeypatch, lambda label: written.append((label, adapter.enabled)))
-    monkeypatch.setattr("fricomp.calibration.sweep.sweep.check_signs", judged)
+    monkeypatch.setattr("fricomp.calibration.sweep.push.check_signs", judged)
     with folder.open_writer(context.metadata(), channels_of(context)) as writer:
         sweep = Sweep(context, writer, SweepData())
         with pytest.raises(SweepAborted, match="wrong sign"):

@@ -11,10 +11,14 @@ from typer.testing import CliRunner
 
 from fricomp.adapters import open_adapter
 from fricomp.calibration.sweep import SweepContext, SweepSettings
+from fricomp.calibration.sweep.log import CycleLog
+from fricomp.calibration.sweep.motion import MotionRunner
 from fricomp.calibration.sweep.weight import HungWeight, identify_torque_constant, record_passes
 from fricomp.cli.main import app
 from fricomp.errors import IdentificationError, ParameterError, SweepAborted
+from fricomp.joint import CommandMode, JointCommand
 from fricomp.recording import Recording, RecordingMetadata
+from fricomp.sim_bench.stand_in import SimulatedJointAdapter, default_joint, packaged_model
 from fricomp.sim_bench.twins.weight import hang_weight
 
 WEIGHT = HungWeight(0.5, 0.25)
@@ -76,6 +80,50 @@ def test_a_sensor_that_reads_too_much_is_found_out(tmp_path: Path) -> None:
     found = identify_torque_constant(bare, loaded, WEIGHT)
     assert found.unit == "N·m"
     assert found.value == pytest.approx(1.0 / 1.05, rel=2e-3)
+
+
+def test_no_loop_is_closed_here_over_a_torque_that_counts_the_other_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    largest = 0.0
+
+    def inverted(adapter: SimulatedJointAdapter, command: JointCommand, mode: CommandMode) -> None:
+        nonlocal largest
+        largest = max(largest, abs(command.torque[0]))
+        adapter.stand_in.command([-torque for torque in command.torque], command.velocity, command.position)
+
+    monkeypatch.setattr(SimulatedJointAdapter, "_write", inverted)
+    settings = SweepSettings(loop="host", inertia=0.1)
+    with SimulatedJointAdapter(default_joint(seed=3)) as adapter:
+        with pytest.raises(SweepAborted, match="opposite directions"):
+            record_passes(SweepContext(adapter, 0, settings), 2)
+        assert not adapter.enabled
+        assert largest <= settings.check_torque * adapter.options.limits[0].torque
+
+
+def test_a_joint_that_falls_before_its_signs_are_checked_is_weighed_by_the_loop_on_the_host(tmp_path: Path) -> None:
+    """The bar of the default joint on a horizontal axis, let go of at its highest lever."""
+    model = tmp_path / "pendulum.xml"
+    model.write_text(packaged_model("default_joint").read_text().replace('axis="0 0 1"', 'axis="0 1 0"'))
+    table = {"model": str(model), "joints": [{"name": "joint"}]}
+    found = []
+    for mass in (0.0, WEIGHT.mass):
+        changed = hang_weight("sim", table, "joint", (mass, WEIGHT.lever), tmp_path / f"{mass}.xml")
+        with open_adapter("sim", changed) as adapter:
+            found.append(record_passes(SweepContext(adapter, 0, SweepSettings(loop="host", inertia=0.1)), 2))
+    bare, loaded = found
+    assert identify_torque_constant(bare, loaded, WEIGHT).value == pytest.approx(1.0, rel=0.01)
+
+
+def test_a_joint_that_never_comes_to_rest_is_not_pushed(monkeypatch: pytest.MonkeyPatch) -> None:
+    def swinging(runner: MotionRunner, duration: float) -> CycleLog:
+        log = CycleLog(runner.joint)
+        log.position.extend([0.0, 0.1])
+        return log
+
+    monkeypatch.setattr(MotionRunner, "watch", swinging)
+    with SimulatedJointAdapter(default_joint(seed=3)) as adapter:
+        with pytest.raises(SweepAborted, match="come to rest"):
+            record_passes(SweepContext(adapter, 0, SweepSettings(loop="host", inertia=0.1)), 2)
+        assert not adapter.enabled
 
 
 def test_another_joint_that_gives_way_is_told(tmp_path: Path) -> None:

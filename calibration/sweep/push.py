@@ -1,0 +1,98 @@
+"""The first motion of all: a push that rises slowly, while nothing holds the joint but its friction."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fricomp.errors import SweepAborted
+from fricomp.recording import RecordingMetadata
+
+from .context import SweepContext
+from .log import CycleLog
+from .motion import MotionRunner
+from .plan import Travel
+from .sign_check import SignCheck, check_signs
+
+__all__ = ["Push", "await_rest", "push_joint"]
+
+# Distance that ends the push, as a fraction of the travel; time over which its torque rises [s].
+ENOUGH = 0.01
+RISE = 3.0
+# A joint rests that moves by less than this fraction of its travel, or some encoder counts, over a while [s]; a
+# pendulum on a geared joint has come to rest long before the patience ends [s].
+STILL, COUNTS, WHILE, PATIENCE = 1e-4, 3, 0.3, 30.0
+
+
+class Push(NamedTuple):
+    """What a push did.
+
+    Attributes:
+        log: Every cycle of it.
+        limit: Torque that it would have come to [N·m], [N] or the actuator's own unit.
+        has_moved: Whether the joint has moved before that.
+    """
+
+    log: CycleLog
+    limit: float
+    has_moved: bool
+
+    def judge(self, metadata: RecordingMetadata) -> SignCheck:
+        """What it says about signs and scales of the joint of `metadata`.
+
+        Raises:
+            SweepAborted: One is wrong, or the joint has not moved.
+        """
+        if not self.has_moved:
+            raise SweepAborted(
+                f"joint {metadata.joint!r} did not move under {self.limit:.3g} {metadata.torque_unit}: release the "
+                "brake, or raise --check-torque"
+            )
+        samples = self.log.to_recording(next(iter(self.log.time_ns), 0), metadata, None)
+        return check_signs(samples, torque_is_echo=metadata.torque_kind == "commanded")
+
+
+def await_rest(runner: MotionRunner, travel: Travel, joint: str) -> None:
+    """Let a joint that is not energised come to rest: one that still falls would answer a push with the wrong sign.
+
+    Raises:
+        SweepAborted: It does not.
+        AdapterError: The bus failed.
+    """
+    still = max(STILL * travel.length, COUNTS * travel.quantum)
+    for _ in range(round(PATIENCE / WHILE)):
+        seen = runner.watch(WHILE).position
+        if len(seen) > 1 and float(np.ptp(seen)) < still:
+            return
+    raise SweepAborted(f"joint {joint!r} does not come to rest within {PATIENCE:g} s, not energised: let it hang still")
+
+
+def push_joint(runner: MotionRunner, context: SweepContext, travel: Travel) -> Push:
+    """Let the torque of the joint rise until it has moved a little, towards the middle of its travel, then none at all.
+
+    Raises:
+        ParameterError: Nothing is known that would hold the other joints of an arm.
+        SweepAborted: The safety gate has tripped.
+        AdapterError: The drive does not do as it is told.
+    """
+    limit = context.settings.check_torque * context.adapter.options.limits[context.joint].torque
+    runner.start(context.make_check_loop(runner.period, runner.feedback.position))
+    start, base, enough = runner.position, _gravity_here(runner, context), ENOUGH * travel.length
+    direction = 1.0 if start <= travel.middle else -1.0
+
+    def torque(time: float) -> float | None:
+        if abs(runner.position - start) > enough or time > RISE:
+            return None
+        return base + direction * limit * time / RISE
+
+    log = runner.apply_torque(torque)
+    runner.stop()  # at once: the last torque has torn the joint loose, and no loop may be closed over unknown signs
+    return Push(log, limit, has_moved=abs(runner.position - start) > enough)
+
+
+def _gravity_here(runner: MotionRunner, context: SweepContext) -> float:
+    body, here = context.body, np.array([runner.feedback.position])
+    if body is None:
+        return 0.0
+    return float(body.torque(context.joint, here, 0.0 * here, 0.0 * here)[0])

@@ -1,0 +1,49 @@
+"""The end of a motion: a stop that no signal disturbs, and a word where it did not get through."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Protocol
+
+from fricomp.control.interruption import EndingSignals
+from fricomp.errors import AdapterError
+
+__all__ = ["Stoppable", "require_stopped", "stopping_on_error"]
+
+
+class Stoppable(Protocol):
+    """What can be stopped; every adapter can."""
+
+    @property
+    def stop_failure(self) -> str: ...
+    def safe_stop(self, reason: str = "") -> None: ...
+
+
+@contextmanager
+def stopping_on_error(adapter: Stoppable) -> Iterator[None]:
+    """Whatever goes wrong inside, an interrupt too, stops the joints before files are closed or anything is said."""
+    try:
+        yield
+    except BaseException as error:
+        with EndingSignals(threading.Event()):
+            adapter.safe_stop(_name(error))
+        raise
+
+
+def require_stopped(adapter: Stoppable) -> None:
+    """Tell of a stop that did not get through, whatever else is being told: that can wait, the joints cannot.
+
+    Raises:
+        AdapterError: The last stop of `adapter` failed; its cause is the error that is on its way, if one is.
+    """
+    if failure := adapter.stop_failure:
+        cause = sys.exception()
+        by = "" if cause is None else f" ({_name(cause)})"
+        raise AdapterError(f"the motion has ended{by}, but {failure}: cut the power of the joints") from cause
+
+
+def _name(error: BaseException) -> str:
+    return f"{type(error).__name__}: {error}".removesuffix(": ")
