@@ -43,7 +43,7 @@ class NetworkCompensator:
 
     Raises:
         MissingExtraError: onnxruntime is not installed.
-        ModelFileError: The file is no friction network.
+        ModelFileError: The file is no friction network, or damaged.
         ParameterError: Its calls are too slow for the period, or its model is not usable.
     """
 
@@ -79,8 +79,7 @@ class NetworkCompensator:
         self._run = _bind(self._session, self._state, self._torque)
         self._gain, self._smoothing, self.rejected = gain, smoothing, 0
         self._range = velocity_range or self._range_of_file()
-        cap = LARGEST_EXTRAPOLATION * float(about.get("largest_torque", "inf"))
-        self.authority: list[float] = np.minimum(self._largest(), cap).tolist()
+        self.authority: list[float] = np.minimum(self._largest(), self._caps_of_file()).tolist()
         self.tail = self._measure_tail()
         if self.tail > largest_share * period:
             raise ParameterError(
@@ -147,6 +146,13 @@ class NetworkCompensator:
         if len(words) != 2:
             raise ParameterError("the network's file states no range of velocity: give velocity_range=(low, high)")
         return float(words[0]), float(words[1])
+
+    def _caps_of_file(self) -> FloatArray:
+        """What each joint may claim by the largest friction of its data, one number for all or one a joint."""
+        words = self._session.get_modelmeta().custom_metadata_map.get("largest_torque", "inf").split()
+        if len(words) not in (1, self.n_joints):
+            raise ModelFileError(f"the network of {self.n_joints} joints states {len(words)} largest torques")
+        return LARGEST_EXTRAPOLATION * np.array([float(word) for word in words])
 
     def _largest(self) -> FloatArray:
         """Largest torque of each network over the range. Shape (n_joints,)."""
