@@ -396,7 +396,7 @@ def test_a_joint_without_slow_speeds_takes_its_static_torque_from_breakaway(
 
 def test_gravity_and_inertia_of_the_default_joint() -> None:
     body = RigidBody(packaged_model("default_joint"), ("joint",))
-    assert not body.has_gravity
+    assert not body.has_gravity_on(0)
     assert body.inertias([0.3]) == pytest.approx([0.1], rel=1e-6)
     with pytest.raises(ParameterError, match="it has joint"):
         RigidBody(packaged_model("default_joint"), ("elbow",))
