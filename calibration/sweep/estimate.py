@@ -135,16 +135,24 @@ def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings)
         ),
     )
     statistical = result.standard_deviations
-    swing = hidden_swing(result, points, metadata.encoder_resolution or 0.0, analysis.sample_rate)
-    shared = [_sensitivity(result, _ripple_shift(result, swing))]
-    if not both_alike:
-        shared.append(_sensitivity(result, analysis.offset.deviation * result.observations.sign))
+    changes = [_sensitivity(result, shift) for shift in _shared_shifts(result, analysis, used)]
+    result = _with_covariance(result, result.covariance + sum(np.outer(change, change) for change in changes))
+    return Estimate(_with_notes(result, analysis), statistical, deviation, used)
+
+
+def _shared_shifts(
+    result: IdentificationResult, analysis: SweepAnalysis, used: Sequence[FrictionPoint]
+) -> list[FloatArray]:
+    """Errors of the points' friction magnitude that no number of plateaus averages out. Shapes (n_points,)."""
+    swing = hidden_swing(result, analysis.steady, analysis.metadata.encoder_resolution or 0.0, analysis.sample_rate)
+    shifts = [_ripple_shift(result, swing)]
+    sign = result.observations.sign
+    if analysis.torque_source != HALF_DIFFERENCE:
+        shifts.append(analysis.offset.deviation * sign)
     elif analysis.gravity is not None:
         rates = np.array([point.load_rate for point in used])[result.observations.kept]
-        shared.append(_sensitivity(result, analysis.gravity.lag_deviation * rates * result.observations.sign))
-    covariance = result.covariance + sum(np.outer(change, change) for change in shared)
-    result = _with_covariance(result, covariance)
-    return Estimate(_with_notes(result, analysis), statistical, deviation, used)
+        shifts.append(analysis.gravity.lag_deviation * rates * sign)
+    return shifts
 
 
 def _too_few(analysis: SweepAnalysis) -> str:

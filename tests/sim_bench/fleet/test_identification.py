@@ -10,8 +10,8 @@ import pytest
 from fricomp.calibration import identify
 from fricomp.control import Compensator
 from fricomp.errors import ParameterError
-from fricomp.model import FrictionModel, load_model
-from fricomp.sim_bench.fleet import FleetJoint, identification
+from fricomp.model import FrictionModel, load_model, save_model
+from fricomp.sim_bench.fleet import FleetJoint
 from fricomp.sim_bench.fleet.identification import identify_tables
 
 pytest.importorskip("torch")
@@ -51,14 +51,12 @@ def test_a_model_of_a_batch_is_trusted_as_far_as_that_of_one_joint(tmp_path: Pat
 
 
 def test_a_joint_whose_model_is_refused_stops_no_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    save = identification.save_model
-
     def refuse_left(model: FrictionModel, path: Path) -> str:
         if model.joint == "left":
             raise ParameterError("a covariance must be symmetric")
-        return save(model, path)
+        return save_model(model, path)
 
-    monkeypatch.setattr(identification, "save_model", refuse_left)
+    monkeypatch.setattr("fricomp.sim_bench.fleet.identification.save_model", refuse_left)
     joints = [_joint(tmp_path, name, _torque(0.2, seed)) for seed, name in enumerate(("left", "right"))]
     rows = identify_tables(joints, tmp_path / "out", "auto")
     assert [row["error"] for row in rows] == ["a covariance must be symmetric", ""]
