@@ -113,6 +113,7 @@ def _write_joint(parcel: Parcel, table: FrictionTable, found: BatchIdentificatio
         model = _model(joint, table, found, index)
         save_model(model, folder / "friction.json")
     except FricompError as error:
+        (folder / "friction.json").unlink(missing_ok=True)  # of an earlier run, from other data
         write_row(failed_row(joint, str(error)), out)
         return
     row: FleetRow = {"name": joint.name, "error": "", "seconds": 0.0, **parcel.origin, "written": "friction.json"}

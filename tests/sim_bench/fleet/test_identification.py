@@ -58,6 +58,10 @@ def test_a_joint_whose_model_is_refused_stops_no_other(tmp_path: Path, monkeypat
 
     monkeypatch.setattr("fricomp.sim_bench.fleet.identification.save_model", refuse_left)
     joints = [_joint(tmp_path, name, _torque(0.2, seed)) for seed, name in enumerate(("left", "right"))]
+    old = tmp_path / "out" / "left" / "friction.json"
+    old.parent.mkdir(parents=True)
+    old.write_text("of other data")
     rows = identify_tables(joints, tmp_path / "out", "auto")
     assert [row["error"] for row in rows] == ["a covariance must be symmetric", ""]
+    assert not old.exists()
     assert (tmp_path / "out" / "right" / "friction.json").exists()
