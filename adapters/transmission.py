@@ -52,22 +52,6 @@ class Transmission:
         """Joint position [rad] or [m] of a drive position [rad]."""
         return self.sign * position / self.gear_ratio - self.zero
 
-    def position_to_drive(self, position: float) -> float:
-        """Drive position [rad] of a joint position [rad] or [m]."""
-        return self.sign * (position + self.zero) * self.gear_ratio
-
-    def velocity_to_joint(self, velocity: float) -> float:
-        """Joint velocity [rad/s] or [m/s] of a drive velocity [rad/s]."""
-        return self.sign * velocity / self.gear_ratio
-
-    def velocity_to_drive(self, velocity: float) -> float:
-        """Drive velocity [rad/s] of a joint velocity [rad/s] or [m/s]."""
-        return self.sign * velocity * self.gear_ratio
-
-    def torque_to_joint(self, torque: float) -> float:
-        """Joint torque [N·m] or [N] of a drive torque [N·m]."""
-        return self.sign * torque * self.gear_ratio
-
     def torque_to_drive(self, torque: float) -> float:
         """Drive torque [N·m] of a joint torque [N·m] or [N]."""
         return self.sign * torque / self.gear_ratio

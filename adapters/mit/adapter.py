@@ -282,9 +282,6 @@ class MitAdapter(CanAdapter):
             lambda: all(self._seen), self._configuration.response_timeout, f"not all of {self._names()} answered"
         )
 
-    def _all_seen(self) -> bool:
-        return all(self._seen)
-
     def _forget(self) -> None:
         self._seen = [False] * len(self._motors)
         self._enabled_flags = [None] * len(self._motors)

@@ -16,6 +16,7 @@ from ..identification.form import separable_law
 from ..identification.information import invert_information
 from ..identification.observation import Observations
 from ..identification.result import Status
+from ..identification.verdict import CLOSE_ENOUGH, Verdict, find_vague, vague_message
 from .likelihood import BatchNoise, Linearised, compute_curve, compute_information, likelihood_of, linearise
 from .points import PointBatch, observe_all, stack_points
 from .projection import Basins, find_starts, scan_basins
@@ -28,7 +29,8 @@ __all__ = ["BatchIdentification", "identify_batch"]
 
 _FORM = separable_law("stribeck")
 _CHUNK = 4_000_000  # values at once on a processor: 32 MB in each temporary array
-_CLOSE_ENOUGH = 0.05  # distance from the optimum that counts as converged [standard deviations]
+_SHRUNK = 1e-6  # a parameter whose logarithm moves the torque by less than this share of another's is none
+_EXACT = 1e-8  # noise below this share of the torque is rounding, and no distance is measured by it
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,7 @@ class BatchIdentification:
 
     Attributes:
         parameter_names: Dotted names, in the order of the columns.
+        observations: The points in motion of each joint.
         values: Shape (n_joints, 8).
         covariance: Inverse Fisher information. Shape (n_joints, 8, 8).
         noise: `relative` or `absolute`, whichever was likelier. Shape (n_joints,).
@@ -46,6 +49,7 @@ class BatchIdentification:
     """
 
     parameter_names: tuple[str, ...]
+    observations: tuple[Observations, ...]
     values: FloatArray
     covariance: FloatArray
     noise: np.ndarray[tuple[int], np.dtype[np.str_]]
@@ -70,12 +74,20 @@ class BatchIdentification:
     @property
     def status(self) -> list[Status]:
         """How each joint ended."""
-        vague = np.any(self.standard_deviations > self.values, axis=1)
-        far = self.distance > _CLOSE_ENOUGH
-        return [
-            Status.NOT_IDENTIFIABLE if v else Status.NOT_CONVERGED if f else Status.CONVERGED
-            for f, v in zip(far, vague, strict=True)
-        ]
+        return [self.verdict(index).status for index in range(len(self))]
+
+    def verdict(self, index: int) -> Verdict:
+        """How one joint ended, in a word and in a sentence; other basins are not compared with."""
+        points, distance = self.observations[index], float(self.distance[index])
+        scale = points.torque_scale if self.noise[index] == "absolute" else 1.0
+        known = zip(self.values[index].tolist(), self.standard_deviations[index].tolist(), strict=True)
+        vague = find_vague(dict(zip(self.parameter_names, known, strict=True)), points)
+        if vague:
+            return Verdict(Status.NOT_IDENTIFIABLE, vague_message(vague, points), distance)
+        if distance > CLOSE_ENOUGH and self.noise_level[index] > _EXACT * scale:
+            message = f"the search stopped {distance:.2g} standard deviations from the optimum"
+            return Verdict(Status.NOT_CONVERGED, message, distance)
+        return Verdict(Status.CONVERGED, "converged to the likelihood optimum", distance)
 
     def law(self, index: int) -> FrictionLaw:
         """The friction law of one joint."""
@@ -114,7 +126,7 @@ def identify_batch(
     joints = observe_all(velocity, torque)
     parts = [_identify(stack_points(chunk, device), choices[noise]) for chunk in _chunks(joints, device)]
     columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
-    return BatchIdentification(_FORM.names, *columns)
+    return BatchIdentification(_FORM.names, tuple(joints), *columns)
 
 
 def _chunks(joints: Sequence[Observations], device: str) -> list[Sequence[Observations]]:
@@ -186,14 +198,21 @@ def _invert(information: torch.Tensor) -> torch.Tensor:
     inverse: torch.Tensor = torch.linalg.pinv(information * both, rtol=1e-14, hermitian=True) * both
     for k in torch.nonzero(values[:, 0] < 1e-14 * values[:, -1]).flatten().tolist():
         inverse[k] = torch.as_tensor(invert_information(information[k].cpu().numpy()), device=inverse.device)
-    return inverse
+    # Where the information is nearly singular, rounding is far above that of a single element.
+    return 0.5 * (inverse + inverse.transpose(1, 2))
 
 
 def _distance(at: Linearised, freedom: torch.Tensor) -> torch.Tensor:
-    """Length of a further Gauss-Newton step in standard deviations (Mahalanobis)."""
+    """Length of a further Gauss-Newton step in standard deviations (Mahalanobis).
+
+    A parameter that has shrunk to nothing, such as viscous friction that would be negative, is at its bound: its
+    logarithm has no optimum to be far from.
+    """
     import torch
 
-    scale = at.normal.diagonal(dim1=1, dim2=2).clamp(min=1e-300).rsqrt()
+    squares = at.normal.diagonal(dim1=1, dim2=2)
+    felt = squares > _SHRUNK**2 * squares.amax(dim=1, keepdim=True)
+    scale = torch.where(felt, squares.clamp(min=1e-300).rsqrt(), 0.0)
     gradient = (at.gradient * scale)[:, :, None]
     inverse: torch.Tensor = torch.linalg.pinv(
         at.normal * scale[:, :, None] * scale[:, None, :], rtol=1e-12, hermitian=True

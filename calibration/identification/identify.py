@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from datetime import UTC, datetime
+from dataclasses import dataclass
 from typing import Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-import fricomp
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray, LoadScaling
 from fricomp.model import Covariance, FrictionModel, Motion, Provenance, Validity
@@ -22,9 +19,10 @@ from .likelihood import Noise, parse_noise
 from .observation import Observations, observe
 from .optimum import Optimum, fit_likelihood, optimum_at
 from .pinn import TrainedPinn, train_pinn
+from .provenance import compute_provenance
 from .result import IdentificationResult, NoiseEstimate
 from .robust import fit_robust
-from .verdict import BASIN_GAP, Verdict, covariance_of, judge
+from .verdict import BASIN_GAP, covariance_of, judge
 
 __all__ = ["IdentificationOptions", "Loss", "Method", "identify", "require_choice"]
 
@@ -130,7 +128,8 @@ def identify(
     estimate = NoiseEstimate(
         kind, _noise_level(kind, found, points), {k: fit.negative_log_likelihood for k, fit in fits.items()}
     )
-    provenance = _with_outcome(_provenance(points, method, estimate, seed), verdict, points, found)
+    largest = float(np.max(found.magnitude))
+    provenance = compute_provenance(points, estimate, verdict, largest, method=method, seed=seed)
     return IdentificationResult(
         model=_model(form, found, covariance, points, options, provenance),
         status=verdict.status,
@@ -227,37 +226,4 @@ def _model(
         ),
         covariance=Covariance(form.names, covariance),
         provenance=provenance,
-    )
-
-
-def _provenance(points: Observations, method: str, noise: NoiseEstimate, seed: int) -> Provenance:
-    digest = hashlib.sha256()
-    for array in (points.velocity, points.magnitude, points.normal_load):
-        if array is not None:
-            digest.update(np.ascontiguousarray(array, dtype="<f8").tobytes())
-    return Provenance(
-        method=method,
-        data_sha256=digest.hexdigest(),
-        created=datetime.now(UTC).isoformat(timespec="seconds"),
-        fricomp_version=fricomp.__version__,
-        seed=seed,
-        notes={"noise": noise.kind, "noise_level": f"{noise.level:.6g}", "points": str(points.size)},
-    )
-
-
-def _with_outcome(provenance: Provenance, verdict: Verdict, points: Observations, found: Optimum) -> Provenance:
-    """With the status, and with what whoever uses the model has to know of the data."""
-    slowest = float(points.speed.min())
-    reverse, forward = (float(np.min(points.speed[side], initial=np.inf)) for side in (~points.forward, points.forward))
-    if not points.forward.any():  # a direction without points has the speeds of the other, whose curve it shares
-        forward = slowest
-    elif points.forward.all():
-        reverse = slowest
-    return replace(
-        provenance,
-        status=str(verdict.status),
-        message=verdict.message,
-        # The lower of both, so that neither an outlier nor a curve that misses its points counts.
-        largest_torque=min(points.torque_scale, float(np.max(found.magnitude))),
-        slowest_speeds=(reverse, forward),
     )

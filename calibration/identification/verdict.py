@@ -13,11 +13,21 @@ from .observation import Observations
 from .optimum import Optimum
 from .result import Status
 
-__all__ = ["BASIN_GAP", "RIVAL", "Verdict", "covariance_of", "find_vague", "judge", "nearest_rival", "vague_message"]
+__all__ = [
+    "BASIN_GAP",
+    "CLOSE_ENOUGH",
+    "RIVAL",
+    "Verdict",
+    "covariance_of",
+    "find_vague",
+    "judge",
+    "nearest_rival",
+    "vague_message",
+]
 
 BASIN_GAP = 0.01
 """Difference in negative log-likelihood beyond which another basin is better."""
-_CLOSE_ENOUGH = 0.05
+CLOSE_ENOUGH = 0.05
 """Distance from the likelihood optimum, in standard deviations of each parameter, that counts as converged."""
 RIVAL = 2.0
 """A basin less likely by no more than this [nats] cannot be told from the best."""
@@ -75,7 +85,7 @@ def judge(
         )
     if vague:
         return Verdict(Status.NOT_IDENTIFIABLE, vague_message(vague, points), distance)
-    if not exact and distance > _CLOSE_ENOUGH:
+    if not exact and distance > CLOSE_ENOUGH:
         return Verdict(
             Status.NOT_CONVERGED, f"training stopped {distance:.2g} standard deviations from the optimum", distance
         )

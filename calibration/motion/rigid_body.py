@@ -14,7 +14,6 @@ import numpy as np
 
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
-from fricomp.model import FrictionModel
 
 from ..identification import IdentificationOptions, IdentificationResult, identify
 from ..identification.form import separable_law
@@ -22,7 +21,7 @@ from .correlated_fit import CorrelatedFit, solve_correlated
 from .joint_samples import FEWEST_SAMPLES, JointSamples, RegressionSettings
 from .verdict import weigh_rivals, with_covariance, with_offset_note
 
-__all__ = ["MotionIdentification", "RigidBodyFit", "fit_rigid_body", "identify_motion", "prediction_error"]
+__all__ = ["MotionIdentification", "RigidBodyFit", "fit_rigid_body", "identify_motion"]
 
 _DEFAULTS = RegressionSettings()
 _Rows = np.ndarray[tuple[int], np.dtype[np.bool_]]
@@ -285,17 +284,3 @@ def _with_body(rigid: RigidBodyFit, fit: CorrelatedFit, gravity: bool, *, has_of
         standard_deviations=(deviations[0], viscous, coulomb, deviations[last] if has_offset else of_offset),
         gravity_deviations=(deviations[1], deviations[2]) if gravity else (0.0, 0.0),
     )
-
-
-def prediction_error(fit: MotionIdentification, samples: JointSamples, model: FrictionModel | None = None) -> float:
-    """Root mean square error of the predicted torque, as a fraction of the torque's.
-
-    Args:
-        fit: What was identified, on other data.
-        samples: Data it did not see.
-        model: A friction model in place of the fit's.
-    """
-    friction = np.asarray((model or fit.friction.model).torque(np.asarray(samples.velocity)))
-    friction = np.abs(friction) * samples.direction
-    error = samples.torque - fit.rigid_body.rigid_torque(samples) - friction
-    return float(np.sqrt(np.mean(error**2) / np.mean(samples.torque**2)))

@@ -5,15 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from fricomp.errors import MissingExtraError
 from fricomp.laws import FloatArray, Scalar
-
-if TYPE_CHECKING:
-    import torch
 
 __all__ = [
     "LAYER_SIZES",
@@ -80,38 +76,6 @@ class TanhNetwork:
         return TanhNetwork(
             split_parameters(values), self.velocity_scale, self.torque_scale, self.load_offset, self.load_scale
         )
-
-    def torch_module(self) -> torch.nn.Sequential:
-        """The same function of (velocity, normal load), shape (n, 2) to (n, 1), as a float64 torch module.
-
-        Raises:
-            MissingExtraError: torch is not installed.
-        """
-        try:
-            import torch
-        except ImportError:
-            raise MissingExtraError("torch", "calibrate") from None
-        steps: list[Any] = []
-        for layer in _denormalised(self):
-            linear = torch.nn.Linear(layer.weight.shape[1], layer.weight.shape[0], dtype=torch.float64)
-            with torch.no_grad():
-                linear.weight.copy_(torch.from_numpy(layer.weight.copy()))
-                linear.bias.copy_(torch.from_numpy(layer.bias.copy()))
-            steps += [linear, torch.nn.Tanh()]
-        return torch.nn.Sequential(*steps[:-1])
-
-
-def _denormalised(network: TanhNetwork) -> list[Layer]:
-    """Layers of the same function with the normalisation folded into the first and last of them."""
-    first, *middle, last = network.layers
-    scale = np.array([network.velocity_scale, network.load_scale])
-    offset = np.array([0.0, network.load_offset])
-    weight = first.weight / scale
-    return [
-        Layer(weight, first.bias - weight @ offset),
-        *middle,
-        Layer(last.weight * network.torque_scale, last.bias * network.torque_scale),
-    ]
 
 
 def join_parameters(layers: Sequence[Layer]) -> FloatArray:

@@ -120,7 +120,7 @@ def study_seeds(
         make_adapter: The joint with this seed of its noise.
         truth: Its friction.
         seeds: One calibration each.
-        folder: Holds one run a seed.
+        folder: Holds one run a seed; those of an earlier study are replaced.
         report: Told about progress.
     """
     wanted, statuses = list(seeds), []
@@ -129,7 +129,7 @@ def study_seeds(
         report(f"seed {seed}", index / len(wanted))
         request = CalibrationRequest("sim", settings=SweepSettings(seed=seed))
         with make_adapter(seed) as adapter:
-            run = RunFolder.create(folder / f"seed-{seed}", request)
+            run = RunFolder.create(folder / f"seed-{seed}", request, overwrite=True)
             calibration = calibrate(SweepContext(adapter, 0, request.settings), run, request.options)
         scores += score(calibration, truth, seed)
         statuses.append(str(calibration.estimate.result.status))

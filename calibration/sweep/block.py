@@ -73,6 +73,11 @@ class SweepData:
         """Whether this plateau or breakaway is there already."""
         return any(label.number == number for label, _ in self.of_kind(kind))
 
+    @property
+    def next_plateau(self) -> int:
+        """The lowest number above those of all plateaus."""
+        return 1 + max((label.number for label, _ in self.of_kind("plateau")), default=-1)
+
     def settled_parts(self) -> tuple[SettledPart, ...]:
         """The settled part of every plateau."""
         parts = []

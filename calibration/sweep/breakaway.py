@@ -28,14 +28,12 @@ class BreakawayRamp:
         position: Where [rad] or [m].
         direction: +1 or -1.
         creep: Speed of the reference [rad/s] or [m/s].
-        longest: Time after which the joint counts as held fast [s].
         number: Of the ramp, from 0; -1 for one that stands alone.
     """
 
     position: float
     direction: int
     creep: float
-    longest: float = 6.0
     number: int = -1
 
 

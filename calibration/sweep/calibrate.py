@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 
 import numpy as np
 
 from fricomp.control.ending import stopping_on_error
 from fricomp.errors import IdentificationError
-from fricomp.joint import JointCapabilities
 
 from ..identification import identify
 from ..identification.design import plan_informative_speeds
@@ -80,7 +79,7 @@ def calibrate(
         first = sweep.runner.meanwhile(sweep.plan_first_pass)
         sweep.run_plan(first)
         number = _refine(sweep, options, len(first.plateaus))
-        sweep.run_plan(first_again(first, number), "first speed again")
+        _repeat_first(sweep, first, number)
         sweep.measure_breakaways(float(first.speeds[0]))
         sweep.finish()
     late, signs = sweep.runner.late_cycles, sweep.sign_check
@@ -107,11 +106,9 @@ def _identify(data: SweepData, options: CalibrationOptions, late_cycles: int, si
 
 def channels_of(context: SweepContext) -> tuple[str, ...]:
     """Columns of the recording: what the joint reports and what was asked of it."""
-    declared: JointCapabilities = context.adapter.capabilities.joints[context.joint]
-    reported = ("velocity",) if declared.velocity_quantum >= 0.0 else ()
     command = ("torque_command",) if context.choose_mode() == "torque" else ()
     load = ("load_torque",) if context.body is not None else ()
-    return ("time", "position", "torque", *reported, "velocity_reference", *command, *load)
+    return ("time", "position", "torque", "velocity", "velocity_reference", *command, *load)
 
 
 def _analyse(data: SweepData, options: CalibrationOptions) -> SweepAnalysis:
@@ -137,6 +134,17 @@ def _refine(sweep: Sweep, options: CalibrationOptions, number: int) -> int:
     return number
 
 
+def _repeat_first(sweep: Sweep, first: SweepPlan, number: int) -> None:
+    """The first speed again, both ways, as far as it is not on disk; `number` is the least that a plateau may have.
+
+    Of a sweep that is gone on with, `number` may be less than what is on disk, where it would count as visited.
+    """
+    seen = {label.velocity for label, _ in sweep.data.of_kind("plateau") if label.is_first_again}
+    plan = first_again(first, max(number, sweep.data.next_plateau))
+    missing = tuple(plateau for plateau in plan.plateaus if plateau.velocity not in seen)
+    sweep.run_plan(replace(plan, plateaus=missing), "first speed again")
+
+
 def stribeck_velocity(analysis: SweepAnalysis) -> float | None:
     """Where the curve bends, roughly [rad/s] or [m/s]; None if the first pass does not show it."""
     points = analysis.steady
@@ -152,8 +160,13 @@ def stribeck_velocity(analysis: SweepAnalysis) -> float | None:
 
 
 def _adapt(sweep: Sweep, options: CalibrationOptions, number: int) -> int:
-    """Rounds of plateaus at the speeds that shrink the covariance most, until it is small enough."""
-    for _ in range(ROUNDS):
+    """Rounds of plateaus at the speeds that shrink the covariance most, until it is small enough.
+
+    Those on disk count; a round that was interrupted is not ended but planned anew from what it has shown.
+    """
+    last = number + ROUNDS * ROUND
+    number = max(number, sweep.data.next_plateau)
+    while number < last:
         deviation, plan = sweep.runner.meanwhile(partial(_plan_round, sweep, options, number))
         if plan is None:
             break

@@ -57,10 +57,7 @@ class IdentificationSettings:
 
     Attributes:
         method: `pinn` or `least_squares`.
-        law: As `identify` names it; empty for the bidirectional Stribeck law, or the symmetric one where both
-            directions cannot be told apart.
         noise: `auto`, `relative` or `absolute`.
-        use_breakaway: Whether measured static torques take part where the sweep does not go slow enough.
         seed: Of the network's first weights.
 
     Raises:
@@ -68,9 +65,7 @@ class IdentificationSettings:
     """
 
     method: Method = "pinn"
-    law: str = ""
     noise: str = "auto"
-    use_breakaway: bool = True
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -100,7 +95,9 @@ class Estimate:
 
 
 def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings) -> Estimate:
-    """Identify the friction law of a sweep.
+    """Identify the bidirectional Stribeck law of a sweep, or the symmetric one where both directions look alike.
+
+    Measured static torques take part where the sweep does not go slow enough.
 
     Raises:
         IdentificationError: There are too few steady plateaus.
@@ -109,7 +106,7 @@ def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings)
     if len(points) < FEWEST_POINTS:
         raise IdentificationError(_too_few(analysis))
     both_alike = analysis.torque_source == HALF_DIFFERENCE
-    law = settings.law or ("symmetric_stribeck" if both_alike else "stribeck")
+    law = "symmetric_stribeck" if both_alike else "stribeck"
     first = identify(
         [p.velocity for p in points],
         [p.torque for p in points],
@@ -118,7 +115,7 @@ def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings)
         settings.noise,
         law=law,
     )
-    static = _static_points(analysis, points, _bend(first)) if settings.use_breakaway else ()
+    static = _static_points(analysis, points, _bend(first))
     used = (*points, *static)
     deviation = np.concatenate([_scatter(points, first, both_alike), [point.deviation for point in static]])
     metadata = analysis.metadata
@@ -138,16 +135,24 @@ def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings)
         ),
     )
     statistical = result.standard_deviations
-    swing = hidden_swing(result, points, metadata.encoder_resolution or 0.0, analysis.sample_rate)
-    shared = [_sensitivity(result, _ripple_shift(result, swing))]
-    if not both_alike:
-        shared.append(_sensitivity(result, analysis.offset.deviation * result.observations.sign))
+    changes = [_sensitivity(result, shift) for shift in _shared_shifts(result, analysis, used)]
+    result = _with_covariance(result, result.covariance + sum(np.outer(change, change) for change in changes))
+    return Estimate(_with_notes(result, analysis), statistical, deviation, used)
+
+
+def _shared_shifts(
+    result: IdentificationResult, analysis: SweepAnalysis, used: Sequence[FrictionPoint]
+) -> list[FloatArray]:
+    """Errors of the points' friction magnitude that no number of plateaus averages out. Shapes (n_points,)."""
+    swing = hidden_swing(result, analysis.steady, analysis.metadata.encoder_resolution or 0.0, analysis.sample_rate)
+    shifts = [_ripple_shift(result, swing)]
+    sign = result.observations.sign
+    if analysis.torque_source != HALF_DIFFERENCE:
+        shifts.append(analysis.offset.deviation * sign)
     elif analysis.gravity is not None:
         rates = np.array([point.load_rate for point in used])[result.observations.kept]
-        shared.append(_sensitivity(result, analysis.gravity.lag_deviation * rates * result.observations.sign))
-    covariance = result.covariance + sum(np.outer(change, change) for change in shared)
-    result = _with_covariance(result, covariance)
-    return Estimate(_with_notes(result, analysis), statistical, deviation, used)
+        shifts.append(analysis.gravity.lag_deviation * rates * sign)
+    return shifts
 
 
 def _too_few(analysis: SweepAnalysis) -> str:
@@ -195,8 +200,8 @@ def _static_points(analysis: SweepAnalysis, points: Sequence[FrictionPoint], ben
 
 
 def _bend(first: IdentificationResult) -> float:
-    """The lowest Stribeck velocity [rad/s] or [m/s]; 0 where the law has none."""
-    return min((v for name, v in first.parameters.items() if name.endswith("stribeck_velocity")), default=0.0)
+    """The lowest Stribeck velocity [rad/s] or [m/s]."""
+    return min(value for name, value in first.parameters.items() if name.endswith("stribeck_velocity"))
 
 
 def _loads(points: Sequence[FrictionPoint]) -> ArrayLike | None:

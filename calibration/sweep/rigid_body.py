@@ -59,11 +59,6 @@ class RigidBody:
         joint = names.index(name)
         return int(self._model.jnt_qposadr[joint]), int(self._model.jnt_dofadr[joint])
 
-    @property
-    def has_gravity(self) -> bool:
-        """Whether gravity acts on any joint somewhere; looked for at some random positions."""
-        return any(self.has_gravity_on(joint) for joint in range(len(self._dofs)))
-
     def has_gravity_on(self, joint: int) -> bool:
         """Whether gravity acts on this joint somewhere; looked for at some random positions."""
         generator = np.random.default_rng(0)

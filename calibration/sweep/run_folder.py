@@ -23,6 +23,11 @@ __all__ = ["RunFolder"]
 
 SCHEMA = "fricomp.run/1"
 _PACKAGES = ("numpy", "scipy", "torch", "mujoco", "onnx", "msgspec")
+_MADE_OF_IT = (
+    *("friction.json", "friction.onnx", "report.html", "motion-alone.csv"),
+    *("friction-curve.png", "acquisition.png", "residuals.png", "correlation.png", "training.png"),
+)
+"""Files beside the recording; left there, they would pass for what a run that was interrupted has found."""
 
 
 class _Run(msgspec.Struct):
@@ -49,7 +54,7 @@ class RunFolder:
         Args:
             path: The folder.
             request: What was asked for.
-            overwrite: Throw away the recording of an earlier run there.
+            overwrite: Throw away the recording of an earlier run there, and the model, network and report made of it.
 
         Raises:
             SweepAborted: The folder cannot be written, or holds a run already.
@@ -65,6 +70,8 @@ class RunFolder:
             raise SweepAborted(
                 f"{folder.path} holds a run already: {go_on}replace it (--overwrite), or choose another folder (--out)"
             )
+        for name in _MADE_OF_IT if overwrite else ():
+            (folder.path / name).unlink(missing_ok=True)
         folder.recording.unlink(missing_ok=True)
         folder._save()
         return folder

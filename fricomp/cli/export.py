@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from enum import Enum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from fricomp.model import FrictionModel
 
 __all__ = ["app"]
 
@@ -75,26 +78,35 @@ def export(
 
 def _export_onnx(paths: list[Path], out: Path, any_status: bool) -> str:
     from fricomp.errors import ExportError
-    from fricomp.export import closed_form_graph, save_graph, stack_networks, state_columns
+    from fricomp.export import closed_form_graph, join_facts, save_graph, stack_networks, state_columns
     from fricomp.model import load_model
 
     kinds = {path.suffix for path in paths}
     if kinds == {".onnx"}:
         save_graph(stack_networks(paths, any_status=any_status), out)
-        return f"the networks of {len(paths)} joints in one graph; nothing is lost"
+        return (
+            f"the networks of {len(paths)} joints in one graph; only rounding to float32 is lost, and of their ranges "
+            "of velocity what not all of them share"
+        )
     if ".onnx" in kinds:
         raise ExportError("networks (.onnx) and closed forms (.json) cannot be mixed in one graph")
     models = [load_model(path) for path in paths]
-    ranges = [model.validity.velocity for model in models if model.validity.velocity is not None]
-    metadata = {"joint": " ".join(model.joint for model in models), "output": f"torque [{models[0].torque_unit}]"}
     columns = state_columns(models)
-    metadata["input"] = ", ".join(columns)
-    if ranges:
-        metadata["velocity_range"] = f"{max(r[0] for r in ranges):.9g} {min(r[1] for r in ranges):.9g}"
+    metadata = join_facts([_facts(model) for model in models]) | {"input": ", ".join(columns)}
     save_graph(closed_form_graph(models, any_status=any_status), out, metadata)
     joints = f"{len(models)} joint{'s' if len(models) > 1 else ''}"
     memory = ", in steady sliding" if any(model.law.is_dynamic for model in models) else ""
     return f"the closed form of {joints} over {', '.join(columns)}; only rounding to float32 is lost{memory}"
+
+
+def _facts(model: FrictionModel) -> dict[str, str]:
+    """What the metadata of a graph say of a joint; how much it may claim is in the graph itself."""
+    facts = {"joint": model.joint, "output": f"torque [{model.torque_unit}]"}
+    if model.provenance.status:
+        facts |= {"status": model.provenance.status, "message": model.provenance.message}
+    if model.validity.velocity is not None:
+        facts["velocity_range"] = " ".join(f"{edge:.9g}" for edge in model.validity.velocity)
+    return facts
 
 
 def _render(

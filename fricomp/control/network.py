@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fricomp.control.network_file import open_network, read_largest_torque, read_velocity_range
+from fricomp.control.network_file import open_network, read_largest_torques, read_velocity_range
 from fricomp.control.trust import LARGEST_EXTRAPOLATION, find_doubt_in_status
 from fricomp.errors import ModelFileError, ParameterError
 from fricomp.laws import FloatArray
@@ -81,8 +81,8 @@ class NetworkCompensator:
         self._run = _bind(self._session, self._state, self._torque)
         self._gain, self._smoothing, self.rejected = gain, smoothing, 0
         self._range = read_velocity_range(velocity_range, about)
-        cap = LARGEST_EXTRAPOLATION * read_largest_torque(about)
-        self.authority: list[float] = np.minimum(self._largest(), cap).tolist()
+        caps = LARGEST_EXTRAPOLATION * read_largest_torques(about, self.n_joints)
+        self.authority: list[float] = np.minimum(self._largest(), caps).tolist()
         self.tail = self._measure_tail()
         if self.tail > largest_share * period:
             raise ParameterError(

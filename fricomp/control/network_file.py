@@ -7,9 +7,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from fricomp.errors import MissingExtraError, ModelFileError, ParameterError
 
-__all__ = ["open_network", "read_largest_torque", "read_velocity_range"]
+__all__ = ["open_network", "read_largest_torques", "read_velocity_range"]
 
 
 def open_network(path: Path) -> Any:
@@ -60,20 +63,24 @@ def read_velocity_range(given: tuple[float, float] | None, about: Mapping[str, s
     return low, high
 
 
-def read_largest_torque(about: Mapping[str, str]) -> float:
-    """Largest torque that was measured, as the file states it; infinity where it does not.
+def read_largest_torques(about: Mapping[str, str], n_joints: int) -> NDArray[np.float64]:
+    """Largest torque that was measured on each joint, as the file states it: one number for all joints or one a joint.
+
+    Infinity where nothing is stated, and where a file of several joints says so of one. Shape (1,) or (n_joints,).
 
     Raises:
-        ModelFileError: It is not finite and positive.
+        ModelFileError: It states another number of them, or one is not positive, or the only one not finite.
     """
-    stated = about.get("largest_torque")
-    if stated is None:
-        return math.inf
-    largest = _number(stated)
-    if not 0.0 < largest < math.inf:
+    if "largest_torque" not in about:
+        return np.array([math.inf])
+    words = about["largest_torque"].split()
+    if len(words) not in (1, n_joints):
+        raise ModelFileError(f"the network of {n_joints} joints states {len(words)} largest torques; export it anew")
+    largest = np.array([_number(word) for word in words])
+    if not np.all(largest > 0.0) or (len(words) == 1 and not np.isfinite(largest[0])):
         raise ModelFileError(
-            f"the network's file states {stated!r} as the largest torque measured: it must be finite and positive; "
-            "export it anew"
+            f"the network's file states {about['largest_torque']!r} as the largest torque measured: it must be finite "
+            "and positive; export it anew"
         )
     return largest
 

@@ -2,6 +2,7 @@
 
 from fricomp.export.c_header import render_c_header
 from fricomp.export.fidelity import Fidelity, compute_fidelity
+from fricomp.export.joined_facts import join_facts
 from fricomp.export.onnx_graph import closed_form_graph, save_graph, stack_networks, state_columns
 from fricomp.export.simulators import (
     MJCF_WAYS,
@@ -24,6 +25,7 @@ __all__ = [
     "compute_fidelity",
     "export_mjcf",
     "export_urdf",
+    "join_facts",
     "render_c_header",
     "save_graph",
     "stack_networks",

@@ -94,28 +94,9 @@ def _functions(
         return f"{text}F" if is_float else text
 
     position_unit, torque_unit, prefix = names
-    low, high = settings.velocity_range
-    values = {
-        "zero": 0.0,
-        "one": 1.0,
-        "keep": 1.0 - settings.measured_share,
-        "share": settings.measured_share,
-        "error_band": settings.error_band,
-        "error_rate": settings.error_rate,
-        "gain": settings.gain,
-        "fade_width": settings.fade_width,
-        "authority": settings.authority,
-        "load_sensitivity": curves.load.load_sensitivity,
-        "reference_load": curves.load.reference_load,
-        "forward_edge": high,
-        "reverse_edge": low,
-    }
-    for side, curve in (("forward", curves.forward), ("reverse", curves.reverse)):
-        values |= {f"{side}_coulomb": curve.coulomb, f"{side}_rise": curve.rise}
-        values |= {f"{side}_stribeck_velocity": curve.stribeck_velocity, f"{side}_viscous": curve.viscous}
     suffix = "f" if is_float else ""
-    names_and_types = {"real": "float" if is_float else "double", "f": suffix, "prefix": prefix}
-    constants = names_and_types | {name: literal(value) for name, value in values.items()}
+    constants = {"real": "float" if is_float else "double", "f": suffix, "prefix": prefix}
+    constants |= {name: literal(value) for name, value in _numbers(curves, settings).items()}
     dry = _static(curves, settings, literal) if curves.bristle is None else _bristle(curves, period, literal)
     has_extra, is_late = bool(curves.extra), curves.lag > 0.0
     constants |= {"speed": "blended", "dragged": "drive"}
@@ -145,6 +126,30 @@ def _functions(
         dry=Template(dry.safe_substitute(constants)).substitute(constants),
         rate_limit=_rate_limit(settings, period, literal),
     )
+
+
+def _numbers(curves: FrictionCurves, settings: CompensationSettings) -> dict[str, float]:
+    """The numbers of the templates, by name."""
+    low, high = settings.velocity_range
+    values = {
+        "zero": 0.0,
+        "one": 1.0,
+        "keep": 1.0 - settings.measured_share,
+        "share": settings.measured_share,
+        "error_band": settings.error_band,
+        "error_rate": settings.error_rate,
+        "gain": settings.gain,
+        "fade_width": settings.fade_width,
+        "authority": settings.authority,
+        "load_sensitivity": curves.load.load_sensitivity,
+        "reference_load": curves.load.reference_load,
+        "forward_edge": high,
+        "reverse_edge": low,
+    }
+    for side, curve in (("forward", curves.forward), ("reverse", curves.reverse)):
+        values |= {f"{side}_coulomb": curve.coulomb, f"{side}_rise": curve.rise}
+        values |= {f"{side}_stribeck_velocity": curve.stribeck_velocity, f"{side}_viscous": curve.viscous}
+    return values
 
 
 def _load_bounds(settings: CompensationSettings, literal: Literal) -> str:

@@ -17,6 +17,7 @@ from fricomp.control import (
 )
 from fricomp.control.extra_terms import INPUT_TERMS
 from fricomp.errors import ExportError, MissingExtraError
+from fricomp.export.joined_facts import join_facts
 from fricomp.export.onnx_terms import extra_constants, extra_nodes
 from fricomp.laws import DwellStiction, FloatArray
 from fricomp.model import FrictionModel
@@ -136,18 +137,20 @@ def stack_networks(paths: Sequence[str | os.PathLike[str]], *, any_status: bool 
     """The networks of several joints in one graph: input `state`, shape (n_joints, 2), output (n_joints, 1).
 
     Their layers are joined into block-diagonal ones and the normalisation is folded into the first and the last:
-    few operators, each for all joints, which is what a call costs.
+    few operators, each for all joints, which is what a call costs. The metadata are those of all files by `join_facts`.
 
     Args:
         paths: Networks that an identification wrote.
         any_status: Take networks too whose models their identification calls unusable.
 
     Raises:
-        ExportError: No file, a file is no network of this library, or their layers differ in number.
+        ExportError: No file, a file is no network of this library, their layers differ in number, or their ranges of
+            velocity do not overlap.
         MissingExtraError: onnx is not installed.
     """
     onnx = _onnx()
-    tables = [_weights(onnx, Path(path), any_status) for path in paths]
+    networks = [_read_network(onnx, Path(path), any_status) for path in paths]
+    tables = [table for table, _ in networks]
     depths = {sum(name.startswith("weight_") for name in table) for table in tables}
     if len(depths) != 1:
         raise ExportError(
@@ -166,7 +169,11 @@ def stack_networks(paths: Sequence[str | os.PathLike[str]], *, any_status: bool 
             nodes.append(node("Tanh", [f"affine_{k}"], [f"signal_{k + 1}"]))
     nodes.append(node("Reshape", [f"affine_{n_layers - 1}", "column"], ["torque"]))
     shapes = {"flat": np.array([1, 2 * n_joints]), "column": np.array([n_joints, 1])}
-    return _model(onnx, nodes, constants, (n_joints, 2), {name: v.astype(np.int64) for name, v in shapes.items()})
+    integers = {name: values.astype(np.int64) for name, values in shapes.items()}
+    graph = _model(onnx, nodes, constants, (n_joints, 2), integers)
+    for key, value in sorted(join_facts([about for _, about in networks]).items()):
+        graph.metadata_props.add(key=key, value=value)
+    return graph
 
 
 def _folded_layers(table: dict[str, FloatArray], n_layers: int) -> list[tuple[FloatArray, FloatArray]]:
@@ -218,7 +225,8 @@ def _onnx() -> Any:
     return onnx
 
 
-def _weights(onnx: Any, path: Path, any_status: bool) -> dict[str, FloatArray]:
+def _read_network(onnx: Any, path: Path, any_status: bool) -> tuple[dict[str, FloatArray], dict[str, str]]:
+    """The weights of a network by name, and its metadata."""
     try:
         model = onnx.load(str(path))
     except Exception as error:  # protobuf raises its own kinds
@@ -233,7 +241,7 @@ def _weights(onnx: Any, path: Path, any_status: bool) -> dict[str, FloatArray]:
     table = {item.name: onnx.numpy_helper.to_array(item) for item in model.graph.initializer}
     if not {"input_offset", "input_scale", "torque_scale", "weight_0", "bias_0"} <= set(table):
         raise ExportError(f"{path} is not a friction network of this library: export it with fricomp")
-    return table
+    return table, about
 
 
 def _model(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -203,18 +203,27 @@ def apply_to_mjcf(export: SimulatorExport, text: str | None, joint: str) -> str:
     root = _parse(
         text or f"<mujoco><worldbody><body><joint name={_quote(joint)}/></body></worldbody></mujoco>", "mujoco"
     )
-    element = _find(root, "joint", joint)
+    element = _find((each for world in root.findall("worldbody") for each in world.iter("joint")), joint)
     for name in ("damping", "frictionloss", *_STICKING):
         element.attrib.pop(name, None)
     element.attrib.update(export.joint)
     if "springref" in export.joint and element.get("type", "hinge") == "hinge" and not _in_radians(root):
         element.attrib["springref"] = f"{math.degrees(float(export.joint['springref'])):.9g}"
-    if export.actuator:
+    _replace_motor(root, joint, export.actuator)
+    return _to_text(root, export)
+
+
+def _replace_motor(root: ET.Element, joint: str, attributes: Mapping[str, str]) -> None:
+    """Take out the passive motor of an earlier export, whose friction would add to the new one, and put in another."""
+    name = f"{joint}_friction"
+    for section in root.findall("actuator"):
+        for motor in [each for each in section.findall("dcmotor") if each.get("name") == name]:
+            section.remove(motor)
+    if attributes:
         actuators = root.find("actuator")
         if actuators is None:
             actuators = ET.SubElement(root, "actuator")
-        ET.SubElement(actuators, "dcmotor", {"name": f"{joint}_friction", "joint": joint, **export.actuator})
-    return _to_text(root, export)
+        ET.SubElement(actuators, "dcmotor", {"name": name, "joint": joint, **attributes})
 
 
 def apply_to_urdf(export: SimulatorExport, text: str | None, joint: str) -> str:
@@ -224,7 +233,7 @@ def apply_to_urdf(export: SimulatorExport, text: str | None, joint: str) -> str:
         ExportError: The file is not URDF, or has no such joint.
     """
     root = _parse(text or f"<robot><joint name={_quote(joint)}/></robot>", "robot")
-    element = _find(root, "joint", joint)
+    element = _find(root.findall("joint"), joint)
     dynamics = element.find("dynamics")
     if dynamics is None:
         dynamics = ET.SubElement(element, "dynamics")
@@ -247,11 +256,12 @@ def _parse(text: str, root: str) -> ET.Element:
     return parsed
 
 
-def _find(root: ET.Element, tag: str, name: str) -> ET.Element:
-    names = {element.get("name", ""): element for element in root.iter(tag)}
+def _find(joints: Iterable[ET.Element], name: str) -> ET.Element:
+    """The joint of that name; elements of other sections, such as <ros2_control> or <equality>, may share it."""
+    names = {element.get("name", ""): element for element in joints}
     if name not in names:
         known = ", ".join(sorted(filter(None, names))) or "none"
-        raise ExportError(f"the file to write into has no {tag} {name!r}; it has {known}")
+        raise ExportError(f"the file to write into has no joint {name!r}; it has {known}")
     return names[name]
 
 

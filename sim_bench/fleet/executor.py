@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import re
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import (
     FIRST_COMPLETED,
@@ -22,6 +23,12 @@ from fricomp.errors import DiagnosisError, MissingExtraError
 __all__ = ["EXECUTORS", "SerialExecutor", "always", "open_executor", "stream"]
 
 EXECUTORS = "processes, processes://N, serial, dask://host:port, dask://local:N"
+
+_ADDRESS = re.compile(
+    r"serial|processes(://(?P<processes>[1-9][0-9]*))?"
+    r"|dask://(local(:(?P<local>[1-9][0-9]*))?|(?P<scheduler>(?!local:).+:[0-9]+))"
+)
+_LOCAL_WORKERS = 2  # of a local Dask cluster whose address does not say it
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _RETRIES = 2  # of a call whose worker died
@@ -92,20 +99,21 @@ def open_executor(address: str = "processes", workers: int | None = None) -> Ite
         DiagnosisError: The address is none of these, no scheduler answers there, or a worker process died.
         MissingExtraError: dask.distributed is not installed.
     """
-    kind, _, rest = address.partition("://")
-    if workers is not None and (kind == "serial" or rest):
+    found = _ADDRESS.fullmatch(address)
+    if found is None:
+        raise DiagnosisError(f"unknown executor {address!r}: valid are {EXECUTORS}, with a positive number N")
+    if workers is not None and address != "processes":
         raise DiagnosisError(f"the executor {address!r} has its own number of workers: leave out --workers")
     try:
-        if kind == "serial":
+        if address == "serial":
             yield SerialExecutor(), 1
-        elif kind == "processes":
-            count = int(rest) if rest.isdecimal() and int(rest) > 0 else workers or os.cpu_count() or 1
+        elif address.startswith("processes"):
             with _one_thread_each():
-                yield from _run_processes(count)
-        elif kind == "dask" and rest:
-            yield from _open_dask(rest)
+                yield from _run_processes(int(found["processes"] or workers or os.cpu_count() or 1))
+        elif found["scheduler"]:
+            yield from _join_dask(found["scheduler"])
         else:
-            raise DiagnosisError(f"unknown executor {address!r}: valid are {EXECUTORS}")
+            yield from _start_dask(int(found["local"] or _LOCAL_WORKERS))
     except BrokenExecutor as error:
         raise DiagnosisError(
             "a worker process died, killed or out of memory: what is finished is kept, --resume goes on with the rest"
@@ -137,23 +145,29 @@ def _one_thread_each() -> Iterator[None]:
                 os.environ[name] = value
 
 
-def _open_dask(place: str) -> Iterator[tuple[Executor, int]]:
-    """The executor is not shut down itself: a client that is closed takes its calls back, without waiting for any."""
+def _import_dask() -> Any:
+    """dask.distributed, whose functions carry no types."""
     try:
         import distributed
     except ImportError as error:
         raise MissingExtraError("dask.distributed", "bench") from error
-    dask: Any = distributed  # its functions carry no types
-    if place.startswith("local"):
-        workers = int(place.partition(":")[2] or 2)
-        local = dask.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
-        with local as cluster, dask.Client(cluster) as client:
-            yield client.get_executor(retries=_RETRIES), workers
-        return
+    return distributed
+
+
+# The executors are not shut down themselves: a client that is closed takes its calls back, without waiting for any.
+def _start_dask(workers: int) -> Iterator[tuple[Executor, int]]:
+    dask = _import_dask()
+    local = dask.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None)
+    with local as cluster, dask.Client(cluster) as client:
+        yield client.get_executor(retries=_RETRIES), workers
+
+
+def _join_dask(scheduler: str) -> Iterator[tuple[Executor, int]]:
+    dask = _import_dask()
     try:
-        client = dask.Client(f"tcp://{place}", timeout="10s")
+        client = dask.Client(f"tcp://{scheduler}", timeout="10s")
     except OSError as error:
-        raise DiagnosisError(f"no Dask scheduler answers at {place}: {error}") from error
+        raise DiagnosisError(f"no Dask scheduler answers at {scheduler}: {error}") from error
     with client:
         yield client.get_executor(retries=_RETRIES), max(1, len(client.ncores()))
 

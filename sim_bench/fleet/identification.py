@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Literal, cast
 
 import numpy as np
 
-import fricomp
 from fricomp.calibration import IdentificationResult
 from fricomp.calibration.batch import BatchIdentification, identify_batch
 from fricomp.calibration.batch.points import observe_all
 from fricomp.calibration.identification.identify import require_choice
 from fricomp.calibration.identification.observation import observe
+from fricomp.calibration.identification.provenance import compute_provenance
+from fricomp.calibration.identification.result import NoiseEstimate
 from fricomp.calibration.table import FrictionTable, read_friction_table
 from fricomp.errors import FricompError, IdentificationError
-from fricomp.model import Covariance, FrictionModel, Provenance, Validity, save_model
+from fricomp.model import Covariance, FrictionModel, Validity, save_model
 from fricomp.report import Chart, Panel, Points, ReportPage, Section, Table, write_report
 
 from .joint import FleetJoint
@@ -105,14 +105,20 @@ def _read_table(joint: FleetJoint) -> FrictionTable:
 
 
 def _write_joint(parcel: Parcel, table: FrictionTable, found: BatchIdentification, index: int, out: Path) -> None:
-    """The model of one joint of a batch, and its row."""
+    """The model of one joint of a batch, and its row; a joint that gives no model has a row that says why."""
     joint = parcel.joint
     folder = out / joint.name
     folder.mkdir(parents=True, exist_ok=True)
-    save_model(_model(joint, table, found, index), folder / "friction.json")
+    try:
+        model = _model(joint, table, found, index)
+        save_model(model, folder / "friction.json")
+    except FricompError as error:
+        (folder / "friction.json").unlink(missing_ok=True)  # of an earlier run, from other data
+        write_row(failed_row(joint, str(error)), out)
+        return
     row: FleetRow = {"name": joint.name, "error": "", "seconds": 0.0, **parcel.origin, "written": "friction.json"}
-    row |= {"status": str(found.status[index]), "message": "", "noise": str(found.noise[index])}
-    row |= {"noise_level": float(found.noise_level[index]), "torque_unit": "N·m"}
+    row |= {"status": model.provenance.status, "message": model.provenance.message, "noise": str(found.noise[index])}
+    row |= {"noise_level": float(found.noise_level[index]), "torque_unit": model.torque_unit}
     deviations = found.standard_deviations[index]
     for name, value, deviation in zip(found.parameter_names, found.values[index], deviations, strict=True):
         row |= {name: float(value), name + _DEVIATION: float(deviation)}
@@ -120,21 +126,19 @@ def _write_joint(parcel: Parcel, table: FrictionTable, found: BatchIdentificatio
 
 
 def _model(joint: FleetJoint, table: FrictionTable, found: BatchIdentification, index: int) -> FrictionModel:
-    law, loads = found.law(index), None
+    law, loads, points = found.law(index), None, observe(table.velocity, table.torque, table.normal_load)
+    largest = float(np.max(np.abs(law.torque(points.velocity))))
     if table.normal_load is not None:  # the same in all rows, so that the parameters hold there
         loads = (float(table.normal_load[0]), float(table.normal_load[0]))
         law = law.replace({"stribeck.load.reference_load": loads[0]})
+    kind = str(found.noise[index])
+    noise = NoiseEstimate(kind, float(found.noise_level[index]), {kind: float(found.negative_log_likelihood[index])})
     return FrictionModel(
         law=law,
         joint=joint.joint or joint.name,
-        validity=Validity(velocity=(float(table.velocity.min()), float(table.velocity.max())), normal_load=loads),
+        validity=Validity(velocity=(float(points.velocity.min()), float(points.velocity.max())), normal_load=loads),
         covariance=Covariance(found.parameter_names, found.covariance[index]),
-        provenance=Provenance(
-            method="least_squares",
-            created=datetime.now(UTC).isoformat(timespec="seconds"),
-            fricomp_version=fricomp.__version__,
-            notes={"noise": str(found.noise[index]), "noise_level": f"{found.noise_level[index]:.6g}"},
-        ),
+        provenance=compute_provenance(points, noise, found.verdict(index), largest, method="least_squares"),
     )
 
 

@@ -38,6 +38,11 @@ class RealOutcome:
     seconds: float
 
     @property
+    def named(self) -> frozenset[str]:
+        """Effects that were named."""
+        return frozenset(effect.name for effect in self.record.effects) if self.record is not None else frozenset()
+
+    @property
     def names(self) -> frozenset[str]:
         """Effects that were named or cannot be told from those."""
         effects = self.record.effects if self.record is not None else ()
@@ -45,11 +50,17 @@ class RealOutcome:
 
     @property
     def reached(self) -> bool | None:
-        """Whether it came out as expected; None where nothing was promised."""
-        named = {effect.name for effect in self.record.effects} if self.record is not None else set()
-        if not self.case.expected:
-            return not named & set(self.case.refuted) if self.case.refuted else None
-        return bool(self.names & set(self.case.expected)) and not named & set(self.case.refuted)
+        """Whether it came out as expected, which it did not without an answer; None where nothing was promised."""
+        if not (self.case.expected or self.case.refuted):
+            return None
+        if self.record is None or self.named & set(self.case.refuted):
+            return False
+        return not self.case.expected or bool(self.names & set(self.case.expected))
+
+    @property
+    def found(self) -> frozenset[str]:
+        """Which of the effects that the case lists without promising them were named or cannot be told from those."""
+        return self.names & set(self.case.listed)
 
     @property
     def found_values(self) -> tuple[tuple[str, float, Quantity], ...]:
@@ -57,15 +68,17 @@ class RealOutcome:
         found: dict[str, Quantity] = {}
         for effect in self.record.effects if self.record else ():
             found = {**derived_parameters(effect), **found}
-        return tuple((name, value, found[name]) for name, value, _ in self.case.known if name in found)
+        return tuple((name, value, found[name]) for name, value in self.case.known if name in found)
 
     @property
     def strongest_rejected(self) -> str:
-        """The best-fitting other explanation and why it was refused, in one sentence; empty where there is none."""
+        """The best-fitting other explanation and why it was refused, in one sentence; empty where there is none.
+
+        One that cannot be told from what was named is not refused by this, even where something simpler came first.
+        """
         if self.record is None:
             return ""
-        named = {effect.name for effect in self.record.effects}
-        rivals = [rival for rival in self.record.rivals if rival.refused and not named & set(rival.effects)]
+        rivals = [rival for rival in self.record.rivals if rival.refused and not self.names & set(rival.effects)]
         if not rivals:
             return ""
         best = max(rivals, key=lambda rival: rival.gain)

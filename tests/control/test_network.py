@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from fricomp.control import NetworkCompensator
+from fricomp.control import LARGEST_EXTRAPOLATION, NetworkCompensator
 from fricomp.errors import ModelFileError, ParameterError
 from fricomp.export import closed_form_graph, save_graph
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
@@ -96,3 +96,13 @@ def test_range_must_be_known(tmp_path: Path) -> None:
     with pytest.raises(ParameterError, match="velocity_range"):
         NetworkCompensator(tmp_path / "a.onnx")
     assert NetworkCompensator(tmp_path / "a.onnx", velocity_range=(-1.0, 1.0), largest_share=math.inf).n_joints == 1
+
+
+def test_each_joint_has_its_own_bound_and_a_file_of_another_number_is_refused(path: Path) -> None:
+    save_graph(closed_form_graph(MODELS), path, {"velocity_range": "-1 1", "largest_torque": "0.1 inf"})
+    low, high = make(path).authority
+    assert low == pytest.approx(LARGEST_EXTRAPOLATION * 0.1)
+    assert high > 0.6
+    save_graph(closed_form_graph(MODELS), path, {"velocity_range": "-1 1", "largest_torque": "0.1 0.1 0.1"})
+    with pytest.raises(ModelFileError, match="2 joints states 3 largest torques"):
+        make(path)

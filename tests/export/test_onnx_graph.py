@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -10,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fricomp.control import Compensator
-from fricomp.errors import ExportError
+from fricomp.control import LARGEST_EXTRAPOLATION, Compensator, NetworkCompensator
+from fricomp.errors import ExportError, ParameterError
 from fricomp.export import closed_form_graph, save_graph, stack_networks, state_columns
 from fricomp.laws import (
     BidirectionalStribeck,
@@ -144,13 +145,15 @@ def test_terms_with_a_memory_are_those_of_steady_sliding(tmp_path: Path) -> None
     np.testing.assert_array_equal(run(tmp_path / "a.onnx", state), run(tmp_path / "plain.onnx", state))
 
 
-def make_network(path: Path, seed: int, sizes: tuple[int, ...] = (2, 20, 20, 1)) -> None:
+def make_network(
+    path: Path, seed: int, sizes: tuple[int, ...] = (2, 20, 20, 1), about: dict[str, str] | None = None
+) -> None:
     from fricomp.calibration.network.architecture import Layer, TanhNetwork
     from fricomp.calibration.network.onnx_file import save_network
 
     rng = np.random.default_rng(seed)
     layers = tuple(Layer(rng.normal(size=(n, m)) / m, rng.normal(size=n)) for m, n in pairwise(sizes))
-    save_network(TanhNetwork(layers, 1.3 + seed, 1.0, 0.5, 0.7), path, {})
+    save_network(TanhNetwork(layers, 1.3 + seed, 1.0, 0.5, 0.7), path, about or {})
 
 
 def test_stacked_networks_say_what_each_one_says(tmp_path: Path) -> None:
@@ -162,6 +165,41 @@ def test_stacked_networks_say_what_each_one_says(tmp_path: Path) -> None:
     alone = [run(path, state[k : k + 1])[0] for k, path in enumerate(paths)]
     assert len(set(alone)) == 7
     assert run(tmp_path / "arm.onnx", state) == pytest.approx(alone, rel=1e-5, abs=1e-6)
+
+
+ABOUT = {"velocity_range": "-1 1", "status": "converged", "message": "fine", "largest_torque": "0.05"}
+WORSE = ABOUT | {"joint": "elbow", "velocity_range": "-2 0.5", "largest_torque": "0.1"}
+
+
+def stack(folder: Path, *abouts: dict[str, str]) -> Path:
+    paths = [folder / f"{k}.onnx" for k in range(len(abouts))]
+    for k, (path, about) in enumerate(zip(paths, abouts, strict=True)):
+        make_network(path, k, about=about)
+    save_graph(stack_networks(paths, any_status=True), folder / "arm.onnx")
+    return folder / "arm.onnx"
+
+
+def test_stacked_networks_are_trusted_no_further_than_each_alone(tmp_path: Path) -> None:
+    path = stack(tmp_path, ABOUT | {"joint": "shoulder"}, WORSE | {"status": "wrong_basin_suspected", "message": "two"})
+    network = NetworkCompensator(path, largest_share=math.inf)
+    assert network.authority == pytest.approx([LARGEST_EXTRAPOLATION * 0.05, LARGEST_EXTRAPOLATION * 0.1])
+    about = {item.key: item.value for item in onnx.load(str(path)).metadata_props}
+    assert about["velocity_range"] == "-1 0.5"
+    assert (about["status"], about["message"]) == ("wrong_basin_suspected", "elbow: two")
+    assert about["joint"] == "shoulder elbow"
+
+
+def test_one_unusable_network_makes_the_stack_unusable(tmp_path: Path) -> None:
+    path = stack(tmp_path, ABOUT, WORSE | {"status": "not_identifiable", "message": "add speeds"})
+    with pytest.raises(ParameterError, match="not_identifiable: elbow: add speeds"):
+        NetworkCompensator(path, largest_share=math.inf)
+
+
+def test_a_stack_states_no_range_that_one_network_does_not_state(tmp_path: Path) -> None:
+    with pytest.raises(ParameterError, match="states no range of velocity"):
+        NetworkCompensator(stack(tmp_path, ABOUT, {"status": "converged"}), largest_share=math.inf)
+    with pytest.raises(ExportError, match="share no range of velocity"):
+        stack(tmp_path, ABOUT, WORSE | {"velocity_range": "1 2"})
 
 
 def test_networks_of_different_depth_are_refused(tmp_path: Path) -> None:

@@ -104,6 +104,32 @@ def test_old_friction_of_the_joint_is_replaced() -> None:
     assert [element.tag for element in root.findall("actuator/*")] == ["motor", "dcmotor"]
 
 
+@pytest.mark.parametrize("way", ["dcmotor", "damping", "frictionloss"])
+def test_a_second_export_replaces_the_first(way: MjcfWay) -> None:
+    once = apply_to_mjcf(export_mjcf(make_model(), "dcmotor"), ROBOT, "elbow")
+    twice = apply_to_mjcf(export_mjcf(make_model(Stribeck(FORWARD)), way), once, "elbow")
+    fresh = apply_to_mjcf(export_mjcf(make_model(Stribeck(FORWARD)), way), ROBOT, "elbow")
+    assert steady_torque(twice, 0.3) == pytest.approx(steady_torque(fresh, 0.3), rel=1e-9)
+
+
+def test_mjcf_friction_goes_to_the_joint_of_a_body() -> None:
+    text = ROBOT.replace("<actuator>", '<equality><joint name="elbow" joint1="elbow"/></equality><actuator>')
+    root = ET.fromstring(apply_to_mjcf(export_mjcf(make_model(), "frictionloss"), text, "elbow"))
+    body, constraint = root.find("worldbody//joint"), root.find("equality/joint")
+    assert body is not None
+    assert constraint is not None
+    assert "frictionloss" in body.attrib
+    assert "frictionloss" not in constraint.attrib
+
+
+def test_urdf_friction_goes_to_the_joint_and_not_to_its_interfaces() -> None:
+    control = '<ros2_control name="c"><joint name="elbow"><command_interface name="effort"/></joint></ros2_control>'
+    text = f'<robot name="r"><joint name="elbow" type="revolute"/>{control}</robot>'
+    root = ET.fromstring(apply_to_urdf(export_urdf(make_model()), text, "elbow"))
+    assert root.find("joint/dynamics") is not None
+    assert root.find("ros2_control/joint/dynamics") is None
+
+
 def test_urdf_keeps_limits_and_states_its_loss() -> None:
     text = '<robot name="r"><joint name="elbow" type="revolute"><limit effort="1" velocity="2"/></joint></robot>'
     export = export_urdf(make_model())

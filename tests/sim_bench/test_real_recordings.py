@@ -108,7 +108,10 @@ def _arm() -> tuple[Recording, ...]:
     return read_public("ur10e/fourier")
 
 
-def _outcome(name: str, rivals: tuple[Rival, ...] = ()) -> RealOutcome:
+CASE = RealCase("case", ("set/recording",), "load", expected=("load_coulomb",), refuted=("cogging",))
+
+
+def _outcome(name: str, rivals: tuple[Rival, ...] = (), case: RealCase = CASE) -> RealOutcome:
     effect = NamedEffect(name=name, kind="physics", parameters={}, indistinguishable_from=("load_coulomb",), share=0.9)
     held = HeldOut(
         rmse_before=0.25, rmse_after=0.05, noise_floor=0.04, unit="A", ci95_reduction=(0.7, 0.9), explained=0.9
@@ -116,13 +119,40 @@ def _outcome(name: str, rivals: tuple[Rival, ...] = ()) -> RealOutcome:
     record = DiagnosisRecord(
         schema=DIAGNOSIS_SCHEMA, verdict="missing_physics", effects=(effect,), heldout=held, rivals=rivals
     )
-    case = RealCase("case", ("set/recording",), "load", expected=("load_coulomb",), refuted=("cogging",))
     return RealOutcome(case, record, "", 1.0)
 
 
 def test_an_alias_counts_as_reached_and_a_refuted_name_does_not() -> None:
     assert _outcome("load_quadratic").reached is True
     assert _outcome("cogging").reached is False
+
+
+@pytest.mark.parametrize("expected", [(), ("cogging",)])
+def test_a_case_without_an_answer_did_not_come_out_as_expected(expected: tuple[str, ...]) -> None:
+    case = RealCase("control", ("set/recording",), "no load", expected=expected, refuted=("load_coulomb",))
+    assert RealOutcome(case, None, "a reason", 1.0).reached is False
+    assert RealOutcome(RealCase("other", (), "nothing"), None, "a reason", 1.0).reached is None
+
+
+def test_what_cannot_be_told_from_the_answer_is_no_refused_rival() -> None:
+    alias = Rival(effects=("load_coulomb",), gain=9.0, refused="another is simpler")
+    assert _outcome("load_quadratic", (alias,)).strongest_rejected == ""
+    other = Rival(effects=("end_stop",), gain=5.0, refused="pulls")
+    assert _outcome("load_quadratic", (alias, other)).strongest_rejected == "end_stop: pulls"
+
+
+def test_the_page_counts_what_is_known_and_was_not_found(tmp_path: Path) -> None:
+    cases = [RealCase(name, (), "ripple", listed=(effect,)) for name, effect in (("a", "cogging"), ("b", "end_stop"))]
+    outcomes = [_outcome("end_stop", case=case) for case in (*cases, RealCase("c", (), "nothing"))]
+    write_real_page([*outcomes, _outcome("load_quadratic")], tmp_path / "real.md")
+    text = (tmp_path / "real.md").read_text()
+    assert "| a | `end_stop` | 0.25 → 0.05 (0.04) A | – | not found | 1 |" in text
+    assert "| – | found: end_stop | 1 |" in text
+    assert "| – | nothing promised | 1 |" in text
+    assert (
+        "As expected: 1 of 1. Not found: 1 of 2 in which effects are known and none is promised. Nothing promised: 1."
+        in text
+    )
 
 
 def test_the_page_names_the_strongest_refused_rival(tmp_path: Path) -> None:

@@ -8,6 +8,8 @@ from fricomp.calibration.batch import identify_batch
 from fricomp.calibration.batch.throughput import draw_joints, draw_parameters, measure_throughput
 from fricomp.calibration.identification import Status
 from fricomp.errors import IdentificationError
+from fricomp.laws import FloatArray
+from fricomp.model import Covariance
 
 pytest.importorskip("torch")
 
@@ -73,3 +75,32 @@ def test_throughput_compares_the_same_joints() -> None:
     assert found.joints == 12
     assert found.largest_difference < 1e-5
     assert "joints/s" in str(found)
+
+
+def _above_the_bend(count: int) -> tuple[list[FloatArray], list[FloatArray]]:
+    """Sweeps whose slowest speed lies above the Stribeck velocity, so that the information is nearly singular."""
+    speed, rng = np.linspace(0.05, 2.0, 20), np.random.default_rng(0)
+    velocity, torques = np.concatenate([speed, -speed]), []
+    for bend in 0.02 * np.exp(0.5 * rng.standard_normal(count)):
+        clean = np.sign(velocity) * (1.0 + 0.5 * np.exp(-((velocity / bend) ** 2))) + 0.3 * velocity
+        torques.append(clean * (1.0 + 0.02 * rng.standard_normal(velocity.size)))
+    return [velocity] * count, torques
+
+
+def test_covariances_are_symmetric_where_the_information_is_nearly_singular() -> None:
+    found = identify_batch(*_above_the_bend(40))
+    for covariance in found.covariance:
+        Covariance(found.parameter_names, covariance)
+        np.testing.assert_allclose(covariance, covariance.T, rtol=1e-12)
+
+
+def test_a_joint_ends_as_it_would_alone_without_viscous_friction_and_without_noise() -> None:
+    speed = np.linspace(0.05, 2.0, 20)
+    velocity = np.concatenate([speed, -speed])
+    dry = np.sign(velocity) * (1.0 + 0.5 * np.exp(-((velocity / 0.2) ** 2)))
+    noisy = dry * (1.0 + 0.005 * np.random.default_rng(1).standard_normal(velocity.size))
+    exact = dry + 0.3 * velocity
+    found = identify_batch([velocity, velocity], [noisy, exact])
+    alone = [identify(velocity, torque, method="least_squares") for torque in (noisy, exact)]
+    assert found.status == [one.status for one in alone] == [Status.CONVERGED] * 2
+    assert found.verdict(0).message == alone[0].message

@@ -33,14 +33,6 @@ def test_architecture_is_the_one_of_the_paper() -> None:
     assert len(_network().parameters()) == 921
 
 
-def test_torch_module_is_the_same_function() -> None:
-    torch = pytest.importorskip("torch")
-    network = _network()
-    velocity, load = np.linspace(-2.0, 2.0, 101), np.full(101, 12.0)
-    there = network.torch_module()(torch.from_numpy(np.stack([velocity, load], axis=1)))
-    np.testing.assert_allclose(there.detach().numpy()[:, 0], network.torque(velocity, load), atol=1e-12)
-
-
 def test_exported_network_does_not_interpolate_noise(tmp_path: object) -> None:
     draw = noisy("relative", 0)
     result = identify(draw.velocity, draw.torque, noise="relative")

@@ -3,8 +3,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fricomp.calibration.motion.joint_samples import RegressionSettings, choose_settings, sample_joint, split_for
-from fricomp.calibration.motion.rigid_body import fit_rigid_body, identify_motion, prediction_error
+from fricomp.calibration.motion.joint_samples import (
+    JointSamples,
+    RegressionSettings,
+    choose_settings,
+    sample_joint,
+    split_for,
+)
+from fricomp.calibration.motion.rigid_body import MotionIdentification, fit_rigid_body, identify_motion
 from fricomp.errors import IdentificationError
 from fricomp.laws import BidirectionalStribeck, Coulomb, FloatArray, FrictionLaw, StribeckCurve, Viscous
 from fricomp.model import FrictionModel
@@ -46,6 +52,16 @@ def test_reproduces_the_published_emps_reference() -> None:
     fit = fit_rigid_body(sample_joint(train))
     found = (fit.inertia, fit.viscous_coefficient, fit.coulomb_torque, fit.offset)
     np.testing.assert_allclose(found, (95.109, 203.50, 20.394, -3.165), rtol=0.005)
+
+
+def prediction_error(fit: MotionIdentification, samples: JointSamples, model: FrictionModel | None = None) -> float:
+    """Root mean square error of the torque of data that the fit did not see, as a fraction of the torque's.
+
+    With the friction of `model` in place of the fit's where it is given.
+    """
+    friction = np.asarray((model or fit.friction.model).torque(np.asarray(samples.velocity)))
+    error = samples.torque - fit.rigid_body.rigid_torque(samples) - np.abs(friction) * samples.direction
+    return float(np.sqrt(np.mean(error**2) / np.mean(samples.torque**2)))
 
 
 @no_emps

@@ -1,10 +1,21 @@
 """The whole calibration with its defaults, on the default joint."""
 
 from pathlib import Path
+from typing import NoReturn
 
 import pytest
 
+from fricomp.calibration.sweep import (
+    CalibrationOptions,
+    CalibrationRequest,
+    RunFolder,
+    Sweep,
+    SweepContext,
+    benchmark,
+    channels_of,
+)
 from fricomp.calibration.sweep.benchmark import Score, SeedStudy, study_seeds
+from fricomp.errors import SweepAborted
 from fricomp.sim_bench.stand_in import DEFAULT_LAW, SimulatedJointAdapter, default_joint
 
 
@@ -16,6 +27,23 @@ def test_a_study_sums_up_its_seeds() -> None:
     assert study.root_mean_square("a") == pytest.approx(5.0**0.5)
     assert study.coverage() == pytest.approx(2.0 / 3.0)
     assert study.to_builtins()["parameters"]["a"]["covered"] == 1
+
+
+def test_a_study_replaces_the_runs_of_an_earlier_one(
+    context: SweepContext, request_of_a_short_run: CalibrationRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    earlier = RunFolder.create(tmp_path / "seed-0", request_of_a_short_run)
+    with earlier.open_writer(context.metadata(), channels_of(context)) as writer:
+        Sweep(context, writer, earlier.load_data()).prepare()
+    assert earlier.load_data().blocks
+
+    def begun(context: SweepContext, folder: RunFolder, options: CalibrationOptions) -> NoReturn:
+        assert not folder.load_data().blocks
+        raise SweepAborted("begun anew")
+
+    monkeypatch.setattr(benchmark, "calibrate", begun)
+    with pytest.raises(SweepAborted, match="begun anew"):
+        study_seeds(lambda seed: SimulatedJointAdapter(default_joint(seed=seed)), DEFAULT_LAW, range(1), tmp_path)
 
 
 @pytest.mark.slow

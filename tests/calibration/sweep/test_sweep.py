@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from fricomp.adapters import AdapterOptions
+from fricomp.calibration.identification import save_identification
 from fricomp.calibration.sweep import (
     Calibration,
     CalibrationRequest,
@@ -27,6 +28,7 @@ from fricomp.calibration.sweep.block import BlockLabel
 from fricomp.calibration.sweep.calibrate import channels_of
 from fricomp.calibration.sweep.check import calibration_checks, compensation_check
 from fricomp.calibration.sweep.log import CycleLog
+from fricomp.calibration.sweep.report import write_calibration_report
 from fricomp.calibration.sweep.sweep import Progress
 from fricomp.control import JointLimits
 from fricomp.errors import ParameterError, SafetyTrip, SweepAborted
@@ -41,13 +43,13 @@ from fricomp.sim_bench.stand_in import (
 )
 
 
-def _interrupt_at(plateau: int) -> Progress:
-    """Ctrl-C when the plateau of this number would start."""
+def _interrupt_at(plateau: int, part: str = "sweeping") -> Progress:
+    """Ctrl-C when the plateau of this number within a part of the sweep would start."""
     seen = 0
 
     def report(text: str, done: float) -> None:
         nonlocal seen
-        seen += text.startswith("sweeping:")
+        seen += text.startswith(part) and text.endswith("/s")
         if seen > plateau:
             raise KeyboardInterrupt
 
@@ -111,6 +113,25 @@ def test_an_interrupt_leaves_zero_torque_and_whole_plateaus_and_resume_does_the_
     assert np.all(np.diff(read_recording(folder.recording).time) > 0.0)
 
 
+def test_an_adaptive_sweep_that_is_gone_on_with_visits_the_first_speed_again(
+    request_of_a_short_run: CalibrationRequest, tmp_path: Path
+) -> None:
+    options = replace(request_of_a_short_run.options, adaptive=True, accuracy=0.02)
+    request = replace(request_of_a_short_run, options=options)
+    folder = RunFolder.create(tmp_path / "run", request)
+    for accuracy, report in ((1e-6, _interrupt_at(3, "adaptive")), (0.5, _interrupt_at(1, "first speed again"))):
+        with pytest.raises(KeyboardInterrupt), SimulatedJointAdapter(default_joint(seed=3)) as adapter:
+            calibrate(SweepContext(adapter, 0, request.settings), folder, replace(options, accuracy=accuracy), report)
+        folder = RunFolder.resume(folder.path)
+    with SimulatedJointAdapter(default_joint(seed=3)) as adapter:
+        done = calibrate(SweepContext(adapter, 0, request.settings), folder, replace(options, accuracy=0.5))
+    labels = [label for label, _ in done.data.of_kind("plateau")]
+    assert len({label.number for label in labels}) == len(labels) == 12 + 3 + 2
+    again = [label.velocity for label in labels if label.is_first_again]
+    assert again == [label.velocity for label in labels[:2]]
+    assert len(done.analysis.drift) == 2
+
+
 def test_a_kill_in_the_middle_of_a_write_loses_only_that_block(context: SweepContext, folder: RunFolder) -> None:
     with pytest.raises(KeyboardInterrupt):
         calibrate(context, folder, folder.request.options, _interrupt_at(3))
@@ -119,6 +140,18 @@ def test_a_kill_in_the_middle_of_a_write_loses_only_that_block(context: SweepCon
     assert [label.number for label, _ in load_sweep(folder.recording).of_kind("plateau")] == [0, 1]
     with folder.open_writer(context.metadata(), channels_of(context)) as writer:
         assert len(writer.blocks) == len(load_sweep(folder.recording).blocks)
+
+
+def test_replacing_a_run_leaves_no_model_of_the_old_one(
+    context: SweepContext, folder: RunFolder, request_of_a_short_run: CalibrationRequest
+) -> None:
+    calibration = calibrate(context, folder, folder.request.options)
+    save_identification(calibration.estimate.result, folder.path)
+    write_calibration_report(calibration, calibration_checks(calibration), {}, folder.path)
+    (folder.path / "notes.txt").write_text("of the user")
+    assert (folder.path / "friction.json").exists()
+    RunFolder.create(folder.path, request_of_a_short_run, overwrite=True)
+    assert {path.name for path in folder.path.iterdir()} == {"run.json", "notes.txt"}
 
 
 def test_a_folder_with_a_run_is_not_overwritten(
@@ -363,7 +396,7 @@ def test_a_joint_without_slow_speeds_takes_its_static_torque_from_breakaway(
 
 def test_gravity_and_inertia_of_the_default_joint() -> None:
     body = RigidBody(packaged_model("default_joint"), ("joint",))
-    assert not body.has_gravity
+    assert not body.has_gravity_on(0)
     assert body.inertias([0.3]) == pytest.approx([0.1], rel=1e-6)
     with pytest.raises(ParameterError, match="it has joint"):
         RigidBody(packaged_model("default_joint"), ("elbow",))

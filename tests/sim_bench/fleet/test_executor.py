@@ -1,8 +1,9 @@
-"""Executors are left at once on Ctrl-C: what waits is never begun."""
+"""Executors are what their address says, and are left at once on Ctrl-C: what waits is never begun."""
 
 from __future__ import annotations
 
-from concurrent.futures import CancelledError, Future
+from collections.abc import Iterator
+from concurrent.futures import CancelledError, Executor, Future
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,9 @@ from typing import Any
 import pytest
 
 from fricomp.cli.bench.side_by_side import run_side_by_side
-from fricomp.sim_bench.fleet import open_executor
+from fricomp.errors import DiagnosisError
+from fricomp.sim_bench.fleet import executor, open_executor
+from fricomp.sim_bench.fleet.executor import SerialExecutor
 
 from .working import leave_a_file, wait_for_a_file
 
@@ -46,3 +49,49 @@ def test_ctrl_c_says_where_what_is_finished_is(tmp_path: Path, capsys: pytest.Ca
     with pytest.raises(KeyboardInterrupt):
         run_side_by_side([interrupted], "serial", "calls", tmp_path)
     assert f"Interrupted; what is finished is in {tmp_path}: --resume goes on" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "address",
+    ["processes://abc", "processes://0", "processes://-2", "serial://2", "dask://", "dask://local:x", "dask://local:0"],
+)
+def test_an_address_that_is_none_is_refused_with_the_valid_ones(address: str) -> None:
+    with pytest.raises(DiagnosisError, match=r"unknown executor .*: valid are processes, processes://N, serial, dask"):
+        _open(address)
+
+
+@pytest.mark.parametrize(
+    ("address", "workers", "called"),
+    [
+        ("dask://localhost:8786", None, ("_join_dask", "localhost:8786")),
+        ("dask://10.0.0.2:8786", None, ("_join_dask", "10.0.0.2:8786")),
+        ("dask://local", None, ("_start_dask", 2)),
+        ("dask://local:3", None, ("_start_dask", 3)),
+        ("processes://4", None, ("_run_processes", 4)),
+        ("processes", 5, ("_run_processes", 5)),
+    ],
+)
+def test_an_address_opens_what_it_says(
+    address: str, workers: int | None, called: tuple[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls: list[tuple[str, Any]] = []
+    for name in ("_join_dask", "_start_dask", "_run_processes"):
+
+        def note(place: Any, name: str = name) -> Iterator[tuple[Executor, int]]:
+            calls.append((name, place))
+            yield SerialExecutor(), 1
+
+        monkeypatch.setattr(executor, name, note)
+    _open(address, workers)
+    assert calls == [called]
+
+
+def test_an_executor_that_counts_its_own_workers_takes_no_number() -> None:
+    for address in ("serial", "processes://2", "dask://local:2", "dask://host:1"):
+        with pytest.raises(DiagnosisError, match="leave out --workers"):
+            _open(address, 3)
+
+
+def _open(address: str, workers: int | None = None) -> None:
+    with open_executor(address, workers):
+        pass
