@@ -256,7 +256,8 @@ def _print_diagnosis(run: DiagnosisRun, out: Path) -> None:
     for warning in run.warnings:
         show.print(warning, style="yellow", markup=False)
     for number, sentence in enumerate(record.sentences):
-        show.print(sentence, style="bold" if number == 0 else None, markup=False)
+        style = "bold" if number == 0 else "yellow" if "Careful: " in sentence else None
+        show.print(sentence, style=style, markup=False)
     step = next_step(record, out)
     if step is not None:
         show.print(step, markup=False, soft_wrap=True)

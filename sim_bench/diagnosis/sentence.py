@@ -34,13 +34,21 @@ def sentences(record: DiagnosisRecord) -> tuple[str, ...]:
     """Plain sentences: the verdict, how large the mismatch is, where it sits, what it is, what that explains."""
     lines = [_OPENING[record.verdict]]
     if record.noise_ratio is not None:
-        lines.append(f"The residual of the refitted base model is {record.noise_ratio:.2f} times its noise floor.")
+        lines.append(_loudness(record.noise_ratio, record.heldout))
     if record.verdict == "unknown_physics" or record.effects:
         lines.append(_vibration(record) or whereabouts(record))
     lines += [_effect(effect) for effect in record.effects]
     if record.heldout is not None and record.effects and record.heldout.explained > 0.0:
         lines.append(f"{_improvement(record.heldout)} {_share(record.heldout, record.effects)}")
     return tuple(line for line in lines if line)
+
+
+def _loudness(noise_ratio: float, held: HeldOut | None) -> str:
+    """How large the mismatch is against the noise; of parameters that are off, as they were given too."""
+    text = f"The residual of the refitted base model is {noise_ratio:.2f} times its noise floor"
+    if held is None or held.before != "given" or held.noise_floor <= 0.0:
+        return f"{text}."
+    return f"{text}; with the parameters as given, it is {held.rmse_before / held.noise_floor:.3g} times."
 
 
 def forward_sentence(forward: Forward) -> str:

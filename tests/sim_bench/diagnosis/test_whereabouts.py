@@ -76,6 +76,15 @@ def test_how_large_where_what_and_how_much_of_it_come_in_this_order() -> None:
     assert fall.endswith(f"{share} (cogging 98 %, end_stop less than 1 %).")
 
 
+def test_how_large_the_mismatch_of_parameters_is_counts_them_as_given() -> None:
+    held = HeldOut(
+        rmse_before=2.75, rmse_after=0.005, noise_floor=0.005, unit="N·m", ci95_reduction=(0.9, 1.0), explained=1.0,
+        before="given",
+    )  # fmt: skip
+    large = sentences(_record({}, _effect("payload_error"), verdict="parameters", heldout=held, noise_ratio=1.08))[1]
+    assert large.endswith("is 1.08 times its noise floor; with the parameters as given, it is 550 times.")
+
+
 def test_a_joint_with_nothing_missing_has_no_place_for_it() -> None:
     assert len(sentences(_record({}, verdict="consistent"))) == 2
 
