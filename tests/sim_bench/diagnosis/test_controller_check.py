@@ -17,10 +17,10 @@ _P, _D, _I = 77.0, 4.0, 30.0
 @pytest.fixture(scope="module")
 def moved() -> Recording:
     """A joint with an encoder of 0.1 mrad behind its reference under a PID loop, which holds 2 N·m of gravity."""
-    t = 1e-3 * np.arange(8000)
+    t = np.linspace(0.0, 7.999, 8000)
     reference, speed = 0.8 * np.sin(1.7 * t), 1.36 * np.cos(1.7 * t)
     late = 0.03 * np.sin(1.7 * t + 0.4) + 0.01 * np.sin(9.0 * t)
-    position = 1e-4 * np.round((reference - late) / 1e-4)
+    position = np.asarray(1e-4 * np.round((reference - late) / 1e-4), dtype=np.float64)
     error, rate = reference - position, np.gradient(late, t)
     torque = 2.0 + _P * error + _D * rate + _I * np.cumsum(error) * 1e-3
     return Recording(t, position, torque, position_reference=reference, velocity_reference=speed)
