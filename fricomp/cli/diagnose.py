@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -25,8 +27,6 @@ slow and fast motion and reversals do not fit into it [s]."""
 EXIT_BAD_DATA = 1
 """Exit status where everything was written, and the verdict is that the data cannot be diagnosed."""
 
-_TOLD = frozenset({"gap", "velocity_scale", "velocity_mismatch"})  # the answer says what was done about them
-
 _EXAMPLES = """[bold]Examples[/bold]
 
 fricomp diagnose elbow.csv --simulation robot.xml --joint elbow --out runs/why
@@ -44,6 +44,16 @@ where nothing could be done. A fleet says it in its table and ends with 0.
 
 docs/diagnosis.md says what to do with each answer; fricomp convert makes recordings of logs in other formats.
 """
+
+
+def _print_schema(wanted: bool) -> None:
+    if wanted:
+        import json
+
+        from fricomp.sim_bench.diagnosis import diagnosis_json_schema
+
+        print(json.dumps(diagnosis_json_schema(), indent=2))
+        raise typer.Exit
 
 
 @app.command(epilog=_EXAMPLES)
@@ -78,6 +88,12 @@ def diagnose(
     workers: Annotated[int | None, typer.Option(min=1, help="Of a fleet; one a core by default.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Of a fleet: go on with the one in --out.")] = False,
     seed: Annotated[int, typer.Option(help="Of nulls and bootstraps; the same seed gives the same answer.")] = 0,
+    schema: Annotated[
+        bool,
+        typer.Option(
+            "--schema", help="Print the JSON schema of diagnosis.json and exit.", callback=_print_schema, is_eager=True
+        ),
+    ] = False,
 ) -> None:
     """Say where simulation and recording differ, which physics is missing, and how much the fit improves.
 
@@ -85,18 +101,41 @@ def diagnose(
     two payloads; --each takes them as different joints, and so does a table of joints: CSV or TOML with recording,
     and where wanted name, simulation, joint and friction.
     """
+    from fricomp.cli.diagnosis_folder import require_folder
     from fricomp.sim_bench.fleet import find_recordings, is_joint_table
 
     require(*REPORT, "ruptures")
+    require_folder(out)
     options = {"thorough": thorough, "seed": seed, "joint": joint, "simulation": simulation}
     given = {"friction": friction, "simulated": simulated, "controller": controller}
     if each or any(map(is_joint_table, recordings)):
         _diagnose_fleet(recordings, out, options, given, FleetRun(executor, workers, resume))
         return
-    run = run_diagnosis(find_recordings(recordings), out, options, given)
+    with _interruptible(out):
+        run = run_diagnosis(find_recordings(recordings), out, options, given)
     _print_diagnosis(run, out)
     if run.diagnosis.verdict == "bad_data":
         raise typer.Exit(EXIT_BAD_DATA)
+
+
+@contextmanager
+def _interruptible(out: Path) -> Iterator[None]:
+    """One joint's diagnosis: on Ctrl-C it says what is left in its folder."""
+    from fricomp.cli.diagnosis_folder import RECORD
+
+    before = _changed_at(out / RECORD)
+    try:
+        yield
+    except KeyboardInterrupt:
+        nothing = f"nothing was written into {out}"
+        left = nothing if _changed_at(out / RECORD) == before else f"the files in {out} are incomplete"
+        print(f"\nInterrupted; {left}. The same command begins anew.", file=sys.stderr)
+        raise
+
+
+def _changed_at(path: Path) -> float | None:
+    """Time of the last change of a file [s]; None where there is none."""
+    return path.stat().st_mtime if path.exists() else None
 
 
 class DiagnosisRun(NamedTuple):
@@ -120,16 +159,19 @@ def run_diagnosis(
         quiet: Show no progress.
 
     Raises:
-        DiagnosisError: A recording is too short, or the diagnosis cannot be made.
+        DiagnosisError: A recording is too short, a file that is no diagnosis' would be overwritten, or the diagnosis
+            cannot be made.
         RecordingError: A recording cannot be read.
     """
     from time import perf_counter
 
-    from fricomp.cli.diagnosis_folder import remove_earlier_diagnosis
+    from fricomp.cli.diagnosis_folder import check_folder, remove_earlier_diagnosis
+    from fricomp.cli.diagnosis_warnings import diagnosis_warnings, distinct_names
     from fricomp.cli.terminal import progress
     from fricomp.sim_bench.diagnosis_report import with_names, write_diagnosis
 
-    start = perf_counter()
+    start, inputs = perf_counter(), [path for path in (options["simulation"], *given.values()) if path is not None]
+    check_folder(out, (*paths, *inputs))
     with progress(quiet=quiet) as bar:
         task = bar.add_task("reading", total=None)
         simulated = [given["simulated"]] if given["simulated"] is not None else []
@@ -139,12 +181,11 @@ def run_diagnosis(
         def say(what: str) -> None:
             bar.update(task, description=what)
 
-        diagnosis = with_names(_diagnose(read, series, options, given, say), [path.stem for path in paths])
-        warnings = _warnings(read, diagnosis.record.sentences)
+        diagnosis = with_names(_diagnose(read, series, options, given, say), distinct_names(paths))
+        warnings = diagnosis_warnings(read, diagnosis.record)
         say("writing the report")
         facts = _facts(paths, series, options, given) | {"time taken": f"{perf_counter() - start:.1f} s"}
         facts |= {f"check of the data {number}": text for number, text in enumerate(warnings, 1)}
-        inputs = [path for path in (options["simulation"], *given.values()) if path is not None]
         remove_earlier_diagnosis(out, keep=(*paths, *inputs))
         settings = {"simulation": options["simulation"], "joint": options["joint"]}
         written = write_diagnosis(diagnosis, out, **settings, facts=facts)
@@ -168,21 +209,6 @@ def _read(path: Path) -> Recording:
             f"{SHORTEST_RECORDING:g} s of each: record a longer motion, of half a minute and more"
         )
     return recording
-
-
-def _warnings(read: Mapping[Path, Recording], sentences: Sequence[str]) -> tuple[str, ...]:
-    """What the checks of the data warn of and the answer does not say itself."""
-    from fricomp.cli.terminal import careful
-    from fricomp.recording import check_recording
-
-    said, found = " ".join(sentences), []
-    for path, recording in read.items():
-        where = f"{path.name}: " if len(read) > 1 else ""
-        for finding in check_recording(recording):
-            told = finding.code in _TOLD or finding.message in said
-            if finding.severity != "note" and not told:
-                found.append(where + careful(finding))
-    return tuple(found)
 
 
 def _diagnose(
@@ -224,19 +250,21 @@ def _facts(
 
 def _print_diagnosis(run: DiagnosisRun, out: Path) -> None:
     from fricomp.cli.terminal import console
-    from fricomp.sim_bench.diagnosis_report import change_table, effect_table, error_table, forward_table
+    from fricomp.sim_bench.diagnosis_report import change_table, effect_table, error_table, forward_table, next_step
 
     show, record = console(), run.diagnosis.record
     for warning in run.warnings:
         show.print(warning, style="yellow", markup=False)
     for number, sentence in enumerate(record.sentences):
-        show.print(sentence, style="bold" if number == 0 else None, markup=False)
+        style = "bold" if number == 0 else "yellow" if "Careful: " in sentence else None
+        show.print(sentence, style=style, markup=False)
+    step = next_step(record, out)
+    if step is not None:
+        show.print(step, markup=False, soft_wrap=True)
     for table in (effect_table(record), change_table(record), error_table(record), forward_table(record)):
         if table is not None:
             show.print()
             show.print(rich_table(table))
-    if record.next_experiment is not None:
-        show.print(f"\nTo tell more: {record.next_experiment.why}", markup=False)
     files = ", ".join(sorted(path.name for path in run.files if path.suffix != ".png"))
     show.print(f"\nVerdict: {record.verdict}. In {out}: {files}", soft_wrap=True, markup=False)
 

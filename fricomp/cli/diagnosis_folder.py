@@ -7,13 +7,67 @@ import re
 from collections.abc import Collection
 from pathlib import Path
 
-__all__ = ["remove_earlier_diagnosis"]
+__all__ = ["RECORD", "check_folder", "remove_earlier_diagnosis", "require_folder"]
 
-_RECORD, _MODEL = "diagnosis.json", "friction.json"
+RECORD = "diagnosis.json"
+_MODEL = "friction.json"
 _MODEL_FILES = (_MODEL, "friction.onnx", "friction.xml")
+_REPORT, _SUBTITLE = "report.html", '<p class="subtitle">Diagnosis of '
 _OTHERS = re.compile(
     r"(report\.html|motion\.csv|(over-time-\d+|where|planes|orders|rivals|distinguishability|motion)\.png)"
 )
+
+
+def require_folder(folder: Path) -> None:
+    """Refuse a path below which nothing can be written, before any work is done.
+
+    Raises:
+        DiagnosisError: It is a file, or lies below one.
+    """
+    from fricomp.errors import DiagnosisError
+
+    for place in (folder, *folder.parents):
+        if place.exists():
+            if not place.is_dir():
+                raise DiagnosisError(f"--out {folder} is no folder, since {place} is a file: name another one")
+            return
+
+
+def check_folder(folder: Path, inputs: Collection[Path]) -> None:
+    """Refuse a folder in which a diagnosis would write over what is none of its own.
+
+    Args:
+        folder: Where the next diagnosis is written.
+        inputs: Files that are given to it.
+
+    Raises:
+        DiagnosisError: A file that it writes is one of the inputs, or was not written by a diagnosis.
+    """
+    from fricomp.errors import DiagnosisError
+
+    require_folder(folder)
+    for path in inputs:
+        if path.resolve().parent == folder.resolve() and _is_output(path.resolve().name):
+            raise DiagnosisError(f"a diagnosis into {folder} would write over its input {path}: choose another --out")
+    foreign = [name for name in _foreign(folder) if (folder / name).exists()]
+    if foreign:
+        files = ", ".join(foreign)
+        raise DiagnosisError(
+            f"{folder} holds {files}, which a diagnosis writes too and which comes from something else, such as a "
+            "calibration: choose another --out, or move it away"
+        )
+
+
+def _is_output(name: str) -> bool:
+    return name in (RECORD, *_MODEL_FILES) or _OTHERS.fullmatch(name) is not None
+
+
+def _foreign(folder: Path) -> list[str]:
+    """Names of outputs that, if they are there, are no diagnosis'."""
+    if not _is_record(folder / RECORD):
+        return [RECORD, *_MODEL_FILES, _REPORT, "motion.csv"]
+    model, report = _is_of_diagnosis(folder / _MODEL), _is_report(folder / _REPORT)
+    return [*(() if model else _MODEL_FILES), *(() if report else (_REPORT,))]
 
 
 def remove_earlier_diagnosis(folder: Path, keep: Collection[Path] = ()) -> None:
@@ -28,10 +82,10 @@ def remove_earlier_diagnosis(folder: Path, keep: Collection[Path] = ()) -> None:
     Raises:
         OSError: A file cannot be removed.
     """
-    if not _is_record(folder / _RECORD):
+    if not _is_record(folder / RECORD):
         return
     stay = {path.resolve() for path in keep}
-    names = [_RECORD, *(_MODEL_FILES if _is_of_diagnosis(folder / _MODEL) else ())]
+    names = [RECORD, *(_MODEL_FILES if _is_of_diagnosis(folder / _MODEL) else ())]
     names += [path.name for path in folder.iterdir() if _OTHERS.fullmatch(path.name)]
     for name in names:
         if (folder / name).resolve() not in stay:
@@ -55,4 +109,12 @@ def _is_of_diagnosis(path: Path) -> bool:
     try:
         return load_model(path).provenance.method == "diagnosis"
     except FricompError:
+        return False
+
+
+def _is_report(path: Path) -> bool:
+    """Whether a page was written by a diagnosis, as its subtitle says."""
+    try:
+        return _SUBTITLE in path.read_text(encoding="utf-8", errors="replace")
+    except OSError:
         return False

@@ -17,6 +17,7 @@ _MARGIN = {"l": 70, "r": 20, "t": 62, "b": 54}
 _GAP = 116.0  # between two rows, for the axis label of one, the title and the legend of the next [px]
 _GAP_SHARED = 66.0  # the same where only the lowest row has an axis label [px]
 _LEGEND_LINE = 20.0  # height of a line of the legend [px]
+_NARROW = 500.0  # width that the names of bars have beside each other on any page [px]
 _LETTER, _SYMBOL, _PAGE = 7.0, 46.0, 980.0  # widths that decide how many lines a legend takes [px]
 
 
@@ -145,7 +146,11 @@ def _bar_ticks(panel: Panel) -> dict[str, Any]:
     names = max((mark.categories for mark in panel.marks if isinstance(mark, Bars)), key=len, default=())
     if not names:
         return {}
-    return {"tickmode": "array", "tickvals": list(range(len(names))), "ticktext": list(names)}
+    ticks = {"tickmode": "array", "tickvals": list(range(len(names))), "ticktext": list(names)}
+    if sum(map(len, names)) * _LETTER < _NARROW:
+        return ticks
+    # Names that slope down to the right would end outside of the chart, and plotly leaves out those that do.
+    return ticks | {"tickangle": -35, "automargin": True, "ticklabeloverflow": "allow"}
 
 
 def _log_ticks(scale: str) -> dict[str, Any]:

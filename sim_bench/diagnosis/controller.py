@@ -16,9 +16,10 @@ from fricomp.recording import Recording
 
 from .track import FloatArray, smooth_derivative
 
-__all__ = ["Controller", "estimate_controller", "read_controller"]
+__all__ = ["EXPLAINED", "Controller", "answer_of", "estimate_controller", "read_controller", "told_torque"]
 
-_EXPLAINED = 0.9  # part of the torque's variance that an estimated controller must explain, on blocks left out
+EXPLAINED = 0.9
+"""Part of the torque's variance that an estimated controller must explain, on blocks left out."""
 _WORTH = 0.1  # of the unexplained variance that one more gain must take
 _CUTOFFS = (None, 15.0, 30.0, 60.0, 120.0)  # [Hz] of the filter on the velocity
 _FOLDS = 5
@@ -66,6 +67,11 @@ class Controller:
 
     def describe(self, torque: str, position: str) -> str:
         """Kind and gains in one line, in these units of torque and position."""
+        how = f"estimated, explains {self.explained:.1%} of the torque" if self.source == "estimated" else self.source
+        return f"{self.kind} controller ({how}): {self.gains(torque, position)}"
+
+    def gains(self, torque: str, position: str) -> str:
+        """The gains in one line, in these units of torque and position."""
         parts = [f"proportional {self.proportional_gain:.4g} {torque}/{position}"]
         if self.integral_gain:
             parts.append(f"integral {self.integral_gain:.4g} {torque}/({position}·s)")
@@ -73,8 +79,7 @@ class Controller:
             parts.append(f"derivative {self.derivative_gain:.4g} {torque}·s/{position}")
         if self.acceleration_gain:
             parts.append(f"acceleration {self.acceleration_gain:.4g} {torque}·s²/{position}")
-        how = f"estimated, explains {self.explained:.1%} of the torque" if self.source == "estimated" else self.source
-        return f"{self.kind} controller ({how}): {', '.join(parts)}"
+        return ", ".join(parts)
 
 
 class _File(msgspec.Struct, forbid_unknown_fields=True):
@@ -116,12 +121,35 @@ def estimate_controller(recording: Recording) -> Controller | None:
     """
     if recording.position_reference is None or len(recording) < 500:
         return None
-    told = recording.torque if recording.torque_command is None else recording.torque_command
-    torque = np.asarray(told)[:_LONGEST]
+    torque = told_torque(recording)
     found = [_loop(_columns(recording, cutoff), torque, cutoff) for cutoff in _CUTOFFS]
     best = max(found, key=lambda one: one.explained)
     stable = best.proportional_gain > 0.0 and best.derivative_gain >= 0.0
-    return best if stable and best.explained > _EXPLAINED else None
+    return best if stable and best.explained > EXPLAINED else None
+
+
+def answer_of(controller: Controller, recording: Recording) -> FloatArray:
+    """Torque that a loop gives along a recording with its reference [N·m], but for what its integral began with.
+
+    Shape (n,), of the samples that gains are estimated from.
+    """
+    columns, d = _columns(recording, controller.velocity_filter_frequency), controller.derivative_gain
+    weights = {
+        "error": controller.proportional_gain,
+        "velocity": d,
+        "reference": d * controller.reference_share,
+        "integral": controller.integral_gain,
+        "acceleration": controller.acceleration_gain,
+    }
+    wanted: FloatArray = np.sum([weight * columns[name] for name, weight in weights.items()], axis=0) + controller.bias
+    limit = controller.torque_limit
+    return wanted if limit is None else np.clip(wanted, -limit, limit)
+
+
+def told_torque(recording: Recording) -> FloatArray:
+    """What a loop told its drive, or else the torque [N·m]; of the samples that gains are estimated from."""
+    told = recording.torque if recording.torque_command is None else recording.torque_command
+    return np.asarray(told)[:_LONGEST]
 
 
 def _loop(columns: dict[str, FloatArray], torque: FloatArray, cutoff: float | None) -> Controller:

@@ -18,6 +18,7 @@ from .answer import Answer
 from .base import unpack
 from .checks import inertia_against, kind_against, reasons_against, remarks_on
 from .controller import Controller, estimate_controller
+from .controller_check import controller_remarks
 from .forward import forward_error
 from .late_creep import creeps_beside
 from .loading import build_tracks, low_rate
@@ -83,6 +84,7 @@ def diagnose(
     if against:
         return _bad_data(given, against)
     remarks, given = remarks_on(given), [one.on_joint_side() for one in given]
+    remarks += [] if controller is None else controller_remarks(controller, given)
     loops = [estimate_controller(one) if controller is None else controller for one in given]
     known = _in_newton_metres(given, rigid)
     tracks = build_tracks(given, loops, None if known is None else known.spring)

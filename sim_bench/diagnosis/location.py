@@ -107,6 +107,8 @@ def locate(
 ) -> Location:
     """Intervals of each quantity that hold most of `energy`; a quantity that singles nothing out is left out.
 
+    First comes the quantity whose intervals hold the smallest part of the recording: it says most about where.
+
     Args:
         series: Rows of each recording.
         energy: Of each row. Shapes (n_rows,).
@@ -115,6 +117,7 @@ def locate(
     """
     time, over_time = (series[0].time, energy[0]) if samples is None else samples
     location: Location = {"time": _times(time, over_time, rows)}
+    parts_of = {"time": sum(high - low for low, high in location["time"]) / max(float(np.ptp(time)), 1e-12)}
     pooled = np.concatenate(list(energy))
     for name in ("velocity", "position", "load_torque", "acceleration", "time_since_reversal", "temperature"):
         parts = [getattr(s, name) for s in series]
@@ -126,8 +129,8 @@ def locate(
         for low, high in found:
             inside |= (values >= low) & (values <= high)
         if found and inside.mean() < 0.6:
-            location[name] = found
-    return location
+            location[name], parts_of[name] = found, float(inside.mean())
+    return {name: location[name] for name in sorted(location, key=lambda name: parts_of[name])}
 
 
 def _times(time: FloatArray, energy: FloatArray, rows: int) -> list[Interval]:

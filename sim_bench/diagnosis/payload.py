@@ -37,6 +37,7 @@ _SEEN = 1e-4  # of the largest singular value of the payload's columns
 _DUST = 1e-9  # of the largest column: what rounding leaves of a body that this joint does not move
 _SIGNIFICANT = 4.0  # standard deviations
 _TEST_SHARE = 1.0 / 3.0
+_MOST_JOINTS = 3  # in the sentence on which joints show it
 
 
 @dataclass(frozen=True)
@@ -50,6 +51,7 @@ class Payload:
         after: The same with it.
         noise: RMS of what the model leaves where it was fitted [N·m], for each joint.
         by_joint: Mass that each joint alone would give [kg], where it shows one.
+        errors: Held-out RMS error of each joint without a payload and with it [N·m].
     """
 
     moments: dict[str, tuple[float, float]]
@@ -57,6 +59,7 @@ class Payload:
     after: FloatArray
     noise: dict[str, float]
     by_joint: dict[str, float]
+    errors: dict[str, tuple[float, float]]
 
     @property
     def significance(self) -> float:
@@ -116,12 +119,15 @@ def find_payload(arm: ArmDynamics, sessions: Sequence[Session]) -> Payload:
         if seen
     }
     alone = {name: {name: part} for name, part in parts.items()}
+    sides = [_held_out(parts, with_payload=known) for known in (False, True)]
+    before, after = (np.concatenate(list(side.values())) for side in sides)
     return Payload(
         moments=moments,
-        before=_held_out(parts, with_payload=False),
-        after=_held_out(parts, with_payload=True),
+        before=before,
+        after=after,
         noise=noise,
         by_joint={n: float((_solve(one, None)[0] @ _MOMENTS)[0]) for n, one in alone.items() if _shown(one)[0]},
+        errors={name: (_rms(sides[0][name]), _rms(sides[1][name])) for name in parts},
     )
 
 
@@ -240,16 +246,20 @@ def _weighted(parts: dict[str, _JointRows], kept: dict[str, np.ndarray]) -> tupl
     return weights, noise
 
 
-def _held_out(parts: dict[str, _JointRows], *, with_payload: bool) -> FloatArray:
-    """Error on the last third of each session by a fit to the rest [N·m]. Shape (n_rows,)."""
+def _held_out(parts: dict[str, _JointRows], *, with_payload: bool) -> dict[str, FloatArray]:
+    """Errors of each joint on the last third of each session by a fit to the rest [N·m]. Shapes (n_rows,)."""
     kept = {name: ~part.test for name, part in parts.items()}
     weights = _weighted(parts, kept)[0] if with_payload else np.zeros(10)
-    errors = []
-    for part in parts.values():
+    errors = {}
+    for name, part in parts.items():
         target = part.torque - part.payload @ weights
         own = np.linalg.lstsq(part.own[~part.test], target[~part.test], rcond=_RANK)[0]
-        errors.append(target[part.test] - part.own[part.test] @ own)
-    return np.concatenate(errors)
+        errors[name] = target[part.test] - part.own[part.test] @ own
+    return errors
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def _answer(found: Payload, sessions: Sequence[Session]) -> Diagnosis:
@@ -278,7 +288,17 @@ def _answer(found: Payload, sessions: Sequence[Session]) -> Diagnosis:
         recordings=tuple(f"session {i + 1}, {name}" for i, session in enumerate(sessions) for name in session),
         joint="arm",
     )
-    return Diagnosis(with_fields(record, sentences=sentences(record) if seen else (_alike(found),)))
+    if not seen:
+        return Diagnosis(with_fields(record, sentences=(_alike(found),)))
+    opening, *others = sentences(record)
+    return Diagnosis(with_fields(record, sentences=(opening, _which_joints(found), *others)))
+
+
+def _which_joints(found: Payload) -> str:
+    """The joints whose torques show the payload most."""
+    most = sorted(found.errors.items(), key=lambda item: item[1][1] ** 2 - item[1][0] ** 2)[:_MOST_JOINTS]
+    shown = [f"{name} ({before:.3g} to {after:.3g} N·m)" for name, (before, after) in most if after < before]
+    return f"It shows most in the torque of {', '.join(shown)}: the fall of each one's held-out error."
 
 
 def _alike(found: Payload) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from inspect import cleandoc
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +17,11 @@ __all__ = ["diagnosis_json_schema", "load_diagnosis", "save_diagnosis"]
 
 
 def diagnosis_json_schema() -> dict[str, Any]:
-    """The JSON schema of `diagnosis.json`."""
-    return msgspec.json.schema(DiagnosisRecord)
+    """The JSON schema of `diagnosis.json`; `docs/diagnosis.schema.json` holds it too."""
+    schema = msgspec.json.schema(DiagnosisRecord)
+    for part in schema["$defs"].values():
+        part["description"] = cleandoc(part["description"])  # Python 3.13 does it by itself
+    return schema
 
 
 def save_diagnosis(diagnosis: Diagnosis | DiagnosisRecord, path: str | Path) -> None:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from .result import DiagnosisRecord, Forward, HeldOut, NamedEffect, Quantity
+import re
+from collections.abc import Sequence
 
-__all__ = ["FOREIGN_CURVE", "NO_MOTION", "detent_sentence", "forward_sentence", "sentences"]
+from .result import DiagnosisRecord, Forward, HeldOut, NamedEffect, Quantity
+from .whereabouts import whereabouts
+
+__all__ = ["FOREIGN_CURVE", "NO_MOTION", "detent_sentence", "forward_sentence", "parameter_words", "sentences"]
 
 NO_MOTION = (
     "No motion of those that were tried would tell them apart within the range and speed of this recording: another "
@@ -14,6 +18,8 @@ NO_MOTION = (
 
 FOREIGN_CURVE = "what is missing follows the speed in a curve that is neither a power law nor drag, as a brake's does"
 """Where a power law takes the place of all viscous friction and still does not fit."""
+
+_OF_RECORDING = re.compile(r"^(sine|cosine|amplitude)_(\d+)$")
 
 _OPENING = {
     "consistent": "Nothing is missing: the residual is what the sensors' noise leaves.",
@@ -25,16 +31,24 @@ _OPENING = {
 
 
 def sentences(record: DiagnosisRecord) -> tuple[str, ...]:
-    """Plain sentences, most important first."""
+    """Plain sentences: the verdict, how large the mismatch is, where it sits, what it is, what that explains."""
     lines = [_OPENING[record.verdict]]
     if record.noise_ratio is not None:
-        lines.append(f"The residual of the refitted base model is {record.noise_ratio:.2f} times its noise floor.")
+        lines.append(_loudness(record.noise_ratio, record.heldout))
+    if record.verdict == "unknown_physics" or record.effects:
+        lines.append(_vibration(record) or whereabouts(record))
     lines += [_effect(effect) for effect in record.effects]
     if record.heldout is not None and record.effects and record.heldout.explained > 0.0:
-        lines.append(_improvement(record.heldout))
-    if record.verdict == "unknown_physics":
-        lines.append(_vibration(record) or _where(record))
+        lines.append(f"{_improvement(record.heldout)} {_share(record.heldout, record.effects)}")
     return tuple(line for line in lines if line)
+
+
+def _loudness(noise_ratio: float, held: HeldOut | None) -> str:
+    """How large the mismatch is against the noise; of parameters that are off, as they were given too."""
+    text = f"The residual of the refitted base model is {noise_ratio:.2f} times its noise floor"
+    if held is None or held.before != "given" or held.noise_floor <= 0.0:
+        return f"{text}."
+    return f"{text}; with the parameters as given, it is {held.rmse_before / held.noise_floor:.3g} times."
 
 
 def forward_sentence(forward: Forward) -> str:
@@ -57,6 +71,11 @@ def detent_sentence(order: float, unit: str) -> str:
     )
 
 
+def parameter_words(name: str) -> str:
+    """The name of a parameter in words: `sine_2` is the sine of the second recording, whose encoder starts anew."""
+    return _OF_RECORDING.sub(r"\1 of recording \2", name).replace("_", " ")
+
+
 def _improvement(held: HeldOut) -> str:
     low, high = held.ci95_reduction
     refitted = " with these parameters refitted" if held.before == "given" else ""
@@ -66,9 +85,20 @@ def _improvement(held: HeldOut) -> str:
     )
 
 
+def _share(held: HeldOut, effects: Sequence[NamedEffect]) -> str:
+    """How much of what lies above the noise that is, in all and by effect."""
+    parts = [f"{one.name} {_percent(one.share)}" for one in effects if one.share > 0.0]
+    each = f" ({', '.join(parts)})" if len(parts) > 1 else ""
+    return f"That is {_percent(held.explained)} of what lies above the noise floor and can be explained{each}."
+
+
+def _percent(share: float) -> str:
+    return "less than 1 %" if share < 0.01 else f"{100.0 * share:.0f} %"
+
+
 def _effect(effect: NamedEffect) -> str:
     numbers = ", ".join(
-        f"{name.replace('_', ' ')} {q.value:.4g}{_unit(q.unit)}{_interval(q)}" for name, q in effect.parameters.items()
+        f"{parameter_words(name)} {q.value:.4g}{_unit(q.unit)}{_interval(q)}" for name, q in effect.parameters.items()
     )
     text = f"{effect.name}: {effect.sentence}"
     text += f" [{effect.equation}]" if effect.equation else ""
@@ -92,17 +122,3 @@ def _unit(unit: str) -> str:
 def _vibration(record: DiagnosisRecord) -> str:
     tones = [0.5 * (low + high) for low, high in record.location.get("frequency", ())]
     return "".join(f"Something vibrates at {tone:.4g} Hz, whatever the joint does." for tone in tones)
-
-
-def _where(record: DiagnosisRecord) -> str:
-    parts = []
-    speed = record.base["forward.stribeck_velocity"].unit if record.base else ""
-    units = {"velocity": speed, "position": speed.removesuffix("/s"), "acceleration": f"{speed}²" if speed else ""}
-    units |= {"time_since_reversal": "s", "temperature": "°C"}
-    units |= {"load_torque": record.heldout.unit} if record.heldout is not None else {}
-    for name, intervals in record.location.items():
-        if name in ("time", "frequency") or not intervals:
-            continue
-        spans = ", ".join(f"{low:.3g} to {high:.3g}" for low, high in intervals[:3])
-        parts.append(f"{name.replace('_', ' ')} {spans}{_unit(units.get(name, ''))}")
-    return f"Most of it sits at {'; '.join(parts)}." if parts else "It is spread over the whole recording."

@@ -11,6 +11,7 @@ from .wording import (
     format_interval,
     format_location,
     format_quantity,
+    next_step,
     with_names,
 )
 
@@ -32,6 +33,7 @@ __all__ = [
     "format_quantity",
     "forward_table",
     "location_table",
+    "next_step",
     "with_names",
     "write_diagnosis",
     "write_fleet",

@@ -74,8 +74,9 @@ def write_diagnosis(
     models, notes = _write_models(diagnosis, target, simulation, joint)
     charts = diagnosis_charts(diagnosis)
     pictures = [draw_png(chart, target / f"{name}.png") for name, chart in charts.items()]
-    page = write_report(diagnosis_page(diagnosis, charts, tuple(notes), facts or {}), target / "report.html")
-    return WrittenDiagnosis(target, (target / "diagnosis.json", page, *models, *pictures), tuple(notes))
+    page = diagnosis_page(diagnosis, charts, tuple(notes), facts or {}, target)
+    report = write_report(page, target / "report.html")
+    return WrittenDiagnosis(target, (target / "diagnosis.json", report, *models, *pictures), tuple(notes))
 
 
 def _write_models(

@@ -14,6 +14,7 @@ from .wording import Units, words
 
 __all__ = [
     "AFTER",
+    "AS_GIVEN",
     "BASE",
     "BEFORE",
     "NAMED",
@@ -30,11 +31,14 @@ BEFORE, AFTER, NOISE = 1, 0, 6
 BASE, NAMED = "base model", "with what was named"
 """Names of the base model and of the extended one, in every chart."""
 
+AS_GIVEN = "named parameters as given, the rest refitted"
+"""Name of the base model before, where only parameters are off."""
+
 
 def models_of(record: DiagnosisRecord) -> tuple[str, ...]:
     """Names of what the rows before and after belong to; of one where nothing was named."""
     if record.heldout is not None and record.heldout.before == "given":
-        return ("parameters as given", "refitted")
+        return (AS_GIVEN, "everything refitted")
     return (BASE, NAMED) if record.effects else (BASE,)
 
 

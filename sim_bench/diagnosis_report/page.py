@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 from fricomp.report import Chart, ReportPage, Section, Table
 
@@ -11,7 +12,7 @@ from .maps import map_chart, plane_chart
 from .over_time import models_of, motion_chart, time_chart
 from .tables import base_table, change_table, effect_table, error_table, forward_table, location_table
 from .weighing import distinguishability_chart, order_chart, rival_chart, rival_table
-from .wording import VERDICT_TITLES, Units
+from .wording import VERDICT_TITLES, Units, next_step
 
 __all__ = ["diagnosis_charts", "diagnosis_page"]
 
@@ -39,7 +40,11 @@ def diagnosis_charts(diagnosis: Diagnosis) -> dict[str, Chart]:
 
 
 def diagnosis_page(
-    diagnosis: Diagnosis, charts: Mapping[str, Chart], notes: tuple[str, ...], facts: Mapping[str, str]
+    diagnosis: Diagnosis,
+    charts: Mapping[str, Chart],
+    notes: tuple[str, ...],
+    facts: Mapping[str, str],
+    folder: Path | None = None,
 ) -> ReportPage:
     """The page.
 
@@ -48,7 +53,9 @@ def diagnosis_page(
         charts: From `diagnosis_charts`.
         notes: One sentence for each file that was written or could not be.
         facts: Further lines on how the diagnosis was made.
+        folder: Where the proposed motion is written.
     """
+    step = next_step(diagnosis.record, folder)
     record, units = diagnosis.record, Units.of(diagnosis)
     over_time = [chart for name, chart in charts.items() if name.startswith("over-time")]
     sections = [
@@ -65,7 +72,7 @@ def diagnosis_page(
         _section("Ripple over position", charts.get("orders")),
         _section("What was weighed", charts.get("rivals"), rival_table(record.rivals, record.effects)),
         _section("What this recording can tell apart", charts.get("distinguishability")),
-        _section("What to record next", *_next(diagnosis), charts.get("motion")),
+        _section("What to record next", step, charts.get("motion")),
         _section("The base model", base_table(record), folded=True),
         _section("Files", *notes),
         _section("How it was made", Table(("what", "value"), tuple(facts.items())) if facts else None, folded=True),
@@ -73,7 +80,7 @@ def diagnosis_page(
     return ReportPage(
         title=f"{_joint(record.joint)}: {VERDICT_TITLES[record.verdict]}",
         subtitle=f"Diagnosis of {', '.join(record.recordings) or 'a recording'}",
-        summary=record.sentences,
+        summary=record.sentences if step is None else (*record.sentences, step),
         sections=tuple(section for section in sections if section is not None),
         facts=_key_figures(diagnosis, units),
     )
@@ -100,19 +107,10 @@ def _explanations(effects: tuple[NamedEffect, ...]) -> list[str]:
     return texts
 
 
-def _next(diagnosis: Diagnosis) -> list[str]:
-    proposed = diagnosis.record.next_experiment
-    if proposed is None:
-        return []
-    why = proposed.why[:1].upper() + proposed.why[1:].rstrip(".")
-    command = f"fricomp calibrate --backend … --motion {proposed.motion} --out runs/next"
-    return [f"{why}.", f"This motion would tell {' from '.join(proposed.separates)}. Record it with: {command}"]
-
-
 def _key_figures(diagnosis: Diagnosis, units: Units) -> dict[str, str]:
     record, facts = diagnosis.record, {"verdict": diagnosis.verdict.replace("_", " ")}
     if record.noise_ratio is not None:
-        facts["residual over its noise"] = f"{record.noise_ratio:.3g}"
+        facts["residual over its noise"] = f"{record.noise_ratio:.2f}"  # as in the sentences
     if record.heldout is not None:
         errors = record.heldout
         after = f" → {errors.rmse_after:.3g}" if record.effects else ""

@@ -91,6 +91,7 @@ def base_table(record: DiagnosisRecord) -> Table | None:
 
 def location_table(record: DiagnosisRecord, units: Units) -> Table | None:
     """Where the mismatch sits, and where each effect acts."""
-    rows = [("the whole mismatch", format_location(record.location, units))] if record.location else []
+    alone = len(record.effects) == 1 and record.effects[0].location == record.location
+    rows = [("the whole mismatch", format_location(record.location, units))] if record.location and not alone else []
     rows += [(effect.name, format_location(effect.location, units)) for effect in record.effects if effect.location]
     return Table(("what", "where"), tuple(rows)) if rows else None

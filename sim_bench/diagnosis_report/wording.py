@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import ceil, floor, isfinite, log10, pi
+from pathlib import Path
 
 from msgspec.structs import replace as with_fields
 
-from ..diagnosis.result import Diagnosis, Location, NamedEffect, Quantity
+from ..diagnosis.result import Diagnosis, DiagnosisRecord, Location, NamedEffect, Quantity
+from ..diagnosis.sentence import parameter_words
 
 __all__ = [
     "AXIS_TITLES",
@@ -19,6 +22,7 @@ __all__ = [
     "format_location",
     "format_number",
     "format_quantity",
+    "next_step",
     "with_names",
     "words",
 ]
@@ -86,7 +90,7 @@ def with_names(diagnosis: Diagnosis, names: Sequence[str]) -> Diagnosis:
 
 def words(name: str) -> str:
     """A name in a file as words: `forward.coulomb_torque` is `coulomb torque, forward`."""
-    parts = [part.replace("_", " ") for part in name.split(".")]
+    parts = [parameter_words(part) for part in name.split(".")]
     return ", ".join(reversed(parts))
 
 
@@ -136,8 +140,28 @@ def format_location(location: Location, units: Units) -> str:
     return "; ".join(parts)
 
 
+def next_step(record: DiagnosisRecord, folder: Path | None = None) -> str | None:
+    """What to record next, in one sentence with its command; None where no motion is proposed.
+
+    Args:
+        record: Of the diagnosis.
+        folder: Where its files are.
+    """
+    proposed = record.next_experiment
+    if proposed is None:
+        return None
+    *others, last = proposed.separates
+    names = f"{', '.join(others)} and {last}" if others else last
+    motion = shlex.quote(str((folder or Path()) / proposed.motion))
+    return (
+        f"What this recording cannot tell apart: {names}. To tell, record {proposed.why.rstrip('.')}: "
+        f"fricomp calibrate --backend … --motion {motion} --out runs/next; then diagnose this recording together with "
+        "runs/next/motion-alone.csv."
+    )
+
+
 def derived_parameters(effect: NamedEffect) -> Mapping[str, Quantity]:
-    """Parameters of an effect, and what people look up instead: a ripple's period and amplitude."""
+    """Parameters of an effect, and what people look up instead: a ripple's period, its amplitude in each recording."""
     found = dict(effect.parameters)
     order = found.get("order")
     # The order of a filter, or of an encoder's wave in a turn, is no order over position.
@@ -146,9 +170,11 @@ def derived_parameters(effect: NamedEffect) -> Mapping[str, Quantity]:
         unit = order.unit.removeprefix("1/")
         interval = (2.0 * pi / high, 2.0 * pi / low) if low > 0.0 else (float("nan"), float("nan"))
         found["period"] = Quantity(2.0 * pi / order.value, unit, interval)
-    sine, cosine = found.get("sine"), found.get("cosine")
-    if sine is not None and cosine is not None and "amplitude" not in found:
-        found["amplitude"] = _amplitude(sine, cosine)
+    for name, sine in effect.parameters.items():
+        of_wave = name.removeprefix("sine")  # "_2" of the second recording, whose encoder starts anew
+        cosine = found.get(f"cosine{of_wave}")
+        if name.startswith("sine") and cosine is not None:
+            found.setdefault(f"amplitude{of_wave}", _amplitude(sine, cosine))
     return found
 
 

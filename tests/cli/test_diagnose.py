@@ -1,10 +1,13 @@
 """`fricomp diagnose` end to end: bad input is named as such and never as physics; the answer is in plain words."""
 
 import json
+import re
 import subprocess
 import sys
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,11 +15,14 @@ from typer.testing import CliRunner
 
 from fricomp.cli.diagnose import EXIT_BAD_DATA
 from fricomp.cli.diagnosis_folder import remove_earlier_diagnosis
+from fricomp.cli.diagnosis_warnings import diagnosis_warnings, distinct_names
 from fricomp.cli.main import app
 from fricomp.errors import DiagnosisError, RecordingError
 from fricomp.laws import Coulomb, FrictionLaw
 from fricomp.model import FrictionModel, Provenance, save_model
-from fricomp.recording import Recording, RecordingMetadata, write_recording
+from fricomp.recording import Recording, RecordingMetadata, read_recording, write_recording
+from fricomp.sim_bench.diagnosis import DIAGNOSIS_SCHEMA, DiagnosisRecord, Quantity, diagnosis_json_schema
+from fricomp.sim_bench.diagnosis.result import Change
 from fricomp.sim_bench.fleet import find_recordings
 
 _JOINT = """<mujoco><worldbody><body><joint name="elbow" axis="0 1 0"/>
@@ -193,6 +199,106 @@ def test_files_of_somebody_else_stay(tmp_path: Path) -> None:
     assert {path.name for path in tmp_path.iterdir()} == {"motion.csv", "friction.json", "friction.onnx"}
 
 
+def _refused(tmp_path: Path, out: Path, *options: str) -> str:
+    """What a diagnosis that is refused says, before it has read anything."""
+    missing = str(tmp_path / "not_there.csv")
+    result = CliRunner().invoke(app, ["diagnose", missing, "--out", str(out), *options])
+    assert isinstance(result.exception, DiagnosisError), result.output
+    return str(result.exception)
+
+
+def test_a_model_that_is_given_is_not_written_over(tmp_path: Path) -> None:
+    model = tmp_path / "friction.json"
+    save_model(FrictionModel(FrictionLaw((Coulomb(1.0),)), provenance=Provenance(method="calibrate")), model)
+    before = model.read_bytes()
+    said = _refused(tmp_path, tmp_path, "--friction", str(model))
+    assert f"over its input {model}: choose another --out" in said
+    assert model.read_bytes() == before
+
+
+@pytest.mark.parametrize("diagnosed", [False, True])
+@pytest.mark.parametrize("name", ["friction.json", "report.html"])
+def test_a_file_that_is_no_diagnosis_is_not_written_over(name: str, diagnosed: bool, tmp_path: Path) -> None:
+    (tmp_path / name).write_text("of somebody else")
+    if diagnosed:
+        (tmp_path / "diagnosis.json").write_text('{"schema": "fricomp.diagnosis/1"}')
+    said = _refused(tmp_path, tmp_path)
+    assert f"{tmp_path} holds {name}, which a diagnosis writes too" in said
+    assert "choose another --out, or move it away" in said
+    assert (tmp_path / name).read_text() == "of somebody else"
+
+
+@pytest.mark.parametrize("below", ["", "deeper/still"])
+@pytest.mark.parametrize("options", [[], ["--each"]])
+def test_a_file_in_the_place_of_the_folder_is_told_at_once(below: str, options: list[str], tmp_path: Path) -> None:
+    (tmp_path / "taken").write_text("")
+    assert f"{tmp_path / 'taken'} is a file" in _refused(tmp_path, tmp_path / "taken" / below, *options)
+
+
+def test_a_diagnosis_may_be_repeated_in_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    _answer_at_once(monkeypatch)
+    call = ["diagnose", str(_save(tmp_path, _columns())), "--out", str(tmp_path)]
+    codes = [CliRunner().invoke(app, call).exit_code for _ in range(2)]
+    assert codes == [EXIT_BAD_DATA] * 2
+
+
+def test_recordings_of_one_name_are_called_by_their_folders_too() -> None:
+    assert distinct_names([Path("a/one.csv"), Path("b/two.csv")]) == ["one", "two"]
+    assert distinct_names([Path("a/one.csv"), Path("b/one.csv")]) == ["a/one", "b/one"]
+    assert distinct_names([Path("x/a/one.csv"), Path("y/a/one.csv")]) == ["x/a/one.csv", "y/a/one.csv"]
+
+
+def _scaled(factor: float, gravity: float | None = None) -> DiagnosisRecord:
+    """A record in which inertia, and gravity of 2 and 1 N·m, are multiplied by these factors."""
+    gravity = factor if gravity is None else gravity
+    moved = {"inertia": (0.3, factor), "gravity_cos": (2.0, gravity), "gravity_sin": (1.0, gravity)}
+    changes = tuple(
+        Change(name=name, given=given, refitted=Quantity(given * scale, "", (0.0, 9.0)))
+        for name, (given, scale) in moved.items()
+    )
+    return DiagnosisRecord(schema=DIAGNOSIS_SCHEMA, verdict="parameters", changes=changes)
+
+
+@pytest.mark.parametrize(
+    ("record", "metadata", "says"),
+    [
+        (_scaled(1 / 6), {}, "both 0.167 times those of the simulation, as torque of the motor side"),
+        (_scaled(1 / 6), {"gear_ratio": 6.0}, "(the recording states gear_ratio 6)"),
+        (_scaled(0.5), {"gear_ratio": 6.0, "torque_side": "motor"}, "check the gear_ratio 6 of the recording"),
+        (_scaled(1.05), {}, ""),
+        (_scaled(0.5, gravity=0.8), {}, ""),
+    ],
+)
+def test_one_factor_on_inertia_and_gravity_is_said_to_look_like_a_gear(
+    record: DiagnosisRecord, metadata: dict[str, object], says: str, tmp_path: Path
+) -> None:
+    path = _save(tmp_path, _columns(), **metadata)
+    said = " ".join(diagnosis_warnings({path: read_recording(path)}, record))
+    assert says in said
+    assert bool(said) == bool(says)
+
+
+def test_an_interrupted_diagnosis_says_what_is_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    module = import_module("fricomp.sim_bench.diagnosis.diagnose")
+    monkeypatch.setattr(module, "reasons_against", interrupted)
+    out = tmp_path / "out"
+    result = CliRunner().invoke(app, ["diagnose", str(_save(tmp_path, _columns())), "--out", str(out)])
+    assert result.exit_code == 130
+    assert f"Interrupted; nothing was written into {out}." in result.stderr
+
+
+def test_the_schema_is_printed_without_a_recording_and_stands_in_the_documentation() -> None:
+    result = CliRunner().invoke(app, ["diagnose", "--schema"])
+    assert result.exit_code == 0
+    schema = json.loads(result.stdout)
+    assert schema == json.loads(json.dumps(diagnosis_json_schema()))
+    written = Path(__file__).parents[2] / "docs" / "diagnosis.schema.json"
+    assert schema == json.loads(written.read_text("utf-8")), f"fricomp diagnose --schema > {written}"
+
+
 def test_folders_and_patterns_are_the_recordings_in_them(tmp_path: Path) -> None:
     for name in ("b.csv", "a.parquet", "note.txt"):
         (tmp_path / name).touch()
@@ -223,3 +329,22 @@ def test_a_recording_is_diagnosed_in_plain_words_quietly(tmp_path: Path) -> None
     assert done.stderr == ""
     assert record["recordings"] == ["elbow"]
     assert (out / "friction.json").exists()
+
+
+@pytest.mark.slow
+def test_a_browser_draws_the_report_of_a_real_diagnosis_without_errors_or_a_network(
+    tmp_path: Path, open_page: Callable[[Path], Any]
+) -> None:
+    columns, out = _columns(), tmp_path / "out"
+    ripple = columns | {"torque": columns["torque"] + 0.4 * np.sin(30.0 * columns["position"])}
+    done = _run(str(_save(tmp_path, ripple)), "--out", str(out))
+    assert done.returncode == 0, done.stderr
+    assert "Most of the mismatch sits" in done.stdout.replace("\n", " ")
+    shown = open_page(out / "report.html")
+    assert (shown.complaints, shown.fetched) == ((), ())
+    charts = re.findall(r'id="(chart-[a-z0-9-]+)"', (out / "report.html").read_text())
+    assert {"chart-over-time-1", "chart-where", "chart-orders", "chart-rivals"} <= set(charts)
+    for name in charts:
+        drawn = shown.dom[shown.dom.index(f'id="{name}"') :][:200_000]
+        assert 'class="subplot xy"' in drawn, name
+    assert ">cogging</text>" in shown.dom

@@ -78,6 +78,14 @@ def test_bars_of_one_name_stand_side_by_side_in_the_page() -> None:
     assert [trace["offsetgroup"] for trace in traces] == ["middle", "middle"]
 
 
+@pytest.mark.parametrize(("name", "angle"), [("spring", None), ("presliding_hysteresis + load_coulomb", -35)])
+def test_long_names_below_bars_slope_so_that_the_last_ones_are_drawn(name: str, angle: float | None) -> None:
+    bars = Bars((name,) * 7, np.arange(7.0), "gain")
+    axis = _figure(Chart("rivals", "Rivals", (Panel((bars,), "", "evidence"),)))[1]["xaxis"]
+    assert axis.get("tickangle") == angle
+    assert axis.get("ticklabeloverflow") == (None if angle is None else "allow")
+
+
 @pytest.mark.parametrize(("rows", "columns"), [(1, 3), (3, 1), (1, 1), (2, 3)])
 def test_a_heat_map_of_any_size_is_filled(rows: int, columns: int, tmp_path: Path) -> None:
     heat = HeatMap(np.arange(float(columns)), np.arange(float(rows)), np.ones((rows, columns)), limits=(0.0, 1.0))

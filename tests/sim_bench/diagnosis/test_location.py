@@ -38,3 +38,13 @@ def test_an_event_between_two_rows_is_told_to_a_sample() -> None:
     assert told["position"] == locate(series, [by_rows])["position"]
     (coarse,) = locate(series, [by_rows])["time"]
     assert coarse[1] - coarse[0] > 0.019
+
+
+def test_what_singles_a_mismatch_out_most_comes_first() -> None:
+    rows = 0.02 * np.arange(500)
+    series = (_series(rows),)
+    slow = np.abs(series[0].velocity) < 0.05
+    told = locate(series, [np.where(slow & (rows < 6.0), 1.0, 0.0)])
+    assert [name for name in told if name in ("velocity", "position")] == ["velocity", "position"]
+    told = locate(series, [np.where(slow, 1.0, 0.0) + 20.0 * (np.abs(rows - 3.0) < 0.2)])
+    assert [name for name in told if name in ("velocity", "position")] == ["position", "velocity"]

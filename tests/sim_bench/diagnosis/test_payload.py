@@ -64,6 +64,8 @@ def test_a_payload_is_found_with_its_mass(arm: Path) -> None:
     assert mass.ci95[0] < 0.8 < mass.ci95[1]
     assert effect.parameters["first_moment_x"].value == pytest.approx(0.24, rel=0.05)
     assert "first_moment_y" not in effect.parameters, "both axes are parallel to it"
+    assert diagnosis.sentences[1].startswith("It shows most in the torque of shoulder (")
+    assert ", elbow (" in diagnosis.sentences[1]
 
 
 def test_the_same_payload_twice_is_none(arm: Path) -> None:

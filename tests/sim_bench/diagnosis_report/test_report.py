@@ -36,9 +36,12 @@ from fricomp.sim_bench.diagnosis_report import (
     WrittenDiagnosis,
     change_table,
     diagnosis_charts,
+    diagnosis_page,
     effect_table,
     error_table,
     format_quantity,
+    location_table,
+    next_step,
     with_names,
     write_diagnosis,
 )
@@ -152,6 +155,47 @@ def test_the_table_has_period_and_amplitude_of_a_ripple(diagnosis: Diagnosis) ->
     assert table.rows[0][4:] == ("97%", "kinematic_error")
 
 
+def test_a_ripple_of_two_recordings_has_an_amplitude_in_each(diagnosis: Diagnosis) -> None:
+    first = diagnosis.record.effects[0]
+    waves = {"sine_2": Quantity(0.3, "N·m", (0.29, 0.31)), "cosine_2": Quantity(0.4, "N·m", (0.39, 0.41))}
+    both = with_fields(first, parameters=first.parameters | waves)
+    table = effect_table(with_fields(diagnosis.record, effects=(both,)))
+    assert table is not None
+    rows = {row[1]: row for row in table.rows}
+    assert (rows["amplitude"][2], rows["amplitude of recording 2"][2]) == ("0.300 N·m", "0.500 N·m")
+    assert rows["sine of recording 2"][2] == "0.300 N·m"
+
+
+def test_what_to_record_next_is_said_first_with_files_and_command(
+    diagnosis: Diagnosis, written: WrittenDiagnosis
+) -> None:
+    text = re.sub(r"<script.*?</script>", "", (written.folder / "report.html").read_text(), flags=re.S)
+    said = next_step(diagnosis.record, written.folder)
+    assert said is not None
+    assert "cannot tell apart: cogging and kinematic_error." in said
+    assert f"fricomp calibrate --backend … --motion {written.folder / 'motion.csv'} --out runs/next" in said
+    assert text.index(said) < text.index("What was found")
+    assert next_step(with_fields(diagnosis.record, next_experiment=None)) is None
+
+
+def test_the_noise_ratio_has_the_digits_of_the_sentence(diagnosis: Diagnosis) -> None:
+    record = with_fields(diagnosis.record, noise_ratio=10.4478)
+    page = diagnosis_page(replace(diagnosis, record=record), {}, (), {})
+    assert page.facts["residual over its noise"] == "10.45"
+    assert any("10.45 times its noise floor" in one for one in sentences(record))
+
+
+def test_a_single_effect_has_one_line_of_where_it_sits(diagnosis: Diagnosis) -> None:
+    (effect,) = diagnosis.record.effects
+    for location, expected in ((effect.location, ["cogging"]), ({}, ["cogging"])):
+        table = location_table(with_fields(diagnosis.record, location=location), Units())
+        assert table is not None
+        assert [row[0] for row in table.rows] == expected
+    table = location_table(diagnosis.record, Units())
+    assert table is not None
+    assert [row[0] for row in table.rows] == ["the whole mismatch", "cogging"]
+
+
 def test_the_order_of_a_filter_has_no_period_and_no_interval(diagnosis: Diagnosis) -> None:
     numbers = {"time_constant": Quantity(4e-3, "s", (3e-3, 5e-3)), "order": Quantity(2.0, "1", (2.0, 2.0))}
     lag = NamedEffect(name="drive_lag", kind="measurement", parameters=numbers, sentence="it lags")
@@ -186,10 +230,10 @@ def test_parameters_that_are_off_are_drawn_as_given_and_refitted(diagnosis: Diag
     record = with_fields(diagnosis.record, heldout=with_fields(held, before="given"))
     table, charts = error_table(record), diagnosis_charts(replace(diagnosis, record=record))
     assert table is not None
-    assert [row[0] for row in table.rows[:2]] == ["parameters as given", "refitted"]
+    assert [row[0] for row in table.rows[:2]] == ["named parameters as given, the rest refitted", "everything refitted"]
     for name in ("over-time-1", "where"):
         labels = [mark.label for mark in charts[name].panels[0].marks if isinstance(mark, Line)]
-        assert labels == ["parameters as given", "refitted"]
+        assert labels == ["named parameters as given, the rest refitted", "everything refitted"]
 
 
 def test_a_wide_band_at_reversals_leaves_the_rows_to_be_seen() -> None:

@@ -1,0 +1,79 @@
+"""What a diagnosis should be taken with care for: checks of its recordings, and a side of the gear nobody stated."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from math import hypot, sqrt
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from fricomp.recording import Recording
+    from fricomp.sim_bench.diagnosis import DiagnosisRecord
+
+__all__ = ["diagnosis_warnings", "distinct_names"]
+
+_TOLD = frozenset({"gap", "velocity_scale", "velocity_mismatch"})  # the answer says what was done about them
+_ALIKE = 0.1  # relative difference of two factors that are one
+_USUAL = 0.1  # that a torque signal is off by for other reasons than a gear
+
+
+def distinct_names(paths: Sequence[Path]) -> list[str]:
+    """A name for each recording: that of its file, with its folder before it where several are called so."""
+    for name in (lambda path: path.stem, lambda path: f"{path.parent.name}/{path.stem}", str):
+        names = [name(path) for path in paths]
+        often = Counter(names)
+        if max(often.values(), default=1) == 1:
+            return names
+    return names
+
+
+def diagnosis_warnings(read: Mapping[Path, Recording], record: DiagnosisRecord) -> tuple[str, ...]:
+    """What the checks of the data warn of and the answer does not say itself, in sentences.
+
+    Args:
+        read: Every recording, by its file.
+        record: The answer.
+    """
+    from fricomp.cli.terminal import careful
+    from fricomp.recording import check_recording
+
+    said, found = " ".join(record.sentences), []
+    for name, recording in zip(distinct_names(list(read)), read.values(), strict=True):
+        where = f"{name}: " if len(read) > 1 else ""
+        for finding in check_recording(recording):
+            told = finding.code in _TOLD or finding.message in said
+            if finding.severity != "note" and not told:
+                found.append(where + careful(finding))
+    factor = _common_factor(record)
+    return (*found, _gear(factor, list(read.values()))) if factor is not None else tuple(found)
+
+
+def _common_factor(record: DiagnosisRecord) -> float | None:
+    """What inertia and gravity of the simulation are both multiplied by; None where there is no such factor."""
+    moved = {change.name: (change.given, change.refitted.value) for change in record.changes}
+    if not {"inertia", "gravity_cos", "gravity_sin"} <= set(moved):
+        return None
+    (cosine, new_cosine), (sine, new_sine) = moved["gravity_cos"], moved["gravity_sin"]
+    size, inertia = hypot(cosine, sine), moved["inertia"][1] / moved["inertia"][0]
+    if size == 0.0:
+        return None
+    gravity = (new_cosine * cosine + new_sine * sine) / size**2
+    away = hypot(new_cosine - gravity * cosine, new_sine - gravity * sine) / size
+    if gravity <= 0.0 or away > _ALIKE * gravity or abs(inertia / gravity - 1.0) > _ALIKE:
+        return None
+    factor = sqrt(inertia * gravity)
+    return None if 1.0 - _USUAL < factor < 1.0 + _USUAL else factor
+
+
+def _gear(factor: float, recordings: Sequence[Recording]) -> str:
+    ratios = sorted({one.metadata.gear_ratio for one in recordings if one.metadata.gear_ratio is not None})
+    stated = f"gear_ratio {', '.join(f'{ratio:.4g}' for ratio in ratios)}" if ratios else "no gear_ratio"
+    both = f"Careful: inertia and gravity are both {factor:.3g} times those of the simulation"
+    if any(one.metadata.torque_side == "motor" for one in recordings):
+        return f"{both}, as a wrong gear ratio makes them: check the {stated} of the recording."
+    return (
+        f"{both}, as torque of the motor side of a gear makes them (the recording states {stated}): unless the torque "
+        "acts on the joint side, state torque_side: motor and the gear_ratio in its metadata."
+    )

@@ -1,0 +1,77 @@
+"""Where a mismatch sits, in one sentence: the few facts that single it out most."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from .result import DiagnosisRecord, Interval, Location, NamedEffect
+
+__all__ = ["whereabouts"]
+
+_MOST_FACTS, _FEW_SPANS, _MOST_SPANS = 3, 2, 3
+_BEGINNING = 0.02  # [s] after a reversal, up to which an interval begins with it
+_NAMES = {"velocity": "velocity", "load_torque": "load torque"}
+_UNNAMED = frozenset({"", "joint", "arm"})  # joints
+_SPREAD = "The mismatch is spread over the whole recording: no time, speed, position or load stands out."
+
+
+def whereabouts(record: DiagnosisRecord) -> str:
+    """Which times, speeds, positions, loads and so on carry most of the mismatch; empty where nobody looked.
+
+    The quantities of a location stand in the order in which they single it out. Of several effects, each has its
+    strongest fact behind those of the whole.
+    """
+    several, facts = len(record.effects) > 1, _facts(record, record.location)
+    if not several:
+        facts = [*(fact for one in record.effects for fact in _rhythm(one)), *facts]
+    each = [(one.name, [*_rhythm(one), *_facts(record, one.location)]) for one in record.effects if several]
+    parts = [f"{name} {found[0]}" for name, found in each if found]
+    joint = f" in joint {record.joint}" if record.joint not in _UNNAMED else ""
+    lines = [f"Most of the mismatch sits{joint} {'; '.join(facts[:_MOST_FACTS])}."] if facts else []
+    lines += [f"By effect: {'; '.join(parts)}."] if parts else []
+    if not lines and (record.location or record.verdict == "unknown_physics"):
+        return _SPREAD
+    return " ".join(lines)
+
+
+def _facts(record: DiagnosisRecord, location: Location) -> list[str]:
+    """Intervals of each quantity that has few, the most telling first; acceleration, which follows from the others,
+    where nothing else has; of a quantity with many, where there is no other, the first ones."""
+    known = {name: spans for name, spans in location.items() if spans and name != "frequency"}
+    for few in (_FEW_SPANS, _MOST_SPANS):
+        found = [name for name, spans in known.items() if len(spans) <= few]
+        plain = [name for name in found if name != "acceleration"]
+        if plain:
+            return [_fact(record, name, known[name]) for name in plain]
+    rest = found or [name for name in known if name not in ("time", "acceleration")][:1]
+    return [_fact(record, name, known[name]) for name in rest]
+
+
+def _fact(record: DiagnosisRecord, name: str, spans: Sequence[Interval]) -> str:
+    more = f" and {len(spans) - _MOST_SPANS} further stretches" if len(spans) > _MOST_SPANS else ""
+    if name == "time_since_reversal" and len(spans) == 1 and spans[0][0] < _BEGINNING:
+        return f"within {spans[0][1]:.3g} s after a reversal"
+    said = ", ".join(f"{low:.3g} to {high:.3g}" for low, high in spans[:_MOST_SPANS])
+    if name == "time_since_reversal":
+        return f"{said} s{more} after a reversal"
+    if name == "time":
+        first = " of the first recording" if len(record.recordings) > 1 else ""
+        return f"at times {said} s{more}{first}"
+    unit = _unit(record, name)
+    return f"at {_NAMES.get(name, name.replace('_', ' '))} {said}{f' {unit}' if unit else ''}{more}"
+
+
+def _rhythm(effect: NamedEffect) -> list[str]:
+    """What repeats over the position sits in its rhythm; the order of a filter is none."""
+    order = effect.parameters.get("order")
+    if order is None or order.unit not in ("1/rad", "1/m"):
+        return []
+    return [f"in the rhythm of the position, at the order {order.value:.4g} {order.unit}"]
+
+
+def _unit(record: DiagnosisRecord, quantity: str) -> str:
+    known = record.base.get("forward.stribeck_velocity")
+    speed = "" if known is None else known.unit
+    units = {"velocity": speed, "position": speed.removesuffix("/s"), "acceleration": f"{speed}²" if speed else ""}
+    units |= {"temperature": "°C", "load_torque": record.heldout.unit if record.heldout is not None else ""}
+    return units.get(quantity, "")
