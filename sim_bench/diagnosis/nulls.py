@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import repeat
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.ndimage import median_filter, uniform_filter1d
 from scipy.optimize import nnls
 
@@ -26,6 +27,8 @@ _TORQUE_WINDOW = 0.011  # [s] smoothing that separates the applied torque from i
 _DELAY_SPREAD = 5e-5  # [s]
 _FEW = 8  # nulls from which the noise is matched
 _MEMORY = 0.9  # correlation of coloured noise where the samples show none
+_THROUGHOUT = 0.999  # of a row's window
+_ENOUGH = 100  # rows for a median
 _CORRECTION = (0.7, 1.4)  # of the matched noise, for what does not add up in squares
 
 
@@ -123,23 +126,35 @@ def _matched_noise(chain: _Chain, index: int, data: FloatArray, seed: int) -> To
     Samples alone cannot tell noise from torque that a controller really made of the encoder's steps; rows can, since
     real torque moves the joint.
     """
-    seen = chain.problem.tracks[index].torque_noise
-    size = seen.size or 1e-3 * float(np.std(chain.problem.tracks[index].torque))
+    track, slides = chain.problem.tracks[index], _sliding(chain.problem, index)
+    seen = track.torque_noise
+    size = seen.size or 1e-3 * float(np.std(track.torque))
     memory = seen.memory if seen.coloured > 0.0 else _MEMORY
     kinds = (TorqueNoise(0.0, 0.0, 0.0), TorqueNoise(size, 0.0, 0.0, seen.freedom), TorqueNoise(0.0, size, memory))
-    without, white, coloured = (_variation(chain.rows(index, kind, _FEW, seed)) for kind in kinds)
-    target = _variation(data[None])
+    without, white, coloured = (_variation(chain.rows(index, kind, _FEW, seed), slides) for kind in kinds)
+    target = _variation(data[None], slides)
     columns = np.stack([white - without, coloured - without], axis=1) / target[:, None]
     found, _ = nnls(np.maximum(columns, 0.0), np.maximum(target - without, 0.0) / target)
     noise = TorqueNoise(size * float(np.sqrt(found[0])), size * float(np.sqrt(found[1])), memory, seen.freedom)
-    again = _variation(chain.rows(index, noise, _FEW, seed))
+    again = _variation(chain.rows(index, noise, _FEW, seed), slides)
     factor = float(np.clip(np.sqrt(target[0] / again[0]), *_CORRECTION))
     return noise._replace(white=factor * noise.white, coloured=factor * noise.coloured)
 
 
-def _variation(rows: FloatArray) -> FloatArray:
+def _sliding(problem: Problem, index: int) -> NDArray[np.bool_]:
+    """Rows in which a recorded joint slides throughout, or all rows where these are few. Shape (n_rows,).
+
+    A joint that sticks takes up the noise of its torque in the bristle; how often one is about to stick, nulls of a
+    loop need not repeat exactly, and a median over both kinds of rows would depend on it.
+    """
+    moves = (np.abs(problem.tracks[index].velocity) > problem.observer.rest_speed).astype(np.float64)
+    rows = problem.grids[index].of(moves) > _THROUGHOUT
+    return rows if np.count_nonzero(rows) >= _ENOUGH else np.ones_like(rows)
+
+
+def _variation(rows: FloatArray, slides: NDArray[np.bool_]) -> FloatArray:
     """Squared typical second difference over one, two and four rows, which no smooth torque reaches [(N·m)²]."""
-    spans = [rows[:, 2 * k :] - 2.0 * rows[:, k:-k] + rows[:, : -2 * k] for k in (1, 2, 4)]
+    spans = [(rows[:, 2 * k :] - 2.0 * rows[:, k:-k] + rows[:, : -2 * k])[:, slides[k:-k]] for k in (1, 2, 4)]
     return np.array([max(float(np.median(np.abs(one))) ** 2, 1e-30) for one in spans])
 
 

@@ -11,6 +11,7 @@ import pytest
 from fricomp.sim_bench.diagnosis.controller import Controller
 from fricomp.sim_bench.diagnosis.delay import shifted
 from fricomp.sim_bench.diagnosis.loading import build_tracks
+from fricomp.sim_bench.diagnosis.nulls import _sliding, _variation
 from fricomp.sim_bench.diagnosis.observer import Contribution, Job, Observation, Observer
 from fricomp.sim_bench.diagnosis.preparation import prepare
 from fricomp.sim_bench.diagnosis.problem import Problem, observer_for
@@ -84,3 +85,20 @@ def test_what_moved_the_joint_is_no_noise_of_its_nulls() -> None:
     )
     assert with_loop.noise_ratio == pytest.approx(1.0, abs=0.1)
     assert np.median(with_loop.nulls.weights.spread[0]) < 0.95 * np.median(without.nulls.weights.spread[0])
+
+
+def test_noise_is_matched_where_the_joint_slides() -> None:
+    problem = problem_of()
+    still = replace(problem.tracks[0], velocity=np.where(np.arange(problem.tracks[0].size) < 7000, 0.0, 1.0))
+    slides = _sliding(replace(problem, tracks=(still,)), 0)
+    rows = np.random.default_rng(0).normal(size=(4, slides.size)) * np.where(slides, 1.0, 1e-3)
+    assert 0.4 < np.mean(slides) < 0.6
+    whole = _variation(rows, slides)
+    assert whole == pytest.approx(_variation(rows[:, slides], np.ones(np.count_nonzero(slides), dtype=bool)), rel=0.1)
+    assert np.all(_variation(rows, np.ones_like(slides)) < 0.5 * whole)
+
+
+def test_where_the_joint_hardly_slides_all_rows_count() -> None:
+    problem = problem_of()
+    resting = replace(problem.tracks[0], velocity=np.zeros(problem.tracks[0].size))
+    assert np.all(_sliding(replace(problem, tracks=(resting,)), 0))
