@@ -13,7 +13,7 @@ from fricomp.sim_bench.diagnosis.delay import shifted
 from fricomp.sim_bench.diagnosis.loading import build_tracks
 from fricomp.sim_bench.diagnosis.observer import Contribution, Job, Observation, Observer
 from fricomp.sim_bench.diagnosis.preparation import prepare
-from fricomp.sim_bench.diagnosis.problem import Problem, observer_for
+from fricomp.sim_bench.diagnosis.problem import Problem, Weights, observer_for
 from fricomp.sim_bench.diagnosis.step_answer import StepAnswer, step_answers
 from fricomp.sim_bench.diagnosis.track import FloatArray, TorqueNoise, smooth_derivative
 
@@ -84,3 +84,12 @@ def test_what_moved_the_joint_is_no_noise_of_its_nulls() -> None:
     )
     assert with_loop.noise_ratio == pytest.approx(1.0, abs=0.1)
     assert np.median(with_loop.nulls.weights.spread[0]) < 0.95 * np.median(without.nulls.weights.spread[0])
+
+
+def test_columns_are_whitened_as_rows_are() -> None:
+    rows = np.random.default_rng(2).standard_normal((50, 3))
+    weights = Weights((np.zeros(50),), (np.ones(50),), np.array([1.1, -0.4, 0.2, 0.1]))
+    known = np.stack([weights.apply([rows[:, 0]]), weights.apply([rows[:, 1]])], axis=1)
+    found = weights.whitened(rows[:, :2] + 1j * rows[:, 2:])
+    np.testing.assert_allclose(found.real, known, atol=1e-12)
+    np.testing.assert_allclose(found.imag[:, 0], weights.apply([rows[:, 2]]), atol=1e-12)
