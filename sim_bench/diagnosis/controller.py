@@ -14,6 +14,7 @@ from scipy.signal import lfilter
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
 
+from .left_out import fits_without_blocks
 from .track import FloatArray, smooth_derivative
 
 __all__ = ["EXPLAINED", "Controller", "answer_of", "estimate_controller", "read_controller", "told_torque"]
@@ -214,9 +215,6 @@ def _unexplained(columns: dict[str, FloatArray], names: list[str], torque: Float
     """Part of the torque's variance that is left on blocks that took no part."""
     table, error = _table(columns, names), np.empty(torque.size)
     size = np.linalg.norm(table, axis=0) + 1e-30
-    for part in np.array_split(np.arange(torque.size), _FOLDS):
-        kept = np.delete(np.arange(torque.size), part)
-        error[part] = torque[part] - table[part] @ (
-            np.linalg.lstsq(table[kept] / size, torque[kept], rcond=1e-9)[0] / size
-        )
+    for part, weights in fits_without_blocks(table / size, torque, _FOLDS, rcond=1e-9):
+        error[part] = torque[part] - table[part] @ (weights / size)
     return float(np.mean(error**2) / max(float(np.var(torque)), 1e-30))

@@ -15,6 +15,7 @@ from scipy.signal import savgol_filter
 
 from fricomp.recording import Recording
 
+from .left_out import fits_without_blocks
 from .track import FloatArray
 
 __all__ = [
@@ -35,6 +36,7 @@ _MOST_SAMPLES = 12_000
 _MOST_ORDERS = 1600
 _MOST_HARMONICS = 12
 _FOLDS = 10
+_AT_ONCE = 40  # orders a row of the spectrum
 _SLOWEST = 0.1  # of the top speed; below it friction is not level
 _WORTH = 0.01  # of the held-out energy that one more harmonic must take
 _WAVES = 8.0  # over the travel, at least: fewer are a shape, not a ripple
@@ -186,15 +188,22 @@ def _orders(position: FloatArray, wide: bool) -> FloatArray:
 
 def spectrum_of(residual: FloatArray, position: FloatArray, orders: FloatArray) -> FloatArray:
     """Energy of `residual` that a wave of each evenly spaced order explains. Shape (n_orders,)."""
-    energy = np.empty(orders.size)
     turn: NDArray[np.complex128] = np.exp(1j * (orders[1] - orders[0]) * position)
-    wave = np.exp(1j * orders[0] * position) * residual
-    for i in range(orders.size):
-        if i % 200 == 0:  # rounding would add up
-            wave = np.exp(1j * orders[i] * position) * residual
-        energy[i] = np.abs(wave.sum()) ** 2
-        wave = wave * turn
+    # The product of every so manieth wave with every step from there has all of them.
+    steps = _powers(np.ones_like(turn), turn, _AT_ONCE)
+    rows = -(-orders.size // _AT_ONCE)
+    waves = _powers(np.exp(1j * orders[0] * position) * residual, steps[-1] * turn, rows)
+    energy = np.abs((waves @ steps.T).ravel()[: orders.size]) ** 2
     result: FloatArray = 2.0 * energy / position.size
+    return result
+
+
+def _powers(first: NDArray[np.complex128], factor: NDArray[np.complex128], count: int) -> NDArray[np.complex128]:
+    """`first` times the powers of `factor` from 0 on. Shape (count, n)."""
+    result = np.empty((count, first.size), dtype=np.complex128)
+    result[0] = first
+    for i in range(1, count):
+        np.multiply(result[i - 1], factor, out=result[i])
     return result
 
 
@@ -256,13 +265,9 @@ def _judge(
 
 def error_on_left_out_blocks(table: FloatArray, torque: FloatArray) -> FloatArray:
     """Error on each block of a fit to the others. Shape (n_samples,)."""
-    n = torque.size
-    result = np.empty(n)
-    for part in np.array_split(np.arange(n), _FOLDS):
-        gap = max(5, min(n // 100, 32))
-        fit = np.ones(n, dtype=bool)
-        fit[max(0, part[0] - gap) : part[-1] + gap] = False
-        weights = np.linalg.lstsq(table[fit], torque[fit], rcond=1e-6)[0]
+    result = np.empty(torque.size)
+    gap = max(5, min(torque.size // 100, 32))
+    for part, weights in fits_without_blocks(table, torque, _FOLDS, rcond=1e-6, gap=(gap, gap - 1)):
         result[part] = torque[part] - table[part] @ weights
     return result
 
@@ -279,11 +284,8 @@ def _harmonics(
         q * (weights[2 * k] * waves[:, 2 * k + 1] - weights[2 * k + 1] * waves[:, 2 * k]) for k in range(len(chosen))
     ]
     table = np.column_stack([table, *slopes])
-    drawn = []
-    for part in np.array_split(np.arange(torque.size), _FOLDS):
-        kept = np.delete(np.arange(torque.size), part)
-        drawn.append(np.linalg.lstsq(table[kept], torque[kept], rcond=1e-6)[0][base.shape[1] :])
-    values = np.array(drawn)
+    drawn = fits_without_blocks(table, torque, _FOLDS, rcond=1e-6)
+    values = np.array([weights[base.shape[1] :] for _, weights in drawn])
     amplitude = np.hypot(values[:, 0 : 2 * len(chosen) : 2], values[:, 1 : 2 * len(chosen) : 2])
     errors = np.sqrt((_FOLDS - 1) * np.var(np.column_stack([amplitude, values[:, 2 * len(chosen) :]]), axis=0))
     harmonics = [

@@ -96,14 +96,15 @@ def simulate_forward(run: Run) -> FloatArray:
         import mujoco
     except ImportError as error:
         raise MissingExtraError("mujoco", "diagnose") from error
-    step = run.track.dt / run.substeps
+    substeps = run.substeps
+    step = run.track.dt / substeps
     model: Any = mujoco.MjModel.from_xml_string(_text(run, step))
     data: Any = mujoco.MjData(model)
     joint = _Joint(run, model, data, step)
     out = np.empty(run.stop - run.start)
     for k in range(run.start, run.stop):
         out[k - run.start] = data.qpos[0]
-        for _ in range(run.substeps):
+        for _ in range(substeps):
             joint.push(k)
             mujoco.mj_step(model, data)
     return out
@@ -129,7 +130,7 @@ class _Joint:
         self.q[0], self.w[0] = q, w = float(track.position[k]), float(track.velocity[k])
         torque = float(track.torque[k])
         self.loop = Loop(run.controller, track, run.reference, k, step)
-        self.drive = Drive(along.lags, torque, step)
+        self.drive, self.lagging = Drive(along.lags, torque, step), bool(along.lags)
         self.curve = FrictionCurve(run.plant, step, w)
         self.states, self.friction = run.effects.states, 0.0
         for state in self.states:
@@ -148,12 +149,13 @@ class _Joint:
         q, w = self.q.item(0), self.w.item(0)
         level, viscous = self.curve.follow(w)
         level += self.level[k]
-        net = self.drive.follow(self.loop.torque(k, q)) - self.offset - viscous - self.additive[k]
+        command = self.loop.torque(k, q)
+        net = (self.drive.follow(command) if self.lagging else command) - self.offset - viscous - self.additive[k]
         for state in self.states:
             added, raised = state.follow(w, self.friction)
             net, level = net - added, level + raised
         gravity, load = self.load.follow(q)
-        dry, loss = self.dry.follow(w, max(level, _LEAST_LEVEL), net - load)
+        dry, loss = self.dry.follow(w, level if level > _LEAST_LEVEL else _LEAST_LEVEL, net - load)
         self.friction = dry + copysign(loss, w) + viscous
         self.loss[0], self.applied[0] = loss, net - dry - gravity
 

@@ -102,13 +102,15 @@ def _columns(problem: Problem, alone: Structure, points: Sequence[FloatArray]) -
     """
     assert problem.weights is not None
     K, D = problem.gains
+    passes = [cont2discrete(([D, K], [c.plant.inertia, D, K]), c.dt, "bilinear")[:2] for c in alone.contexts]
+    moving = [np.abs(context.velocity) > 2.0 * problem.observer.rest_speed for context in alone.contexts]
     columns = []
     for point in points:
         values, rows = alone.values(point)[alone.names[0]], []
-        for context, grid, mean in zip(alone.contexts, problem.grids, problem.weights.mean, strict=True):
-            numerator, denominator, _ = cont2discrete(([D, K], [context.plant.inertia, D, K]), context.dt, "bilinear")
+        for i, (context, grid) in enumerate(zip(alone.contexts, problem.grids, strict=True)):
+            numerator, denominator = passes[i]
             torque = alone.candidates[0].effect.contribution(context, values).additive
-            moving = np.abs(context.velocity) > 2.0 * problem.observer.rest_speed
-            rows.append(grid.of(lfilter(numerator[0], denominator, torque * moving)) + mean)
+            seen = lfilter(numerator[0], denominator, torque * moving[i])
+            rows.append(grid.of(seen) + problem.weights.mean[i])
         columns.append(problem.weights.apply(rows))
     return np.stack(columns, axis=1)

@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from .effects import Context
 from .problem import Problem
@@ -113,15 +112,18 @@ def ripple_rows(problem: Problem, contexts: Sequence[Context], orders: FloatArra
         s = 1j * orders * v
         response = (D * s + K) / (context.plant.inertia * s**2 + D * s + K)
         x = np.abs(orders * v) * (grid.window.size + 1) * context.dt / (2 * np.pi)
-        hann = np.where(np.abs(1 - x**2) < 1e-3, 0.5, np.sinc(x) / np.where(np.abs(1 - x**2) < 1e-3, 1.0, 1 - x**2))
+        fall = 1 - x**2
+        middle = np.abs(fall) < 1e-3
+        hann = np.where(middle, 0.5, np.sinc(x) / np.where(middle, 1.0, fall))
         moving = np.abs(v) > 2.0 * problem.observer.rest_speed
-        ripple = response * hann * np.exp(1j * orders * q) * moving / spread[:, None]
+        angle = orders * q
+        ripple = response * (np.cos(angle) + 1j * np.sin(angle)) * (hann * (moving / spread[:, None]))
         if shape == "level":
             ripple = ripple * np.sign(v)
         elif shape == "dynamic":
             here = replace(context, position=q, velocity=v, acceleration=context.acceleration[grid.centres, None])
             ripple = ripple * uneven_running(here, orders, _LOAD_SHARE) / orders
-        rows.append(lfilter(problem.weights.whitener, [1.0], ripple, axis=0))
+        rows.append(problem.weights.whitened(ripple))
     return np.concatenate(rows)
 
 

@@ -9,7 +9,6 @@ from itertools import cycle
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion
-from scipy.signal import lfilter
 
 from .base import SOFTEST, unpack
 from .observer import Contribution, Job, Observation, Observer, Plant, missing_torques, simulate_all
@@ -45,9 +44,16 @@ class Weights:
     whitener: FloatArray
 
     def apply(self, rows: Sequence[FloatArray]) -> FloatArray:
-        """Rows of all recordings as one vector of about unit variance, or columns of such vectors."""
+        """Rows of all recordings as one vector of about unit variance."""
         parts = [(r - m) / s for r, m, s in zip(rows, self.mean, self.spread, strict=True)]
-        return np.concatenate([lfilter(self.whitener, [1.0], part) for part in parts])
+        return np.concatenate([np.convolve(self.whitener, part)[: part.size] for part in parts])
+
+    def whitened(self, columns: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Columns of one recording's rows through the whitening filter, which starts from nothing. Shape (n, k)."""
+        result: NDArray[np.complex128] = self.whitener[0] * columns
+        for lag, weight in enumerate(self.whitener[1:], start=1):
+            result[lag:] += weight * columns[:-lag]
+        return result
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -144,10 +145,17 @@ def carried(context: Context, transmission: Transmission) -> FloatArray:
     substeps = int(np.clip(np.ceil(frequency * context.dt / _FINEST), 1, 20))
     s = twist(q, gravity, gradient, np.array([context.dt, substeps, *t.coupling(context)]))
     window = max(5, 2 * round(_WINDOW / context.dt / 2) + 1)
-    curvature = np.convolve(s, savgol_coeffs(window, 3, deriv=2, delta=context.dt), mode="same")
+    curvature = np.convolve(s, _curvature(window, context.dt), mode="same")
     curvature[: window // 2] = curvature[-(window // 2) :] = 0.0
     result: FloatArray = -gradient * s - t.inertia * curvature
     return result
+
+
+@cache
+def _curvature(window: int, dt: float) -> FloatArray:
+    """Weights of a local cubic's second derivative over `window` samples [1/s²]; they take a fit of their own."""
+    weights: FloatArray = savgol_coeffs(window, 3, deriv=2, delta=dt)
+    return weights
 
 
 def _gravity(context: Context) -> tuple[FloatArray, FloatArray]:

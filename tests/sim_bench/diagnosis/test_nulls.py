@@ -14,7 +14,7 @@ from fricomp.sim_bench.diagnosis.loading import build_tracks
 from fricomp.sim_bench.diagnosis.nulls import _sliding, _variation
 from fricomp.sim_bench.diagnosis.observer import Contribution, Job, Observation, Observer
 from fricomp.sim_bench.diagnosis.preparation import prepare
-from fricomp.sim_bench.diagnosis.problem import Problem, observer_for
+from fricomp.sim_bench.diagnosis.problem import Problem, Weights, observer_for
 from fricomp.sim_bench.diagnosis.step_answer import StepAnswer, step_answers
 from fricomp.sim_bench.diagnosis.track import FloatArray, TorqueNoise, smooth_derivative
 
@@ -102,3 +102,12 @@ def test_where_the_joint_hardly_slides_all_rows_count() -> None:
     problem = problem_of()
     resting = replace(problem.tracks[0], velocity=np.zeros(problem.tracks[0].size))
     assert np.all(_sliding(replace(problem, tracks=(resting,)), 0))
+
+
+def test_columns_are_whitened_as_rows_are() -> None:
+    rows = np.random.default_rng(2).standard_normal((50, 3))
+    weights = Weights((np.zeros(50),), (np.ones(50),), np.array([1.1, -0.4, 0.2, 0.1]))
+    known = np.stack([weights.apply([rows[:, 0]]), weights.apply([rows[:, 1]])], axis=1)
+    found = weights.whitened(rows[:, :2] + 1j * rows[:, 2:])
+    np.testing.assert_allclose(found.real, known, atol=1e-12)
+    np.testing.assert_allclose(found.imag[:, 0], weights.apply([rows[:, 2]]), atol=1e-12)
