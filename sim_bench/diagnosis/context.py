@@ -13,9 +13,9 @@ from .observer import Observation, Plant
 from .problem import Problem
 from .track import FloatArray, Track, smooth_derivative
 
-__all__ = ["build_contexts", "loaded"]
+__all__ = ["build_contexts", "loaded", "moved"]
 
-_SMOOTH = 0.061  # [s]
+_SMOOTH, _QUICK = 0.061, 0.015  # [s]
 _SAME = 0.01  # part of a recorded load that gravity and acceleration may leave unexplained
 
 
@@ -32,8 +32,7 @@ def build_contexts(
 
 
 def _context(track: Track, plant: Plant, seen: Observation, hints: Mapping[str, tuple[float, ...]]) -> Context:
-    window = max(5, 2 * round(0.015 / track.dt / 2) + 1)
-    position = seen.position + savgol_filter(track.position - seen.position, max(window, 7), 3)
+    position = _position(track, seen)
     # From the encoder alone, and smooth: the model's own acceleration answers to the noise of the torque, and columns
     # made from it would explain that noise.
     velocity = smooth_derivative(track.position, track.dt, _SMOOTH)
@@ -63,6 +62,24 @@ def _context(track: Track, plant: Plant, seen: Observation, hints: Mapping[str, 
     )
 
 
+def _position(track: Track, seen: Observation) -> FloatArray:
+    """The model's position, moved to the recorded one as far as the encoder contradicts it. Shape (n,).
+
+    What changes fast within a step of the encoder is its rounding: a load that swings on a spring would answer to it
+    by more than the noise of the torque.
+    """
+    off = track.position - seen.position
+    slow = smoothed(off, track.dt)
+    quick, step = off - slow, track.resolution
+    beyond = quick - np.clip(quick, -step, step)
+    return np.asarray(seen.position + slow + smoothed(beyond, track.dt, _QUICK), dtype=np.float64)
+
+
+def moved(context: Context, track: Track, seen: Observation) -> Context:
+    """The same recording with the position of another joint that was held to it."""
+    return replace(context, position=_position(track, seen))
+
+
 def loaded(context: Context, plant: Plant, further: FloatArray) -> Context:
     """The same motion of another plant, which carries a further load [N·m]; a recorded load stays. Shape (n,)."""
     gravity = plant.gravity_torque(context.position, context.rotary) - plant.offset + further
@@ -70,9 +87,9 @@ def loaded(context: Context, plant: Plant, further: FloatArray) -> Context:
     return replace(context, plant=plant, gravity=gravity, load_torque=context.load_torque if recorded else gravity)
 
 
-def smoothed(values: FloatArray, dt: float) -> FloatArray:
-    """Local cubic over the smoothing window. Shape (n,)."""
-    window = max(7, 2 * round(_SMOOTH / dt / 2) + 1)
+def smoothed(values: FloatArray, dt: float, over: float = _SMOOTH) -> FloatArray:
+    """Local cubic over a window of this length [s]. Shape (n,)."""
+    window = max(7, 2 * round(over / dt / 2) + 1)
     result: FloatArray = savgol_filter(values, window, 3)
     return result
 

@@ -30,7 +30,9 @@ _DETENT, _SAME_ORDER, _LIKE_SIZE = ("cogging", "position_coulomb"), 0.05, 0.25
 # friction: it bends then as no power law would where it covers less than this, or is at the edge of its domain.
 _LAW, _DRAG, _TAKEN, _FITS, _AT_EDGE = "power_law_viscous", "quadratic_drag", 0.2, 0.97, 0.01
 _LATE, _LAGGING, _ALIKE = "torque_delay", "drive_lag", 0.3  # relative difference of their times
-_CLEARLY = 60.0  # energy that has to be left for that: a weak effect is covered less by chance
+# Energy that has to be left for that, in all and per row: a weak effect is covered less by chance, and in a long
+# recording the form of a law is seen that no other one of the catalogue has.
+_CLEARLY, _CLEARLY_PER_ROW = 60.0, 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +102,8 @@ class Explanation:
             return False
         (exponent,) = (p for owner, p in self.structure.parameters() if (owner, p.name) == (_LAW, "exponent"))
         at_edge = law["exponent"] < exponent.lower + _AT_EDGE
-        return _DRAG in values or at_edge or (self.coverage < _FITS and self.left > _CLEARLY)
+        clearly = max(_CLEARLY, _CLEARLY_PER_ROW * self.fit.residual.size)
+        return _DRAG in values or at_edge or (self.coverage < _FITS and self.left > clearly)
 
     @property
     def settled(self) -> tuple[Candidate, ...]:

@@ -60,7 +60,8 @@ def put_to_trial(prepared: Prepared, found: Found, seed: int) -> Trial:
     if best is None or not covers(best, found, prepared) or best.common_order is not None or best.foreign_curve:
         return Trial()
     held = confirm(prepared, best.structure, best.fit, seed)
-    return Trial(chosen=best, held=held) if confirmed(held, best, found.threshold) else Trial(failed=best)
+    sure = confirmed(held, best, found.threshold, prepared.loudness(best.fit))
+    return Trial(chosen=best, held=held) if sure else Trial(failed=best)
 
 
 def covers(best: Explanation, found: Found, prepared: Prepared) -> bool:
@@ -72,11 +73,21 @@ def covers(best: Explanation, found: Found, prepared: Prepared) -> bool:
     return best.coverage >= _COVERED or (clear and best.coverage >= _MOSTLY_COVERED and best.left < faint)
 
 
-def confirmed(held: Confirmation, chosen: Explanation, threshold: float) -> bool:
+def confirmed(held: Confirmation, chosen: Explanation, threshold: float, loudness: float) -> bool:
     """Whether the fall of the held-out error is sure, over blocks or, where few blocks show it, by its size, and
     what is left there is not both loud and much of what was to be explained.
+
+    What leaves no more than noise where all blocks help to fit it has the right form, however loud one of them is that
+    alone shows most of it.
+
+    Args:
+        held: Held-out errors.
+        chosen: The explanation.
+        threshold: Gain that an effect must exceed.
+        loudness: What the explanation leaves of all rows, over the noise.
     """
-    if held.rmse_after**2 > _STILL_LOUD * held.noise_floor**2 and held.explained < _EXPLAINED:
+    loud = held.rmse_after**2 > _STILL_LOUD * held.noise_floor**2 and loudness > _AUDIBLE
+    if loud and held.explained < _EXPLAINED:
         return False
     least = _HALF if chosen.certain > _SURE * threshold else _EXPLAINED
     rare = held.explained > least and chosen.certain > _MUCH * threshold

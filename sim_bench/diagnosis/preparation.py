@@ -109,8 +109,12 @@ class Prepared:
     @cached_property
     def noise_ratio(self) -> float:
         """Weighted residual over that of the nulls."""
+        return self.loudness(self.fit)
+
+    def loudness(self, fit: Fit) -> float:
+        """Weighted residual of a fit over that of the nulls."""
         null = np.mean([vector @ vector for vector in self.null_residuals])
-        return float(np.sqrt(self.fit.residual @ self.fit.residual / null))
+        return float(np.sqrt(fit.residual @ fit.residual / null))
 
 
 def prepare(

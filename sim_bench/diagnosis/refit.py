@@ -7,6 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from .base import evened
+from .context import moved
+from .effects import Context
 from .explanation import Explanation, judged
 from .preparation import Prepared
 from .solver import Box, Descent
@@ -68,7 +70,7 @@ def _polished(
     directions evened, or as it was where that is better."""
     descents, owners = [], []
     for i, explanation in enumerate(explanations):
-        structure = Structure(explanation.structure.contexts_at(explanation.fit.theta), explanation.settled)
+        structure = Structure(_contexts_of(prepared, explanation), explanation.settled)
         for start in (explanation.fit.theta, evened(explanation.fit.theta)):
             if start is not None:
                 descent = structure.descent(start, explanation.box, iterations=iterations, refresh=refresh)
@@ -78,6 +80,14 @@ def _polished(
     for i, fitted in zip(owners, _fitted(prepared, descents, [result[i].box for i in owners]), strict=True):
         result[i] = max(result[i], fitted, key=preference)
     return result
+
+
+def _contexts_of(prepared: Prepared, explanation: Explanation) -> tuple[Context, ...]:
+    """Each recording with load and position of the joint that was found: one without its effects is elsewhere."""
+    structure, theta = explanation.structure, explanation.fit.theta
+    seen = structure.observe(prepared.problem, theta)
+    contexts = structure.contexts_at(theta)
+    return tuple(moved(*each) for each in zip(contexts, prepared.problem.tracks, seen, strict=True))
 
 
 def fit_from(

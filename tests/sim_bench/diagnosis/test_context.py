@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any, cast
+
 import numpy as np
 import pytest
 
-from fricomp.sim_bench.diagnosis.context import without_noise
+from fricomp.sim_bench.diagnosis.context import _position, without_noise
+from fricomp.sim_bench.diagnosis.effects import Context
 from fricomp.sim_bench.diagnosis.generic import time_since_reversal
+from fricomp.sim_bench.diagnosis.observer import Observation, Plant
+from fricomp.sim_bench.diagnosis.refit import _contexts_of
 from fricomp.sim_bench.diagnosis.track import Track, torque_noise, without_spikes
 
 
@@ -21,6 +27,32 @@ def test_a_recorded_load_loses_its_noise_and_keeps_its_shape() -> None:
     clean = without_noise(load + noise, position, acceleration, track)
     assert np.std(clean - load) < 0.05 * np.std(noise)
     assert abs(np.corrcoef(clean - load, noise)[0, 1]) < 0.05
+
+
+@pytest.mark.parametrize(("swing", "off"), [(0.0, 0.08), (20.0, 1.0)])
+def test_rounding_of_the_encoder_is_no_motion_and_what_it_contradicts_is(swing: float, off: float) -> None:
+    step, time = 5e-5, np.arange(4000) * 1e-3
+    model = 0.3 * np.sin(2.0 * time)
+    drift, fast = 3.0 * step * np.cos(time), swing * step * np.sin(2.0 * np.pi * 20.0 * time)
+    track = Track.build(1e-3, np.round((model + drift + fast) / step) * step, np.zeros_like(time))
+    position = _position(track, Observation(model, model, model, model))
+    error = (position - model - drift - fast)[200:-200] / step
+    assert np.std(error) < off  # of a step; rounding is 0.29, and 0.13 over 15 ms
+
+
+def test_effects_follow_the_joint_that_was_found_and_not_the_one_without_them() -> None:
+    step, time = 5e-5, np.arange(4000) * 1e-3
+    zero, curve = np.zeros_like(time), (2.0, 3.0, 0.05, 1.0)
+    there = 0.3 * np.sin(2.0 * time) + 0.8 * step * np.sin(2.0 * np.pi * 20.0 * time)
+    track = Track.build(1e-3, np.round(there / step) * step, zero)
+    plant = Plant(0.5, (0.0, 0.0), 0.0, curve, curve, 4e4)
+    before = Context(1e-3, 0.3 * np.sin(2.0 * time), zero, zero, zero, zero, zero, zero, zero, plant, True, 2.0)
+    seen = [Observation(zero, there, zero, zero)]
+    structure = SimpleNamespace(observe=lambda *_: seen, contexts_at=lambda _: (before,))
+    explanation = SimpleNamespace(structure=structure, fit=SimpleNamespace(theta=zero))
+    prepared = SimpleNamespace(problem=SimpleNamespace(tracks=(track,)))
+    (after,) = _contexts_of(cast(Any, prepared), cast(Any, explanation))
+    assert np.std((after.position - there)[200:-200]) < 0.1 * step
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.8])

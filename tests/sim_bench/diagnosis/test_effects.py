@@ -289,6 +289,7 @@ def test_a_power_law_that_takes_the_place_of_viscous_friction_and_does_not_fit_i
     assert clear.foreign_curve == foreign
     if coverage < 0.97 and exponent > 0.35 and drag is None:  # a weak effect is covered less by chance
         assert not replace(clear, left=20.0).foreign_curve
+        assert not replace(clear, fit=replace(fit, residual=np.zeros(12_000))).foreign_curve  # nor in a long recording
 
 
 @pytest.mark.parametrize(("rise", "refused"), [(-0.1, True), (2.0, False), (6.0, False), (7.0, True)])

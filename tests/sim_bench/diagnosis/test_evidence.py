@@ -163,23 +163,24 @@ def test_three_recordings_are_left_out_whole() -> None:
 
 
 @pytest.mark.parametrize(
-    ("low", "explained", "certain", "after", "sure"),
+    ("low", "explained", "certain", "after", "loudness", "sure"),
     [
-        (0.01, 0.1, 40.0, 0.9, True),
-        (0.01, 0.6, 400.0, 0.98, False),  # most is left, and loud
-        (0.01, 0.75, 40.0, 0.98, True),
-        (-0.01, 0.8, 200.0, 0.9, True),  # in few blocks, and strong there
-        (-0.01, 0.8, 60.0, 0.9, False),
-        (-0.01, 0.6, 200.0, 0.9, False),
-        (-0.01, 0.6, 600.0, 0.9, True),  # half of it, and overwhelming where it shows
-        (-0.01, 0.8, 200.0, 1.1, False),
+        (0.01, 0.1, 40.0, 0.9, 1.3, True),
+        (0.01, 0.6, 400.0, 0.98, 1.3, False),  # most is left, and loud
+        (0.01, 0.6, 400.0, 0.98, 1.0, True),  # only where the block that shows most did not help to fit
+        (0.01, 0.75, 40.0, 0.98, 1.3, True),
+        (-0.01, 0.8, 200.0, 0.9, 1.3, True),  # in few blocks, and strong there
+        (-0.01, 0.8, 60.0, 0.9, 1.0, False),
+        (-0.01, 0.6, 200.0, 0.9, 1.3, False),
+        (-0.01, 0.6, 600.0, 0.9, 1.3, True),  # half of it, and overwhelming where it shows
+        (-0.01, 0.8, 200.0, 1.1, 1.3, False),
     ],
 )
 def test_a_fall_is_sure_over_blocks_or_by_its_size(
-    low: float, explained: float, certain: float, after: float, sure: bool
+    low: float, explained: float, certain: float, after: float, loudness: float, sure: bool
 ) -> None:
     held = Confirmation(1.0, after, 0.78, (low, 0.5), explained)
-    assert confirmed(held, known(("backlash",), 500.0, certain=certain), 50.0) == sure
+    assert confirmed(held, known(("backlash",), 500.0, certain=certain), 50.0, loudness) == sure
 
 
 def test_samples_are_cut_finely_where_a_bristle_may_be_stretched() -> None:
