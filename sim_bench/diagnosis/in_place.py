@@ -139,9 +139,10 @@ def _tried(answer: Answer, question: _Question) -> list[Candidate]:
 
 def _physical(one: Explanation) -> bool:
     """Whether it may be what happens, be it too faint to be named."""
+    if not one.refused:
+        return True
     values = one.values
-    faint = all(EFFECTS[name].faint(values[name], one.structure.contexts) for name in one.names)
-    return not one.refused or faint
+    return all(EFFECTS[name].faint(values[name], one.structure.contexts) for name in one.names)
 
 
 def _standing(prepared: Prepared, one: Explanation, given: Fit) -> Explanation:

@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 
 from fricomp.sim_bench.diagnosis import RigidJoint, diagnose
+from fricomp.sim_bench.diagnosis import in_place as module
 from fricomp.sim_bench.diagnosis.agreement import moved_to
 from fricomp.sim_bench.diagnosis.answer import Answer
 from fricomp.sim_bench.diagnosis.effects import EFFECTS, Context
-from fricomp.sim_bench.diagnosis.explanation import Explanation
-from fricomp.sim_bench.diagnosis.in_place import _Question, beside_moved
+from fricomp.sim_bench.diagnosis.in_place import _Question, beside_moved, in_place
 from fricomp.sim_bench.diagnosis.result import NamedEffect
+from fricomp.sim_bench.diagnosis.search import Found
 
-from .known import fit_of, known
+from .known import known
 from .toy_joint import ToyJoint, recording
 
 _NONE = cast(Any, None)
@@ -43,6 +44,29 @@ def test_an_effect_explains_as_much_within_what_its_form_may_lack(
     gain: float, cost: float, left: float, *, as_well: bool
 ) -> None:
     assert _question(cost, left).as_well(known(("cogging",), gain), 0.0) is as_well
+
+
+@pytest.mark.parametrize(
+    ("gain", "takes_place", "told"),
+    [
+        (60.0, True, ("cogging",)),
+        (0.0, False, ("cogging",)),  # no more than the moved parameters by the threshold
+        (-60.0, False, ()),
+    ],
+)
+def test_an_effect_takes_the_place_of_parameters_only_by_the_threshold(
+    gain: float, *, takes_place: bool, told: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    question = _question(300.0)
+    monkeypatch.setattr(module, "_question", lambda _: question)
+    monkeypatch.setattr(module, "_tried", lambda *_: [])
+    monkeypatch.setattr(module, "fit_from", lambda *_: [known(("cogging",), gain)])
+    monkeypatch.setattr(module, "_standing", lambda _, one, given: replace(one, before=given))
+    answer = in_place(Answer((), _NONE, Found((), None, 30.0, 0.0, 0.0, _NONE), None, None, 0))
+    assert answer.instead == told
+    best = answer.found.best
+    assert (best is not None) is takes_place
+    assert best is None or best.before is question.given.fit
 
 
 def test_inertia_and_gravity_alone_are_told_beside_such_effects() -> None:
@@ -79,12 +103,7 @@ def test_a_lag_too_short_to_be_named_is_faint_and_no_other_is() -> None:
     assert not EFFECTS["cogging"].faint({}, contexts)
 
 
-def test_an_explanation_is_judged_beside_the_base_unless_the_simulation_is_held() -> None:
-    plain: Explanation = known(("cogging",), 40.0)
-    assert plain.before is None
-    assert replace(plain, before=fit_of(np.ones(3))).before is not None
-
-
+@pytest.mark.slow
 def test_gravity_that_a_faint_spring_bends_is_not_told_from_the_spring() -> None:
     faint = ToyJoint(spring=(0.08, 0.15, 0.0))
     (effect,) = diagnose(recording(faint, "fourier", 20.0), _GIVEN).effects
