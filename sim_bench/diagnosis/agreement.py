@@ -13,14 +13,14 @@ from .comparison import AGREES, NAMED, Doubt
 from .effects import EFFECTS, Context
 from .explanation import Explanation
 from .preparation import Prepared
-from .refit import fit_from
+from .refit import LAST_STEPS, fit_from, polish, preference
 from .rigid import RigidJoint
 from .search import Found
 from .solver import Box
 from .structure import N_BASE, Candidate
 from .track import FloatArray
 
-__all__ = ["agreeing", "hold"]
+__all__ = ["agreeing", "hold", "moved_to"]
 
 _LEAST_GRAVITY = 0.4  # of the scale in which the base measures gravity: a fiftieth of friction or of gravity itself
 _HELD = 0.002  # relative deviation of inertia and gravity that are held at those of the simulation
@@ -51,13 +51,26 @@ def agreeing(
         options = alternatives(found)
         if rigid is not None and rigid.rotary:
             held = _held(prepared, _near(found, best), rigid)
-            options += [e for e in held if as_good(e, best) and not e.refused]
+            if not any(_fits(one, best) and not differs(one, AGREES) for one in held):
+                held = _finished(prepared, held, best)
+            options += [one for one in held if _fits(one, best)]
         kept = _kept(best, sorted(options, key=lambda explanation: -explanation.gain), differs)
         if not kept:
             return found
         others = tuple(e for e in found.explanations if e is not kept[0])
         found = replace(found, best=kept[0], explanations=(kept[0], *others))
     return found if rigid is None or not rigid.rotary else _without_bent(prepared, found, rigid, differs)
+
+
+def _fits(one: Explanation, best: Explanation) -> bool:
+    return as_good(one, best) and not one.refused
+
+
+def _finished(prepared: Prepared, held: Sequence[Explanation], best: Explanation) -> list[Explanation]:
+    """Those that come near the best one, at their minima: from there to the simulation's gravity a valley bends."""
+    near = [one for one in held if one.gain > _NEAR * best.gain and not one.refused]
+    near = sorted(near, key=preference, reverse=True)[:_MOST_NEAR]
+    return polish(prepared, near, iterations=LAST_STEPS) if near else []
 
 
 def _kept(
@@ -99,11 +112,24 @@ def _held(prepared: Prepared, near: Sequence[Explanation], rigid: RigidJoint) ->
     box = hold(prepared.box, rigid)
     wanted = []
     for one in near:
-        theta = np.concatenate([box.centre[:3], one.fit.theta[3:N_BASE]])
+        theta = moved_to(box.centre[:3], one.fit.theta[:N_BASE], one.structure.contexts)
         settled = sorted(one.settled, key=lambda candidate: candidate.name)
         forms = [[candidate, *_others(one.structure.contexts, candidate.name)] for candidate in settled]
         wanted += [(candidates, theta) for candidates in islice(product(*forms), _MOST_STARTS)]
     return fit_from(prepared, wanted, box)
+
+
+def moved_to(body: FloatArray, theta: FloatArray, contexts: Sequence[Context]) -> FloatArray:
+    """The base `theta` with the log inertia and gravity of `body`, shape (3,), and the same mean torque. Shape (p,).
+
+    Over a short range gravity is nearly constant, and what it was taken to be too large stands in the offset. A fit
+    that starts there finds its way back by bending the friction instead.
+    """
+    position = np.concatenate([context.position for context in contexts])
+    less = theta[1:3] - body[1:3]
+    result: FloatArray = np.concatenate([body, theta[3:]])
+    result[3] += float(np.mean(less[0] * np.cos(position) + less[1] * np.sin(position)))
+    return result
 
 
 def _others(contexts: Sequence[Context], name: str) -> list[Candidate]:

@@ -10,9 +10,11 @@ from .result import Distinguishability
 from .screening import Screen, orthonormal
 from .search import Found
 
-__all__ = ["aliases", "alternatives", "as_good", "distinguishability", "told"]
+__all__ = ["CLOSE", "aliases", "alternatives", "as_good", "distinguishability", "told"]
 
-_CLOSE = 12.0  # gain within which two explanations count as equally good
+CLOSE = 12.0
+"""Gain within which two explanations count as equally good."""
+
 _FORM = 0.03  # of the gain, that a law of slightly another form may lack
 
 
@@ -23,7 +25,7 @@ def aliases(found: Found, name: str) -> tuple[str, ...]:
         return ()
     others = set(best.names) - {name}
     # Where the best one leaves nothing its form is right, and a worse rival's is not.
-    least = best.gain - max(_CLOSE, best.left, found.explainable_null)
+    least = best.gain - max(CLOSE, best.left, found.explainable_null)
     rivals = [rival for rival in alternatives(found) if rival.gain > least and others <= set(rival.names)]
     return tuple(sorted({next(iter(set(rival.names) - others)) for rival in rivals}))
 
@@ -46,7 +48,7 @@ def alternatives(found: Found) -> list[Explanation]:
 
 def as_good(rival: Explanation, best: Explanation) -> bool:
     """Whether an explanation fits about as well as the best one."""
-    return rival.gain > best.gain - max(_CLOSE, _FORM * best.gain)
+    return rival.gain > best.gain - max(CLOSE, _FORM * best.gain)
 
 
 def distinguishability(prepared: Prepared, screened: Screen) -> Distinguishability:

@@ -33,7 +33,11 @@ _ANY_SPEED = 1.0  # [rad/s] or [m/s], Stribeck velocity of a friction that does 
 
 @dataclass(frozen=True)
 class Answer:
-    """Everything a verdict is drawn from."""
+    """Everything a verdict is drawn from.
+
+    Attributes:
+        instead: Effects that explain, with the simulation as given, as much as another inertia or gravity.
+    """
 
     recordings: tuple[Recording, ...]
     prepared: Prepared
@@ -41,6 +45,7 @@ class Answer:
     rigid: RigidJoint | None
     friction: FrictionModel | None
     seed: int
+    instead: tuple[str, ...] = ()
 
     @property
     def stated_friction(self) -> FrictionModel | None:

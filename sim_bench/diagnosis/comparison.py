@@ -21,6 +21,7 @@ __all__ = [
     "Comparison",
     "Doubt",
     "beside",
+    "body_strays",
     "change",
     "inertia_strays",
     "parameter_effect",
@@ -91,6 +92,16 @@ def inertia_strays(plant: Plant, doubt: Doubt, acceleration: float) -> float:
     """Standard deviation of log inertia beyond what the fit knows of its own error."""
     accelerating = doubt.accelerating * plant.level / max(plant.inertia * acceleration, 1e-12)
     return float(np.hypot(doubt.inertia, accelerating))
+
+
+def body_strays(plant: Plant, gravity: float, doubt: Doubt, acceleration: float) -> FloatArray:
+    """Standard deviations of log inertia and both gravity coefficients, whose amplitude is `gravity`, beyond what the
+    fit knows of its own error. Shape (3,).
+
+    Gravity far below friction says nothing about a gain: the floor keeps chi squared from tiny biases.
+    """
+    least = max(float(np.hypot(doubt.gravity * gravity, doubt.sliding * plant.level)), 1e-12)
+    return np.array([inertia_strays(plant, doubt, acceleration), least, least])
 
 
 def weigh(

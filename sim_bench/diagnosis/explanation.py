@@ -49,6 +49,8 @@ class Explanation:
         coverage: Part of the explainable energy that it covers.
         left: Energy that a generic basis explains of what it leaves, beyond chance.
         refused: Why it is not physical; empty where it is.
+        before: What it is judged against in place of the base: that with inertia and gravity as the simulation has
+            them; None where they were free in both.
     """
 
     structure: Structure
@@ -59,6 +61,7 @@ class Explanation:
     coverage: float
     left: float = 0.0
     refused: str = ""
+    before: Fit | None = None
 
     @property
     def names(self) -> tuple[str, ...]:

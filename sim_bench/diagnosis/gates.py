@@ -59,7 +59,7 @@ def put_to_trial(prepared: Prepared, found: Found, seed: int) -> Trial:
     best = found.best
     if best is None or not covers(best, found, prepared) or best.common_order is not None or best.foreign_curve:
         return Trial()
-    held = confirm(prepared, best.structure, best.fit, seed)
+    held = confirm(prepared, best.structure, best.fit, seed, given=best.before)
     sure = confirmed(held, best, found.threshold, prepared.loudness(best.fit))
     return Trial(chosen=best, held=held) if sure else Trial(failed=best)
 

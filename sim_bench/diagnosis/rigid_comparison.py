@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from msgspec.structs import replace
 
-from .comparison import SIGNIFICANT, SIMPLER, Comparison, Doubt, change, inertia_strays, parameter_effect, weigh
+from .comparison import SIGNIFICANT, SIMPLER, Comparison, Doubt, body_strays, change, parameter_effect, weigh
 from .observer import Plant
 from .result import NamedEffect, Quantity
 from .rigid import RigidJoint
@@ -15,7 +15,7 @@ __all__ = ["compare_rigid"]
 
 _SAME_FACTOR = ("payload_error", "torque_gain_error")
 _USUAL_GAIN = 0.1  # largest gain error of a torque signal that is usual; masses are off by more
-_FOLLOWS = 9.0  # chi squared of the inertia's own shift, from which it is seen to follow gravity
+_FOLLOWS = 1.96**2  # chi squared of the inertia's own shift, from which it is seen to follow gravity
 _ALSO = 5.0  # chi squared that a gain may leave of all three shifts: they have two degrees of freedom left
 
 
@@ -32,16 +32,14 @@ def compare_rigid(
         doubt: Of the refitted parameters.
         acceleration: RMS of the motion's [rad/s²].
     """
-    gravity = float(np.hypot(*given.gravity))
     refit = np.array([plant.inertia / given.inertia, *plant.gravity])
     prior = np.array([1.0, *given.gravity])
-    # Gravity far below friction says nothing about a gain: the floor keeps chi squared from tiny biases.
-    least = max(float(np.hypot(doubt.gravity * gravity, doubt.sliding * plant.level)), 1e-12)
-    floor = np.diag([inertia_strays(plant, doubt, acceleration), least, least]) ** 2
+    strays = body_strays(plant, float(np.hypot(*given.gravity)), doubt, acceleration)
+    floor = np.asarray(np.diag(strays**2), dtype=np.float64)
     # Relative and not logarithmic: a gain moves inertia and gravity by one factor, and 5 % of that are 0.0488 there.
     relative = np.array([plant.inertia / given.inertia, 1.0, 1.0])
     covariance = covariance * np.outer(relative, relative)
-    weight = np.linalg.inv(covariance + floor)
+    weight = np.asarray(np.linalg.inv(covariance + floor), dtype=np.float64)
     shift = refit - prior
     hypotheses = {
         "inertia_error": np.array([[1.0, 0.0, 0.0]]).T,
@@ -67,7 +65,7 @@ def compare_rigid(
         change("gravity_cos", given.gravity[0], plant.gravity[0], float(deviation[1]), unit),
         change("gravity_sin", given.gravity[1], plant.gravity[1], float(deviation[2]), unit),
     ]
-    named = _named(best, fitted[best], hypotheses[best], np.linalg.inv(weight), (given, plant, unit))
+    named = _named(best, fitted[best], hypotheses[best], covariance + floor, (given, plant, unit))
     if alike:
         named = replace(named, indistinguishable_from=tuple(name for name in _SAME_FACTOR if name != best))
     return Comparison((named,), tuple(changes))

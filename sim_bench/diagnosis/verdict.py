@@ -16,6 +16,7 @@ from .experiment import propose
 from .explanation import Explanation
 from .extension import base_model, extended_model
 from .gates import put_to_trial, stands_out, vibration
+from .in_place import beside_moved, in_place
 from .location import change_points, excess_maps, row_series
 from .naming import each_once, name_effects, where_unknown
 from .order import order_spectrum
@@ -52,7 +53,7 @@ def agreed(answer: Answer) -> Answer:
     def differs(one: Explanation, doubt: Doubt) -> bool:
         return bool(compare_given(answer, Refitted.of(answer.prepared, one), doubt).effects)
 
-    return replace(answer, found=agreeing(answer.prepared, answer.found, answer.rigid, differs))
+    return in_place(replace(answer, found=agreeing(answer.prepared, answer.found, answer.rigid, differs)))
 
 
 def conclude(answer: Answer) -> Diagnosis:
@@ -68,19 +69,20 @@ def conclude(answer: Answer) -> Diagnosis:
         doubt = beside(_loudness(prepared, held, chosen))
     compared = compare_given(answer, refitted, doubt)
     given = None if unknown or chosen is not None else fit_given(answer, compared.effects)
+    before = given or prepared.fit if chosen is None or chosen.before is None else chosen.before
     if held is None:
         held = confirm(prepared, prepared.structure, prepared.fit, answer.seed, given=given)
-    series = _series(prepared, given or prepared.fit, refitted)
+    series = _series(prepared, before, refitted)
     named: list[NamedEffect] = []
     # What is unknown bends the parameters of the joint with it, so that none of them is known to be off.
-    effects, location = [] if unknown else list(compared.effects), Location()
+    effects, location = [] if unknown else list(beside_moved(answer, compared.effects)), Location()
     if chosen is not None:
         named, location = name_effects(answer, chosen, refitted, held.explained, series)
         effects = each_once(named, effects)
     elif unknown:
         location = where_unknown(series, tone)
     elif given is not None:
-        effects, location = moved_parameters(answer, compared.effects, held.explained, series)
+        effects, location = moved_parameters(answer, effects, held.explained, series)
     effects = sorted([*effects, *velocity_lag(answer.recordings)], key=lambda effect: -effect.share)
     record = DiagnosisRecord(
         schema=DIAGNOSIS_SCHEMA,

@@ -189,8 +189,12 @@ class Effect(ABC):
         return 0.0
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        """Why these values are not physical; None where they are."""
+        """Why these values are not physical, or too faint to be named; None where they are neither."""
         return None
+
+    def faint(self, values: Values, contexts: Sequence[Context]) -> bool:
+        """Whether these values are physical and refused as too faint: something else may look like them."""
+        return False
 
 
 def lowest_order(contexts: Sequence[Context]) -> float:

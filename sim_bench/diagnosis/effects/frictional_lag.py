@@ -30,6 +30,7 @@ class FrictionalLag(Effect):
         return Contribution(plant={"lag": values["lag"]})
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        if values["lag"] < max(contexts[0].dt, _SHORTEST):
-            return "the lag is shorter than recordings can show"
-        return None
+        return "the lag is shorter than recordings can show" if self.faint(values, contexts) else None
+
+    def faint(self, values: Values, contexts: Sequence[Context]) -> bool:
+        return values["lag"] < max(contexts[0].dt, _SHORTEST)
