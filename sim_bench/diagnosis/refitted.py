@@ -23,6 +23,7 @@ __all__ = ["SPLIT_BY_PRESLIDING", "Refitted"]
 SPLIT_BY_PRESLIDING = ("offset", "forward.coulomb_torque", "reverse.coulomb_torque")
 """Parameters of the base that sliding shows as sums only."""
 
+_DELAY = BASE_NAMES.index("delay")
 _LARGEST = 700.0  # of an exponent
 
 
@@ -62,16 +63,29 @@ class Refitted:
     def parameters(self, name: str, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
         """Parameters of the effect `name`, with their intervals, which end where the parameter's domain does."""
         result = {}
-        values, deviations = self.fit.theta[N_BASE:], self.deviations[N_BASE:]
-        for (owner, parameter), value, deviation in zip(self.structure.parameters(), values, deviations, strict=True):
+        for index, (owner, parameter) in enumerate(self.structure.parameters(), N_BASE):
+            value, deviation = self.fit.theta[index], self.deviations[index]
             if owner != name:
                 continue
             unit = _plain(parameter.unit.replace("{torque}", torque_unit).replace("{position}", position_unit))
+            if parameter.with_delay:
+                value, deviation = self._beside_usual_delay(index, parameter.with_delay)
             half = 1.96 * float(np.hypot(deviation, parameter.deviation_of_form(float(value))))
             half = half if parameter.scale > 0.0 else 0.0
             low, high = max(float(value) - half, parameter.lower), min(float(value) + half, parameter.upper)
             result[parameter.name] = _quantity((low, float(value), high), unit, logarithmic=parameter.logarithmic)
         return result
+
+    def _beside_usual_delay(self, index: int, change: float) -> tuple[float, float]:
+        """A time that the base's own delay shares, and its standard deviation [s], were that delay a usual one.
+
+        How the fit parts the two follows from how smooth the torque is, which what is left of the noise blurs.
+        """
+        usual, strays = self.structure.contexts[0].usual_delay
+        line = np.zeros(self.fit.theta.size)
+        line[index], line[_DELAY] = 1.0, -change
+        known = float(np.sqrt(max(line @ self.covariance @ line, 0.0)))
+        return float(line @ self.fit.theta) + change * usual, float(np.hypot(known, strays))
 
     def base(self, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
         """Parameters of the base, with their intervals."""
@@ -90,8 +104,10 @@ class Refitted:
         deviation = self.deviations[:N_BASE].copy()
         split = [BASE_NAMES.index(name) for name in SPLIT_BY_PRESLIDING]
         deviation[split] = np.hypot(deviation[split], SPLIT * self.plant.level)
-        result = {}
-        for name, value, half in zip(BASE_NAMES, self.fit.theta[:N_BASE], 1.96 * deviation, strict=True):
+        theta, result = self.fit.theta[:N_BASE].copy(), {}
+        if any(parameter.with_delay for _, parameter in self.structure.parameters()):
+            theta[_DELAY], deviation[_DELAY] = self.structure.contexts[0].usual_delay
+        for name, value, half in zip(BASE_NAMES, theta, 1.96 * deviation, strict=True):
             if name in ("creep_velocity", "creep_lead") and self.plant.creep_velocity == 0.0:
                 continue
             plain = name.replace("log_", "")
