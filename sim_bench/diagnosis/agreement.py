@@ -13,7 +13,7 @@ from .comparison import AGREES, NAMED, Doubt
 from .effects import EFFECTS, Context
 from .explanation import Explanation
 from .preparation import Prepared
-from .refit import fit_from
+from .refit import fit_from, polish, preference
 from .rigid import RigidJoint
 from .search import Found
 from .solver import Box
@@ -50,7 +50,7 @@ def agreeing(
     if differs(best, AGREES):
         options = alternatives(found)
         if rigid is not None and rigid.rotary:
-            held = _held(prepared, _near(found, best), rigid)
+            held = _at_its_minimum(prepared, _held(prepared, _near(found, best), rigid))
             options += [e for e in held if as_good(e, best) and not e.refused]
         kept = _kept(best, sorted(options, key=lambda explanation: -explanation.gain), differs)
         if not kept:
@@ -104,6 +104,16 @@ def _held(prepared: Prepared, near: Sequence[Explanation], rigid: RigidJoint) ->
         forms = [[candidate, *_others(one.structure.contexts, candidate.name)] for candidate in settled]
         wanted += [(candidates, theta) for candidates in islice(product(*forms), _MOST_STARTS)]
     return fit_from(prepared, wanted, box)
+
+
+def _at_its_minimum(prepared: Prepared, held: Sequence[Explanation]) -> list[Explanation]:
+    """The same, the best of them polished: a spring that stiffens reaches its centre and its stiffness about it only
+    along a narrow valley of offset, gravity and friction, which a fit from other parameters does not follow to its end.
+    """
+    if not held:
+        return []
+    first, *rest = sorted(held, key=preference, reverse=True)
+    return [*polish(prepared, [first]), *rest]
 
 
 def _others(contexts: Sequence[Context], name: str) -> list[Candidate]:

@@ -47,7 +47,7 @@ class Refitted:
         one = prepared if chosen is None else chosen
         descent = one.structure.descent(one.fit.theta, one.box, iterations=0)
         (fit,) = fit_all(prepared.problem, [(one.structure, descent)])
-        return cls(one.structure, fit, covariance(fit, one.box.joined(one.structure.box())))
+        return cls(one.structure, fit, covariance(fit, one.box.joined(one.structure.known())))
 
     @cached_property
     def plant(self) -> Plant:

@@ -99,6 +99,8 @@ class EffectParameter:
         upper: Upper bound.
         linear: Whether the contribution is proportional to it, so that it is zero where the effect is absent.
         prior: Standard deviation of a weak prior around the start; 0 for none.
+        known: Standard deviation of what is known of it before a fit, in the solver's coordinates, for its interval; 0
+            for that of the prior. Where a fit may start from several values, its prior only keeps it near its own one.
         logarithmic: Whether the number is fitted, and bounded, as its logarithm.
         form: Relative deviation that a law of slightly another form leaves in it, from simulated joints; None for the
             usual one of sizes.
@@ -114,6 +116,7 @@ class EffectParameter:
     upper: float
     linear: bool = True
     prior: float = 0.0
+    known: float = 0.0
     logarithmic: bool = False
     form: float | None = None
     least_form: float = 0.0
