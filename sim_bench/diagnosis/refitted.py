@@ -70,6 +70,8 @@ class Refitted:
             unit = _plain(parameter.unit.replace("{torque}", torque_unit).replace("{position}", position_unit))
             if parameter.with_delay:
                 value, deviation = self._beside_usual_delay(index, parameter.with_delay)
+            if parameter.name == "order":
+                deviation = float(np.hypot(deviation, abs(value) * self._uneven_reading))
             half = 1.96 * float(np.hypot(deviation, parameter.deviation_of_form(float(value))))
             half = half if parameter.scale > 0.0 else 0.0
             low, high = max(float(value) - half, parameter.lower), min(float(value) + half, parameter.upper)
@@ -86,6 +88,12 @@ class Refitted:
         line[index], line[_DELAY] = 1.0, -change
         known = float(np.sqrt(max(line @ self.covariance @ line, 0.0)))
         return float(line @ self.fit.theta) + change * usual, float(np.hypot(known, strays))
+
+    @property
+    def _uneven_reading(self) -> float:
+        """RMS of the slope of the encoder's error: ripples are counted over what it reads [1]."""
+        disc = self.structure.values(self.fit.theta[N_BASE:]).get("encoder_eccentricity")
+        return 0.0 if disc is None else float(disc["order"] * np.hypot(disc["sine"], disc["cosine"]) / np.sqrt(2.0))
 
     def base(self, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
         """Parameters of the base, with their intervals."""
