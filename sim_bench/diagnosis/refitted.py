@@ -84,9 +84,9 @@ class Refitted:
         How the fit parts the two follows from how smooth the torque is, which what is left of the noise blurs.
         """
         usual, strays = self.structure.contexts[0].usual_delay
-        line = np.zeros(self.fit.theta.size)
+        line: FloatArray = np.zeros(self.fit.theta.size)
         line[index], line[_DELAY] = 1.0, -change
-        known = float(np.sqrt(max(line @ self.covariance @ line, 0.0)))
+        known = float(np.sqrt(max(float(line @ self.covariance @ line), 0.0)))
         return float(line @ self.fit.theta) + change * usual, float(np.hypot(known, strays))
 
     @property

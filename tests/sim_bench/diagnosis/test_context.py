@@ -59,7 +59,7 @@ def test_time_since_reversal_starts_anew_at_each_reversal() -> None:
     [("commanded", 1e-3, (-5e-4, 2.5e-4)), ("measured", 1e-3, (0.0, 2.5e-4)), ("commanded", 4e-3, (-2e-3, 1e-3))],
 )
 def test_a_command_acts_half_a_sample_late(kind: TorqueKind, period: float, usual: tuple[float, float]) -> None:
-    time = np.arange(4000) * period
+    time = np.arange(4000, dtype=np.float64) * np.float64(period)
     recording = Recording(time=time, position=np.sin(time), torque=np.cos(time))
     (track,) = build_tracks([recording.with_metadata(torque_kind=kind)])
     assert track.usual_delay == pytest.approx(usual)
