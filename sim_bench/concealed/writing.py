@@ -181,6 +181,8 @@ def _answer(case: Case) -> dict[str, Any]:
 def _describe(case: Case, index: int) -> dict[str, Any]:
     each: Concealed = case.concealed[index]
     comparable = each.change.parameters if each.form.shared else fit_catalogue(each, case.outcome)
+    if case.spec.hidden:  # without a recorded temperature nothing is known by the kelvin
+        comparable = {name: truth for name, truth in comparable.items() if not truth.unit.endswith("/K")}
     return {
         "name": each.effect.name,
         "kind": each.effect.kind,

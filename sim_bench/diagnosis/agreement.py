@@ -51,8 +51,8 @@ def agreeing(
         options = alternatives(found)
         if rigid is not None and rigid.rotary:
             held = _held(prepared, _near(found, best), rigid)
-            if not any(_fits(one, best) and not differs(one, AGREES) for one in held):
-                held = _finished(prepared, held, best)
+            agrees = any(_fits(one, best) and not differs(one, AGREES) for one in held)
+            held = _finished(prepared, held, best, 1 if agrees else _MOST_NEAR)
             options += [one for one in held if _fits(one, best)]
         kept = _kept(best, sorted(options, key=lambda explanation: -explanation.gain), differs)
         if not kept:
@@ -66,11 +66,18 @@ def _fits(one: Explanation, best: Explanation) -> bool:
     return as_good(one, best) and not one.refused
 
 
-def _finished(prepared: Prepared, held: Sequence[Explanation], best: Explanation) -> list[Explanation]:
-    """Those that come near the best one, at their minima: from there to the simulation's gravity a valley bends."""
-    near = [one for one in held if one.gain > _NEAR * best.gain and not one.refused]
-    near = sorted(near, key=preference, reverse=True)[:_MOST_NEAR]
-    return polish(prepared, near, iterations=LAST_STEPS) if near else []
+def _finished(prepared: Prepared, held: Sequence[Explanation], best: Explanation, number: int) -> list[Explanation]:
+    """The same, the best of those that come near `best` at their minima.
+
+    From its parameters to the simulation's gravity a narrow valley of offset, gravity and friction bends, which a fit
+    with one Jacobian does not follow to its end.
+    """
+    order = sorted(held, key=preference, reverse=True)
+    near = [one for one in order if one.gain > _NEAR * best.gain and not one.refused][:number]
+    if not near:
+        return order
+    rest = [one for one in order if all(one is not each for each in near)]
+    return [*polish(prepared, near, iterations=LAST_STEPS), *rest]
 
 
 def _kept(

@@ -14,6 +14,7 @@ from .track import FloatArray
 __all__ = [
     "BASE_NAMES",
     "BODY_AND_CURVES",
+    "LATEST",
     "SOFTEST",
     "BaseModel",
     "at_earliest",
@@ -52,6 +53,9 @@ BODY_AND_CURVES = BASE_NAMES.index("log_breakaway")
 SOFTEST = 2.5e-4
 """Presliding distance F_c / sigma_0 of the softest bristle that is part of the base [rad]."""
 
+LATEST = 5e-4
+"""Longest time by which the torque is behind the motion in a usual chain of sensors [s]; more swallows real delays."""
+
 # Presliding distance of the base model [rad]: friction without any, such as MuJoCo's own, turns over at once in a
 # reversal. A bristle of 2e-6 rad takes half a millisecond for it, which leaves 1.3 times the noise on a chirp, and the
 # torque by which the observer feels it looks like a frictional lag.
@@ -65,7 +69,6 @@ _FALL = ("excess", "log_stribeck_velocity")  # how friction falls with speed
 _UNLIKE = 1.6  # difference of the logarithms of both directions' Stribeck velocities that is none of a joint
 _HELD = 1e-9  # scale of a parameter that is not fitted
 _DAMPING = 0.012  # [s] largest sigma_1 / sigma_0 of a bristle that is part of the base
-_LATEST = 5e-4  # [s] of the torque behind the motion in a usual chain of sensors; more swallows real delays
 _NEAR = 0.9  # of such a bound, from which more may hide behind it
 _RIGID = 0.3  # relative deviation of a simulation's inertia and gravity from those of the joint
 _ASYMMETRY = 0.2  # deviation of the difference of the Coulomb torques of both directions, in their mean
@@ -145,7 +148,7 @@ def falling_alike(theta: FloatArray) -> FloatArray | None:
 
 def at_latest(plant: Plant) -> bool:
     """Whether the torque comes about as late as the base allows, so that a longer delay may hide behind it."""
-    return plant.delay > _NEAR * _LATEST
+    return plant.delay > _NEAR * LATEST
 
 
 def at_earliest(plant: Plant, dt: float) -> bool:
@@ -156,7 +159,7 @@ def at_earliest(plant: Plant, dt: float) -> bool:
 def _earliest(dt: float) -> float:
     """Least delay of the base [s]: a torque may belong to either end of its sample; of a millisecond to its middle,
     since a whole one would swallow real lags."""
-    return -max(0.5 * dt, dt - _LATEST)
+    return -max(0.5 * dt, dt - LATEST)
 
 
 @dataclass(frozen=True)
@@ -185,7 +188,7 @@ class BaseModel:
             replace(
                 plant,
                 sigma_0=plant.level / _USUAL_BREAKAWAY,
-                delay=0.5 * (_LATEST + _earliest(dt)),
+                delay=0.5 * (LATEST + _earliest(dt)),
                 sharpness=0.5,
             )
         )
@@ -196,10 +199,10 @@ class BaseModel:
         lower = [inertia - 3, -gravity_free, -gravity_free, -100 * size, *friction_low, *friction_low, breakaway[0]]
         upper = [inertia + 3, gravity_free, gravity_free, 100 * size, *friction_high, *friction_high, breakaway[1]]
         scale = [0.05, 0.05 * size, 0.05 * size, 0.05 * level, *friction_scale, *friction_scale, 0.3]
-        reach = 0.5 * (_LATEST - _earliest(dt))
+        reach = 0.5 * (LATEST - _earliest(dt))
         bristle_scale = [0.5 * reach, 0.2 * _DAMPING, 0.3, 0.5, _HELD, _HELD]
         low = np.array([*lower, _earliest(dt), 0.0, 0.0, 0.0, 0.0, 0.0])
-        high = np.array([*upper, _LATEST, _DAMPING, 1.0, 1.5, 0.0, 0.0])
+        high = np.array([*upper, LATEST, _DAMPING, 1.0, 1.5, 0.0, 0.0])
         centre = start.copy()
         centre[4] = centre[8] = level
         weight = np.zeros(start.size)

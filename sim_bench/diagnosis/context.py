@@ -59,6 +59,7 @@ def _context(track: Track, plant: Plant, seen: Observation, hints: Mapping[str, 
         usual_load=max(float(np.hypot(*plant.gravity)), plant.level),
         channels=track.channels,
         hints=hints,
+        usual_delay=track.usual_delay,
     )
 
 

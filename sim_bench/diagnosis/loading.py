@@ -11,6 +11,7 @@ from scipy.interpolate import CubicSpline
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
 
+from .base import LATEST
 from .controller import Controller
 from .rigid import Spring
 from .track import (
@@ -56,10 +57,21 @@ def build_tracks(
     dt = float(np.clip(dt, 2.5e-4, 2.5e-3)) if dt < 3.5e-3 else dt / np.ceil(dt / 2.5e-3)
     known = loops or [None] * len(recordings)
     tracks = [
-        _track(recording, loop, dt, f"recording {i + 1}")
+        replace(_track(recording, loop, dt, f"recording {i + 1}"), usual_delay=_usual_delay(recording))
         for i, (recording, loop) in enumerate(zip(recordings, known, strict=True))
     ]
     return tracks if spring is None else [_without_spring(track, spring) for track in tracks]
+
+
+def _usual_delay(recording: Recording) -> tuple[float, float]:
+    """By how much a torque without any flaw is late, and the standard deviation of that [s].
+
+    A command is held for a sample, so that it acts half of one after its instant; a measured torque is the mean about
+    it. Which of the two a log holds is often not said, drives differ in when they sample, and a usual filter of a
+    torque takes up to half a millisecond.
+    """
+    half = 0.5 * recording.sample_period
+    return -half if recording.metadata.torque_kind == "commanded" else 0.0, 0.5 * max(half, LATEST)
 
 
 def _without_spring(track: Track, spring: Spring) -> Track:

@@ -23,6 +23,7 @@ __all__ = ["SPLIT_BY_PRESLIDING", "Refitted"]
 SPLIT_BY_PRESLIDING = ("offset", "forward.coulomb_torque", "reverse.coulomb_torque")
 """Parameters of the base that sliding shows as sums only."""
 
+_DELAY = BASE_NAMES.index("delay")
 _LARGEST = 700.0  # of an exponent
 
 
@@ -46,7 +47,7 @@ class Refitted:
         one = prepared if chosen is None else chosen
         descent = one.structure.descent(one.fit.theta, one.box, iterations=0)
         (fit,) = fit_all(prepared.problem, [(one.structure, descent)])
-        return cls(one.structure, fit, covariance(fit, one.box.joined(one.structure.box())))
+        return cls(one.structure, fit, covariance(fit, one.box.joined(one.structure.known())))
 
     @cached_property
     def plant(self) -> Plant:
@@ -62,16 +63,37 @@ class Refitted:
     def parameters(self, name: str, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
         """Parameters of the effect `name`, with their intervals, which end where the parameter's domain does."""
         result = {}
-        values, deviations = self.fit.theta[N_BASE:], self.deviations[N_BASE:]
-        for (owner, parameter), value, deviation in zip(self.structure.parameters(), values, deviations, strict=True):
+        for index, (owner, parameter) in enumerate(self.structure.parameters(), N_BASE):
+            value, deviation = self.fit.theta[index], self.deviations[index]
             if owner != name:
                 continue
             unit = _plain(parameter.unit.replace("{torque}", torque_unit).replace("{position}", position_unit))
+            if parameter.with_delay:
+                value, deviation = self._beside_usual_delay(index, parameter.with_delay)
+            if parameter.name == "order":
+                deviation = float(np.hypot(deviation, abs(value) * self._uneven_reading))
             half = 1.96 * float(np.hypot(deviation, parameter.deviation_of_form(float(value))))
             half = half if parameter.scale > 0.0 else 0.0
             low, high = max(float(value) - half, parameter.lower), min(float(value) + half, parameter.upper)
             result[parameter.name] = _quantity((low, float(value), high), unit, logarithmic=parameter.logarithmic)
         return result
+
+    def _beside_usual_delay(self, index: int, change: float) -> tuple[float, float]:
+        """A time that the base's own delay shares, and its standard deviation [s], were that delay a usual one.
+
+        How the fit parts the two follows from how smooth the torque is, which what is left of the noise blurs.
+        """
+        usual, strays = self.structure.contexts[0].usual_delay
+        line: FloatArray = np.zeros(self.fit.theta.size)
+        line[index], line[_DELAY] = 1.0, -change
+        known = float(np.sqrt(max(float(line @ self.covariance @ line), 0.0)))
+        return float(line @ self.fit.theta) + change * usual, float(np.hypot(known, strays))
+
+    @property
+    def _uneven_reading(self) -> float:
+        """RMS of the slope of the encoder's error: ripples are counted over what it reads [1]."""
+        disc = self.structure.values(self.fit.theta[N_BASE:]).get("encoder_eccentricity")
+        return 0.0 if disc is None else float(disc["order"] * np.hypot(disc["sine"], disc["cosine"]) / np.sqrt(2.0))
 
     def base(self, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
         """Parameters of the base, with their intervals."""
@@ -90,8 +112,10 @@ class Refitted:
         deviation = self.deviations[:N_BASE].copy()
         split = [BASE_NAMES.index(name) for name in SPLIT_BY_PRESLIDING]
         deviation[split] = np.hypot(deviation[split], SPLIT * self.plant.level)
-        result = {}
-        for name, value, half in zip(BASE_NAMES, self.fit.theta[:N_BASE], 1.96 * deviation, strict=True):
+        theta, result = self.fit.theta[:N_BASE].copy(), {}
+        if any(parameter.with_delay for _, parameter in self.structure.parameters()):
+            theta[_DELAY], deviation[_DELAY] = self.structure.contexts[0].usual_delay
+        for name, value, half in zip(BASE_NAMES, theta, 1.96 * deviation, strict=True):
             if name in ("creep_velocity", "creep_lead") and self.plant.creep_velocity == 0.0:
                 continue
             plain = name.replace("log_", "")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -76,6 +76,11 @@ class Structure:
         return np.array(
             [dict(c.values).get(p.name, 0.0) for c in self.candidates for p in c.effect.parameters(self.contexts)]
         )
+
+    def known(self) -> Box:
+        """The same domain, with what is known of the effect parameters wherever a fit of them began."""
+        known = [parameter.known or parameter.prior for _, parameter in self.parameters()]
+        return replace(self.box(), precision=np.diag([1.0 / one**2 if one > 0.0 else 0.0 for one in known]))
 
     def box(self) -> Box:
         """Domain of the effect parameters; one with scale zero is held at its start."""

@@ -109,6 +109,7 @@ class Track:
         channels: Further columns by name (load_torque, temperature, ...). Each of shape (n,).
         name: What to call this recording.
         substeps: In how many steps the observer takes each sample; empty before that is known. Shape (n,).
+        usual_delay: By how much its torque is late without any flaw, and how far that strays [s].
     """
 
     dt: float
@@ -123,6 +124,7 @@ class Track:
     jitter: float = 0.0
     loop: Controller | None = None
     substeps: NDArray[np.int64] = field(default_factory=lambda: np.ones(0, dtype=np.int64))
+    usual_delay: tuple[float, float] = (0.0, 2.5e-4)
 
     @property
     def size(self) -> int:

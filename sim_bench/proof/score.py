@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -255,9 +255,12 @@ def _score_parameters(truth: dict[str, Any], said: dict[str, Any]) -> tuple[dict
     answers = {each["name"]: each["parameters"] for each in said["effects"]}
     coverage, errors = {}, []
     for each in truth["effects"]:
+        found = answers.get(each["name"], {})
+        if _numbered(found) != _numbered(each["comparable"]):
+            continue  # where one push is missed, which of the others is the second is a matter of counting
         covered, total = 0, 0
         for name, parameter in each["comparable"].items():
-            given = answers.get(each["name"], {}).get(name)
+            given = found.get(name)
             if given is None or not given["ci95"][0] < given["ci95"][1]:
                 continue
             low, high = given["ci95"]
@@ -266,6 +269,11 @@ def _score_parameters(truth: dict[str, Any], said: dict[str, Any]) -> tuple[dict
         if total:
             coverage[each["name"]] = (covered, total)
     return coverage, float(np.max(errors)) if errors else float("nan")
+
+
+def _numbered(parameters: Mapping[str, Any]) -> int:
+    """How many of the same thing an effect has, such as pushes."""
+    return sum(name.startswith("start_") for name in parameters)
 
 
 def _number(value: float | None) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.errors import MissingExtraError
-from fricomp.recording import Recording
+from fricomp.recording import Recording, RecordingMetadata
 
 from .hidden import Hidden
 from .joint import JOINT, write_mjcf
@@ -139,4 +139,5 @@ def sense(run: Run, hidden: Hidden, seed: int, *, velocity: bool = True) -> Reco
         position_reference=run.motion.position,
         velocity_reference=run.motion.velocity,
         temperature=run.temperature,
+        metadata=RecordingMetadata(torque_kind="commanded"),
     )

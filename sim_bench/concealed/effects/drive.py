@@ -40,7 +40,7 @@ def _heating(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change
     gain = 40.0 / (time * (0.5 * scene.gravity**2 + scene.coulomb**2))  # about 40 K when the load is held
     return Change(
         plant={"winding_loss": amplitude, "winding_heating": gain, "winding_time": time},
-        parameters={"sensitivity": Truth(amplitude, "1/K")},
+        parameters={"sensitivity": Truth(amplitude, "1/K"), "time_constant": Truth(time, "s")},
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..effect import Change, Effect, Form, Scene, Truth
-from ..plant import CORES
+from ..plant import CORES, NEUTRAL
 
 __all__ = ["EFFECTS"]
 
@@ -55,10 +55,16 @@ def _thermal(name: str, number: float) -> Form:
     def build(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
         temperature = temperature_profile(scene, rng.uniform(12.0, 25.0), rng)
         level = -amplitude * rng.uniform(0.0, 0.3)
+        # How much viscous friction falls by a kelvin at the mean temperature of the recording.
+        rise = float(np.mean(temperature[scene.time >= 0.0])) - NEUTRAL["reference_temperature"]
+        slope = amplitude * scene.viscous * np.exp(-amplitude * rise)
         return Change(
             plant={"viscous_heat": amplitude, "coulomb_heat": level, "heat_form": number},
             temperature=temperature,
-            parameters={"viscous_sensitivity": Truth(amplitude, "1/K"), "coulomb_sensitivity": Truth(level, "1/K")},
+            parameters={
+                "viscous_slope": Truth(slope, "N·m·s/rad/K"),
+                "coulomb_slope": Truth(-level * scene.coulomb, "N·m/K"),
+            },
         )
 
     return Form(name, build, shared=number == 0.0)

@@ -16,7 +16,7 @@ def _gain(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
 
 
 def _velocity_lag(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
-    return Change(sensing={"velocity_lag": amplitude}, parameters={"lag": Truth(amplitude, "s")})
+    return Change(sensing={"velocity_lag": amplitude}, parameters={"time_constant": Truth(amplitude, "s")})
 
 
 def _delay(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
@@ -27,7 +27,11 @@ def _eccentricity(scene: Scene, amplitude: float, rng: np.random.Generator) -> C
     order, phase = float(rng.choice([1, 2])), rng.uniform(0.0, 2.0 * np.pi)
     return Change(
         plant={"eccentricity": amplitude, "eccentricity_order": order, "eccentricity_phase": phase},
-        parameters={"amplitude": Truth(amplitude, "rad"), "order": Truth(order, "1/rev")},
+        parameters={
+            "sine": Truth(amplitude * np.cos(phase), "rad"),
+            "cosine": Truth(amplitude * np.sin(phase), "rad"),
+            "order": Truth(order, "1/rev"),
+        },
     )
 
 

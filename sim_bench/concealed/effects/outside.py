@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 
 from ..effect import Change, Effect, Form, Scene, Truth
 
 __all__ = ["EFFECTS"]
+
+_APART = 0.5  # [s] between two pushes, below which nobody could say which of them is which
 
 
 def _one(name: str, build: Callable[[Scene, float, np.random.Generator], Change]) -> tuple[Form, ...]:
@@ -17,13 +20,25 @@ def _one(name: str, build: Callable[[Scene, float, np.random.Generator], Change]
 
 def _disturbance(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     """Someone leans on the link: half-sine pushes in a few windows."""
-    t, torque = scene.time, np.zeros_like(scene.time)
+    t, torque, pushes = scene.time, np.zeros_like(scene.time), []
     for _ in range(int(rng.integers(2, 5))):
         start, length = rng.uniform(0.05, 0.85) * t[-1], rng.uniform(0.8, 2.5)
         sign = float(rng.choice([-1.0, 1.0]))
         inside = (t >= start) & (t < start + length)
         torque[inside] += sign * np.sin(np.pi * (t[inside] - start) / length)
-    return Change(disturbance=amplitude * torque, parameters={"peak": Truth(amplitude, "N·m")})
+        pushes.append((start, start + length, sign * amplitude))
+    return Change(disturbance=amplitude * torque, parameters=_pushes(sorted(pushes)))
+
+
+def _pushes(pushes: list[tuple[float, float, float]]) -> dict[str, Truth]:
+    """Start and end [s] and torque [N·m] of each, in the order of time; nothing where two run into each other."""
+    if any(after[0] - before[1] < _APART for before, after in pairwise(pushes)):
+        return {}
+    return {
+        f"{name}_{k}": Truth(value, unit)
+        for k, push in enumerate(pushes, start=1)
+        for name, value, unit in zip(("start", "end", "torque"), push, ("s", "s", "N·m"), strict=True)
+    }
 
 
 def _humidity(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
@@ -104,7 +119,7 @@ EFFECTS = (
     Effect(
         "external_disturbance",
         "physics",
-        _one("pushes", _disturbance),
+        (Form("pushes", _disturbance),),
         lambda s: (0.02 * s.coulomb, 2.0 * s.coulomb),
         localised=True,
         accepted=("unknown_physics",),

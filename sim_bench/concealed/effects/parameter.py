@@ -11,7 +11,8 @@ __all__ = ["EFFECTS"]
 
 def _inertia(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     believed = scene.inertia / (1.0 + amplitude * float(rng.choice([-0.6, 1.0])))
-    return Change(belief={"inertia": believed}, parameters={"inertia_error": Truth(scene.inertia - believed, "kg·m²")})
+    change = Truth(scene.inertia - believed, "kg·m²")
+    return Change(belief={"inertia": believed}, parameters={"inertia_change": change})
 
 
 def _payload(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
@@ -19,7 +20,15 @@ def _payload(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change
     arm = 0.5
     mass = min(amplitude * scene.gravity / (9.81 * arm), 0.6 * scene.inertia / arm**2)
     belief = {"gravity": scene.gravity - mass * 9.81 * arm, "inertia": scene.inertia - mass * arm**2}
-    return Change(belief=belief, parameters={"mass_moment": Truth(mass * arm, "kg·m"), "mass": Truth(mass, "kg")})
+    torque, angle = mass * 9.81 * arm, scene.joint.fields["gravity_angle"]  # torque sin(q + angle)
+    return Change(
+        belief=belief,
+        parameters={
+            "gravity_cos_change": Truth(torque * np.sin(angle), "N·m"),
+            "gravity_sin_change": Truth(torque * np.cos(angle), "N·m"),
+            "inertia_change": Truth(mass * arm**2, "kg·m²"),
+        },
+    )
 
 
 def _offset(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:

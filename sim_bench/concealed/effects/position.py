@@ -39,9 +39,10 @@ def _spring(cubic: float) -> Form:
     def build(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
         rest = rng.uniform(-0.5, 0.5)
         plant = {"spring": amplitude, "spring_rest": rest, "spring_cubic": cubic * amplitude}
-        return Change(
-            plant=plant, parameters={"stiffness": Truth(amplitude, "N·m/rad"), "rest_position": Truth(rest, "rad")}
-        )
+        parameters = {"stiffness": Truth(amplitude, "N·m/rad"), "centre": Truth(rest, "rad")}
+        if cubic:
+            parameters["hardening"] = Truth(cubic, "1/rad²")
+        return Change(plant=plant, parameters=parameters)
 
     # Both forms are compared directly: the law of a spring that stiffens gives its stiffness at rest, not a mean slope.
     return Form("cubic" if cubic else "linear", build)

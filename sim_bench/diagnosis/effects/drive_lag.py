@@ -23,7 +23,7 @@ class DriveLag(Effect):
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (
-            EffectParameter("time_constant", "s", 2e-3, 0.0, 0.05, linear=False, form=0.05),
+            EffectParameter("time_constant", "s", 2e-3, 0.0, 0.05, linear=False, form=0.05, with_delay=1.0),
             EffectParameter("order", "1", 0.0, 1.0, 2.0, linear=False),
         )
 

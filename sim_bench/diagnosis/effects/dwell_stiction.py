@@ -94,4 +94,7 @@ def _grown(context: Context, values: Values) -> FloatArray:
 def _size(name: str, unit: str, limits: tuple[float, float], *, prior: float, form: float) -> EffectParameter:
     """A positive number that a recording may hardly fix, fitted as its logarithm."""
     low, high = (float(np.log(limit)) for limit in limits)
-    return EffectParameter(name, unit, 0.3, low, high, linear=False, prior=prior, logarithmic=True, form=form)
+    known = (high - low) / (2.0 * 1.96)  # its domain, which starts may lie all over
+    return EffectParameter(
+        name, unit, 0.3, low, high, linear=False, prior=prior, known=known, logarithmic=True, form=form
+    )

@@ -48,6 +48,7 @@ class Context:
         noise: Standard deviation of the noise in the recorded torque [N·m] or [N].
         index: Which of the recordings this is, counted from 0.
         hints: Starting values found in the residual, such as the orders over position that stand out.
+        usual_delay: By how much the torque is late without any flaw, and how far that strays [s].
     """
 
     dt: float
@@ -68,6 +69,7 @@ class Context:
     noise: float = 0.0
     index: int = 0
     hints: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    usual_delay: tuple[float, float] = (0.0, 2.5e-4)
 
     @property
     def time(self) -> FloatArray:
@@ -97,10 +99,14 @@ class EffectParameter:
         upper: Upper bound.
         linear: Whether the contribution is proportional to it, so that it is zero where the effect is absent.
         prior: Standard deviation of a weak prior around the start; 0 for none.
+        known: Standard deviation of what is known of it before a fit, in the solver's coordinates, for its interval; 0
+            for that of the prior. Where a fit may start from several values, its prior only keeps it near its own one.
         logarithmic: Whether the number is fitted, and bounded, as its logarithm.
         form: Relative deviation that a law of slightly another form leaves in it, from simulated joints; None for the
             usual one of sizes.
         least_form: What such a law leaves however small the number is, in the solver's coordinates.
+        with_delay: How it changes with the base's own delay where the recording stays as it is [1/s]: rows show a time
+            by which the torque is late, and next to nothing of who makes it late.
     """
 
     name: str
@@ -110,9 +116,11 @@ class EffectParameter:
     upper: float
     linear: bool = True
     prior: float = 0.0
+    known: float = 0.0
     logarithmic: bool = False
     form: float | None = None
     least_form: float = 0.0
+    with_delay: float = 0.0
 
     def deviation_of_form(self, value: float) -> float:
         """Standard deviation that the law's form leaves, in the solver's coordinates."""

@@ -20,6 +20,7 @@ HEATING_TIME = EffectParameter(
     float(np.log(_LONGEST)),
     linear=False,
     prior=1.0,
+    known=float(np.log(_LONGEST / _SHORTEST)) / (2.0 * 1.96),  # its domain, which starts lie all over
     logarithmic=True,
     form=0.2,
 )

@@ -20,7 +20,7 @@ class TorqueDelay(Effect):
     says = "the recorded torque is late"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        return (EffectParameter("delay", "s", 1e-3, -0.03, 0.05, linear=False, form=0.05),)
+        return (EffectParameter("delay", "s", 1e-3, -0.03, 0.05, linear=False, form=0.05, with_delay=-1.0),)
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return [{"delay": 1e-3}, {"delay": 4e-3}, {"delay": -1e-3}]

@@ -260,6 +260,48 @@ def test_another_form_is_compared_by_what_the_catalogue_comes_closest_with(tmp_p
     assert answer["comparable"] == answer["parameters"]
 
 
+_COMPARED = {
+    "inertia_error": {"inertia_change"},
+    "payload_error": {"gravity_cos_change", "gravity_sin_change", "inertia_change"},
+    "velocity_filter_lag": {"time_constant"},
+    "encoder_eccentricity": {"sine", "cosine", "order"},
+    "thermal_friction": {"viscous_slope", "coulomb_slope"},
+    "torque_constant_heating": {"sensitivity", "time_constant"},
+}
+
+
+@pytest.mark.parametrize("name", _COMPARED)
+def test_answers_have_the_names_that_a_diagnosis_prints(name: str, tmp_path: Path) -> None:
+    form = {"form": "exponential"} if name == "thermal_friction" else {}
+    case = generate(_spec(name, **form))
+    answer = json.loads(write_answer(case, tmp_path)[0].read_text())["effects"][0]
+    assert set(answer["comparable"]) == _COMPARED[name]
+
+
+def test_a_payload_is_what_the_simulation_lacks() -> None:
+    case = generate(_spec("payload_error"))
+    given, fields = case.belief, case.scene.joint.fields
+    truth = {name: one.value for name, one in case.change.parameters.items()}
+    lacking = fields["gravity"] - given["gravity"]
+    assert np.hypot(truth["gravity_cos_change"], truth["gravity_sin_change"]) == pytest.approx(lacking)
+    assert truth["inertia_change"] == pytest.approx(fields["inertia"] - given["inertia"])
+    angle = np.arctan2(truth["gravity_cos_change"], truth["gravity_sin_change"])
+    assert angle == pytest.approx(fields["gravity_angle"])
+
+
+def test_without_a_recorded_temperature_nothing_is_known_by_the_kelvin(tmp_path: Path) -> None:
+    case = generate(_spec("thermal_friction", hidden=True, form="exponential"))
+    assert not json.loads(write_answer(case, tmp_path)[0].read_text())["effects"][0]["comparable"]
+
+
+def test_pushes_are_told_one_by_one_unless_two_run_into_each_other(tmp_path: Path) -> None:
+    told = {seed: set(generate(_spec("external_disturbance", seed=seed)).change.parameters) for seed in range(4)}
+    assert any(told.values())
+    for names in told.values():
+        count = len(names) // 3
+        assert names == {f"{name}_{k + 1}" for name in ("start", "end", "torque") for k in range(count)}
+
+
 def test_the_answer_is_sealed_by_a_salted_hash(cogging: Case, tmp_path: Path) -> None:
     first, digest = write_answer(cogging, tmp_path / "a")
     _, other = write_answer(cogging, tmp_path / "b")

@@ -8,9 +8,12 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from fricomp.recording import Recording
+from fricomp.recording.metadata import TorqueKind
 from fricomp.sim_bench.diagnosis.context import _position, without_noise
 from fricomp.sim_bench.diagnosis.effects import Context
 from fricomp.sim_bench.diagnosis.generic import time_since_reversal
+from fricomp.sim_bench.diagnosis.loading import build_tracks
 from fricomp.sim_bench.diagnosis.observer import Observation, Plant
 from fricomp.sim_bench.diagnosis.refit import _contexts_of
 from fricomp.sim_bench.diagnosis.track import Track, torque_noise, without_spikes
@@ -81,3 +84,14 @@ def test_time_since_reversal_starts_anew_at_each_reversal() -> None:
     since = time_since_reversal(velocity, 1e-3)
     assert since[99] == pytest.approx(0.099)
     assert since[100] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("kind", "period", "usual"),
+    [("commanded", 1e-3, (-5e-4, 2.5e-4)), ("measured", 1e-3, (0.0, 2.5e-4)), ("commanded", 4e-3, (-2e-3, 1e-3))],
+)
+def test_a_command_acts_half_a_sample_late(kind: TorqueKind, period: float, usual: tuple[float, float]) -> None:
+    time = np.arange(4000, dtype=np.float64) * np.float64(period)
+    recording = Recording(time=time, position=np.sin(time), torque=np.cos(time))
+    (track,) = build_tracks([recording.with_metadata(torque_kind=kind)])
+    assert track.usual_delay == pytest.approx(usual)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fricomp.sim_bench.diagnosis.base import pack
+from fricomp.sim_bench.diagnosis.base import BASE_NAMES, pack
 from fricomp.sim_bench.diagnosis.delay import behind
 from fricomp.sim_bench.diagnosis.effects import EFFECTS, Context, EffectParameter
 from fricomp.sim_bench.diagnosis.explanation import Explanation, refusal
@@ -371,3 +371,50 @@ def test_intervals_end_where_the_domain_does(context: Context) -> None:
     share = next(p for _, p in structure.parameters() if p.name == "inertia_share")
     assert numbers["inertia_share"].ci95 == pytest.approx((share.lower, min(share.upper, 0.1 + 1.96 * 0.2)))
     assert numbers["coefficient"].ci95[1] == pytest.approx(0.05 + 1.96 * 0.2, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("name", "parameter", "sign"), [("drive_lag", "time_constant", 1.0), ("torque_delay", "delay", -1.0)]
+)
+def test_a_time_is_printed_as_if_the_base_had_its_usual_delay(
+    name: str, parameter: str, sign: float, context: Context
+) -> None:
+    """However a fit parts the two: their sum is what a recording shows, and where it began is not known."""
+    held = replace(context, usual_delay=(-5e-4, 2.5e-4))
+    structure = Structure((held,), (Candidate(name, ((parameter, 3e-3), ("order", 1.0))),))
+    found = []
+    for taken in (-4e-4, 3e-4):
+        plant = replace(context.plant, delay=taken)
+        theta = np.concatenate([pack(plant), structure.start()])
+        theta[N_BASE] += sign * taken
+        covariance = np.zeros((theta.size, theta.size))
+        both = [BASE_NAMES.index("delay"), N_BASE]
+        covariance[np.ix_(both, both)] = 1e-6 * np.array([[1.0, sign], [sign, 1.0]])
+        numbers = Refitted(structure, Fit(theta, np.zeros(1), np.zeros((1, theta.size)), 0.0), covariance)
+        found.append(numbers.parameters(name, "N·m", "rad")[parameter])
+        assert numbers.base("N·m", "rad")["delay"].ci95 == pytest.approx((-9.9e-4, -1e-5))
+    assert found[0].value == pytest.approx(found[1].value) == pytest.approx(3e-3 - sign * 5e-4)
+    wide = 1.96 * np.hypot(2.5e-4, 0.05 * found[0].value)
+    assert found[0].ci95 == pytest.approx((found[0].value - wide, found[0].value + wide))
+
+
+def test_the_order_of_a_ripple_is_known_as_well_as_the_encoder_reads(context: Context) -> None:
+    ripple = Candidate("cogging", (("order", 100.0),))
+    disc = Candidate("encoder_eccentricity", (("sine", 3e-3), ("cosine", 4e-3), ("order", 2.0)))
+    widths = []
+    for candidates in ((ripple,), (ripple, disc)):
+        structure = Structure((context,), candidates)
+        theta = np.concatenate([pack(context.plant), structure.start()])
+        fit = Fit(theta, np.zeros(1), np.zeros((1, theta.size)), 0.0)
+        order = Refitted(structure, fit, 1e-8 * np.eye(theta.size)).parameters("cogging", "N·m", "rad")["order"]
+        widths.append(order.ci95[1] - order.value)
+    assert widths[0] == pytest.approx(1.96e-4)
+    assert widths[1] == pytest.approx(1.96 * 100.0 * 2.0 * 5e-3 / np.sqrt(2.0), rel=1e-3)
+
+
+def test_a_start_is_no_knowledge_of_a_time_constant(context: Context) -> None:
+    """Of a rest whose length never changes, only the quotient of rise and time constant shows."""
+    structure = Structure((context,), (Candidate("dwell_stiction", (("time_constant", np.log(10.0)),)),))
+    fitted, known = (np.diag(box.precision)[1] ** -0.5 for box in (structure.box(), structure.known()))
+    assert fitted == pytest.approx(0.6)
+    assert np.exp(2.0 * 1.96 * known) == pytest.approx(60.0 / 0.05)

@@ -212,6 +212,17 @@ def test_an_interval_counts_where_the_parameter_can_be_compared() -> None:
     assert other.parameters == 0
 
 
+def test_pushes_are_compared_where_as_many_were_found() -> None:
+    pushes = {name: {"value": value, "unit": "s"} for name, value in (("start_1", 2.0), ("start_2", 5.0))}
+    truth, blind = _truth(_effect("external_disturbance", comparable=pushes)), answer("missing_physics", ["cogging"])
+    for found, compared in (({"start_1": 5.0}, 0), ({"start_1": 2.0, "start_2": 5.1}, 2)):
+        said = json.loads(blind.diagnosis)
+        numbers = {name: {"value": at, "unit": "s", "ci95": [at - 0.2, at + 0.2]} for name, at in found.items()}
+        said["effects"][0] |= {"name": "external_disturbance", "parameters": numbers}
+        score = _score(truth, BlindAnswer(json.dumps(said).encode(), b"", 1.0, ""))
+        assert (score.parameters, score.covered) == (compared, compared)
+
+
 def test_exact_intervals_agree_with_the_tables() -> None:
     none = compute_share(0, 500)
     assert none.high == pytest.approx(1.0 - 0.025 ** (1.0 / 500.0), rel=1e-9)
