@@ -67,17 +67,16 @@ def _fits(one: Explanation, best: Explanation) -> bool:
 
 
 def _finished(prepared: Prepared, held: Sequence[Explanation], best: Explanation, number: int) -> list[Explanation]:
-    """The same, the best of those that come near `best` at their minima.
+    """The same, the first of them at its minimum, and others too that come near `best`, up to `number` in all.
 
     From its parameters to the simulation's gravity a narrow valley of offset, gravity and friction bends, which a fit
     with one Jacobian does not follow to its end.
     """
     order = sorted(held, key=preference, reverse=True)
-    near = [one for one in order if one.gain > _NEAR * best.gain and not one.refused][:number]
-    if not near:
-        return order
-    rest = [one for one in order if all(one is not each for each in near)]
-    return [*polish(prepared, near, iterations=LAST_STEPS), *rest]
+    far = [one.refused != "" or one.gain <= _NEAR * best.gain for one in order]
+    ends = [one for i, one in enumerate(order[:number]) if i == 0 or not far[i]]
+    rest = [one for one in order if all(one is not each for each in ends)]
+    return [*polish(prepared, ends, iterations=LAST_STEPS), *rest] if ends else rest
 
 
 def _kept(

@@ -64,7 +64,7 @@ def test_what_is_held_at_the_simulation_is_weighed_at_its_minimum(monkeypatch: p
     """A narrow valley ends far from where a fit from other parameters has come to."""
     short, other = known(("load_quadratic",), 10.0), known(("load_quadratic",), -5.0)
     monkeypatch.setattr(agreement, "_held", lambda *_: [other, short])
-    monkeypatch.setattr(agreement, "polish", lambda _, some: [_SPLIT if one is short else one for one in some])
+    monkeypatch.setattr(agreement, "polish", lambda _, some, **__: [_SPLIT if one is short else one for one in some])
     assert agreeing(_NONE, _found(_LOAD), _JOINT, lambda one, _: one is _LOAD).best is _SPLIT
 
 
