@@ -13,10 +13,6 @@ from .effect import Context, Effect, EffectParameter, Values, register
 
 _FORM = 0.1  # of a spring that the joint lacks, by which the fit may find more of it missing
 
-# [rad] or [m] Offset, gravity and friction take up nearly all of a shift of the centre, so that a fit ends short of it:
-# by 0.5 to 67 mrad on three simulated joints whose own intervals were 22 to 59 mrad.
-_CENTRE = 0.02
-
 
 @register
 class SpringTorque(Effect):
@@ -34,7 +30,7 @@ class SpringTorque(Effect):
         # A straight spring has its centre in the offset; only one that stiffens shows it.
         return (
             EffectParameter("stiffness", "{torque}/{position}", 0.05 * scale, -1e6, 1e6),
-            EffectParameter("centre", "{position}", 0.2, -10.0, 10.0, linear=False, prior=0.5, least_form=_CENTRE),
+            EffectParameter("centre", "{position}", 0.2, -10.0, 10.0, linear=False, prior=0.5),
             EffectParameter("hardening", "1/{position}²", 0.1, 0.0, 5.0, linear=False, prior=0.5),
         )
 
