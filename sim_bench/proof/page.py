@@ -13,7 +13,7 @@ from .causes import format_causes, read_causes
 from .charts import draw_confusion, draw_power
 from .figure import Figure
 from .judging import is_wrong
-from .page_text import INJECTED, INTRODUCTION, LIMITS, NULLS
+from .page_text import CLEAR, INJECTED, INTRODUCTION, LIMITS, NULLS
 from .plan import NULLS as NULL_GROUPS
 from .power import PowerPoint, compute_confusion, compute_power
 from .score import Score
@@ -36,6 +36,7 @@ def write_page(
     baselines: str = "",
     earlier: str = "",
     gaps: str = "",
+    clear: bool = False,
 ) -> None:
     """Write `page` and the charts in the folder of its name beside it.
 
@@ -47,6 +48,7 @@ def write_page(
         baselines: Markdown of the comparison with other methods; empty for none.
         earlier: Markdown of the scored runs before this one; empty for none.
         gaps: Markdown of the gaps closed, measured by second diagnoses; empty for none.
+        clear: Whether the cases are every effect once, clear.
     """
     groups = {score.group for score in scores}
     injected, only_nulls = any(group.startswith("injected") for group in groups), groups <= set(NULL_GROUPS)
@@ -54,7 +56,7 @@ def write_page(
     folder.mkdir(parents=True, exist_ok=True)
     figures = compute_figures(scores)
     sections = [
-        INJECTED if injected else NULLS if only_nulls else INTRODUCTION,
+        INJECTED if injected else NULLS if only_nulls else CLEAR if clear else INTRODUCTION,
         f"## Figures\n\n{title}\n\n    {reproduce}\n\n{_figure_table(figures)}",
         format_causes(figures, read_causes(folder)),
         f"## Cases\n\n{_group_table(scores)}",
@@ -65,7 +67,7 @@ def write_page(
         gaps,
         earlier,
         baselines,
-        _answers_as_they_are(scores) if injected else "" if only_nulls else LIMITS,
+        _answers_as_they_are(scores) if injected else "" if only_nulls or clear else LIMITS,
         format_wrong(scores),
         format_misses(scores),
     ]

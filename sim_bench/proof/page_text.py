@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-__all__ = ["INJECTED", "INTRODUCTION", "LIMITS", "NULLS"]
+__all__ = ["CLEAR", "INJECTED", "INTRODUCTION", "LIMITS", "NULLS"]
 
 INTRODUCTION = """# Proof on concealed cases
 
@@ -31,9 +31,9 @@ own. Up to the 25th, every effect met one friction core only, as lists turned si
 on with another diagnosis than the one it began with. `--replay N` diagnoses the cases of run N anew; with `--verify` it
 makes their answers again and holds them against the seals without diagnosing. `--close "reason"` ends a run, whose data
 moves to `run-N`.
-`--nulls` runs joints with nothing missing alone ([300 of them](nulls.md)), `--baselines N` compares
-other methods on the first N cases, `--speed-up N` times N cases with one worker and with two, and
-[executors](fleet.md) are those of fleets.
+`--nulls` runs joints with nothing missing alone ([300 of them](nulls.md)), `--clear` every effect once
+([page](clear.md)), `--baselines N` compares other methods on the first N cases, `--speed-up N` times N cases with one
+worker and with two, and [executors](fleet.md) are those of fleets.
 """
 INJECTED = """# Effects injected into real recordings
 
@@ -45,6 +45,13 @@ Strength is what a refit of a rigid joint with a Stribeck curve for each directi
 windows, over what the same refit leaves of the recording itself. Before that the recordings are diagnosed as they are:
 what is named there counts as known, is not injected, and is no false name afterwards. Recordings that come out
 complete as they are stand apart from those in which more is missing already.
+"""
+CLEAR = """# Every effect of the catalogue once, clear
+
+`fricomp bench mismatch --clear` conceals each effect of the catalogue in a joint at the clear strength, or as near to
+it as the effect goes, on a rich motion of 30 s, with a joint from which nothing is missing after every third, and has
+`fricomp diagnose` look at them blind. Generator, sealing, figures and what is not proved are those of the
+[proof on concealed cases](proof.md); these are development seeds.
 """
 NULLS = """# False alarms on joints with nothing missing
 

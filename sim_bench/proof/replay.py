@@ -17,8 +17,7 @@ from .kept import find_kept
 from .making import name_of
 from .run import SEALS, read_refused, salt_of
 from .seal import SealBook
-from .seeds import folder_tree
-from .settings import GENERATOR, SETTINGS, RunSettings, check_diagnosis, plan_run, read_settings, write_settings
+from .settings import SETTINGS, RunSettings, check_diagnosis, check_generator, plan_run, read_settings, write_settings
 
 __all__ = ["SealCheck", "load_replay", "verify_seals"]
 
@@ -60,26 +59,12 @@ def load_replay(run: int, out: Path, log: Path, repository: Path, cases: int | N
         DiagnosisError: The run is not kept, `out` holds another, or the code is not that of the run.
     """
     settings = msgspec.structs.replace(read_settings(find_kept(log.parent, run) / SETTINGS), replayed=True)
-    check_generator(settings, repository)
     check_diagnosis(settings, repository)
     path = out / SETTINGS
     if path.exists() and read_settings(path) != settings:
         raise DiagnosisError(f"{out} holds another run: give another --out")
     write_settings(settings, path)
     return msgspec.structs.replace(settings, cases=cases or settings.cases)
-
-
-def check_generator(settings: RunSettings, repository: Path) -> None:
-    """Nothing, where the generator is that of a scored run, or it was not written down which that was.
-
-    Raises:
-        DiagnosisError: It is another, or not committed.
-    """
-    if settings.generator and (now := folder_tree(repository, GENERATOR)) != settings.generator:
-        raise DiagnosisError(
-            f"scored run {settings.run} began with {GENERATOR} {settings.generator[:12]}, here it is {now[:12]}: "
-            f"check out commit {settings.commit[:12]} and give --log the runs.jsonl beside which the run is kept"
-        )
 
 
 def verify_seals(

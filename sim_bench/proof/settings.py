@@ -24,6 +24,7 @@ __all__ = [
     "SETTINGS",
     "RunSettings",
     "check_diagnosis",
+    "check_generator",
     "load_or_start",
     "log_outcome",
     "plan_run",
@@ -167,15 +168,29 @@ def watch(settings: RunSettings, repository: Path, minutes: float | None = None)
 
 
 def check_diagnosis(settings: RunSettings, repository: Path) -> None:
-    """Nothing, where the diagnosis is the one that the run began with or that one is not known.
+    """Nothing, where diagnosis and generator are those that the run began with or it is not known which they were.
 
     Raises:
-        DiagnosisError: It is another one, is not committed, or is not the one that workers import.
+        DiagnosisError: One is another, is not committed, or is not the one that workers import.
     """
     if settings.tree and (now := _tree_that_runs(repository)) != settings.tree:
         raise DiagnosisError(
             f"the run measures the diagnosis {settings.tree[:12]}, and now it is {now[:12]}: "
             "go back to the commit of the run, or start a new one in another --out"
+        )
+    check_generator(settings, repository)
+
+
+def check_generator(settings: RunSettings, repository: Path) -> None:
+    """Nothing, where the generator is that of a scored run, or it was not written down which that was.
+
+    Raises:
+        DiagnosisError: It is another, or not committed.
+    """
+    if settings.generator and (now := folder_tree(repository, GENERATOR)) != settings.generator:
+        raise DiagnosisError(
+            f"scored run {settings.run} began with {GENERATOR} {settings.generator[:12]}, here it is {now[:12]}: "
+            f"check out commit {settings.commit[:12]} and give --log the runs.jsonl beside which the run is kept"
         )
 
 

@@ -24,7 +24,14 @@ def write(
     earlier = format_earlier(read_entries(log), settings.run) if settings.scored else ""
     gaps, kept_others = (_read(page.with_suffix("") / name) for name in (GAP, BASELINES))
     write_page(
-        scores, page, title=title, reproduce=reproduce, baselines=others or kept_others, earlier=earlier, gaps=gaps
+        scores,
+        page,
+        title=title,
+        reproduce=reproduce,
+        baselines=others or kept_others,
+        earlier=earlier,
+        gaps=gaps,
+        clear=settings.clear,
     )
     keep_data(out, page.with_suffix(""))
     console().print(f"{page} written", soft_wrap=True)

@@ -126,3 +126,14 @@ def test_earlier_runs_stand_in_the_page_with_their_figures_and_why_they_ended(tm
     assert second == "| 2 | `secondsecond` | 0 | – | – | – | – | – | – |"
     assert format_earlier(read_entries(log), 1) == ""
     assert next_run(log) == 3
+
+
+def test_a_scored_run_stops_when_the_generator_is_another(tmp_path: Path, repository: Path) -> None:
+    settings = _start(tmp_path, repository)
+    check_diagnosis(settings, repository)
+    generator = repository / "sim_bench" / "concealed"
+    (generator / "another.py").write_text("gravity = 9.81\n")
+    _git(repository, "add", "-A")
+    _git(repository, "commit", "-q", "-m", "another generator")
+    with pytest.raises(DiagnosisError, match="sim_bench/concealed"):
+        check_diagnosis(settings, repository)
