@@ -59,7 +59,7 @@ class JointAdapter(StoppableDriver):
         """
         if self._capabilities is not None:
             raise AdapterError("the adapter is open already: close() it first")
-        self._gate = None
+        self._gate, self._close_failure = None, ""
         self._released_stop = self._asked_stop  # of an earlier session; one that comes from here on holds
         try:
             drives = self._open()

@@ -119,15 +119,25 @@ class StoppableDriver(Driver):
         self._enabled, self._stop_owed = False, True
         for _ in range(2):
             try:
-                self._stop()
-                self._stop_owed, self._stop_failure = False, ""
-                return
-            except Exception as error:
-                self._stop_failure = f"the stop did not reach the drive: {error}"
+                if self._has_stopped():
+                    return
             except BaseException:  # interrupted in the middle of a stop: finish it first
-                self._stop()
-                self._stop_owed = False
+                if not self._has_stopped():
+                    self._trip_unstopped()
                 raise
+        self._trip_unstopped()
+
+    def _has_stopped(self) -> bool:
+        """Whether the drives took the stop; else `stop_failure` says why not."""
+        try:
+            self._stop()
+        except Exception as error:
+            self._stop_failure = f"the stop did not reach the drive: {error}"
+            return False
+        self._stop_owed, self._stop_failure = False, ""
+        return True
+
+    def _trip_unstopped(self) -> None:
         if self._gate is not None:
             self._gate.trip("link", self._stop_failure, self.clock.now_ns())
 

@@ -8,6 +8,8 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import TypeVar
 
+from fricomp.control.ending import undisturbed
+
 __all__ = ["in_background"]
 
 # Time after which the interpreter may take the processor from the worker and give it to the loop [s]; by default it is
@@ -36,7 +38,7 @@ def in_background(
             serve(future.done)
             return future.result()
         except BaseException:
-            stop()
+            undisturbed(stop)
             raise
 
 

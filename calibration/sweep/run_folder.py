@@ -57,7 +57,7 @@ class RunFolder:
             overwrite: Throw away the recording of an earlier run there, and the model, network and report made of it.
 
         Raises:
-            SweepAborted: The folder cannot be written, or holds a run already.
+            SweepAborted: The folder cannot be written, holds a run already, or files of somebody else.
             RecordingError: What it holds is no recording.
         """
         folder = cls(Path(path), _Run(SCHEMA, "started", _now(), request, _versions()))
@@ -65,12 +65,18 @@ class RunFolder:
             folder.path.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise SweepAborted(f"cannot make the folder {folder.path}: {error.strerror or error}") from error
+        ours = _is_run(folder.path)
+        foreign = [name for name in ("run.json", "recording.csv", *_MADE_OF_IT) if (folder.path / name).exists()]
+        if foreign and not ours:
+            raise SweepAborted(
+                f"{folder.path} holds {', '.join(foreign)}, which no calibration wrote: choose another folder (--out)"
+            )
         if not overwrite and folder.recording.exists() and read_blocks(folder.recording):
             go_on = "" if request.motion else "go on with it (--resume), "
             raise SweepAborted(
                 f"{folder.path} holds a run already: {go_on}replace it (--overwrite), or choose another folder (--out)"
             )
-        for name in _MADE_OF_IT if overwrite else ():
+        for name in _MADE_OF_IT if overwrite else ():  # of an earlier run
             (folder.path / name).unlink(missing_ok=True)
         folder.recording.unlink(missing_ok=True)
         folder._save()
@@ -181,3 +187,12 @@ def _versions() -> dict[str, str]:
         except PackageNotFoundError:
             continue
     return found
+
+
+def _is_run(folder: Path) -> bool:
+    """Whether the folder is that of a run, be it one that cannot be read any more."""
+    try:
+        stored = msgspec.json.decode((folder / "run.json").read_bytes())
+    except (OSError, msgspec.DecodeError):
+        return False
+    return isinstance(stored, dict) and stored.get("schema") == SCHEMA

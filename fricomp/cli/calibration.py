@@ -91,6 +91,8 @@ def _no_going_on(folder: RunFolder) -> str:
 def record_file(request: CalibrationRequest, out: Path, *, overwrite: bool = False) -> None:
     """Record the motion of a request into a new folder, or in place of the run that is there."""
     wanted = read_motion(request.motion)
+    if Path(request.motion).resolve() in {(out / name).resolve() for name in ("recording.csv", MOTION_ALONE)}:
+        raise SweepAborted(f"recording into {out} would replace the motion {request.motion}: choose another --out")
     with open_joint(request) as opened:
         context = at_rows_rate(opened, wanted)
         fit_into(wanted, travel_now(context))  # before anything moves, and before an earlier run is thrown away

@@ -36,6 +36,8 @@ def measure_torque_constant(request: CalibrationRequest, weight: HungWeight, out
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise SweepAborted(f"cannot make the folder {out}: {error.strerror or error}") from error
+    for old in (out / _RESULT, *out.glob("bare-*.csv"), *out.glob("loaded-*.csv")):
+        old.unlink(missing_ok=True)  # left there, they would pass for what an interrupted one has found
     with open_joint(request) as context:
         simulated = context.adapter.capabilities.simulated
     bare = _record(request, weight, out, simulated=simulated, hung=False)

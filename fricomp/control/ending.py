@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import sys
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from typing import Protocol
 
 from fricomp.control.interruption import EndingSignals
 from fricomp.errors import AdapterError
 
-__all__ = ["Stoppable", "require_stopped", "stopping_on_error"]
+__all__ = ["Stoppable", "require_stopped", "stopping_on_error", "undisturbed"]
+
+_TRIES = 3  # signals raise once in half a second at most
 
 
 class Stoppable(Protocol):
@@ -28,9 +30,18 @@ def stopping_on_error(adapter: Stoppable) -> Iterator[None]:
     try:
         yield
     except BaseException as error:
-        with EndingSignals(threading.Event()):
-            adapter.safe_stop(_name(error))
+        reason = _name(error)
+        undisturbed(lambda: adapter.safe_stop(reason))
         raise
+
+
+def undisturbed(stop: Callable[[], None]) -> None:
+    """Stop, whatever signals come: one that comes before they are kept off has it begun again."""
+    for _ in range(_TRIES):
+        with suppress(KeyboardInterrupt), EndingSignals(threading.Event()):
+            stop()
+            return
+    stop()
 
 
 def require_stopped(adapter: Stoppable) -> None:

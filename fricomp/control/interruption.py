@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import signal
 import threading
+import time
 from collections.abc import Iterator
 from types import FrameType
-from typing import Any, NoReturn
+from typing import Any
 
 __all__ = ["ENDING_SIGNALS", "EndingSignals", "interrupt_on_ending_signals"]
 
@@ -15,6 +17,8 @@ ENDING_SIGNALS = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
 )
 """What this system has of them; each would otherwise leave the joints to their watchdogs."""
+
+_TWICE = 0.5  # [s] within which signals are one
 
 
 class EndingSignals(contextlib.AbstractContextManager["EndingSignals"]):
@@ -33,8 +37,12 @@ class EndingSignals(contextlib.AbstractContextManager["EndingSignals"]):
 
     def __enter__(self) -> EndingSignals:
         if threading.current_thread() is threading.main_thread():
-            for number in ENDING_SIGNALS:
-                self._before[number] = signal.signal(number, self._handle)
+            try:
+                for number in ENDING_SIGNALS:
+                    self._before[number] = signal.signal(number, self._handle)
+            except BaseException:  # a signal whose handler raises came in between
+                self.__exit__()
+                raise
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -64,10 +72,19 @@ class EndingSignals(contextlib.AbstractContextManager["EndingSignals"]):
 
 
 def interrupt_on_ending_signals() -> None:
-    """From here on each of them raises `KeyboardInterrupt`, SIGINT too: a shell switches it off for background jobs."""
+    """From here on each of them raises `KeyboardInterrupt`, SIGINT too: a shell switches it off for background jobs.
+
+    One that follows within half a second, as from a key that is pressed twice or a terminal that goes away, raises
+    nothing: it would cut off the stop that the first one began.
+    """
+    last = -math.inf
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if now - last >= _TWICE:
+            last = now
+            raise KeyboardInterrupt
+
     for number in ENDING_SIGNALS:
-        signal.signal(number, _interrupt)
-
-
-def _interrupt(number: int, frame: FrameType | None) -> NoReturn:
-    raise KeyboardInterrupt
+        signal.signal(number, interrupt)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from fricomp.control import find_doubt_in_status
+from fricomp.control.network_file import read_largest_torques, read_velocity_range
 from fricomp.errors import ExportError
 
 __all__ = ["join_facts"]
@@ -24,7 +25,10 @@ def join_facts(joints: Sequence[Mapping[str, str]]) -> dict[str, str]:
 
     Raises:
         ExportError: Ranges of velocity do not overlap.
+        ModelFileError: A file states a range or a largest torque that cannot be meant.
     """
+    for about in joints:
+        read_largest_torques(about, 1)
     keys = dict.fromkeys(key for about in joints for key in about if key not in _OF_ONE_FILE)
     facts = {key: _join([about.get(key, "") for about in joints]) for key in keys}
     if "joint" in facts:
@@ -40,9 +44,9 @@ def _join(values: Sequence[str]) -> str:
 
 
 def _shared_range(joints: Sequence[Mapping[str, str]]) -> dict[str, str]:
-    ranges = [[float(word) for word in about.get("velocity_range", "").split()] for about in joints]
-    if not all(len(edges) == 2 for edges in ranges):
+    if not all("velocity_range" in about for about in joints):
         return {}
+    ranges = [read_velocity_range(None, about) for about in joints]
     low, high = max(edges[0] for edges in ranges), min(edges[1] for edges in ranges)
     if not low < high:
         stated = ", ".join(f"{a:g} to {b:g}" for a, b in ranges)

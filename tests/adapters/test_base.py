@@ -221,6 +221,22 @@ def test_a_stop_that_failed_is_owed_until_one_gets_through() -> None:
     adapter.enable()
 
 
+def test_a_stop_that_is_interrupted_and_then_fails_is_told_and_owed(monkeypatch: pytest.MonkeyPatch) -> None:
+    adapter = enabled_adapter()
+    errors = iter([KeyboardInterrupt(), AdapterConnectionError("cable")])
+
+    def stop() -> None:
+        raise next(errors)
+
+    monkeypatch.setattr(adapter, "_stop", stop)
+    with pytest.raises(KeyboardInterrupt):
+        adapter.safe_stop()
+    assert "did not reach the drive: cable" in adapter.stop_failure
+    monkeypatch.undo()
+    adapter.safe_stop()
+    assert adapter.stop_failure == ""
+
+
 def test_closing_tries_an_owed_stop_again() -> None:
     adapter = enabled_adapter()
     adapter.fail["stop"] = AdapterConnectionError("the queue is full")

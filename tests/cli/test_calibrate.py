@@ -13,6 +13,8 @@ from typer.testing import CliRunner
 
 from fricomp.calibration.sweep import CalibrationRequest, MotionFile, RunFolder, load_sweep
 from fricomp.calibration.sweep.motion import MotionRunner
+from fricomp.calibration.sweep.weight import HungWeight
+from fricomp.cli import torque_constant
 from fricomp.cli.calibration import _with_reach
 from fricomp.cli.main import app
 from fricomp.errors import FricompError, RecordingError
@@ -217,6 +219,31 @@ def test_a_run_folder_that_asks_for_nonsense_takes_another_method(tmp_path: Path
 
 
 @pytest.mark.usefixtures("nothing_moves")
+def test_a_motion_is_not_replaced_by_its_own_recording(tmp_path: Path, motion: Path) -> None:
+    file = tmp_path / "motion-alone.csv"
+    file.write_text(motion.read_text())
+    said = _refused("--motion", str(file), "--out", str(tmp_path), "--overwrite")
+    assert "would replace the motion" in said
+    assert file.read_text() == motion.read_text()
+
+
+def test_a_torque_constant_that_replaces_another_leaves_nothing_of_it_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("torque_constant.json", "bare-0.csv", "loaded-3.csv", "notes.txt"):
+        (tmp_path / name).write_text("old")
+
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(torque_constant, "open_joint", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        torque_constant.measure_torque_constant(
+            CalibrationRequest("sim"), HungWeight(0.5, 0.25), tmp_path, overwrite=True
+        )
+    assert {path.name for path in tmp_path.iterdir()} == {"notes.txt"}
+
+
 def test_a_torque_constant_is_replaced_only_when_told(tmp_path: Path) -> None:
     out = tmp_path / "run"
     out.mkdir()

@@ -154,6 +154,17 @@ def test_replacing_a_run_leaves_no_model_of_the_old_one(
     assert {path.name for path in folder.path.iterdir()} == {"run.json", "notes.txt"}
 
 
+@pytest.mark.parametrize("overwrite", [False, True])
+@pytest.mark.parametrize("name", ["recording.csv", "run.json", "friction.json"])
+def test_files_of_somebody_else_are_neither_replaced_nor_removed(
+    tmp_path: Path, request_of_a_short_run: CalibrationRequest, name: str, overwrite: bool
+) -> None:
+    (tmp_path / name).write_text("time,velocity\n0,0\n")
+    with pytest.raises(SweepAborted, match=f"{name}, which no calibration wrote"):
+        RunFolder.create(tmp_path, request_of_a_short_run, overwrite=overwrite)
+    assert (tmp_path / name).read_text() == "time,velocity\n0,0\n"
+
+
 def test_a_folder_with_a_run_is_not_overwritten(
     context: SweepContext, folder: RunFolder, request_of_a_short_run: CalibrationRequest
 ) -> None:
