@@ -19,12 +19,16 @@ from fricomp.recording import RecordingMetadata, RecordingWriter, read_blocks
 from .block import SweepData, load_sweep
 from .request import CalibrationRequest
 
-__all__ = ["RunFolder"]
+__all__ = ["MOTION_ALONE", "RECORDING", "RunFolder"]
 
 SCHEMA = "fricomp.run/1"
+_REQUEST, RECORDING, MOTION_ALONE = "run.json", "recording.csv", "motion-alone.csv"
+"""Files of a run: what was asked for, all that was recorded, and a motion of the user's own without the torque sensor's
+zero and the check of signs, as a diagnosis takes no recording with gaps in time."""
+
 _PACKAGES = ("numpy", "scipy", "torch", "mujoco", "onnx", "msgspec")
 _MADE_OF_IT = (
-    *("friction.json", "friction.onnx", "report.html", "motion-alone.csv"),
+    *("friction.json", "friction.onnx", "report.html", MOTION_ALONE),
     *("friction-curve.png", "acquisition.png", "residuals.png", "correlation.png", "training.png"),
 )
 """Files beside the recording; left there, they would pass for what a run that was interrupted has found."""
@@ -66,7 +70,7 @@ class RunFolder:
         except OSError as error:
             raise SweepAborted(f"cannot make the folder {folder.path}: {error.strerror or error}") from error
         ours = _is_run(folder.path)
-        foreign = [name for name in ("run.json", "recording.csv", *_MADE_OF_IT) if (folder.path / name).exists()]
+        foreign = [name for name in (_REQUEST, RECORDING, *_MADE_OF_IT) if (folder.path / name).exists()]
         if foreign and not ours:
             raise SweepAborted(
                 f"{folder.path} holds {', '.join(foreign)}, which no calibration wrote: choose another folder (--out)"
@@ -94,7 +98,7 @@ class RunFolder:
             SweepAborted: There is none.
             RecordingError: Its `run.json` is damaged, or asks for what there is not.
         """
-        file = Path(path) / "run.json"
+        file = Path(path) / _REQUEST
         try:
             stored = msgspec.json.decode(file.read_bytes())
             return cls(Path(path), msgspec.convert(_changed(stored, changes or {}), _Run))
@@ -110,7 +114,7 @@ class RunFolder:
     @property
     def recording(self) -> Path:
         """The recording's file."""
-        return self.path / "recording.csv"
+        return self.path / RECORDING
 
     @property
     def request(self) -> CalibrationRequest:
@@ -157,7 +161,7 @@ class RunFolder:
 
     def _save(self) -> None:
         text = msgspec.json.format(msgspec.json.encode(self._run), indent=2)
-        target, part = self.path / "run.json", self.path / "run.json.part"
+        target, part = self.path / _REQUEST, self.path / "run.json.part"
         try:
             part.write_bytes(text + b"\n")
             part.replace(target)
@@ -192,7 +196,7 @@ def _versions() -> dict[str, str]:
 def _is_run(folder: Path) -> bool:
     """Whether the folder is that of a run, be it one that cannot be read any more."""
     try:
-        stored = msgspec.json.decode((folder / "run.json").read_bytes())
+        stored = msgspec.json.decode((folder / _REQUEST).read_bytes())
     except (OSError, msgspec.DecodeError):
         return False
     return isinstance(stored, dict) and stored.get("schema") == SCHEMA

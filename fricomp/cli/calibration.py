@@ -34,6 +34,7 @@ from fricomp.calibration.sweep import (
 )
 from fricomp.calibration.sweep.check import calibration_checks
 from fricomp.calibration.sweep.report import write_calibration_report
+from fricomp.calibration.sweep.run_folder import MOTION_ALONE, RECORDING
 from fricomp.calibration.sweep.sweep import Progress
 from fricomp.cli.resume import changes, refuse_other
 from fricomp.cli.terminal import console, progress
@@ -43,9 +44,6 @@ from fricomp.errors import ParameterError, SweepAborted
 from fricomp.recording import write_recording
 
 __all__ = ["follow", "open_joint", "record_file", "resume_run", "start_run"]
-
-# The motion without the torque sensor's zero and the check of signs: a diagnosis takes no recording with gaps in time.
-MOTION_ALONE = "motion-alone.csv"
 
 
 def start_run(request: CalibrationRequest, out: Path, *, overwrite: bool) -> None:
@@ -91,7 +89,7 @@ def _no_going_on(folder: RunFolder) -> str:
 def record_file(request: CalibrationRequest, out: Path, *, overwrite: bool = False) -> None:
     """Record the motion of a request into a new folder, or in place of the run that is there."""
     wanted = read_motion(request.motion)
-    if Path(request.motion).resolve() in {(out / name).resolve() for name in ("recording.csv", MOTION_ALONE)}:
+    if Path(request.motion).resolve() in {(out / name).resolve() for name in (RECORDING, MOTION_ALONE)}:
         raise SweepAborted(f"recording into {out} would replace the motion {request.motion}: choose another --out")
     with open_joint(request) as opened:
         context = at_rows_rate(opened, wanted)
