@@ -28,9 +28,9 @@ A run (`--scored --page docs/proof.md`) goes in pieces: `--minutes M` starts no 
 under way and writes the page, `--resume` goes on, in another checkout from the data beside this page. Groups, effects
 and strengths are interleaved, so that any beginning is a fair sample of the whole; every scored run has an order of its
 own. Up to the 25th, every effect met one friction core only, as lists turned side by side. A scored run refuses to go
-on with another diagnosis or generator than it began with. `--replay N` diagnoses the cases of run N anew; with `--verify`
-it makes their answers again and holds them against the seals without diagnosing. `--close "reason"` ends a run, whose
-data moves to `run-N`.
+on with another diagnosis or generator than it began with. `--replay N` diagnoses the cases of run N anew; with
+`--verify` it makes their answers again and holds them against the seals without diagnosing. `--close "reason"` ends a
+run, whose data moves to `run-N`.
 `--nulls` runs joints with nothing missing alone ([300 of them](nulls.md)), `--clear` every effect once
 ([page](clear.md)), `--baselines N` compares other methods on the first N cases, `--speed-up N` times N cases with one
 worker and with two, and [executors](fleet.md) are those of fleets.
