@@ -35,7 +35,8 @@ class Sensors:
         gain: Of the torque [1].
         offset: Of the torque [N·m].
         delay: Of the torque [s].
-        velocity_lag: Time constant of the velocity channel [s].
+        velocity_filter: Time constant of the usual low pass of a velocity channel [s].
+        velocity_lag: That of a slower one in its place [s]; 0 for the usual one.
         hysteresis: Share of the torque that runs through a loop [1].
         hysteresis_width: Half width of the loop [N·m].
         hysteresis_form: 0 for a play element, 1 for Bouc-Wen.
@@ -50,6 +51,7 @@ class Sensors:
     gain: float = 1.0
     offset: float = 0.0
     delay: float = 0.0
+    velocity_filter: float = 1e-3
     velocity_lag: float = 0.0
     hysteresis: float = 0.0
     hysteresis_width: float = 1.0
@@ -77,6 +79,7 @@ def draw_sensors(rng: np.random.Generator, joint: Joint, noise_kind: str | None 
         step=2.0 * joint.noise if kind == "quantised" else 0.0,
         jitter=rng.uniform(1e-5, 4e-5) if kind == "jittered" else 0.0,
         filter_time=rng.uniform(5e-5, 2.5e-4),
+        velocity_filter=rng.uniform(5e-4, 2e-3),
     )
 
 
@@ -154,6 +157,9 @@ def sense(motion: Motion, sensors: Sensors, joint: Joint, plant: dict[str, float
     torque = torque + _draw_noise(rng, sensors, n)
     if sensors.step > 0.0:
         torque = np.round(torque / sensors.step) * sensors.step
-    velocity = lagged(motion.velocity, sensors.velocity_lag) + 5e-4 * joint.speed * rng.standard_normal(n)
+    # As a drive forms it: from the steps of its encoder, at instants of its own.
+    difference = np.gradient(np.round(true / step) * step, SAMPLE_PERIOD)
+    velocity = lagged(difference, sensors.velocity_lag or sensors.velocity_filter)
+    velocity = velocity + 5e-4 * joint.speed * rng.standard_normal(n)
     load = motion.load + joint.noise * rng.standard_normal(n)
     return Sensed(position, velocity, torque, load, position - true, torque - clean)

@@ -17,6 +17,7 @@ from .joint import Joint, draw_joint
 from .plant import build_plant
 from .refit import Rows, build_rows
 from .sensing import Sensed, draw_sensors, sense
+from .temperature import draw_temperature
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -64,7 +65,7 @@ class Trial:
         self._noise_stream = streams[3] if given is None else streams[3].spawn(1)[0]
         self._effect_streams = streams[4:7]
         self.shift = _draw_shift(np.random.default_rng(streams[7]), self.joint) if spec.shifted else {}
-        self._warming = _draw_warming(np.random.default_rng(streams[8]))
+        self._temperature = draw_temperature(time, np.random.default_rng(streams[8]))
 
     def effect_rng(self, index: int) -> np.random.Generator:
         """The same numbers at every call."""
@@ -72,10 +73,7 @@ class Trial:
 
     def temperature(self, change: Change) -> NDArray[np.float64]:
         """Temperature of the joint [°C], shape (n_samples,)."""
-        if change.temperature is not None:
-            return change.temperature
-        (rise, settling), time = self._warming, self.scene.time
-        return np.asarray(25.0 - rise * np.expm1(-(time - time[0]) / settling) + 0.5 * np.sin(0.05 * time))
+        return self._temperature if change.temperature is None else change.temperature
 
     def run(self, change: Change) -> Outcome:
         """The closed loop with the change.
@@ -100,12 +98,12 @@ class Trial:
         return Outcome(motion, sensed, torque, build_rows(motion, sensed, self.joint))
 
 
-def _draw_warming(rng: np.random.Generator) -> tuple[float, float]:
-    """Rise [K] and time constant [s] of a joint whose friction does not care: every other one warms up."""
-    return float(rng.choice([0.0, 1.0]) * rng.uniform(5.0, 20.0)), float(rng.uniform(15.0, 60.0))
-
-
 def _draw_shift(rng: np.random.Generator, joint: Joint) -> dict[str, float]:
-    """Inertia and gravity of the user's simulation, 8 to 25 % off."""
-    names = ("inertia", "gravity")
-    return {name: joint.fields[name] * (1.0 + rng.choice([-1, 1]) * rng.uniform(0.08, 0.25)) for name in names}
+    """Inertia and gravity of the user's simulation, 2 to 25 % off, and a centre of mass that lies elsewhere."""
+    fields = joint.fields
+    sizes = np.exp(rng.uniform(np.log(0.02), np.log(0.25), 2)) * rng.choice([-1.0, 1.0], 2)
+    return {
+        "inertia": float(fields["inertia"] * (1.0 + sizes[0])),
+        "gravity": float(fields["gravity"] * (1.0 + sizes[1])),
+        "gravity_angle": float(fields["gravity_angle"] + rng.uniform(-0.1, 0.1)),
+    }

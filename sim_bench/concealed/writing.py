@@ -15,6 +15,7 @@ from .belief import format_controller, format_friction, format_simulation
 from .catalogue_fit import fit_catalogue
 from .dynamics import SAMPLE_PERIOD
 from .fault import apply_fault
+from .plant import CORES
 from .refit import compute_enr, left_after_refit
 
 if TYPE_CHECKING:
@@ -55,7 +56,8 @@ def expected_verdict(case: Case) -> str:
 def write_case(case: Case, folder: Path) -> Path:
     """Write recording, simulation and controller, and the friction where the case is about its parameters.
 
-    Every other joint with nothing missing comes with its friction too: it must not be found changed.
+    Of any other case every second one comes with the friction of the joint without effects: that must not be found
+    changed.
 
     Returns:
         The case's folder, `folder`/<id>.
@@ -118,7 +120,7 @@ def _time(n: int) -> NDArray[np.float64]:
 
 
 def _states_friction(case: Case) -> bool:
-    return not case.concealed and bool(np.random.default_rng([case.spec.seed, 78]).random() < 0.5)
+    return bool(np.random.default_rng([case.spec.seed, 78]).random() < 0.5)
 
 
 def _logs(case: Case, about: str, rng: np.random.Generator) -> bool:
@@ -171,11 +173,17 @@ def _answer(case: Case) -> dict[str, Any]:
         "joint": case.scene.joint.fields
         | {
             "family": case.scene.joint.family,
-            "core": case.scene.joint.core,
+            "core": _core_of(case),
             "noise": case.scene.joint.noise,
             "noise_kind": case.sensors.noise_kind,
         },
     }
+
+
+def _core_of(case: Case) -> str:
+    """The friction core that was simulated; presliding brings its own."""
+    number = case.change.plant.get("core")
+    return case.scene.joint.core if number is None else next(name for name, own in CORES.items() if own == number)
 
 
 def _describe(case: Case, index: int) -> dict[str, Any]:
@@ -199,12 +207,17 @@ def _describe(case: Case, index: int) -> dict[str, Any]:
 
 
 def _separable(case: Case, index: int) -> float:
-    """Strength of one effect after the refit of everything else that is concealed."""
+    """Strength of one effect after the refit of everything else that is concealed, at most what it has alone.
+
+    Each effect's torque is of a run with it alone. Where one changes how another acts, as presliding does with what
+    acts about reversals, the rows of the run with both would make more of it than there is.
+    """
     each = case.concealed[index]
     others = [other.torque for i, other in enumerate(case.concealed) if i != index]
     if not others:
         return each.enr
-    return compute_enr(left_after_refit(each.torque, case.outcome.rows, each.effect.against, others))
+    beside = compute_enr(left_after_refit(each.torque, case.outcome.rows, each.effect.against, others))
+    return min(beside, each.enr)
 
 
 def _write_table(columns: dict[str, NDArray[np.float64]], metadata: dict[str, Any], path: Path) -> None:

@@ -38,6 +38,9 @@ _MOTIONS = ("rich", "fourier", "rich", "sweep", "rich", "fourier", "pick_and_pla
 _NOISES = ("white", "coloured", "jittered", "quantised", "heavy_tailed")
 _HIDDEN = ("load_coulomb", "thermal_friction", "load_stribeck", "load_quadratic")
 _PARAMETERS = ("inertia_error", "payload_error", "torque_offset", "direction_asymmetry")
+_OF_THE_BODY = frozenset({"inertia_error", "payload_error", "torque_gain_error"})
+"""What is known by the simulation's inertia and gravity alone: where those are wrong as well, nobody can tell."""
+
 _LAWLESS = ("external_disturbance", "neighbour_coupling")  # pushes and unlogged neighbours: no names for two
 
 
@@ -123,21 +126,25 @@ def _interleave() -> Iterator[str]:
         yield group
 
 
-def _settings(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
-    """Motions, noises, cores, families and lengths, each drawn by itself; an effect that has its own meets them all."""
+def _settings(rng: np.random.Generator, shifted: bool = True) -> Iterator[dict[str, Any]]:
+    """Motions, noises, cores, families and lengths, each drawn by itself; an effect that has its own meets them all.
+
+    In every second case the user's simulation has inertia and gravity wrong, where that may be.
+    """
     decks = {"excitation": _MOTIONS, "noise": CHOICES["noise"], "core": CHOICES["core"]}
     for drawn in zip(*(_deck(rng, cards) for cards in decks.values()), strict=True):
         yield {
             **dict(zip(decks, drawn, strict=True)),
             "family": CHOICES["family"][int(rng.random() < 0.4)],
             "duration": float(rng.choice([60.0, 60.0, 60.0, 30.0, 120.0])),
+            "shifted": bool(rng.random() < 0.5) and shifted,
         }
 
 
 def _single(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
     """Every effect of the catalogue in turn; strengths turn with the rounds, shifted from effect to effect."""
     names = tuple(map(str, rng.permutation(list(CATALOGUE))))
-    own = {name: _settings(rng) for name in names}
+    own = {name: _settings(rng, name not in _OF_THE_BODY) for name in names}
     for index in range(2**31):
         turn, place = divmod(index, len(names))
         name, strength = names[place], _STRENGTHS[(turn + place) % len(_STRENGTHS)]
@@ -158,11 +165,13 @@ def _several(rng: np.random.Generator, number: int) -> Iterator[dict[str, Any]]:
         drawn = rng.choice(names, number, replace=False)
         while set(drawn) >= _ONE_SPRING:
             drawn = rng.choice(names, number, replace=False)
-        yield fields | {"effects": tuple(str(n) for n in drawn), "strength": strength, "excitation": "rich"}
+        shifted = fields["shifted"] and not _OF_THE_BODY.intersection(drawn)
+        design = {"effects": tuple(map(str, drawn)), "strength": strength, "excitation": "rich", "shifted": shifted}
+        yield fields | design
 
 
 def _null(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
-    yield from _settings(rng)
+    yield from _settings(rng, shifted=False)
 
 
 def _hard_null(rng: np.random.Generator) -> Iterator[dict[str, Any]]:

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..effect import Change, Effect, Form, Scene, Truth
 from ..plant import CORES, NEUTRAL
+from ..temperature import warm_and_cool
 
 __all__ = ["EFFECTS"]
 
@@ -42,18 +43,9 @@ def _dwell(form: float) -> Form:
     return Form("logarithmic" if form else "exponential", build, shared=not form)
 
 
-def temperature_profile(scene: Scene, rise: float, rng: np.random.Generator) -> np.ndarray:
-    """Warm-up, a plateau and cooling within one recording [°C]; never a straight drift."""
-    t, end = np.maximum(scene.time, 0.0), scene.time[-1]
-    peak, tau = rng.uniform(0.45, 0.65) * end, rng.uniform(0.15, 0.3) * end
-    warm = 1.0 - np.exp(-t / tau)
-    cool = (1.0 - np.exp(-peak / tau)) * np.exp(-(t - peak) / (0.8 * tau))
-    return np.asarray(25.0 + rise * np.where(t < peak, warm, cool))
-
-
 def _thermal(name: str, number: float) -> Form:
     def build(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
-        temperature = temperature_profile(scene, rng.uniform(12.0, 25.0), rng)
+        temperature = warm_and_cool(scene.time, rng.uniform(12.0, 25.0), rng)
         level = -amplitude * rng.uniform(0.0, 0.3)
         # How much viscous friction falls by a kelvin at the mean temperature of the recording.
         rise = float(np.mean(temperature[scene.time >= 0.0])) - NEUTRAL["reference_temperature"]

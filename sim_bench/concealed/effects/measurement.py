@@ -46,7 +46,13 @@ def _hysteresis(bouc_wen: float) -> Form:
 
 EFFECTS = (
     Effect("torque_gain_error", "measurement", (Form("gain", _gain),), lambda scene: (0.01, 0.2), against="friction"),
-    Effect("velocity_filter_lag", "measurement", (Form("first order", _velocity_lag),), lambda scene: (2e-3, 3e-2)),
+    Effect(
+        "velocity_filter_lag",
+        "measurement",
+        (Form("first order", _velocity_lag),),
+        lambda scene: (4e-3, 3e-2),
+        smallest=lambda scene: 4e-3,  # every drive filters its velocity by less
+    ),
     Effect(
         "torque_delay",
         "measurement",
