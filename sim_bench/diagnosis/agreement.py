@@ -8,7 +8,7 @@ from itertools import islice, product
 
 import numpy as np
 
-from .alias import alternatives, as_good, told
+from .alias import CLOSE, alternatives, as_good, told
 from .comparison import AGREES, NAMED, Doubt
 from .effects import EFFECTS, Context
 from .explanation import Explanation
@@ -26,6 +26,7 @@ _LEAST_GRAVITY = 0.4  # of the scale in which the base measures gravity: a fifti
 _HELD = 0.002  # relative deviation of inertia and gravity that are held at those of the simulation
 _NEAR, _MOST_NEAR = 0.9, 2  # of the best gain, from which an explanation is tried with the simulation's parameters
 _MOST_STARTS = 4
+_HIDES = 4.0  # times what a fit leaves, that it may have hidden in inertia and gravity of what its law cannot say
 _BENT = "needs another inertia or gravity than the simulation's"
 
 
@@ -36,7 +37,9 @@ def agreeing(
 
     Friction that differs between driving and braking, for example, looks like friction under load and another gravity;
     a spring that stiffens like a straight one and another gravity. They look so on every motion: beside one that
-    agrees, others stay in question only as far as they fit with the simulation's parameters too.
+    agrees, others stay in question only as far as they fit with the simulation's parameters too. But a simulation may
+    be wrong as well as incomplete: where the best explanation leaves next to nothing, its form is right, and one that
+    agrees with the simulation must fit nearly as well.
 
     Args:
         prepared: Base model and recordings.
@@ -48,12 +51,13 @@ def agreeing(
     if best is None:
         return found
     if differs(best, AGREES):
-        options = alternatives(found)
+        least = best.gain - max(CLOSE, _HIDES * best.left, found.explainable_null)
+        options = [one for one in alternatives(found) if one.gain > least]
         if rigid is not None and rigid.rotary:
             held = _held(prepared, _near(found, best), rigid)
-            agrees = any(_fits(one, best) and not differs(one, AGREES) for one in held)
+            agrees = any(_fits(one, least) and not differs(one, AGREES) for one in held)
             held = _finished(prepared, held, best, 1 if agrees else _MOST_NEAR)
-            options += [one for one in held if _fits(one, best)]
+            options += [one for one in held if _fits(one, least)]
         kept = _kept(best, sorted(options, key=lambda explanation: -explanation.gain), differs)
         if not kept:
             return found
@@ -62,8 +66,8 @@ def agreeing(
     return found if rigid is None or not rigid.rotary else _without_bent(prepared, found, rigid, differs)
 
 
-def _fits(one: Explanation, best: Explanation) -> bool:
-    return as_good(one, best) and not one.refused
+def _fits(one: Explanation, least: float) -> bool:
+    return one.gain > least and not one.refused
 
 
 def _finished(prepared: Prepared, held: Sequence[Explanation], best: Explanation, number: int) -> list[Explanation]:

@@ -77,7 +77,7 @@ class Answer:
 
 def compare_given(answer: Answer, refitted: Refitted, doubt: Doubt) -> Comparison:
     """What the refit moved of the given simulation and friction."""
-    cov, plant = refitted.covariance[:BODY_AND_CURVES, :BODY_AND_CURVES], refitted.plant
+    cov, plant = doubt.known**2 * refitted.covariance[:BODY_AND_CURVES, :BODY_AND_CURVES], refitted.plant
     result = Comparison()
     rigid = answer.rigid if answer.rigid is not None and answer.rigid.rotary else None
     if answer.rigid is not None and answer.rigid.covariance is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
@@ -50,6 +50,7 @@ class Doubt:
         sliding: Of gravity, over the Coulomb level.
         uneven: Of the offset with half the difference of the directions, and of the shapes of the two curves by as much
             torque, over the Coulomb level.
+        known: Factor on the deviations that the fit does know of.
     """
 
     inertia: float
@@ -57,11 +58,12 @@ class Doubt:
     gravity: float
     sliding: float
     uneven: float
+    known: float = 1.0
 
 
 # From simulated joints with nothing missing, with one strong effect that was named, and with something that was not.
-PLAIN = Doubt(inertia=1e-4, accelerating=1e-4, gravity=5e-5, sliding=3e-4, uneven=3e-4)
-NAMED = Doubt(inertia=0.005, accelerating=4e-4, gravity=2e-3, sliding=3e-3, uneven=3e-3)
+PLAIN = Doubt(inertia=1e-4, accelerating=1e-4, gravity=5e-5, sliding=5e-4, uneven=6e-4)
+NAMED = Doubt(inertia=0.005, accelerating=4e-4, gravity=2e-3, sliding=3e-3, uneven=3e-3, known=1.5)
 AGREES = Doubt(inertia=1e-4, accelerating=4e-4, gravity=3e-4, sliding=1e-3, uneven=3e-4)
 """Doubt within which an explanation leaves the simulation as it is."""
 _STRONG = 8.0  # residual of the base over its noise, beside whose effects parameters stray as much as `NAMED` says
@@ -83,9 +85,8 @@ def beside(noise_ratio: float) -> Doubt:
     effect is.
     """
     share = min(float(np.sqrt(max(noise_ratio**2 - 1.0, 0.0))) / _STRONG, 1.0)
-    return Doubt(
-        *(plain + share * (named - plain) for plain, named in zip(astuple(PLAIN), astuple(NAMED), strict=True))
-    )
+    between = (plain + share * (named - plain) for plain, named in zip(astuple(PLAIN), astuple(NAMED), strict=True))
+    return replace(Doubt(*between), known=NAMED.known)
 
 
 def inertia_strays(plant: Plant, doubt: Doubt, acceleration: float) -> float:

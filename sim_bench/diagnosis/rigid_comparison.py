@@ -14,7 +14,7 @@ from .track import FloatArray
 __all__ = ["compare_rigid"]
 
 _SAME_FACTOR = ("payload_error", "torque_gain_error")
-_USUAL_GAIN = 0.1  # largest gain error of a torque signal that is usual; masses are off by more
+_USUAL_GAIN = 0.25  # largest gain error of a torque signal that is met; a load scales all three by one factor by chance
 _FOLLOWS = 1.96**2  # chi squared of the inertia's own shift, from which it is seen to follow gravity
 _ALSO = 5.0  # chi squared that a gain may leave of all three shifts: they have two degrees of freedom left
 
@@ -59,7 +59,7 @@ def compare_rigid(
         fits = scores["torque_gain_error"] - SIMPLER < _ALSO
         usual = abs(float(fitted["torque_gain_error"][0])) <= _USUAL_GAIN
         best = "torque_gain_error" if follows and fits and usual else "payload_error"
-    deviation = np.sqrt(np.diag(covariance))
+    deviation = np.sqrt(np.diag(covariance + floor))
     changes = [
         change("inertia", given.inertia, plant.inertia, given.inertia * float(deviation[0]), "kg·m²"),
         change("gravity_cos", given.gravity[0], plant.gravity[0], float(deviation[1]), unit),
