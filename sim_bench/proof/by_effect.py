@@ -11,7 +11,7 @@ from fricomp.report import format_markdown_table
 
 from .figure import WEAK, where
 from .score import Score
-from .statistics import bootstrap_ratio
+from .statistics import compute_clustered_share
 
 __all__ = ["format_coverage", "format_places"]
 
@@ -37,9 +37,9 @@ def _share(counts: Sequence[tuple[int, int]]) -> float:
 
 def _coverage_row(name: str, counts: Sequence[tuple[int, int]]) -> list[str]:
     covered, total = zip(*counts, strict=True)
-    low, high = bootstrap_ratio(covered, total)
-    value = f"{_share(counts):.0%} ({sum(covered)} of {sum(total)})"
-    return [name, str(len(counts)), value, f"{low:.0%} to {high:.0%}"]
+    found = compute_clustered_share(covered, total)
+    value = f"{found.share:.0%} ({found.hits} of {found.total})"
+    return [name, str(len(counts)), value, f"{found.low:.0%} to {found.high:.0%}"]
 
 
 def format_places(scores: Sequence[Score]) -> str:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .score import Score
-from .statistics import ShareEstimate, bootstrap_ratio, compute_median, compute_share
+from .statistics import ShareEstimate, compute_clustered_share, compute_mean, compute_median, compute_share
 
 __all__ = ["WEAK", "Figure", "at_least", "at_most", "count_share", "coverage", "mean", "median", "where"]
 
@@ -23,9 +23,10 @@ class Figure(NamedTuple):
         name: What is measured.
         target: What is wanted.
         value: As measured, with interval and number of cases.
-        reached: Whether the target is; None where there is no case, or no target.
+        reached: Whether the target is, by the value; None where there is no case, or no target.
         cases: What it was measured on.
         brief: The value on some of them, in a few words; None where it has no parts.
+        settled: Whether the whole interval lies on that side of the target.
     """
 
     name: str
@@ -34,6 +35,14 @@ class Figure(NamedTuple):
     reached: bool | None
     cases: tuple[Score, ...] = ()
     brief: Callable[[Sequence[Score]], str] | None = None
+    settled: bool = True
+
+    @property
+    def standing(self) -> str:
+        """Whether the target is reached, and `open` where the interval reaches beyond it."""
+        if self.reached is None:
+            return "–"
+        return ("yes" if self.reached else "no") + ("" if self.settled else ", open")
 
 
 def where(scores: Sequence[Score], wanted: Callable[[Score], bool]) -> list[Score]:
@@ -50,17 +59,19 @@ def at_least(name: str, wanted: float, scores: Sequence[Score], hit: Callable[[S
     """A share that should be large."""
     found = count_share(scores, hit)
     reached = found.share >= wanted if found.total else None
-    return Figure(name, f"≥ {wanted:.0%}", str(found), reached, tuple(scores), _brief(hit))
+    settled = found.low >= wanted or found.high < wanted
+    return Figure(name, f"≥ {wanted:.0%}", str(found), reached, tuple(scores), _brief(hit), settled)
 
 
 def at_most(
     name: str, wanted: float, scores: Sequence[Score], hit: Callable[[Score], bool], bound: float = 1.0
 ) -> Figure:
-    """A share that should be small, and the upper end of its interval too where a bound is given."""
+    """A share that should be small, and the upper end of its interval too where a bound is given: that settles it."""
     found = count_share(scores, hit)
     target = f"≤ {wanted:.0%}" + (f", upper bound ≤ {bound:.0%}" if bound < 1.0 else "")
     reached = found.share <= wanted and found.high <= bound if found.total else None
-    return Figure(name, target, str(found), reached, tuple(scores), _brief(hit))
+    settled = found.low > wanted or found.high <= max(wanted, bound if bound < 1.0 else 0.0)
+    return Figure(name, target, str(found), reached, tuple(scores), _brief(hit), settled)
 
 
 def _brief(hit: Callable[[Score], bool]) -> Callable[[Sequence[Score]], str]:
@@ -78,8 +89,9 @@ def median(
     known = where(scores, lambda s: bool(np.isfinite(value(s))))
     found = compute_median([value(score) for score in known])
     met = reached(found.median) if known else None
+    settled = reached(found.low) == reached(found.high) == met
     return Figure(
-        name, target, str(found), met, tuple(known), lambda some: f"{np.median([value(s) for s in some]):.3g}"
+        name, target, str(found), met, tuple(known), lambda some: f"{np.median([value(s) for s in some]):.3g}", settled
     )
 
 
@@ -88,22 +100,23 @@ def mean(name: str, most: float, scores: Sequence[Score], value: Callable[[Score
     values = [value(score) for score in scores]
     if not values:
         return Figure(name, f"≤ {most:g}", "– (no case)", None)
-    low, high = bootstrap_ratio(values, [1.0] * len(values)) if len(set(values)) > 1 else (values[0], values[0])
-    text = f"mean {np.mean(values):.2f} ({low:.2f} to {high:.2f}; {len(values)} cases)"
-    return Figure(name, f"≤ {most:g}", text, bool(np.mean(values) <= most), tuple(scores))
+    middle, low, high = compute_mean(values)
+    text = f"mean {middle:.2f} ({low:.2f} to {high:.2f}; {len(values)} cases)"
+    return Figure(name, f"≤ {most:g}", text, middle <= most, tuple(scores), settled=low > most or high <= most)
 
 
 def coverage(name: str, scores: Sequence[Score], least: float, most: float) -> Figure:
-    """Share of parameters whose interval holds the truth, its own interval by drawing cases again."""
+    """Share of parameters whose interval holds the truth, those of one case taken as a cluster."""
     compared = where(scores, lambda s: s.parameters > 0)
     target = f"{100.0 * least:.0f}–{100.0 * most:.0f} %" if most else "–"
     if not compared:
         return Figure(name, target, "– (no case)", None)
-    covered, total = sum(s.covered for s in compared), sum(s.parameters for s in compared)
-    low, high = bootstrap_ratio([s.covered for s in compared], [s.parameters for s in compared])
-    text = f"{covered / total:.1%} ({covered} of {total} in {len(compared)} cases; {low:.1%} to {high:.1%})"
-    reached = least <= covered / total <= most if most else None
-    return Figure(name, target, text, reached, tuple(compared), _covered)
+    found = compute_clustered_share([s.covered for s in compared], [s.parameters for s in compared])
+    text = f"{found.share:.1%} ({found.hits} of {found.total} in {len(compared)} cases; "
+    text += f"{found.low:.1%} to {found.high:.1%})"
+    reached = least <= found.share <= most if most else None
+    settled = found.high < least or found.low > most or least <= found.low <= found.high <= most
+    return Figure(name, target, text, reached, tuple(compared), _covered, settled)
 
 
 def _covered(scores: Sequence[Score]) -> str:

@@ -8,12 +8,17 @@ from .figure import WEAK, where
 from .plan import NULLS
 from .score import Score
 
-__all__ = ["count_for_names", "count_for_pairs", "holds", "is_wrong", "right_first"]
+__all__ = ["count_for_names", "count_for_pairs", "holds", "is_wrong", "names_another", "right_first"]
 
 
 def right_first(score: Score) -> bool:
     """Whether the right answer came first: the name, or what is accepted for it where it cannot be known."""
     return score.top_right or _unnamed_but_right(score)
+
+
+def names_another(score: Score) -> bool:
+    """Whether another name than the right one came first, be the right one in its set or not."""
+    return bool(score.named) and not right_first(score)
 
 
 def holds(score: Score) -> bool:

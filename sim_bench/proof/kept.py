@@ -3,50 +3,79 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from fricomp.errors import DiagnosisError
 from fricomp.recording.whole_file import whole_file
 
-from .run import REFUSED, SEALS
+from .run import ANSWERS, DIAGNOSES, REFUSED, SEALS, read_scores
+from .score import brief_diagnosis
 from .settings import SETTINGS, read_settings
+
+if TYPE_CHECKING:
+    import pyarrow
 
 __all__ = ["BASELINES", "KEPT", "find_kept", "keep_data", "restore_data"]
 
 BASELINES = "baselines.md"
 """File of a run that holds the table of the other methods."""
 
-_SCORES = "scores.parquet"
-KEPT = (SEALS, REFUSED, _SCORES, SETTINGS)
+_SCORES, _OPENED = "scores.parquet", "answers.parquet"
+KEPT = (SEALS, REFUSED, _SCORES, _OPENED, SETTINGS)
 """Files that are a run's own; settings last, as a folder without them holds no run."""
 
 _COPIED = (SEALS, REFUSED, BASELINES, SETTINGS)  # settings last: a folder without them is no run yet
 
 
 def keep_data(out: Path, folder: Path) -> None:
-    """Keep settings, seals, refused cases, scored answers and baselines of the run in `out` in `folder`."""
-    from pyarrow import concat_tables, parquet
+    """Keep settings, seals, refused cases, scores, opened answers and baselines of the run in `out` in `folder`.
+
+    An answer stands beside what the diagnosis said of its case, so that anybody can hold it against its seal and score
+    it by other rules.
+    """
+    from pyarrow import Table, parquet
 
     folder.mkdir(parents=True, exist_ok=True)
-    tables = [parquet.read_table(path) for path in sorted((out / "scores").glob("*.parquet"))]
+    scores = read_scores(out)
     with whole_file(folder / _SCORES) as part:
-        parquet.write_table(concat_tables(tables), part)
+        parquet.write_table(Table.from_pylist([asdict(score) for score in scores]), part)
+    opened = [row for score in scores if (row := _opened(out, score.case))]
+    with whole_file(folder / _OPENED) as part:
+        parquet.write_table(Table.from_pylist(opened, schema=_opened_schema()), part, compression="zstd", compression_level=19)
     _copy(out, folder)
 
 
-def restore_data(folder: Path, out: Path) -> None:
-    """Make `out` the run that `keep_data` kept in `folder`; nothing happens where it holds a run or none was kept.
+def _opened(out: Path, case: str) -> dict[str, str | bytes]:
+    """A row of the opened answers; empty where the run has no answer of the case, or no diagnosis."""
+    answer, diagnosis = (out / name / f"{case}.json" for name in (ANSWERS, DIAGNOSES))
+    if not (answer.exists() and diagnosis.exists()):
+        return {}
+    return {"case": case, "answer": answer.read_bytes(), "diagnosis": brief_diagnosis(diagnosis.read_bytes())}
 
-    Only what follows scores is there: answers and diagnoses of the cases that are done are not.
-    """
+
+def _opened_schema() -> pyarrow.Schema:
+    import pyarrow
+
+    return pyarrow.schema({"case": pyarrow.string(), "answer": pyarrow.binary(), "diagnosis": pyarrow.binary()})
+
+
+def restore_data(folder: Path, out: Path) -> None:
+    """Make `out` the run that `keep_data` kept in `folder`; nothing happens where it holds a run or none was kept."""
     from pyarrow import parquet
 
     if (out / SETTINGS).exists() or not (folder / SETTINGS).exists():
         return
-    (out / "scores").mkdir(parents=True, exist_ok=True)
+    for name in ("scores", ANSWERS, DIAGNOSES):
+        (out / name).mkdir(parents=True, exist_ok=True)
     table = parquet.read_table(folder / _SCORES)
     for index, case in enumerate(table["case"].to_pylist()):
         parquet.write_table(table.slice(index, 1), out / "scores" / f"{case}.parquet")
+    opened = parquet.read_table(folder / _OPENED).to_pylist() if (folder / _OPENED).exists() else []
+    for row in opened:
+        (out / ANSWERS / f"{row['case']}.json").write_bytes(row["answer"])
+        (out / DIAGNOSES / f"{row['case']}.json").write_bytes(row["diagnosis"])
     _copy(folder, out)
 
 

@@ -23,7 +23,6 @@ from .wrong import format_misses, format_wrong
 
 __all__ = ["write_page"]
 
-_MARK = {True: "yes", False: "**no**", None: "no target"}
 _NO_CASE = "–"  # begins the value of a figure without one
 
 
@@ -90,7 +89,7 @@ def _charts(scores: Sequence[Score], folder: Path) -> list[str]:
 
 def _figure_table(figures: Sequence[Figure]) -> str:
     rows = [
-        f"| {f.name} | {f.target} | {f.value} | {_MARK[f.reached]} |"
+        f"| {f.name} | {f.target} | {f.value} | {f.standing.replace('no', '**no**')} |"
         for f in figures
         if not f.value.startswith(_NO_CASE)
     ]
@@ -111,6 +110,6 @@ def _answers_as_they_are(scores: Sequence[Score]) -> str:
 
 
 def _power_table(points: Sequence[PowerPoint]) -> str:
-    rows = [f"| {p.strength} | {p.enr:.2f} | {p.detected} | {p.named} | {p.oracle:.1%} |" for p in points]
-    head = ["| wanted ENR | median ENR | not called consistent | right name first | oracle |", "|---|---|---|---|---|"]
+    rows = [f"| {p.band} | {p.enr:.2f} | {p.detected} | {p.named} | {p.oracle:.1%} |" for p in points]
+    head = ["| strength reached | median | called missing | right name first | oracle |", "|---|---|---|---|---|"]
     return "\n".join([*head, *rows])

@@ -12,23 +12,24 @@ from .figure import WEAK, count_share, where
 from .judging import right_first
 from .plan import NULLS
 from .score import Score
+from .splits import band_of
 from .statistics import ShareEstimate, oracle_power
 
 __all__ = ["PowerPoint", "compute_confusion", "compute_power"]
 
 
 class PowerPoint(NamedTuple):
-    """Single effects of one wanted strength.
+    """Single effects of about one strength.
 
     Attributes:
-        strength: Key of the strengths.
-        enr: Median of the strengths reached.
+        band: Which strengths.
+        enr: Median of them.
         detected: Not called consistent.
         named: Strongest name right.
         oracle: Mean power of the likelihood-ratio test on the same cases.
     """
 
-    strength: str
+    band: str
     enr: float
     detected: ShareEstimate
     named: ShareEstimate
@@ -36,16 +37,18 @@ class PowerPoint(NamedTuple):
 
 
 def compute_power(scores: Sequence[Score]) -> list[PowerPoint]:
-    """Power against strength over the single effects, weakest first; parameters are no detection and stay out."""
+    """Power against the strength that was reached over the single effects, weakest first.
+
+    Parameters are no detection and stay out. Not every effect can have the strength that was wanted: a bristle that is
+    soft enough to be called presliding may show at once.
+    """
     single = where(scores, lambda s: s.group == "single" and s.expected != "parameters")
     points = []
-    for strength in sorted(
-        {s.strength for s in single}, key=lambda name: float("inf") if name == "clear" else float(name)
-    ):
-        cases = where(single, lambda s, wanted=strength: s.strength == wanted)  # type: ignore[misc]
+    for band in {band_of(score): None for score in sorted(single, key=lambda s: s.enr)}:
+        cases = where(single, lambda s, wanted=band: band_of(s) == wanted)  # type: ignore[misc]
         points.append(
             PowerPoint(
-                strength,
+                band,
                 float(np.median([s.enr for s in cases])),
                 count_share(cases, lambda s: s.verdict not in ("consistent", "parameters", "failed")),
                 count_share(cases, right_first),

@@ -20,15 +20,29 @@ from ..fleet import always
 from .blind import BlindAnswer, Prepared, diagnose_blind, prepare, prepare_follow_up
 from .making import command_of, name_of
 from .plan import PlannedCase
-from .score import Score, asks_for_more, score_case
+from .score import Score, asks_for_more, score_again, score_case
 from .seal import SealBook
 
-__all__ = ["REFUSED", "SEALS", "Diagnose", "count_open", "read_refused", "read_scores", "run_proof", "salt_of"]
+__all__ = [
+    "ANSWERS",
+    "DIAGNOSES",
+    "REFUSED",
+    "SEALS",
+    "Diagnose",
+    "count_open",
+    "read_refused",
+    "read_scores",
+    "run_proof",
+    "salt_of",
+]
 
 Diagnose = Callable[[dict[str, bytes]], BlindAnswer]
 
 REFUSED, SEALS = "refused.jsonl", "seals.jsonl"
 """Files of a run: cases that could not be made, and hashes of answers."""
+
+ANSWERS, DIAGNOSES = "answers", "diagnoses"
+"""Folders of a run: opened answers, and what was said."""
 
 _NO_ANSWER = BlindAnswer(b"", b"", 0.0, "no answer")
 
@@ -47,7 +61,7 @@ class _Run:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        for name in ("scores", "answers", "diagnoses"):
+        for name in ("scores", ANSWERS, DIAGNOSES):
             (folder / name).mkdir(parents=True, exist_ok=True)
         self.seals = SealBook(folder / SEALS)
         self.refused = read_refused(folder)
@@ -64,12 +78,12 @@ class _Run:
 
     def seal(self, prepared: Prepared) -> None:
         self.seals.seal(prepared.case, prepared.answer)
-        (self.folder / "answers" / f"{prepared.case}.json").write_bytes(prepared.answer)
+        (self.folder / ANSWERS / f"{prepared.case}.json").write_bytes(prepared.answer)
 
     def score(self, planned: PlannedCase, blind: BlindAnswer, follow_up: BlindAnswer | None) -> Score:
         name = name_of(planned.spec)
-        (self.folder / "diagnoses" / f"{name}.json").write_bytes(blind.diagnosis)
-        answer = (self.folder / "answers" / f"{name}.json").read_bytes()
+        (self.folder / DIAGNOSES / f"{name}.json").write_bytes(blind.diagnosis)
+        answer = (self.folder / ANSWERS / f"{name}.json").read_bytes()
         self.seals.open(name, answer)
         score = score_case(planned, answer, blind, follow_up)
         _write_score(score, self._score_path(planned))
@@ -205,7 +219,7 @@ def _write_score(score: Score, path: Path) -> None:
 
 
 def read_scores(folder: Path) -> list[Score]:
-    """All scores in the folder of a run, by name of the case.
+    """All scores in the folder of a run, by name of the case and by the rules of today where its answer is kept.
 
     Raises:
         DiagnosisError: There is none, or they are of another version.
@@ -224,4 +238,7 @@ def _read(folder: Path) -> Iterator[Score]:
         row = parquet.read_table(path).to_pylist()[0]
         if set(row) != names:
             raise DiagnosisError(f"{path} was written by another version: start a new folder")
-        yield Score(**row)
+        score = Score(**row)
+        answer, diagnosis = (folder / name / f"{score.case}.json" for name in (ANSWERS, DIAGNOSES))
+        opened = answer.exists() and diagnosis.exists()
+        yield score_again(score, answer.read_bytes(), diagnosis.read_bytes()) if opened else score

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,11 +15,23 @@ from .blind import BlindAnswer
 from .making import command_of
 from .plan import PlannedCase
 
-__all__ = ["PARAMETERS", "Score", "asks_for_more", "interval_overlap", "read_diagnosis", "score_case"]
+__all__ = [
+    "PARAMETERS",
+    "Score",
+    "asks_for_more",
+    "brief_diagnosis",
+    "interval_overlap",
+    "read_diagnosis",
+    "score_again",
+    "score_case",
+]
 
 PARAMETERS = frozenset({"inertia_error", "payload_error", "torque_offset", "direction_asymmetry"})
 """Names of parameters that the simulation has, as against physics that it lacks."""
 
+_SCORED = ("schema", "verdict", "effects", "heldout", "location", "noise_ratio", "changes")  # of a diagnosis
+_TOLD = ("sentences",)  # beside it, what a reader looks for
+_SIMULATION = "simulation"  # what stands for the parameters of a shifted simulation among the effects
 _GRID = 1e-3  # [s] of the comparison of two sets of intervals
 
 
@@ -61,9 +73,12 @@ class Score:
             of physics or measurement was named that changes the residual. That floor is at most the error that is
             left, so this is no share of what the right structure could close: `gap` measures that.
         noise_ratio: Residual of the base model over its noise floor, as the diagnosis sees it; NaN where not given.
-        parameters: Number of parameters that can be compared.
+        parameters: Number of parameters that can be compared: of concealed effects that were named, and the refitted
+            inertia and gravity where those of the simulation were shifted and found to be. Counts, such as an order,
+            have no interval.
         covered: How many of their 95 % intervals hold the truth.
-        coverage: The same for each concealed effect that was named, such as `cogging 3/3`, joined by a plus sign.
+        coverage: The same for each concealed effect that was named, such as `cogging 3/3`, and for a shifted
+            `simulation`, joined by a plus sign.
         worst_error: Largest relative error of them; NaN for none.
         proposed: It proposed a motion to tell a printed set apart.
         recorded: That motion could be recorded, and both recordings were diagnosed together.
@@ -128,46 +143,70 @@ def read_diagnosis(content: bytes) -> dict[str, Any]:
     return record
 
 
+def brief_diagnosis(content: bytes) -> bytes:
+    """What a score reads of `diagnosis.json`, and the sentences: a tenth of it."""
+    if not content:
+        return b""
+    record = json.loads(content)
+    brief = {name: record[name] for name in (*_SCORED, *_TOLD) if name in record}
+    brief["effects"] = [{k: v for k, v in each.items() if k != "location"} for each in record["effects"]]
+    brief["location"] = {"time": (record.get("location") or {}).get("time", [])}
+    return json.dumps(brief, ensure_ascii=False).encode()
+
+
 def score_case(planned: PlannedCase, answer: bytes, blind: BlindAnswer, follow_up: BlindAnswer | None = None) -> Score:
     """Compare an opened answer with what the diagnosis said, and with what it said after the proposed motion."""
-    truth, said = json.loads(answer), read_diagnosis(blind.diagnosis)
-    naming = _score_names(truth, said)
-    coverage, worst = _score_parameters(truth, said)
-    effects, joint, spec = truth["effects"], truth["joint"], truth["spec"]
     return Score(
-        case=truth["id"],
         group=planned.group,
-        seed=str(spec["seed"]),
-        excitation=spec["excitation"],
-        duration=spec["duration"],
-        noise=joint["noise_kind"],
-        core=joint["core"],
-        strength=spec["strength"] if effects else "",
-        enr=truth["enr"],
-        weakest_enr=min((each["separable_enr"] for each in effects), default=0.0),
-        rows=truth["rows"],
-        truth="+".join(each["name"] for each in effects),
-        forms="+".join(each["form"] for each in effects),
-        expected=truth["verdict"],
-        verdict=said["verdict"],
-        named="+".join(each["name"] for each in said["effects"]),
-        sets="+".join("|".join(each.get("indistinguishable_from", ())) for each in said["effects"]),
-        **naming,
-        verdict_right=_verdict_right(truth, said),
-        overlap=_score_location(truth, said, spec["duration"]),
-        gap_closed=_gap_closed(said),
-        noise_ratio=_number(said.get("noise_ratio")),
-        parameters=sum(total for _, total in coverage.values()),
-        covered=sum(covered for covered, _ in coverage.values()),
-        coverage="+".join(f"{name} {covered}/{total}" for name, (covered, total) in coverage.items()),
-        worst_error=worst,
+        **_compare(json.loads(answer), read_diagnosis(blind.diagnosis)),
         proposed=asks_for_more(blind),
         recorded=follow_up is not None,
-        resolved=follow_up is not None and _resolved(truth, read_diagnosis(follow_up.diagnosis)),
+        resolved=follow_up is not None and _resolved(json.loads(answer), read_diagnosis(follow_up.diagnosis)),
         seconds=blind.seconds,
         error=blind.error,
         command=command_of(planned.spec),
     )
+
+
+def score_again(score: Score, answer: bytes, diagnosis: bytes) -> Score:
+    """A score by the rules of today, of the answer and the diagnosis that it came from.
+
+    Times, and what became of a proposed motion, are known to the run alone and stay.
+    """
+    return replace(score, **_compare(json.loads(answer), read_diagnosis(diagnosis)))
+
+
+def _compare(truth: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
+    """All of a score that follows from the answer and the diagnosis."""
+    coverage, worst = _score_parameters(truth, said)
+    effects, joint, spec = truth["effects"], truth["joint"], truth["spec"]
+    return {
+        "case": truth["id"],
+        "seed": str(spec["seed"]),
+        "excitation": spec["excitation"],
+        "duration": spec["duration"],
+        "noise": joint["noise_kind"],
+        "core": joint["core"],
+        "strength": spec["strength"] if effects else "",
+        "enr": truth["enr"],
+        "weakest_enr": min((each["separable_enr"] for each in effects), default=0.0),
+        "rows": truth["rows"],
+        "truth": "+".join(each["name"] for each in effects),
+        "forms": "+".join(each["form"] for each in effects),
+        "expected": truth["verdict"],
+        "verdict": said["verdict"],
+        "named": "+".join(each["name"] for each in said["effects"]),
+        "sets": "+".join("|".join(each.get("indistinguishable_from", ())) for each in said["effects"]),
+        **_score_names(truth, said),
+        "verdict_right": _verdict_right(truth, said),
+        "overlap": _score_location(truth, said, spec["duration"]),
+        "gap_closed": _gap_closed(said),
+        "noise_ratio": _number(said.get("noise_ratio")),
+        "parameters": sum(total for _, total in coverage.values()),
+        "covered": sum(covered for covered, _ in coverage.values()),
+        "coverage": "+".join(f"{name} {covered}/{total}" for name, (covered, total) in coverage.items()),
+        "worst_error": worst,
+    }
 
 
 def _right_names(truth: dict[str, Any]) -> list[set[str]]:
@@ -253,22 +292,43 @@ def _gap_closed(said: dict[str, Any]) -> float:
 def _score_parameters(truth: dict[str, Any], said: dict[str, Any]) -> tuple[dict[str, tuple[int, int]], float]:
     """For each effect how many intervals hold the truth and how many could; the largest relative error of all."""
     answers = {each["name"]: each["parameters"] for each in said["effects"]}
+    pairs = {each["name"]: (answers.get(each["name"], {}), _values(each["comparable"])) for each in truth["effects"]}
+    if "gravity" in truth["joint"] and answers.keys() & set(truth["shifted_parameters"]):
+        pairs[_SIMULATION] = (_refitted(said), _body_of(truth["joint"]))
     coverage, errors = {}, []
-    for each in truth["effects"]:
-        found = answers.get(each["name"], {})
-        if _numbered(found) != _numbered(each["comparable"]):
+    for effect, (found, wanted) in pairs.items():
+        if _numbered(found) != _numbered(wanted):
             continue  # where one push is missed, which of the others is the second is a matter of counting
-        covered, total = 0, 0
-        for name, parameter in each["comparable"].items():
-            given = found.get(name)
-            if given is None or not given["ci95"][0] < given["ci95"][1]:
-                continue
-            low, high = given["ci95"]
-            covered, total = covered + (low <= parameter["value"] <= high), total + 1
-            errors.append(abs(given["value"] / parameter["value"] - 1.0) if parameter["value"] else np.nan)
-        if total:
-            coverage[each["name"]] = (covered, total)
+        compared = [(given, wanted[name]) for name, given in found.items() if name in wanted and _has_width(given)]
+        if compared:
+            held = sum(given["ci95"][0] <= value <= given["ci95"][1] for given, value in compared)
+            coverage[effect] = (held, len(compared))
+            errors += [abs(given["value"] / value - 1.0) if value else np.nan for given, value in compared]
     return coverage, float(np.max(errors)) if errors else float("nan")
+
+
+def _values(parameters: Mapping[str, Any]) -> dict[str, float]:
+    return {name: each["value"] for name, each in parameters.items()}
+
+
+def _refitted(said: dict[str, Any]) -> dict[str, Any]:
+    """What a diagnosis says has changed in the simulation, with its interval."""
+    return {each["name"]: each["refitted"] for each in said.get("changes") or () if each.get("refitted")}
+
+
+def _body_of(joint: Mapping[str, Any]) -> dict[str, float]:
+    """Inertia and gravity of the concealed joint by the names of a diagnosis."""
+    gravity, angle = joint["gravity"], joint["gravity_angle"]
+    return {
+        "inertia": joint["inertia"],
+        "gravity_cos": gravity * float(np.sin(angle)),
+        "gravity_sin": gravity * float(np.cos(angle)),
+    }
+
+
+def _has_width(given: Mapping[str, Any]) -> bool:
+    """Whether a parameter has an interval; counts, such as the order of a filter, have none."""
+    return bool(given["ci95"][0] < given["ci95"][1])
 
 
 def _numbered(parameters: Mapping[str, Any]) -> int:

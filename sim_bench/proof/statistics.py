@@ -10,7 +10,8 @@ import numpy as np
 __all__ = [
     "MedianEstimate",
     "ShareEstimate",
-    "bootstrap_ratio",
+    "compute_clustered_share",
+    "compute_mean",
     "compute_median",
     "compute_share",
     "format_quartiles",
@@ -49,12 +50,16 @@ class ShareEstimate(NamedTuple):
 
 def compute_share(hits: int, count: int, confidence: float = 0.95) -> ShareEstimate:
     """Clopper-Pearson interval of a binomial share."""
+    return ShareEstimate(hits, count, *_exact_interval(hits, count, confidence))
+
+
+def _exact_interval(hits: float, count: float, confidence: float) -> tuple[float, float]:
     from scipy.stats import beta
 
     tail = 0.5 * (1.0 - confidence)
-    low = float(beta.ppf(tail, hits, count - hits + 1)) if hits > 0 else 0.0
-    high = float(beta.ppf(1.0 - tail, hits + 1, count - hits)) if hits < count else 1.0
-    return ShareEstimate(hits, count, low, high)
+    low = float(beta.ppf(tail, hits, count - hits + 1.0)) if hits > 0.0 else 0.0
+    high = float(beta.ppf(1.0 - tail, hits + 1.0, count - hits)) if hits < count else 1.0
+    return low, high
 
 
 class MedianEstimate(NamedTuple):
@@ -90,19 +95,37 @@ def compute_median(values: Sequence[float]) -> MedianEstimate:
     return MedianEstimate(float(np.median(known)), float(known[place - 1]), float(known[-place]), int(known.size))
 
 
-def bootstrap_ratio(hits: Sequence[float], totals: Sequence[float]) -> tuple[float, float]:
-    """95 % interval of sum(hits) / sum(totals) over cases drawn again, so that what shares a case stays together.
+def compute_clustered_share(hits: Sequence[int], totals: Sequence[int]) -> ShareEstimate:
+    """The share sum(hits) / sum(totals) of what comes in clusters, with its 95 % interval [korn1998].
 
-    With 1 for each total it is that of a mean. Where every case hits fully, or none does, drawing again shows nothing:
-    then it is the exact interval of a share of cases. The draws are seeded.
+    That is the exact interval of as many independent trials as tell as much: their number is divided by how much more
+    the share varies between clusters than it would if they were independent. Where every cluster hits fully, or none
+    does, that cannot be seen, and each cluster counts as one trial.
     """
     of, out_of = np.asarray(hits, dtype=np.float64), np.asarray(totals, dtype=np.float64)
-    if of.sum() in (0.0, out_of.sum()):
-        share = compute_share(of.size if of.sum() else 0, of.size)
-        return share.low, share.high
-    drawn = np.random.default_rng(_SEED).integers(0, of.size, (_DRAWS, of.size))
-    low, high = np.quantile(of[drawn].sum(axis=1) / out_of[drawn].sum(axis=1), [0.025, 0.975])
-    return float(low), float(high)
+    known = out_of > 0.0
+    of, out_of = of[known], out_of[known]
+    if not of.size:
+        return compute_share(0, 0)
+    total, share = float(out_of.sum()), float(of.sum() / out_of.sum())
+    effective = float(of.size)
+    if 0.0 < share < 1.0 and of.size > 1:
+        between = of.size / (of.size - 1) * float(np.sum((of - share * out_of) ** 2)) / total**2
+        effective = min(share * (1.0 - share) / max(between, 1e-30), total)
+    low, high = _exact_interval(share * effective, effective, 0.95)
+    return ShareEstimate(int(of.sum()), int(total), low, high)
+
+
+def compute_mean(values: Sequence[float]) -> tuple[float, float, float]:
+    """Mean and its 95 % interval by drawing values again; seeded. One value alone is its own interval."""
+    from scipy.stats import bootstrap
+
+    middle = float(np.mean(values))
+    if len(set(values)) < 2:
+        return middle, middle, middle
+    rng = np.random.default_rng(_SEED)
+    found = bootstrap((np.asarray(values),), np.mean, n_resamples=_DRAWS, method="percentile", rng=rng)
+    return middle, float(found.confidence_interval.low), float(found.confidence_interval.high)
 
 
 def oracle_power(enr: float, rows: int, freedom: int = 2, rivals: int = 32, false_alarms: float = 0.02) -> float:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from fricomp.report import format_markdown_table
 
 from .figure import where
-from .judging import count_for_names, count_for_pairs, is_wrong, right_first
+from .judging import count_for_names, count_for_pairs, is_wrong, names_another, right_first
 from .score import Score
 
 __all__ = ["format_misses", "format_wrong"]
@@ -25,12 +25,13 @@ def format_wrong(scores: Sequence[Score]) -> str:
 def format_misses(scores: Sequence[Score]) -> str:
     """A section of the page: what a figure of names counts as not right though it is no wrong answer; empty for none.
 
-    These are weak effects without a name, right names that do not come first, and pairs with one name too few.
+    These are weak effects without a name, right names that do not come first, on any motion, and pairs with one name
+    too few.
     """
-    counted = [s for s in count_for_names(scores, "rich", 0.2) if not right_first(s)]
-    counted += [s for s in count_for_names(scores, "fourier", 0.5) if not right_first(s)]
-    counted += [s for s in count_for_pairs(scores) if not s.exact]
-    others = [score for score in counted if not is_wrong(score)]
+    named = [*count_for_names(scores, "rich", 0.2), *count_for_names(scores, "fourier", 0.5)]
+    missed = [s for s in named if not right_first(s)] + [s for s in count_for_pairs(scores) if not s.exact]
+    missed += [s for s in where(scores, lambda s: s.group == "single") if names_another(s) and s not in missed]
+    others = [score for score in missed if not is_wrong(score)]
     if not others:
         return ""
     head = f"{len(others)} answers that are not wrong by the table above, and not right in a figure of names: weak "

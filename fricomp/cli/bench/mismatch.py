@@ -249,6 +249,5 @@ def _table(figures: Sequence[Any]) -> Any:
     table = Table("figure", "target", "measured (95 % interval)", "reached")
     for figure in figures:
         style = "" if figure.reached is not False else "bold"
-        mark = {True: "yes", False: "no", None: "–"}[figure.reached]
-        table.add_row(*map(escape, (figure.name, figure.target, figure.value)), mark, style=style)
+        table.add_row(*map(escape, (figure.name, figure.target, figure.value, figure.standing)), style=style)
     return table

@@ -128,7 +128,8 @@ def test_a_closed_run_has_its_reason_in_the_log_and_its_data_in_a_folder_of_its_
     assert read_entries(folder / "runs.jsonl")[-1] | {"tree": ""} == {
         "run": 1, "tree": "", "event": "closed", "reason": "one core only",
     }  # fmt: skip
-    assert {path.name for path in (folder / "run-1").iterdir()} == {"run.json", "scores.parquet", "seals.jsonl"}
+    kept = {path.name for path in (folder / "run-1").iterdir()}
+    assert kept == {"run.json", "scores.parquet", "answers.parquet", "seals.jsonl"}
     assert not (folder / "run.json").exists()
     assert "2 answers made again" in _call("--replay", "1", "--verify")  # from its new place
     _call("--scored", "--cases", "1", "--resume", "--out", "next", "--page", "docs/proof.md")

@@ -13,7 +13,7 @@ from fricomp.errors import DiagnosisError
 from fricomp.sim_bench.concealed import CaseSpec
 from fricomp.sim_bench.proof import PlannedCase, Score, compute_figures, compute_power, is_wrong, write_page
 from fricomp.sim_bench.proof.blind import BlindAnswer
-from fricomp.sim_bench.proof.score import interval_overlap, score_case
+from fricomp.sim_bench.proof.score import brief_diagnosis, interval_overlap, score_again, score_case
 from fricomp.sim_bench.proof.statistics import compute_share, oracle_power
 from tests.sim_bench.proof.answering import answer
 
@@ -181,7 +181,7 @@ def test_what_is_near_one_by_construction_reaches_no_target(tmp_path: Path) -> N
     (row,) = (
         line for line in (tmp_path / "proof.md").read_text().splitlines() if "own estimate of the noise, re" in line
     )
-    assert row.endswith("| – | median 1 (1 to 1, all; 1 cases) | no target |")
+    assert row.endswith("| – | median 1 (1 to 1, all; 1 cases) | – |")
     assert "near 1 by construction" in (tmp_path / "proof.md").read_text()
 
 
@@ -265,7 +265,7 @@ def test_figures_follow_the_scores() -> None:
     assert alarms.reached is False  # the upper bound is above 4 %
     assert figures["right name, rich motion, ENR ≥ 0.2"].value.startswith("100.0% (3 of 3")
     power = compute_power(singles)
-    assert [point.strength for point in power] == ["2"]
+    assert [point.band for point in power] == ["ENR 2 to 5"]
     assert power[0].named.hits == 3
 
 
@@ -275,7 +275,7 @@ def test_what_cannot_be_named_is_right_when_it_is_called_unknown(verdict: str, r
     score = _score(truth, answer(verdict, []))
     figures = {figure.name: figure for figure in compute_figures([score])}
     assert figures["right name, rich motion, ENR ≥ 0.2"].reached is right
-    assert figures["printed set holds the truth, these cases"].reached is right
+    assert figures["printed set holds the truth, cases of the two rows above"].reached is right
     assert compute_power([score])[0].named.share == float(right)
     assert is_wrong(score) is not right
 
@@ -336,3 +336,38 @@ def test_coverage_is_kept_for_each_effect_of_a_pair() -> None:
     assert (score.coverage, score.covered, score.parameters) == ("cogging 1/1+drive_lag 0/1", 1, 2)
     (figure,) = (f for f in compute_figures([score]) if f.name == "95 % interval of a parameter holds the truth")
     assert figure.value.startswith("50.0% (1 of 2 in 1 cases")
+
+
+def _joint(**fields: float) -> dict[str, Any]:
+    return {"noise_kind": "white", "core": "lugre", "inertia": 0.2, "gravity": 3.0, "gravity_angle": 0.1} | fields
+
+
+def _change(name: str, value: float, half: float) -> dict[str, Any]:
+    return {"name": name, "given": 0.0, "refitted": {"value": value, "unit": "", "ci95": [value - half, value + half]}}
+
+
+def test_inertia_and_gravity_of_a_shifted_simulation_are_compared_where_they_are_found_to_be_off() -> None:
+    truth = _truth(verdict="parameters", shifted_parameters=["inertia_error", "payload_error"], joint=_joint())
+    changes = [_change("inertia", 0.2001, 1e-3), _change("gravity_sin", 3.0 * math.cos(0.1), 1e-3)]
+    changes += [_change("gravity_cos", 0.0, 1e-3), _change("forward.coulomb_torque", 1.0, 0.1)]
+    found = _score(truth, answer("parameters", ["payload_error"], changes=changes), "hard_null")
+    assert (found.covered, found.parameters, found.coverage) == (2, 3, "simulation 2/3")
+    silent = _score(truth, answer("consistent", [], changes=changes), "hard_null")
+    assert silent.parameters == 0
+
+
+def test_an_answer_is_scored_again_by_the_rules_of_today() -> None:
+    truth, said = _truth(_effect("cogging")), answer("missing_physics", ["cogging"])
+    score = _score(truth, said)
+    stale = replace(score, top_right=False, false_names=3, seconds=7.0, resolved=True)
+    assert str(score_again(stale, truth, said.diagnosis)) == str(replace(score, seconds=7.0, resolved=True))
+
+
+def test_what_is_kept_of_a_diagnosis_scores_alike() -> None:
+    said = answer("missing_physics", ["cogging"], distinguishability=[1.0] * 1000, sentences=["It ripples."])
+    kept = brief_diagnosis(said.diagnosis)
+    assert b"distinguishability" not in kept
+    assert b"It ripples." in kept
+    truth = _truth(_effect("cogging"))
+    assert str(_score(truth, replace(said, diagnosis=kept))) == str(_score(truth, said))
+    assert brief_diagnosis(b"") == b""

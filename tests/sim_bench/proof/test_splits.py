@@ -10,7 +10,7 @@ from fricomp.sim_bench.proof.splits import format_splits
 from fricomp.sim_bench.proof.wrong import format_misses
 from tests.sim_bench.proof.scoring import score_of
 
-_EVERYWHERE = "the same, median on every motion and with every friction core"
+_EVERYWHERE = "the same, on every motion and with every friction core"
 
 
 def _nulls(**ratios: float) -> list[Score]:

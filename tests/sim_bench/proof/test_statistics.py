@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fricomp.sim_bench.proof.statistics import bootstrap_ratio, compute_median, compute_share
+from fricomp.sim_bench.proof.statistics import compute_clustered_share, compute_mean, compute_median, compute_share
 
 
 def test_the_interval_of_a_median_holds_it_as_often_as_it_says() -> None:
@@ -15,12 +15,36 @@ def test_the_interval_of_a_median_holds_it_as_often_as_it_says() -> None:
 
 
 def test_parameters_that_fail_together_widen_the_interval() -> None:
-    apart = bootstrap_ratio([1] * 54 + [0] * 6, [1] * 60)
-    together = bootstrap_ratio([3] * 18 + [0] * 2, [3] * 20)
-    assert together[1] - together[0] > 1.4 * (apart[1] - apart[0])
-    assert bootstrap_ratio([1] * 54 + [0] * 6, [1] * 60) == apart
+    apart = compute_clustered_share([1] * 54 + [0] * 6, [1] * 60)
+    together = compute_clustered_share([3] * 18 + [0] * 2, [3] * 20)
+    assert together.high - together.low > 1.4 * (apart.high - apart.low)
+    assert (together.hits, together.total) == (54, 60)
+    exact = compute_share(54, 60)
+    assert (apart.low, apart.high) == pytest.approx((exact.low, exact.high), abs=5e-3)
 
 
 def test_where_all_hit_the_interval_is_that_of_the_cases() -> None:
-    assert bootstrap_ratio([3] * 10, [3] * 10) == (compute_share(10, 10).low, 1.0)
-    assert bootstrap_ratio([0] * 10, [3] * 10) == (0.0, compute_share(0, 10).high)
+    all_hit, none = compute_clustered_share([3] * 10, [3] * 10), compute_clustered_share([0] * 10, [3] * 10)
+    assert (all_hit.low, all_hit.high) == (compute_share(10, 10).low, 1.0)
+    assert (none.low, none.high) == (0.0, compute_share(0, 10).high)
+    assert compute_clustered_share([], []).total == 0
+
+
+def test_the_interval_of_clustered_shares_holds_the_share_as_often_as_it_says() -> None:
+    """Beta-binomial clusters of four: a share of 0.9 and half of the variance between clusters."""
+    rng = np.random.default_rng(5)
+    held = 0
+    for _ in range(400):
+        shares = rng.beta(0.9, 0.1, 60)
+        found = compute_clustered_share(rng.binomial(4, shares).tolist(), [4] * 60)
+        held += found.low <= 0.9 <= found.high
+    assert 0.93 <= held / 400 <= 1.0
+
+
+def test_the_interval_of_a_mean_is_seeded_and_holds_it() -> None:
+    values = [1.0, 1.0, 2.0, 3.0] * 10
+    middle, low, high = compute_mean(values)
+    assert middle == pytest.approx(1.75)
+    assert low < middle < high
+    assert compute_mean(values) == (middle, low, high)
+    assert compute_mean([2.0]) == (2.0, 2.0, 2.0)
