@@ -11,7 +11,7 @@ __all__ = ["app"]
 
 app = typer.Typer(add_completion=False)
 
-MARKS = {True: "[green]ok[/green]", False: "[red]failed[/red]", None: "[yellow]open[/yellow]"}
+MARKS = {True: ("ok", "green"), False: ("failed", "red"), None: ("open", "yellow")}
 
 
 @app.callback()
@@ -32,6 +32,8 @@ def check(
 
     The gate itself is cut down to the share, so that nothing above it can be commanded. Exit status 1 if a step fails.
     """
+    from rich.text import Text
+
     from fricomp.adapters import open_adapter
     from fricomp.adapters.configuration import read_configuration
     from fricomp.adapters.trial import TrialSettings, try_drive
@@ -56,7 +58,8 @@ def check(
     failed = False
     for step in try_drive(tried, settings, may_energise):
         failed = failed or step.passed is False
-        screen.print(f"{MARKS[step.passed]:<22} {step.name}: {step.detail}", soft_wrap=True)
+        mark, style = MARKS[step.passed]
+        screen.print(Text.assemble((f"{mark:<6}", style), f" {step.name}: {step.detail}"), soft_wrap=True)
     if failed:
         raise typer.Exit(1)
 

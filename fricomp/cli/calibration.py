@@ -8,9 +8,9 @@ from contextlib import contextmanager
 from math import floor, isfinite, log10
 from pathlib import Path
 
-from rich.markup import escape
 from rich.progress import Progress as Bar
 from rich.table import Table
+from rich.text import Text
 
 from fricomp.adapters import JointAdapter, open_adapter
 from fricomp.calibration.identification import save_identification
@@ -201,8 +201,9 @@ def _write(calibration: Calibration, folder: RunFolder, bar: Bar) -> None:
     screen = console()
     for check in checks:
         if check.outcome in ("warning", "failed"):
-            screen.print(f"[yellow]{check.name}: {check.detail}[/yellow]")
-    screen.print(f"In [bold]{folder.path}[/bold]: {', '.join(file.name for file in written)}, {len(pictures)} pictures")
+            screen.print(f"{check.name}: {check.detail}", style="yellow")
+    names = ", ".join(file.name for file in written)
+    screen.print(Text.assemble("In ", (str(folder.path), "bold"), f": {names}, {len(pictures)} pictures"))
 
 
 def follow(bar: Bar) -> Progress:
@@ -236,7 +237,7 @@ def _print_result(calibration: Calibration) -> None:
     for side in sides:
         table.add_column(side, justify="right")
     for label in dict.fromkeys(label for rows in sides.values() for label in rows):
-        table.add_row(escape(label), *(rows.get(label, "") for rows in sides.values()))
+        table.add_row(label, *(rows.get(label, "") for rows in sides.values()))
     console().print(table)
 
 

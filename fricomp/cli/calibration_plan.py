@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from rich.table import Table
+from rich.text import Text
 
 from fricomp.calibration.sweep import (
     CalibrationRequest,
@@ -79,7 +80,7 @@ def print_torque_constant_plan(request: CalibrationRequest, weight: HungWeight) 
 
 def _print_head(request: CalibrationRequest, context: SweepContext) -> None:
     name = context.adapter.capabilities.joints[context.joint].name
-    console().print(f"[bold]Plan for joint {name}[/bold] ({request.backend}), nothing has moved")
+    console().print(Text.assemble((f"Plan for joint {name}", "bold"), f" ({request.backend}), nothing has moved"))
 
 
 def _print_travel(low: float, high: float, travel: Travel, unit: str) -> None:

@@ -95,12 +95,10 @@ def check_loop(
         out.mkdir(parents=True, exist_ok=True)
         chart = gain_scan_chart(result, f"joint {friction.joint}")
         screen.print(f"Chart in {draw_png(chart, out / 'gain-scan.png')}")
-    screen.print(
-        "Safe."
-        if result.is_safe
-        else "[bold]Not safe:[/bold] less than 15 % margin, or the joint does not come to rest."
-    )
-    if not result.is_safe:
+    if result.is_safe:
+        screen.print("Safe.")
+    else:
+        screen.print("Not safe: less than 15 % margin, or the joint does not come to rest.", style="bold")
         raise typer.Exit(1)
 
 

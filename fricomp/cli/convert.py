@@ -105,7 +105,7 @@ def _target(out: Path, name: str, *, alone: bool) -> Path:
 
 
 def _show(found: list[NamedRecording], findings: dict[str, tuple[Finding, ...]], targets: dict[str, Path]) -> None:
-    from rich.markup import escape
+    from rich.text import Text
 
     from fricomp.cli.terminal import console
 
@@ -115,7 +115,7 @@ def _show(found: list[NamedRecording], findings: dict[str, tuple[Finding, ...]],
         channels = ", ".join(name for name in recording.channels if name != "time")
         rate, unit = 1 / recording.sample_period, recording.metadata.torque_unit
         facts = f"{len(recording)} samples, {recording.duration:.4g} s at {rate:.5g} Hz, torque in {unit}: {channels}"
-        screen.print(f"[bold]{escape(named.name)}[/bold] → {escape(str(targets[named.name]))}", soft_wrap=True)
+        screen.print(Text.assemble((named.name, "bold"), f" → {targets[named.name]}"), soft_wrap=True)
         screen.print(f"  {facts}", soft_wrap=True)
         for finding in findings[named.name]:
-            screen.print(f"  {finding.severity}: {escape(str(finding))}", soft_wrap=True)
+            screen.print(f"  {finding.severity}: {finding}", soft_wrap=True)

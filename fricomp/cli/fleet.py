@@ -41,12 +41,11 @@ def run_joints(
 
 def rich_table(table: Table) -> Any:
     """A table of a report for the terminal."""
-    from rich.markup import escape
     from rich.table import Table as RichTable
 
     shown = RichTable(title=table.caption or None, title_justify="left", box=None, pad_edge=False)
     for column in table.columns:
-        shown.add_column(escape(column), overflow="fold")
+        shown.add_column(column, overflow="fold")
     for row in table.rows:
-        shown.add_row(*map(escape, row))
+        shown.add_row(*row)
     return shown

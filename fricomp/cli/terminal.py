@@ -23,8 +23,8 @@ def careful(finding: Finding) -> str:
 
 
 def console() -> Console:
-    """Where commands print tables and sentences."""
-    return Console(highlight=False)
+    """Where commands print tables and sentences; brackets in them, as of an extra or a folder, are no markup."""
+    return Console(highlight=False, markup=False)
 
 
 def progress(*, quiet: bool = False) -> Progress:

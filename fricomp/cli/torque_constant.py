@@ -7,6 +7,7 @@ from pathlib import Path
 
 import msgspec
 import typer
+from rich.text import Text
 
 from fricomp.calibration.sweep import CalibrationRequest
 from fricomp.calibration.sweep.weight import HungWeight, TorqueConstant, identify_torque_constant, record_passes
@@ -74,9 +75,11 @@ def _print(found: TorqueConstant, out: Path) -> None:
     unit, reach = found.unit, 1.96 * found.deviation
     screen = console()
     screen.print(
-        f"Gravity reads up to {found.bare:.4g} {unit} without the weight, which adds {found.added:.4g} {unit}: "
-        f"[bold]1 {unit} of the reading is {found.value:.5g} ± {reach:.1g} N·m[/bold] on the joint (± 95 %, not "
-        "counting how well weight and lever are known)."
+        Text.assemble(
+            f"Gravity reads up to {found.bare:.4g} {unit} without the weight, which adds {found.added:.4g} {unit}: ",
+            (f"1 {unit} of the reading is {found.value:.5g} ± {reach:.1g} N·m", "bold"),
+            " on the joint (± 95 %, not counting how well weight and lever are known).",
+        )
     )
     if unit in ("N·m", "N"):
         screen.print(
@@ -85,4 +88,4 @@ def _print(found: TorqueConstant, out: Path) -> None:
         )
     else:
         screen.print(f"Put torque_constant = {found.value:.5g} into the joint's table, and everything is in N·m.")
-    screen.print(f"In [bold]{out}[/bold]: torque_constant.json, recordings of every pass")
+    screen.print(Text.assemble("In ", (str(out), "bold"), ": torque_constant.json, recordings of every pass"))

@@ -43,7 +43,9 @@ def keep_data(out: Path, folder: Path) -> None:
         parquet.write_table(Table.from_pylist([asdict(score) for score in scores]), part)
     opened = [row for score in scores if (row := _opened(out, score.case))]
     with whole_file(folder / _OPENED) as part:
-        parquet.write_table(Table.from_pylist(opened, schema=_opened_schema()), part, compression="zstd", compression_level=19)
+        parquet.write_table(
+            Table.from_pylist(opened, schema=_opened_schema()), part, compression="zstd", compression_level=19
+        )
     _copy(out, folder)
 
 

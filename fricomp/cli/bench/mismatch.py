@@ -243,11 +243,10 @@ def _show(scores: Sequence[Score], planned: Sequence[PlannedCase], out: Path) ->
 
 
 def _table(figures: Sequence[Any]) -> Any:
-    from rich.markup import escape
     from rich.table import Table
 
     table = Table("figure", "target", "measured (95 % interval)", "reached")
     for figure in figures:
         style = "" if figure.reached is not False else "bold"
-        table.add_row(*map(escape, (figure.name, figure.target, figure.value, figure.standing)), style=style)
+        table.add_row(figure.name, figure.target, figure.value, figure.standing, style=style)
     return table
