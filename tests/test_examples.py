@@ -29,6 +29,14 @@ def test_embedding_takes_a_model_or_a_file(model: Path, with_file: bool) -> None
     assert "measured +0.200 rad/s: +0.1463 N·m" in done.stdout
 
 
+@pytest.mark.parametrize("with_file", [False, True])
+def test_a_loop_of_ones_own_follows_better_with_compensation(model: Path, with_file: bool) -> None:
+    command = [sys.executable, "loop.py", *([str(model)] if with_file else [])]
+    done = subprocess.run(command, cwd=EXAMPLES, capture_output=True, text=True, check=True)
+    without, compensated = (float(line.split()[-3]) for line in done.stdout.splitlines())
+    assert compensated < 0.5 * without
+
+
 @pytest.mark.skipif(shutil.which("gcc") is None or shutil.which("make") is None, reason="gcc or make is not installed")
 @pytest.mark.parametrize("extended", [False, True])
 def test_c_example_builds_and_runs(model: Path, tmp_path: Path, extended: bool) -> None:

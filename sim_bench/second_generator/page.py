@@ -64,7 +64,7 @@ def write_page(scores: Sequence[Score], page: Path, *, quick: bool = False) -> N
     """
     sections = [
         _INTRODUCTION.strip().replace("SECONDS", f"{scores[0].case.duration:g}" if scores else "60"),
-        f"## Figures\n\n    {_command(page, quick)}\n\n{_figures(scores)}\n\n{_SCORING.strip()}",
+        f"## Figures\n\n{_title(scores)}\n\n    {_command(page, quick)}\n\n{_figures(scores)}\n\n{_SCORING.strip()}",
         f"## What is missing, and what MuJoCo does\n\n{_effects(scores)}",
         f"## All cases\n\n{_cases(scores)}",
         f"## Known parameters\n\n{_parameters(scores)}",
@@ -72,6 +72,11 @@ def write_page(scores: Sequence[Score], page: Path, *, quick: bool = False) -> N
     ]
     page.parent.mkdir(parents=True, exist_ok=True)
     page.write_text("\n\n".join(sections) + "\n", encoding="utf-8")
+
+
+def _title(scores: Sequence[Score]) -> str:
+    by = " and ".join(sorted({score.diagnosis for score in scores if score.diagnosis}))
+    return f"{len(scores)} cases" + (f", by the diagnosis with source hash {by}." if by else ".")
 
 
 def _command(page: Path, quick: bool) -> str:

@@ -162,7 +162,7 @@ def format_table(baselines: Sequence[BaselineScore], scores: Sequence[Score], me
     rows += [_base_row(baselines)]
     rows += [_row(method, [score for score in baselines if score.method == method]) for method in METHODS]
     head = [
-        "## Other methods on the same cases",
+        "## Other methods",
         "",
         f"{measured} "
         "Error: on held-out blocks, over that of a refit with the true concealed torque, at ENR 0.5 or more (median, "
