@@ -61,6 +61,7 @@ class JointAdapter(StoppableDriver):
             raise AdapterError("the adapter is open already: close() it first")
         self._gate, self._close_failure = None, ""
         self._released_stop = self._asked_stop  # of an earlier session; one that comes from here on holds
+        self._checked_options = self.options
         try:
             drives = self._open()
             n_joints = len(drives.joints)
@@ -93,31 +94,34 @@ class JointAdapter(StoppableDriver):
         """Set the command mode and the period [s] of the loop, write them to the drives and read them back.
 
         Raises:
-            AdapterConfigurationError: The mode is not offered, or bus or watchdog do not go with this rate.
-            AdapterConfigurationError: A limit is beyond the drive's.
+            AdapterConfigurationError: The mode is not offered, bus or watchdog do not go with this rate, or a limit is
+                beyond the drive's.
             AdapterError: The joints are enabled, or the gate has tripped and was not cleared.
         """
         check_rate(self.capabilities, mode, period)
-        self._check_options()
+        wanted, before = self.options, self._checked_options
+        self._check_options(wanted)
         with self._lock:
             if self._enabled:
                 raise AdapterError("the joints are enabled: disable() them before configuring")
             if self._gate is not None and self._gate.tripped:
                 raise AdapterError(f"the gate has tripped ({self._gate.trip_record}): call clear_faults() first")
             try:
+                self._checked_options = wanted
                 self._configure(mode, period)
                 watchdog = self._confirmed_watchdog() or self.capabilities.watchdog
+                check_watchdog(watchdog, period)
             except BaseException as error:
+                self._checked_options = before  # with the gate that there is
                 raise_own(error)
-            check_watchdog(watchdog, period)
             self._capabilities = replace(self.capabilities, watchdog=watchdog)
             self._mode = mode
-            self._references = ReferenceLimiter(self.options.limits, period)
+            self._references = ReferenceLimiter(wanted.limits, period)
             self._gate = SafetyGate(
-                self.options.limits,
+                wanted.limits,
                 period=period,
-                ramp_time=self.options.ramp_time,
-                stale_after=self.options.stale_after,
+                ramp_time=wanted.ramp_time,
+                stale_after=wanted.stale_after,
                 watch_torque=mode != "torque",
             )
             self._latch_stop()  # a stop that came in the meantime found another gate, or none
@@ -285,12 +289,12 @@ class JointAdapter(StoppableDriver):
 
     # -- inside -----------------------------------------------------------------------------------------
 
-    def _check_options(self) -> None:
+    def _check_options(self, options: AdapterOptions) -> None:
         """Once more before a gate is made of them: a caller may have exchanged the options since opening."""
         joints = self.capabilities.joints
-        check_counts(len(joints), limits=self.options.limits)
-        check_limits(joints, self.options.limits)
-        if tuple(self.options.transmissions or (Transmission(),) * len(joints)) != self._transmissions:
+        check_counts(len(joints), limits=options.limits)
+        check_limits(joints, options.limits)
+        if tuple(options.transmissions or (Transmission(),) * len(joints)) != self._transmissions:
             raise AdapterConfigurationError(
                 "the transmissions are not those that the adapter was opened with: close() it and open() it again"
             )

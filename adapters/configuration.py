@@ -11,6 +11,7 @@ import msgspec
 
 from fricomp.control import JointLimits
 from fricomp.errors import AdapterConfigurationError, ParameterError
+from fricomp.model import Motion
 
 from .options import AdapterOptions
 from .transmission import Transmission
@@ -62,6 +63,7 @@ class TransmissionConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fiel
     gear_ratio: float = 1.0
     sign: int = 1
     zero: float = 0.0
+    motion: Motion = "rotary"
 
 
 class JointConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

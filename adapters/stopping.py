@@ -28,6 +28,9 @@ class StoppableDriver(Driver):
 
     def __init__(self, options: AdapterOptions, clock: Clock | None = None) -> None:
         self.options = options
+        # As they were checked last, at opening and with every configuration: a caller may exchange `options` at any
+        # time, and a driver that looked there would let through what no gate has seen.
+        self._checked_options = options
         self.clock: Clock = clock or MonotonicClock()
         self._lock = threading.Lock()
         self._lock_owner = 0

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
+from typing import get_args
 
 from fricomp.control import JointLimits
 from fricomp.errors import AdapterConfigurationError
 from fricomp.joint import JointCapabilities
+from fricomp.model import Motion
 
 __all__ = ["SCALED_UNITS", "Transmission", "torques_at_drives"]
 
@@ -24,14 +26,16 @@ class Transmission:
         gear_ratio: Drive turns for one joint turn, positive [1], or [rad/m] where the joint is linear.
         sign: +1, or -1 where the drive counts the other way.
         zero: Joint position at which q_joint is to read 0 [rad] or [m].
+        motion: Of the joint: `rotary` (rad), or `linear` (m), whose drive turns all the same.
 
     Raises:
-        AdapterConfigurationError: The ratio is not positive or the sign not +1 or -1.
+        AdapterConfigurationError: The ratio is not positive, the sign not +1 or -1, or the motion unknown.
     """
 
     gear_ratio: float = 1.0
     sign: int = 1
     zero: float = 0.0
+    motion: Motion = "rotary"
 
     def __post_init__(self) -> None:
         if not (isfinite(self.gear_ratio) and self.gear_ratio > 0.0):
@@ -42,11 +46,13 @@ class Transmission:
             raise AdapterConfigurationError(f"sign must be 1 or -1, got {self.sign!r}")
         if not isfinite(self.zero):
             raise AdapterConfigurationError(f"zero must be finite, got {self.zero!r}")
+        if self.motion not in get_args(Motion):
+            raise AdapterConfigurationError(f"motion must be 'rotary' or 'linear', got {self.motion!r}")
 
     @property
     def is_identity(self) -> bool:
         """Whether drive side and joint side are the same."""
-        return self.gear_ratio == 1.0 and self.sign == 1 and self.zero == 0.0
+        return self == Transmission()
 
     def position_to_joint(self, position: float) -> float:
         """Joint position [rad] or [m] of a drive position [rad]."""
@@ -69,8 +75,11 @@ class Transmission:
             low, high = sorted(self.position_to_joint(edge) for edge in limits)
             limits = (low, high)
         torque_ratio = abs(self.torque_gain(drive.torque_unit))
+        linear = self.motion == "linear"
         return replace(
             drive,
+            motion=self.motion if linear else drive.motion,
+            torque_unit="N" if linear and drive.torque_unit == "N·m" else drive.torque_unit,
             position_quantum=drive.position_quantum / self.gear_ratio,
             velocity_quantum=drive.velocity_quantum / self.gear_ratio,
             velocity_command_quantum=drive.velocity_command_quantum / self.gear_ratio,

@@ -141,7 +141,7 @@ class CanOpenAdapter(CanAdapter):
 
     def _torque_at_motor(self, joint: int) -> float:
         """The torque limit of a joint on the drive's side [N·m]."""
-        return torques_at_drives(self.options.limits, self.options.transmissions)[joint]
+        return torques_at_drives(self._checked_options.limits, self._checked_options.transmissions)[joint]
 
     # -- configuring --------------------------------------------------------------------------------------
 

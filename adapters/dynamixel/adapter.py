@@ -216,10 +216,10 @@ class DynamixelAdapter(ServoLine):
         if self._mode_in_use == "torque":
             return
         servo, most = self._servos[joint], self._current_limits[joint]
-        transmissions = self.options.transmissions
+        limits, transmissions = self._checked_options.limits, self._checked_options.transmissions
         gear_ratio = transmissions[joint].gear_ratio if transmissions else 1.0
         unit = "N·m" if self._configuration.joints[joint].torque_constant else "A"
-        bound = compute_current_bound(self.options.limits[joint].torque, unit, gear_ratio, self._torque_counts[joint])
+        bound = compute_current_bound(limits[joint].torque, unit, gear_ratio, self._torque_counts[joint])
         if bound > most:
             raise AdapterConfigurationError(
                 f"servo {servo}: a torque limit of {bound} counts of current is beyond its current limit, {most}"

@@ -197,7 +197,7 @@ class MitAdapter(CanAdapter):
 
     def _make_loops(self) -> list[MotorVelocityLoop]:
         """Velocity loops, at rest where the motors are; none where no gains are configured."""
-        limits = torques_at_drives(self.gate.limits, self.options.transmissions)
+        limits = torques_at_drives(self.gate.limits, self._checked_options.transmissions)
         rows = zip(self._motors, self._gains, limits, self._reported.position, strict=True)
         now_ns, period = self.clock.now_ns(), self._period
         return [MotorVelocityLoop(m, g, most, period, at, now_ns=now_ns) for m, g, most, at in rows if g is not None]
@@ -222,7 +222,7 @@ class MitAdapter(CanAdapter):
 
     def _ramp_share(self) -> float:
         """Share of the torque limit that the velocity loops may use: the gate ramps nothing but the feed-forward."""
-        elapsed, ramp = 1e-9 * (self.clock.now_ns() - self._enabled_ns), self.options.ramp_time
+        elapsed, ramp = 1e-9 * (self.clock.now_ns() - self._enabled_ns), self._checked_options.ramp_time
         return 1.0 if elapsed >= ramp else max(elapsed / ramp, 0.0)
 
     def _ask_state(self) -> None:

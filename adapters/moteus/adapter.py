@@ -174,8 +174,8 @@ class MoteusAdapter(SerialAdapter):
             raise AdapterConfigurationError(f"the controllers do not keep {', '.join(wanted)}: read back {found!r}")
 
     def _highest_torques(self) -> list[float]:
-        """The limits at the drives, as they are now: a second barrier, which their own loops do not pass either."""
-        return torques_at_drives(self.options.limits, self.options.transmissions)
+        """The limits at the drives, as checked: a second barrier, which their own loops do not pass either."""
+        return torques_at_drives(self._checked_options.limits, self._checked_options.transmissions)
 
     def _converse(self, joint: int, line: str) -> str:
         """Send a line to the diagnostic channel; the line it answers."""

@@ -16,10 +16,11 @@ from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 
 from ..identification import IdentificationOptions, IdentificationResult, identify
+from ..identification.doubt import with_covariance
 from ..identification.form import separable_law
 from .correlated_fit import CorrelatedFit, solve_correlated
 from .joint_samples import FEWEST_SAMPLES, JointSamples, RegressionSettings
-from .verdict import weigh_rivals, with_covariance, with_offset_note
+from .verdict import weigh_rivals, with_offset_note
 
 __all__ = ["MotionIdentification", "RigidBodyFit", "fit_rigid_body", "identify_motion"]
 

@@ -4,37 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
-from fricomp.laws import FloatArray
-from fricomp.model import Covariance
-
 from ..identification import IdentificationResult, Status
-from ..identification.verdict import RIVAL, find_vague, nearest_rival, vague_message
+from ..identification.doubt import doubted
+from ..identification.verdict import RIVAL, nearest_rival
 
-__all__ = ["weigh_rivals", "with_covariance", "with_offset_note"]
-
-
-def with_covariance(result: IdentificationResult, covariance: FloatArray) -> IdentificationResult:
-    """`result` with a covariance that knows of the rigid body and of correlated errors, and judged by it.
-
-    What the data say nothing about has no slope, which looks certain to a linear fit, and correlation does not make
-    samples worth more than independent ones: no variance is below that of independent samples.
-
-    Args:
-        result: The friction identified.
-        covariance: Of its parameters. Shape (n_parameters, n_parameters).
-    """
-    short = np.maximum(np.diag(result.covariance) - np.diag(covariance), 0.0)
-    covariance = covariance + np.diag(short)
-    model = replace(result.model, covariance=Covariance(result.parameter_names, covariance))
-    result = replace(result, model=model, covariance=covariance)
-    deviations = np.sqrt(np.diag(covariance)).tolist()
-    known = zip(result.parameters.items(), deviations, strict=True)
-    vague = find_vague({name: (value, deviation) for (name, value), deviation in known}, result.observations)
-    if result.status is not Status.CONVERGED or not vague:
-        return result
-    return _doubted(result, Status.NOT_IDENTIFIABLE, vague_message(vague, result.observations))
+__all__ = ["weigh_rivals", "with_offset_note"]
 
 
 def weigh_rivals(result: IdentificationResult, found: IdentificationResult, samples: float) -> IdentificationResult:
@@ -49,7 +23,7 @@ def weigh_rivals(result: IdentificationResult, found: IdentificationResult, samp
     if result.status is not Status.CONVERGED or rival >= RIVAL:
         return result
     message = f"a second basin is less likely by only {rival:.2g} nats, correlated samples counted as one"
-    return _doubted(result, Status.WRONG_BASIN_SUSPECTED, message)
+    return doubted(result, Status.WRONG_BASIN_SUSPECTED, message)
 
 
 def with_offset_note(result: IdentificationResult, offset: float) -> IdentificationResult:
@@ -68,8 +42,3 @@ def with_offset_note(result: IdentificationResult, offset: float) -> Identificat
     provenance = replace(provenance, notes={**provenance.notes, "torque_offset": f"0 assumed: {said}"})
     model = replace(result.model, provenance=provenance)
     return replace(result, model=model, message=f"{result.message}; {said}")
-
-
-def _doubted(result: IdentificationResult, status: Status, message: str) -> IdentificationResult:
-    provenance = replace(result.model.provenance, status=str(status), message=message)
-    return replace(result, status=status, message=message, model=replace(result.model, provenance=provenance))

@@ -21,9 +21,9 @@ from numpy.typing import ArrayLike
 
 from fricomp.errors import IdentificationError, ParameterError
 from fricomp.laws import FloatArray
-from fricomp.model import Covariance
 
 from ..identification import IdentificationOptions, IdentificationResult, identify
+from ..identification.doubt import with_covariance
 from ..identification.identify import Method
 from .analysis import HALF_DIFFERENCE, SweepAnalysis
 from .point import FrictionPoint
@@ -136,7 +136,7 @@ def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings)
     )
     statistical = result.standard_deviations
     changes = [_sensitivity(result, shift) for shift in _shared_shifts(result, analysis, used)]
-    result = _with_covariance(result, result.covariance + sum(np.outer(change, change) for change in changes))
+    result = with_covariance(result, result.covariance + sum(np.outer(change, change) for change in changes))
     return Estimate(_with_notes(result, analysis), statistical, deviation, used)
 
 
@@ -256,11 +256,6 @@ def _sensitivity(result: IdentificationResult, shift: FloatArray) -> FloatArray:
     weighted = optimum.whitened.weight[:, None] * optimum.jacobian
     by_logarithm, *_ = np.linalg.lstsq(weighted, optimum.whitened.weight * shift, rcond=1e-12)
     return np.asarray(by_logarithm * np.exp(optimum.logs))
-
-
-def _with_covariance(result: IdentificationResult, covariance: FloatArray) -> IdentificationResult:
-    model = replace(result.model, covariance=Covariance(result.parameter_names, covariance))
-    return replace(result, covariance=covariance, model=model)
 
 
 def _with_notes(result: IdentificationResult, analysis: SweepAnalysis) -> IdentificationResult:

@@ -92,6 +92,7 @@ class TorqueConstant:
         unit: Of the reading.
         bare: Largest reading of gravity without the weight, in this unit.
         added: What the weight adds to it at most, in this unit.
+        gear_ratio: Drive turns for one joint turn, through which the reading was taken [1].
     """
 
     value: float
@@ -99,6 +100,15 @@ class TorqueConstant:
     unit: str
     bare: float
     added: float
+    gear_ratio: float = 1.0
+
+    @property
+    def at_drive(self) -> float:
+        """Torque on the drive's own side of the gear for one unit of the reading [N·m per unit].
+
+        A reading in the drive's own unit, such as amperes, is not scaled by the gear; one in newton metres is.
+        """
+        return self.value / self.gear_ratio
 
 
 @dataclass(frozen=True)
@@ -195,9 +205,15 @@ def _to_recording(log: CycleLog, context: SweepContext, start_ns: int) -> Record
 
 
 def identify_torque_constant(
-    bare: Sequence[Recording], loaded: Sequence[Recording], weight: HungWeight
+    bare: Sequence[Recording], loaded: Sequence[Recording], weight: HungWeight, gear_ratio: float = 1.0
 ) -> TorqueConstant:
     """The torque constant from passes without and with the weight, two by two in both directions.
+
+    Args:
+        bare: Without the weight.
+        loaded: With it.
+        weight: What was hung.
+        gear_ratio: Drive turns for one joint turn.
 
     Raises:
         IdentificationError: The weight does not show, or there are too few passes.
@@ -218,7 +234,7 @@ def identify_torque_constant(
         )
     own = float(np.hypot(*empty.mean(axis=0)))
     value = weight.moment / size
-    return TorqueConstant(value, value * error / size, unit, own, size)
+    return TorqueConstant(value, value * error / size, unit, own, size, gear_ratio)
 
 
 def _gravity(passes: Sequence[Recording]) -> FloatArray:

@@ -54,7 +54,7 @@ def _shipped(name: str) -> tuple[str, str, str, str]:
 
     missing = [extra for extra in EXTRAS[name] if not all(map(is_installed, _MODULES[extra]))]
     summary = _summary(adapter_class(name)) if not missing else ""
-    wanted = f"no: pip install '.\\[{','.join(missing)}]'" if missing else "yes"
+    wanted = f"no: pip install '.[{','.join(missing)}]'" if missing else "yes"
     return summary, "fricomp", ", ".join(EXTRAS[name]), wanted
 
 

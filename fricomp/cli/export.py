@@ -57,8 +57,7 @@ def export(
     ] = False,
 ) -> None:
     """Write a model in another format, and say what that format cannot hold."""
-    from rich.console import Console
-
+    from fricomp.cli.terminal import console
     from fricomp.errors import ExportError
 
     if to is Target.onnx:
@@ -73,7 +72,7 @@ def export(
             print(text, end="")
         else:
             _write(out, text)
-    Console(stderr=True, highlight=False).print(note if out is None else f"{out}: {note}")
+    console(stderr=True).print(note if out is None else f"{out}: {note}", soft_wrap=True)
 
 
 def _export_onnx(paths: list[Path], out: Path, any_status: bool) -> str:

@@ -22,9 +22,9 @@ def careful(finding: Finding) -> str:
     return f"Careful: {finding.message.rstrip('.')}: {finding.advice}."
 
 
-def console() -> Console:
+def console(*, stderr: bool = False) -> Console:
     """Where commands print tables and sentences; brackets in them, as of an extra or a folder, are no markup."""
-    return Console(highlight=False, markup=False)
+    return Console(stderr=stderr, highlight=False, markup=False)
 
 
 def progress(*, quiet: bool = False) -> Progress:

@@ -41,9 +41,11 @@ def measure_torque_constant(request: CalibrationRequest, weight: HungWeight, out
         old.unlink(missing_ok=True)  # left there, they would pass for what an interrupted one has found
     with open_joint(request) as context:
         simulated = context.adapter.capabilities.simulated
+        gears = context.adapter.options.transmissions
+        gear_ratio = gears[context.joint].gear_ratio if gears else 1.0
     bare = _record(request, weight, out, simulated=simulated, hung=False)
     loaded = _record(request, weight, out, simulated=simulated, hung=True)
-    found = identify_torque_constant(bare, loaded, weight)
+    found = identify_torque_constant(bare, loaded, weight, gear_ratio)
     (out / _RESULT).write_bytes(msgspec.json.format(msgspec.json.encode(asdict(found))) + b"\n")
     _print(found, out)
 
@@ -87,5 +89,7 @@ def _print(found: TorqueConstant, out: Path) -> None:
             "correct it there."
         )
     else:
-        screen.print(f"Put torque_constant = {found.value:.5g} into the joint's table, and everything is in N·m.")
+        screen.print(f"Put torque_constant = {found.at_drive:.5g} into the joint's table, and everything is in N·m.")
+        if found.gear_ratio != 1.0:
+            screen.print(f"That is at the drive: through its gear of {found.gear_ratio:g} it makes the number above.")
     screen.print(Text.assemble("In ", (str(out), "bold"), ": torque_constant.json, recordings of every pass"))

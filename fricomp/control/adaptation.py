@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 from fricomp.control.compensator import Compensator
-from fricomp.control.curve import split_law
 from fricomp.control.extra_terms import build_extra
+from fricomp.control.trust import trusted_curves
 from fricomp.errors import ParameterError
 from fricomp.laws import DwellStiction
 
@@ -77,7 +77,7 @@ class OnlineAdaptation:
     def __init__(self, compensator: Compensator, settings: AdaptationSettings | None = None) -> None:
         self._settings = settings or AdaptationSettings()
         self._compensator = compensator
-        self._curves = split_law(compensator.model.law)
+        self._curves = trusted_curves(compensator.model)
         terms = [term for term in self._curves.extra if not isinstance(term, DwellStiction)]
         self._extra = build_extra(terms, compensator.settings, compensator.period)[0] if terms else None
         self._dry_bounds = self._settings.dry_bounds or _identified(compensator, "coulomb_torque")
@@ -110,6 +110,7 @@ class OnlineAdaptation:
         load_torque: float = 0.0,
         temperature: float | None = None,
         acceleration: float = 0.0,
+        normal_load: float | None = None,
     ) -> None:
         """Take one sample, once a period. One that cannot be reckoned with changes nothing.
 
@@ -120,11 +121,24 @@ class OnlineAdaptation:
             load_torque: Torque the joint transmits to its load; used by terms over load torque.
             temperature: [°C]; used by terms over temperature.
             acceleration: [rad/s²] or [m/s²]; used by terms over acceleration.
+            normal_load: In the unit of the law's reference load; dry friction follows it where the model does. Without
+                one, it counts as the reference load.
         """
         speed, ahead = abs(velocity), velocity >= 0.0
         if (
             not all(
-                map(math.isfinite, (velocity, friction_torque, position, load_torque, temperature or 0.0, acceleration))
+                map(
+                    math.isfinite,
+                    (
+                        velocity,
+                        friction_torque,
+                        position,
+                        load_torque,
+                        temperature or 0.0,
+                        acceleration,
+                        normal_load or 0.0,
+                    ),
+                )
             )
             or speed < self._fast
             or ahead != self._ahead
@@ -135,7 +149,10 @@ class OnlineAdaptation:
         if self.frozen:
             return
         try:
-            dry, viscous, held = self._modelled(speed, velocity, position, load_torque, temperature, acceleration)
+            loaded = max(float(self._curves.load.factor(normal_load)), 0.0)
+            dry, viscous, held = self._modelled(
+                speed, velocity, position, load_torque, temperature, acceleration, loaded
+            )
         except (ArithmeticError, ValueError):  # of inputs far beyond the model, from which a power runs over
             return
         level = friction_torque - held if ahead else held - friction_torque
@@ -160,11 +177,12 @@ class OnlineAdaptation:
         load_torque: float,
         temperature: float | None,
         acceleration: float,
+        loaded: float,
     ) -> tuple[float, float, float]:
         """Dry and viscous friction of the model along the motion, and what it holds whatever the direction."""
         ahead = velocity >= 0.0
         curve = self._curves.forward if ahead else self._curves.reverse
-        dry, viscous = curve.dry(speed), curve.viscous * speed
+        dry, viscous = loaded * curve.dry(speed), curve.viscous * speed
         if self._extra is None:
             return dry, viscous, 0.0
         extra = self._extra(speed, velocity, position, load_torque, temperature, acceleration)

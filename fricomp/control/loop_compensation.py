@@ -123,4 +123,5 @@ class LoopCompensation:
                 carried[j],
                 hot if hot == hot else None,
                 seen.acceleration[j],
+                abs(carried[j]) if "normal_load" in self.compensators[j].inputs else None,
             )

@@ -107,7 +107,8 @@ def _closed_form_nodes(node: Any, columns: Sequence[str], output: str) -> list[A
         node("Div", ["normal_load", "reference_load"], ["load_ratio"]),
         node("Sub", ["load_ratio", "one"], ["excess"]),
         node("Mul", ["excess", "sensitivity"], ["share"]),
-        node("Add", ["share", "one"], ["factor"]),
+        node("Add", ["share", "one"], ["follows"]),
+        node("Relu", ["follows"], ["factor"]),  # far below the reference load friction ends, and never drives
     ]
     for side in ("forward", "reverse"):
         names = ("ratio", "power", "minus", "falling", "risen", "dry", "loaded", "viscous_part", "level")

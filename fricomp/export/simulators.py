@@ -52,11 +52,12 @@ def export_mjcf(model: FrictionModel, way: MjcfWay = "dcmotor", *, any_status: b
         any_status: Take a model too that its identification calls unusable.
 
     Raises:
-        ExportError: The way is unknown.
+        ExportError: The way is unknown, or the model is not in newton metres or newtons.
         ParameterError: The model is not usable.
     """
     if way not in MJCF_WAYS:
         raise ExportError(f"MJCF way {way!r} is unknown; there are {', '.join(MJCF_WAYS)}")
+    _require_torque(model)
     if not any_status:
         require_usable(model)
     model = bound_friction(model)
@@ -150,6 +151,15 @@ def _fit_passive(basis: FloatArray, friction: FloatArray) -> FloatArray:
     return np.zeros(basis.shape[1])
 
 
+def _require_torque(model: FrictionModel) -> None:
+    wanted = "N·m" if model.motion == "rotary" else "N"
+    if model.torque_unit != wanted:
+        raise ExportError(
+            f"the model of joint {model.joint!r} is in {model.torque_unit}, a simulator takes {wanted}: calibrate with "
+            "the drive's torque_constant, which 'fricomp calibrate --torque-constant' measures"
+        )
+
+
 def _frictionloss(model: FrictionModel, lost: list[str]) -> SimulatorExport:
     velocity, friction = sample_friction(model)
     level, slope = fit_levels(velocity, friction)
@@ -169,8 +179,10 @@ def export_urdf(model: FrictionModel, *, any_status: bool = False) -> SimulatorE
         any_status: Take a model too that its identification calls unusable.
 
     Raises:
+        ExportError: The model is not in newton metres or newtons.
         ParameterError: The model is not usable.
     """
+    _require_torque(model)
     if not any_status:
         require_usable(model)
     model = bound_friction(model)

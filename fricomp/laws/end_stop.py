@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fricomp.laws.term import OperatingPoint, Scalar, Term, require, require_nonnegative
+from fricomp.laws.term import OperatingPoint, Scalar, Term, require, require_finite, require_nonnegative
 
 __all__ = ["EndStop"]
 
@@ -31,6 +31,7 @@ class EndStop(Term):
     side: float
 
     def __post_init__(self) -> None:
+        require_finite(self, "edge")
         require_nonnegative(self, "stiffness")
         require(self.side in (1.0, -1.0), f"side must be 1 or -1, got {self.side!r}")
 

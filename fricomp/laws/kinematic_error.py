@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fricomp.laws.term import OperatingPoint, Scalar, Term, require, require_nonnegative
+from fricomp.laws.term import OperatingPoint, Scalar, Term, require_finite, require_nonnegative
 
 __all__ = ["KinematicError"]
 
@@ -47,8 +47,7 @@ class KinematicError(Term):
 
     def __post_init__(self) -> None:
         require_nonnegative(self, "order", "load_inertia")
-        for name in ("sine", "cosine", "gravity_cosine", "gravity_sine"):
-            require(bool(np.isfinite(getattr(self, name))), f"{name} must be finite, got {getattr(self, name)!r}")
+        require_finite(self, "sine", "cosine", "gravity_cosine", "gravity_sine")
 
     def torque(self, point: OperatingPoint) -> Scalar:
         """Torque at `point`."""

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fricomp.laws.term import FloatArray, OperatingPoint, Scalar, Term, require_nonnegative
+from fricomp.laws.term import FloatArray, OperatingPoint, Scalar, Term, require_finite, require_nonnegative
 
 __all__ = ["Cogging", "PositionCoulomb"]
 
@@ -25,6 +25,7 @@ class _Ripple(Term):
     order: float
 
     def __post_init__(self) -> None:
+        require_finite(self, "sine", "cosine")
         require_nonnegative(self, "order")
 
     @abstractmethod

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fricomp.laws.term import OperatingPoint, Scalar, Term, require_nonnegative
+from fricomp.laws.term import OperatingPoint, Scalar, Term, require_finite, require_nonnegative
 
 __all__ = ["SpringTorque"]
 
@@ -35,6 +35,7 @@ class SpringTorque(Term):
     hardening: float = 0.0
 
     def __post_init__(self) -> None:
+        require_finite(self, "centre")
         require_nonnegative(self, "stiffness", "hardening")
 
     def torque(self, point: OperatingPoint) -> Scalar:

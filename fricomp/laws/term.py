@@ -111,6 +111,12 @@ def require(condition: bool, message: str) -> None:
         raise ParameterError(message)
 
 
+def require_finite(owner: object, *names: str) -> None:
+    """Raise `ParameterError` unless the named fields of `owner` are finite."""
+    for name in names:
+        require(bool(np.isfinite(getattr(owner, name))), f"{name} must be finite, got {getattr(owner, name)!r}")
+
+
 def require_nonnegative(owner: object, *names: str) -> None:
     """Raise `ParameterError` unless the named fields of `owner` are finite and not negative."""
     for name in names:

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fricomp.laws.term import OperatingPoint, Scalar, Term, require, require_positive
+from fricomp.laws.term import OperatingPoint, Scalar, Term, require_finite, require_positive
 
 __all__ = ["STRONGEST_FALL", "ThermalFriction"]
 
@@ -48,8 +48,7 @@ class ThermalFriction(Term):
 
     def __post_init__(self) -> None:
         require_positive(self, "forward_viscous", "reverse_viscous")
-        for name in ("viscous_slope", "coulomb_slope", "reference_temperature"):
-            require(bool(np.isfinite(getattr(self, name))), f"{name} must be finite, got {getattr(self, name)!r}")
+        require_finite(self, "viscous_slope", "coulomb_slope", "reference_temperature")
 
     def torque(self, point: OperatingPoint) -> Scalar:
         """Torque at `point`."""

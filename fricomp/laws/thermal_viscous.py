@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fricomp.laws.term import OperatingPoint, Scalar, Term
+from fricomp.laws.term import OperatingPoint, Scalar, Term, require_finite
 
 __all__ = ["ThermalViscous"]
 
@@ -27,6 +27,9 @@ class ThermalViscous(Term):
 
     slope: float
     reference_temperature: float
+
+    def __post_init__(self) -> None:
+        require_finite(self, "slope", "reference_temperature")
 
     def torque(self, point: OperatingPoint) -> Scalar:
         """Torque at `point`."""

@@ -47,9 +47,9 @@ class SimulatedJointAdapter(JointAdapter):
             raise AdapterConfigurationError(str(error)) from error
 
     def _open(self) -> Capabilities:
-        settings = self.stand_in.settings
-        limits = self.stand_in.plant.position_limits
-        joints = tuple(_capabilities(j, r, settings.period) for j, r in zip(settings.joints, limits, strict=True))
+        settings, plant = self.stand_in.settings, self.stand_in.plant
+        kinds = zip(settings.joints, plant.position_limits, plant.linear, strict=True)
+        joints = tuple(_capabilities(j, r, settings.period, linear=linear) for j, r, linear in kinds)
         longest = max(joint.servo.watchdog for joint in settings.joints)
         guarded = all(joint.servo.watchdog > 0.0 for joint in settings.joints)
         return Capabilities(
@@ -111,9 +111,13 @@ def default_limits(stand_in: StandIn) -> tuple[JointLimits, ...]:
     return tuple(limits)
 
 
-def _capabilities(joint: JointSettings, stops: tuple[float, float] | None, period: float) -> JointCapabilities:
+def _capabilities(
+    joint: JointSettings, stops: tuple[float, float] | None, period: float, *, linear: bool
+) -> JointCapabilities:
     return JointCapabilities(
         name=joint.name,
+        motion="linear" if linear else "rotary",
+        torque_unit="N" if linear else "N·m",
         torque_kind="measured",
         position_quantum=joint.sensor.position_quantum,
         velocity_quantum=joint.sensor.velocity_quantum(period),

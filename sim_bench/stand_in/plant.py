@@ -211,6 +211,8 @@ class Plant:
         self._free_range = [_free_range(model, i) for i in ids]
         self.position_limits = tuple(_position_limits(model, i) for i in ids)
         """End stops of each joint [rad] or [m]; None where it turns freely."""
+        self.linear = tuple(mujoco.mjtJoint(model.jnt_type[i]) == mujoco.mjtJoint.mjJNT_SLIDE for i in ids)
+        """Whether each joint slides instead of turning."""
 
     def _take_over(self) -> None:
         model, dofs = self.model, self._dofs

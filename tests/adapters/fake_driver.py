@@ -48,6 +48,7 @@ class FakeAdapter(JointAdapter):
         self.fault = 0
         self.fresh = True
         self.reports_temperature = True
+        self.position_limits: tuple[float, float] | None = None
         self.taken_ns: int | None = None
 
     def step(self, name: str) -> None:
@@ -70,6 +71,7 @@ class FakeAdapter(JointAdapter):
             velocity_limit=50.0,
             torque_quantum=0.01,
             reports_temperature=self.reports_temperature,
+            position_limits=self.position_limits,
         )
         return Capabilities((joint,), ("torque", "velocity", "position"), 1000.0, self.watchdog)
 

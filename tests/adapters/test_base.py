@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import threading
 from dataclasses import replace
-from math import inf, nan
+from math import inf, nan, pi
+from typing import Any
 
 import pytest
 
@@ -181,12 +182,46 @@ def test_a_stop_is_not_held_up_by_a_write_that_hangs() -> None:
 
 def test_stops_from_many_threads_are_one_stop() -> None:
     adapter = enabled_adapter()
+
+    def stop_slowly() -> None:
+        threading.Event().wait(5e-3)  # long enough for all of them to meet
+
+    adapter.fail["stop"] = stop_slowly
     threads = [threading.Thread(target=adapter.safe_stop) for _ in range(8)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join(5.0)
     assert adapter.log.count("stop") == 1
+
+
+def test_a_stop_waits_for_a_write_in_progress_and_follows_it() -> None:
+    adapter = enabled_adapter()
+    writing = threading.Event()
+
+    def write_slowly() -> None:
+        writing.set()
+        threading.Event().wait(20e-3)
+        adapter.log.append("write done")
+
+    adapter.fail["write"] = write_slowly
+    writer = threading.Thread(target=adapter.write, args=(command(torque=1.0),))
+    writer.start()
+    assert writing.wait(5.0)
+    adapter.safe_stop("operator")
+    writer.join(5.0)
+    assert "stop" not in adapter.log[: adapter.log.index("write done")]
+    assert adapter.log[-1] == "stop"
+
+
+def test_clearing_faults_of_energised_joints_stops_them_first_and_leaves_them_off() -> None:
+    adapter = enabled_adapter()
+    adapter.write(command(torque=1.0))
+    adapter.clear_faults()
+    assert adapter.log[-2:] == ["stop", "clear"]
+    assert not adapter.enabled
+    with pytest.raises(AdapterError, match="enable"):
+        adapter.write(command(torque=1.0))
 
 
 @pytest.mark.parametrize("error", [AdapterConnectionError("cable"), ValueError("foreign")])
@@ -371,6 +406,72 @@ def test_sign_and_gear_are_applied_once_in_both_directions() -> None:
         adapter.write(command(torque=1.0))
     assert adapter.sent[-1] == pytest.approx(-0.25)
     assert adapter.capabilities.joints[0].torque_limit == pytest.approx(20.0)
+
+
+def test_a_linear_joint_is_told_in_metres_and_newtons() -> None:
+    """A screw of 5 mm a turn."""
+    screw = Transmission(gear_ratio=2.0 * pi / 5e-3, motion="linear")
+    limits = JointLimits(torque=1000.0, torque_rate=1e9, velocity=0.03, position=(-0.1, 0.1))
+    adapter = FakeAdapter(AdapterOptions(limits=(limits,), transmissions=(screw,), ramp_time=0.0))
+    joint = adapter.open().joints[0]
+    assert (joint.motion, joint.torque_unit) == ("linear", "N")
+    assert joint.torque_limit == pytest.approx(5.0 * 2.0 * pi / 5e-3)
+    assert joint.velocity_limit == pytest.approx(50.0 * 5e-3 / (2.0 * pi))
+    adapter.configure("torque", PERIOD)
+    adapter.enable()
+    adapter.position = 2.0 * pi
+    feedback = JointFeedback(1)
+    adapter.read_into(feedback)
+    assert feedback.position[0] == pytest.approx(5e-3)
+    with pytest.raises(AdapterConfigurationError, match="rotary"):
+        Transmission(motion="sideways")  # type: ignore[arg-type]
+
+
+def test_a_position_reference_passes_sign_gear_and_zero_the_other_way() -> None:
+    gear = Transmission(gear_ratio=4.0, sign=-1, zero=0.25)
+    options = AdapterOptions(limits=(LIMITS,), transmissions=(gear,), ramp_time=0.0)
+    adapter = enabled_adapter("position", options=options)
+    feedback = JointFeedback(1)
+    adapter.read_into(feedback)
+    adapter.manual_clock.advance(PERIOD)
+    adapter.write(command(position=feedback.position[0]))  # stay where you are
+    assert adapter.references[-1][1] == pytest.approx(adapter.position)
+
+
+def test_a_position_reference_never_leaves_the_range() -> None:
+    adapter = enabled_adapter("position")
+    for _ in range(400):
+        adapter.manual_clock.advance(PERIOD)
+        adapter.read_into(JointFeedback(1))
+        assert adapter.write(command(position=99.0))
+    assert adapter.references[-1][1] == pytest.approx(3.0)
+
+
+def test_a_torque_that_runs_over_behind_the_gear_stops_and_sends_nothing() -> None:
+    limits = replace(LIMITS, torque=1e-300)
+    options = AdapterOptions(limits=(limits,), transmissions=(Transmission(gear_ratio=1e-300),), ramp_time=0.0)
+    adapter = enabled_adapter(options=options)
+    adapter._drive.command.torque[0] = 1e300  # as a driver would find it, past the gate
+    with pytest.raises(AdapterError, match="not finite"):
+        adapter._drive.command_from_joint()
+
+
+def test_position_limits_beyond_the_drives_own_are_refused() -> None:
+    adapter = FakeAdapter(AdapterOptions(limits=(replace(LIMITS, position=(-13.0, 13.0)),)))
+    adapter.position_limits = (-12.5, 12.5)
+    with pytest.raises(AdapterConfigurationError, match="position"):
+        adapter.open()
+
+
+@pytest.mark.parametrize("wrong", [[], [0.1, 0.2], [None], ["a"], [10**400]])
+def test_references_that_are_none_stop_the_joints(wrong: list[Any]) -> None:
+    adapter = enabled_adapter("position")
+    bad = command()
+    bad.position = wrong
+    adapter.manual_clock.advance(PERIOD)
+    assert not adapter.write(bad)
+    assert adapter.log[-1] == "stop"
+    assert adapter.references == []
 
 
 def test_a_position_reference_starts_where_the_joint_is_and_cannot_jump() -> None:

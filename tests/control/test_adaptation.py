@@ -10,8 +10,16 @@ import pytest
 
 from fricomp.control import AdaptationSettings, Compensator, OnlineAdaptation
 from fricomp.errors import ParameterError
-from fricomp.laws import BidirectionalStribeck, DwellStiction, FrictionLaw, StribeckCurve, ThermalFriction, Viscous
-from fricomp.model import Covariance, FrictionModel, Validity
+from fricomp.laws import (
+    BidirectionalStribeck,
+    DwellStiction,
+    FrictionLaw,
+    LoadScaling,
+    StribeckCurve,
+    ThermalFriction,
+    Viscous,
+)
+from fricomp.model import Covariance, FrictionModel, Provenance, Validity
 
 CURVE = StribeckCurve(0.2, 0.3, 0.05, 0.4)
 MODEL = FrictionModel(FrictionLaw((BidirectionalStribeck(CURVE, CURVE),)), validity=Validity(velocity=(-2.0, 2.0)))
@@ -36,6 +44,22 @@ def test_follows_dry_and_viscous_levels() -> None:
     assert compensator.torque(1.0) == pytest.approx(1.15 * 0.2 + 0.7 * 0.4, rel=0.02)
     adaptation.reset()
     assert compensator.torque(1.0) == pytest.approx(0.6)
+
+
+def test_friction_that_follows_the_normal_load_is_no_change_of_the_joint() -> None:
+    law = BidirectionalStribeck(CURVE, CURVE, load=LoadScaling(load_sensitivity=1.0, reference_load=10.0))
+    notes = Provenance(notes={"normal_load": "transmitted load"})
+    model = FrictionModel(
+        FrictionLaw((law,)), validity=Validity(velocity=(-2.0, 2.0), normal_load=(5.0, 40.0)), provenance=notes
+    )
+    compensator = Compensator(model, gain=1.0, authority=50.0)
+    adaptation = OnlineAdaptation(compensator, BOUNDS)
+    for k in range(60_000):
+        velocity, load = 1.5 * math.sin(0.5 * math.pi * k * 1e-3), 20.0 + 10.0 * math.sin(0.3 * k * 1e-3)
+        torque = float(model.law.torque(velocity, normal_load=load))
+        adaptation.update(velocity, torque, load_torque=load, normal_load=load)
+    assert adaptation.dry_scale == pytest.approx(1.0, abs=1e-3)
+    assert adaptation.viscous_scale == pytest.approx(1.0, abs=1e-3)
 
 
 def test_never_leaves_its_bounds() -> None:

@@ -187,6 +187,39 @@ def test_no_torque_passes_a_trip_that_another_thread_interleaves(when: str, monk
     assert out == [0.0, 0.0]
 
 
+class _TrippedMeanwhile(list[float]):
+    """What may be sent, whose filling another thread interrupts by a trip."""
+
+    gate: SafetyGate
+
+    def __setitem__(self, place: Any, value: Any) -> None:
+        super().__setitem__(place, value)
+        if isinstance(place, slice):
+            self.gate.trip("stop", "from another thread")
+
+
+def test_a_trip_while_a_command_is_let_through_takes_it_back() -> None:
+    gate, out = make_gate(), _TrippedMeanwhile([0.0, 0.0])
+    out.gate = gate
+    assert not gate.admit([0.5, 0.5], out, 2 * MS)
+    assert out == [0.0, 0.0]
+
+
+def test_a_hundred_times_the_limit_is_absurd_and_less_is_clamped() -> None:
+    gate, out = make_gate(), [0.0, 0.0]
+    assert gate.admit([999.0, 0.0], out, 2 * MS)
+    assert not gate.admit([1001.0, 0.0], out, 3 * MS)
+    assert gate.trip_record is not None
+    assert gate.trip_record.reason == "absurd_command"
+
+
+def test_an_armed_gate_that_is_reset_admits_nothing() -> None:
+    gate, out = make_gate(), [0.0, 0.0]
+    gate.reset()
+    assert not gate.admit([0.5, 0.5], out, 2 * MS)
+    assert out == [0.0, 0.0]
+
+
 def test_wrong_number_of_joints_trips() -> None:
     gate, out = make_gate(), [0.0, 0.0]
     assert not gate.admit([1.0, 1.0, 1.0], out, 2 * MS)

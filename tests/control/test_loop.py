@@ -60,6 +60,7 @@ class IdealJoints:
         self.written: list[list[float]] = []
         self.events: list[str] = []
         self.silent, self.stop_failure = False, ""
+        self.age_ns = 0  # of what is reported
         self.on_write: Any = None
 
     def configure(self, mode: CommandMode, period: float) -> None:
@@ -72,7 +73,7 @@ class IdealJoints:
     def read_into(self, feedback: JointFeedback) -> bool:
         n = len(self.limits)
         if not self.silent:
-            feedback.time_ns = self.clock.now_ns()
+            feedback.time_ns = self.clock.now_ns() - self.age_ns
             feedback.position[:], feedback.velocity[:], feedback.torque[:] = [0.0] * n, [0.0] * n, [0.1] * n
         self.gate.observe(feedback, self.clock.now_ns())
         return not self.silent
@@ -112,6 +113,23 @@ def test_command_is_controller_plus_compensation() -> None:
     difference = log.signal("torque_command") - plain.signal("torque_command")
     assert difference == pytest.approx(log.signal("compensation"))
     assert np.max(np.abs(difference)) > 0.1
+
+
+def test_the_controller_compares_with_the_reference_of_the_time_of_the_feedback() -> None:
+    class Remembering:
+        def __init__(self) -> None:
+            self.seen: list[float] = []
+
+        def torque_into(self, out: list[float], feedback: JointFeedback, reference: ReferenceState) -> None:
+            self.seen.append(reference.position[0])
+            out[:] = [0.0] * len(out)
+
+    joints, controller = IdealJoints(), Remembering()
+    joints.age_ns = 5 * MS
+    log = ControlLoop(joints, SineReference([0.1] * 2, 1.0, [0.0] * 2), controller).run(0.3).log
+    wanted = log.signal("position_reference")[:, 0]
+    assert controller.seen[50:] == pytest.approx(wanted[45:-5])
+    assert abs(wanted[100] - controller.seen[100]) > 1e-3
 
 
 def test_missed_cycles_are_skipped_never_burst() -> None:

@@ -19,6 +19,7 @@ from fricomp.laws import (
     Coulomb,
     DwellStiction,
     LaggedStribeck,
+    LoadScaling,
     SmoothedCoulomb,
     StribeckCurve,
     Term,
@@ -47,6 +48,18 @@ def test_closed_form_agrees_with_the_model(tmp_path: Path) -> None:
     expected = model.torque(velocity.astype(np.float64), normal_load=load.astype(np.float64))
     found = run(tmp_path / "a.onnx", np.column_stack([velocity, load]))
     assert np.max(np.abs(found - expected)) <= 2e-6 * np.max(np.abs(expected))
+
+
+@pytest.mark.parametrize("load", [0.0, -3.0])
+def test_far_below_the_reference_load_friction_ends_and_does_not_drive(load: float, tmp_path: Path) -> None:
+    scaled = BidirectionalStribeck(FORWARD, REVERSE, load=LoadScaling(load_sensitivity=1.5, reference_load=1.0))
+    model = make_model(scaled)
+    model = replace(model, validity=replace(model.validity, normal_load=(-5.0, 2.0)))
+    save_graph(closed_form_graph([model]), tmp_path / "a.onnx")
+    viscous = FORWARD.viscous_coefficient * 0.5
+    assert run(tmp_path / "a.onnx", [[0.5, load]])[0] == pytest.approx(viscous, rel=1e-5)
+    compensator = Compensator(model, gain=1.0, smoothing=1e-6, source="reference", authority=1e3)
+    assert compensator.torque(0.5, load=load) == pytest.approx(viscous, rel=1e-5)
 
 
 def test_several_joints_share_one_graph(tmp_path: Path) -> None:

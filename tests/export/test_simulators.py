@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -50,6 +52,12 @@ def steady_torque(text: str, velocity: float) -> float:
 
 def exported_torque(model: FrictionModel, way: MjcfWay, velocity: float) -> float:
     return steady_torque(apply_to_mjcf(export_mjcf(model, way), ROBOT, "elbow"), velocity)
+
+
+@pytest.mark.parametrize("export", [export_mjcf, export_urdf])
+def test_a_model_in_amperes_is_no_torque_for_a_simulator(export: Callable[[FrictionModel], object]) -> None:
+    with pytest.raises(ExportError, match="in A, a simulator takes N·m"):
+        export(replace(make_model(), torque_unit="A"))
 
 
 @pytest.mark.parametrize("velocity", [0.01, 0.05, 0.3, -0.02, -0.4])

@@ -11,8 +11,10 @@ from scipy.integrate import solve_ivp
 
 from fricomp.errors import ParameterError
 from fricomp.laws import (
+    Cogging,
     DwellStiction,
     DynamicTerm,
+    EndStop,
     FloatArray,
     FrictionLaw,
     KinematicError,
@@ -20,6 +22,8 @@ from fricomp.laws import (
     LaggedStribeck,
     LuGre,
     OperatingPoint,
+    PositionCoulomb,
+    SpringTorque,
     StribeckCurve,
     Term,
     ThermalFriction,
@@ -180,6 +184,11 @@ def test_a_model_file_holds_the_term(term: Term) -> None:
     [
         (lambda: ThermalFriction(0.0, 0.8, 0.02, 0.004, 30.0), "forward_viscous must be finite and positive"),
         (lambda: ThermalFriction(0.5, 0.8, math.nan, 0.004, 30.0), "viscous_slope must be finite"),
+        (lambda: ThermalViscous(0.1, math.inf), "reference_temperature must be finite"),
+        (lambda: Cogging(math.nan, 0.1, 9.0), "sine must be finite"),
+        (lambda: PositionCoulomb(0.1, math.inf, 9.0), "cosine must be finite"),
+        (lambda: SpringTorque(1.0, math.nan), "centre must be finite"),
+        (lambda: EndStop(1.0, math.inf, 1.0), "edge must be finite"),
         (lambda: DwellStiction(-0.1, 0.3, 5e-3, 3e-3), "rise must be finite and not negative"),
         (lambda: DwellStiction(0.1, 0.3, 0.0, 3e-3), "travel must be finite and positive"),
         (lambda: KinematicError(math.inf, 0.0, 9.0, 0.3), "sine must be finite"),

@@ -171,6 +171,23 @@ def test_what_the_drive_permitted_is_never_raised(rig: CanOpenRig, mode: Any) ->
     assert in_drives(rig) == LIMIT_COUNTS
 
 
+@pytest.mark.parametrize("mode", ["torque", *OWN_LOOP])
+def test_clearing_a_drive_that_was_power_cycled_restores_the_limit_that_the_gate_knows(
+    rig: CanOpenRig, mode: Any
+) -> None:
+    adapter: Any = rig.adapter
+    adapter.open()
+    adapter.configure(mode, rig.period)
+    raised = tuple(replace(limit, torque=2.4 * limit.torque) for limit in adapter.options.limits)
+    adapter.options = replace(adapter.options, limits=raised)  # within the drives', and no gate has seen it
+    for joint in range(len(rig.drives)):
+        rig.power_cycle(joint)
+    rig.clock.advance(1.0)
+    adapter.read_into(JointFeedback(len(rig.drives)))
+    adapter.clear_faults()
+    assert in_drives(rig) == LIMIT_COUNTS
+
+
 def test_a_drive_that_may_still_be_energised_keeps_the_lower_one(rig: CanOpenRig) -> None:
     rig.adapter.open()
     start(rig)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fricomp.adapters import open_adapter
+from fricomp.adapters import Transmission, open_adapter
 from fricomp.calibration.sweep import SweepContext, SweepSettings
 from fricomp.calibration.sweep.log import CycleLog
 from fricomp.calibration.sweep.motion import MotionRunner
@@ -80,6 +80,14 @@ def test_a_sensor_that_reads_too_much_is_found_out(tmp_path: Path) -> None:
     found = identify_torque_constant(bare, loaded, WEIGHT)
     assert found.unit == "N·m"
     assert found.value == pytest.approx(1.0 / 1.05, rel=2e-3)
+
+
+def test_behind_a_gear_the_constant_is_that_of_the_drive() -> None:
+    found = identify_torque_constant(passes(9.45, 0.0), passes(9.45, WEIGHT.moment), WEIGHT, gear_ratio=3.0)
+    assert found.value == pytest.approx(9.45, rel=1e-2)
+    gear = Transmission(gear_ratio=3.0)
+    # With it the drive's newton metres, which the transmission scales, are those that hang on the joint.
+    assert found.at_drive * gear.torque_gain("N·m") == pytest.approx(found.value)
 
 
 def test_no_loop_is_closed_here_over_a_torque_that_counts_the_other_way(monkeypatch: pytest.MonkeyPatch) -> None:

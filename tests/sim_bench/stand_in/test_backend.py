@@ -17,6 +17,7 @@ from fricomp.sim_bench.stand_in import (
     SimulatedJointAdapter,
     StandIn,
     default_joint,
+    packaged_model,
     two_link_arm,
 )
 
@@ -188,3 +189,11 @@ def test_settings_default_to_the_papers_table_i() -> None:
     for side, values in zip(("forward", "reverse"), expected, strict=True):
         assert tuple(law[f"stribeck.{side}.{name}"] for name in names) == values
     assert StandIn(default_joint()).plant.inertias == pytest.approx((0.1,))
+
+
+def test_a_slide_of_the_model_is_a_linear_joint(tmp_path: Path) -> None:
+    model = tmp_path / "slide.xml"
+    model.write_text(packaged_model("default_joint").read_text().replace('type="hinge"', 'type="slide"'))
+    with open_adapter("sim", {"model": str(model), "joints": [{"name": "joint"}]}) as adapter:
+        joint = adapter.capabilities.joints[0]
+    assert (joint.motion, joint.torque_unit) == ("linear", "N")

@@ -1,0 +1,43 @@
+"""An identification in the light of what its own likelihood does not know: shared errors, correlated samples."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from fricomp.laws import FloatArray
+from fricomp.model import Covariance
+
+from .result import IdentificationResult, Status
+from .verdict import find_vague, vague_message
+
+__all__ = ["doubted", "with_covariance"]
+
+
+def with_covariance(result: IdentificationResult, covariance: FloatArray) -> IdentificationResult:
+    """`result` with a covariance that knows more than the scatter of independent samples, and judged by it.
+
+    What the data say nothing about has no slope, which looks certain to a linear fit, and correlation does not make
+    samples worth more than independent ones: no variance is below that of independent samples.
+
+    Args:
+        result: The friction identified.
+        covariance: Of its parameters. Shape (n_parameters, n_parameters).
+    """
+    short = np.maximum(np.diag(result.covariance) - np.diag(covariance), 0.0)
+    covariance = covariance + np.diag(short)
+    model = replace(result.model, covariance=Covariance(result.parameter_names, covariance))
+    result = replace(result, model=model, covariance=covariance)
+    deviations = np.sqrt(np.diag(covariance)).tolist()
+    known = zip(result.parameters.items(), deviations, strict=True)
+    vague = find_vague({name: (value, deviation) for (name, value), deviation in known}, result.observations)
+    if result.status is not Status.CONVERGED or not vague:
+        return result
+    return doubted(result, Status.NOT_IDENTIFIABLE, vague_message(vague, result.observations))
+
+
+def doubted(result: IdentificationResult, status: Status, message: str) -> IdentificationResult:
+    """`result` with another verdict, in its model file too."""
+    provenance = replace(result.model.provenance, status=str(status), message=message)
+    return replace(result, status=status, message=message, model=replace(result.model, provenance=provenance))
