@@ -262,7 +262,7 @@ class JointAdapter(StoppableDriver):
 
         `stop_failure` and `close_failure` are among them if a stop did not get through, or the bus did not close.
         """
-        health = self._health()
+        health = self._health() | self._bus_health()
         if self._stop_failure:
             health["stop_failure"] = self._stop_failure
         if self._close_failure:
@@ -309,6 +309,10 @@ class JointAdapter(StoppableDriver):
         if complaint is not None:
             gate.trip("not_finite", complaint, self.clock.now_ns())
         return complaint is None
+
+    def _bus_health(self) -> dict[str, float | str]:
+        """What the bus itself counts; adapters on one tell it."""
+        return {}
 
     def _forget_states(self) -> None:
         """Drop what has come without having been taken; drivers over a link do."""

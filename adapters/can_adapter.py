@@ -30,6 +30,10 @@ class CanAdapter(LinkAdapter[CanAdapterConfiguration, CanLink]):
         self._opened_link.send(frames)
 
     @final
+    def _bus_health(self) -> dict[str, float | str]:
+        return {"bus_errors": float(getattr(self._link, "n_errors", 0))}
+
+    @final
     def _pump(self) -> None:
         for frame in self._opened_link.receive():
             self._on_frame(frame)

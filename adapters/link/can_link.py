@@ -51,7 +51,12 @@ class PythonCanLink:
 
         self._bus = bus
         self._message = can.Message
-        self.n_damaged = 0
+        self._n_errors = 0
+
+    @property
+    def n_errors(self) -> int:
+        """Error frames and damaged lines so far, those that the interface has counted itself included."""
+        return self._n_errors + int(getattr(self._bus, "n_damaged", 0))
 
     def send(self, frames: Sequence[CanFrame]) -> None:
         """Hand over all frames in order; none is handed over unless all can be built.
@@ -83,7 +88,7 @@ class PythonCanLink:
             try:
                 message = self._bus.recv(0.0)
             except (IndexError, ValueError):  # what serial interfaces raise on a damaged line
-                self.n_damaged += 1
+                self._n_errors += 1
                 continue
             except Exception as error:
                 raise AdapterConnectionError(f"cannot receive from the CAN bus: {error}") from error
@@ -96,7 +101,7 @@ class PythonCanLink:
         return frames
 
     def _on_error_frame(self, identifier: int) -> None:
-        self.n_damaged += 1
+        self._n_errors += 1
         if identifier & BUS_OFF:
             raise AdapterConnectionError("the CAN controller is bus-off: check wiring, termination and bit rate")
 

@@ -49,11 +49,13 @@ _NO_ANSWER = BlindAnswer(b"", b"", 0.0, "no answer")
 
 @dataclass(frozen=True)
 class _Pending:
-    """A case under way: its files, and its first answer once the proposed motion is being recorded."""
+    """A case under way: its files, its first answer once the proposed motion is being recorded, and whether a recording
+    is being made or diagnosed."""
 
     planned: PlannedCase
     files: dict[str, bytes] = field(default_factory=dict)
     first: BlindAnswer | None = None
+    making: bool = True
 
 
 class _Run:
@@ -139,7 +141,7 @@ def run_proof(
             if isinstance(result, Prepared):
                 _take_prepared(run, pending, result, submit, diagnose, progress)
             elif pending.first is None and asks_for_more(result):
-                first = replace(pending, first=result)
+                first = replace(pending, first=result, making=True)
                 submit(first, prepare_follow_up, pending.planned.spec, result.motion)
             else:
                 check()
@@ -164,7 +166,7 @@ def _result_of(future: Future[Any], pending: _Pending) -> BlindAnswer | Prepared
         raise
     except Exception as error:  # of a generator or of the cluster
         reason = f"{type(error).__name__}: {error}"
-        return BlindAnswer(b"", b"", 0.0, reason) if pending.files else Prepared("", {}, b"", refused=reason)
+        return Prepared("", {}, b"", refused=reason) if pending.making else BlindAnswer(b"", b"", 0.0, reason)
     return result
 
 
@@ -186,7 +188,7 @@ def _take_prepared(
         if pending.first is None:
             run.seal(prepared)
         files = pending.files | prepared.files
-        submit(replace(pending, files=files), diagnose, files)
+        submit(replace(pending, files=files, making=False), diagnose, files)
 
 
 def _finish(run: _Run, pending: _Pending, result: BlindAnswer) -> Score:

@@ -239,3 +239,21 @@ def test_a_cable_pulled_in_mid_frame_ends_in_zero_torque_and_harms_nothing_later
     assert not cycle(bench)
     assert all(axis.torque == 0.0 for axis in bench.axes)
     assert_comes_back(bench)
+
+
+def test_what_a_bus_counts_as_damaged_is_told_by_health() -> None:
+    class NoisyBus:
+        n_damaged = 2  # counted by the interface itself
+
+        def __init__(self) -> None:
+            self.coming = [can.Message(arbitration_id=0x4, is_error_frame=True, dlc=8, data=bytes(8)), None]
+
+        def recv(self, timeout: float) -> can.Message | None:
+            return self.coming.pop(0)
+
+    link: Any = PythonCanLink(NoisyBus())  # type: ignore[arg-type]
+    assert list(link.receive()) == []
+    assert link.n_errors == 3
+    adapter = make_bench("mit", 1).adapter
+    adapter._link = link
+    assert adapter.health()["bus_errors"] == 3.0

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
+from fricomp.calibration.identification import Status
 from fricomp.calibration.sweep.analysis import HALF_DIFFERENCE, SweepAnalysis, measure_offset
 from fricomp.calibration.sweep.block import BlockLabel, SweepData
 from fricomp.calibration.sweep.breakaway import Breakaway, half_differences_at_rest, measure_breakaway
@@ -291,6 +292,22 @@ def test_the_intervals_of_half_differences_count_each_pair_once() -> None:
         name = "symmetric_stribeck.curve.viscous_coefficient"
         errors.append((result.parameters[name] - 0.025) / result.standard_deviations[name])
     assert 0.8 < np.median(np.abs(errors)) / 0.6745 < 1.4
+
+
+@pytest.mark.parametrize(("deviation", "status"), [(0.001, Status.CONVERGED), (0.3, Status.NOT_IDENTIFIABLE)])
+def test_a_zero_of_the_torque_that_nobody_knows_leaves_friction_undetermined(deviation: float, status: Status) -> None:
+    points = []
+    for number, speed in enumerate(np.geomspace(0.01, 3.0, 9)):
+        friction = 0.15 + 0.45 * np.exp(-((speed / 0.05) ** 2)) + 0.02 * speed
+        for side in (1, -1):
+            index = 2 * number + (side < 0)
+            points.append(FrictionPoint(index, 0.0, side * speed, side * friction, 0.002, 1.0, "steady"))
+    analysis = _counted([])
+    offset = replace(analysis.offset, deviation=deviation)
+    analysis = replace(analysis, points=tuple(points), offset=offset)
+    result = estimate_friction(analysis, IdentificationSettings(method="least_squares", noise="absolute")).result
+    assert result.status is status
+    assert result.model.provenance.status == str(status)
 
 
 def test_without_a_model_there_is_no_lag() -> None:

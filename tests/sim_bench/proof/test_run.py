@@ -226,6 +226,23 @@ def test_an_unknown_executor_is_named_with_the_valid_ones() -> None:
         pass
 
 
+def test_a_proposed_motion_whose_recording_fails_is_no_recording(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(spec: object, motion: bytes) -> None:
+        raise RuntimeError("the joint is gone")
+
+    def asking(files: dict[str, bytes]) -> BlindAnswer:
+        unsure = json.loads(answer("missing_physics", ["cogging"]).diagnosis)
+        unsure["effects"][0]["indistinguishable_from"] = ["kinematic_error"]
+        return BlindAnswer(json.dumps(unsure).encode(), b"time\n0\n", 1.0, "")
+
+    monkeypatch.setattr("fricomp.sim_bench.proof.run.prepare_follow_up", fail)
+    (score,) = run_proof(_PLANNED[1:2], tmp_path, (SerialExecutor(), 1), salt="s", diagnose=asking)
+    assert (score.proposed, score.recorded, score.resolved) == (True, False, False)
+    assert score.top_right
+
+
 def test_a_proposed_motion_is_recorded_and_diagnosed_with_the_first(tmp_path: Path) -> None:
     seen: list[set[str]] = []
 
