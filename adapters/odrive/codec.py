@@ -35,7 +35,6 @@ class Command(IntEnum):
 
     VERSION = 0x00
     HEARTBEAT = 0x01
-    ERRORS = 0x03
     WRITE_ENDPOINT = 0x04
     ENDPOINT_ANSWER = 0x05
     AXIS_STATE = 0x07

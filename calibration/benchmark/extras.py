@@ -22,6 +22,9 @@ _BRISTLE = (200.0, 0.5)
 """sigma_0 [N·m/rad] and sigma_1 [N·m·s/rad] of the simulated joint."""
 
 
+_LUGRE_SECONDS = 40.0  # of each record
+
+
 @dataclass(frozen=True)
 class ExtraFigures:
     """Both figures.
@@ -49,27 +52,26 @@ class ExtraFigures:
     lugre_stiffness_percent: float
 
 
-def measure_extras(draws: int, lugre_seeds: int, lugre_seconds: float = 40.0) -> ExtraFigures:
+def measure_extras(draws: int, lugre_seeds: int) -> ExtraFigures:
     """Measure both.
 
     Args:
         draws: Simulated sweeps a design.
         lugre_seeds: Noise seeds.
-        lugre_seconds: Length of each record [s].
     """
     plan = plan_informative_speeds(FrictionModel(PaperProblem().law), 1.0, _PLATEAUS)
     top = np.abs(plan.velocity) > 0.99
     side = np.linspace(0.01, 1.0, _PLATEAUS // 2)
     uniform = np.concatenate([-side[::-1], side])
     planned = np.repeat(plan.velocity, plan.plateaus)
-    static, stiffness = _lugre(lugre_seeds, lugre_seconds)
+    static, stiffness = _lugre(lugre_seeds, _LUGRE_SECONDS)
     return ExtraFigures(
         uniform_percent=100.0 * _LEVEL * plan.uniform_deviation,
         planned_percent=100.0 * _LEVEL * plan.mean_deviation,
         ratio=plan.ratio,
         top_share=float(plan.share[top].sum()),
         measured_ratio=_mean_error(planned, draws) / _mean_error(uniform, draws),
-        lugre_seconds=lugre_seconds,
+        lugre_seconds=_LUGRE_SECONDS,
         lugre_seeds=lugre_seeds,
         lugre_static_percent=static,
         lugre_stiffness_percent=stiffness,

@@ -65,17 +65,13 @@ def optimum_at(logs: FloatArray, law: SeparableLaw, observations: Observations, 
     return Optimum(logs, noise, whitened, magnitude, jacobian, nll)
 
 
-def fit_likelihood(
-    law: SeparableLaw, observations: Observations, noise: Noise, start: FloatArray | None = None
-) -> Optimum:
-    """Maximise the likelihood from every basin of the projection, and from `start` where given.
+def fit_likelihood(law: SeparableLaw, observations: Observations, noise: Noise) -> Optimum:
+    """Maximise the likelihood from every basin of the projection.
 
     Raises:
         IdentificationError: Too few points for the law.
     """
     starts = starting_points(law, observations, noise, robust=False)
-    if start is not None:
-        starts.append(start)
     fits = sorted((refine(s, law, observations, noise) for s in starts), key=lambda fit: fit.negative_log_likelihood)
     return replace(fits[0], other_basins=tuple(fit.negative_log_likelihood for fit in fits[1:]))
 

@@ -41,6 +41,7 @@ _LONGEST_STEP = 0.5
 """Largest change of the logarithm of a parameter in one step."""
 _SCORE_TOLERANCE = 5e-3
 """Converged within this many standard deviations (Mahalanobis) of the likelihood's own optimum."""
+_MOST_STEPS = 150
 _SLOW_GAIN = 0.05
 """Training may stop when the loss falls by less than this fraction a step."""
 
@@ -67,7 +68,7 @@ class TrainedPinn(NamedTuple):
 
     Attributes:
         optimum: The likelihood at the trained parameters.
-        network: The network that identified; it follows the noise of the data, see `export_network`.
+        network: The network that identified; it follows the noise of the data, and is not the one that is exported.
         traces: Course of the training.
         converged: Whether the score came within tolerance.
         iterations: Steps taken or refused.
@@ -141,9 +142,7 @@ class _Problem:
 
 
 @one_blas_thread()
-def train_pinn(
-    law: SeparableLaw, observations: Observations, start: Optimum, *, seed: int = 0, iterations: int = 150
-) -> TrainedPinn:
+def train_pinn(law: SeparableLaw, observations: Observations, start: Optimum, *, seed: int = 0) -> TrainedPinn:
     """Train network and parameters together from `start`.
 
     Args:
@@ -151,14 +150,13 @@ def train_pinn(
         observations: The data.
         start: Where the parameters start, and the noise model.
         seed: Seed of the network's first weights.
-        iterations: Most steps to try.
     """
     network = untrained_network(observations, np.random.default_rng(seed))
     problem = _Problem(law, observations, start.noise, network)
     weights, at = network.parameters(), start
     rows = problem.network_rows(weights, at, _scaled_weight(at, observations))
     weights = weights + solve_output_layer(rows.by_weight, rows.error)
-    return _descend(problem, weights, at, iterations)
+    return _descend(problem, weights, at, _MOST_STEPS)
 
 
 def untrained_network(observations: Observations, rng: np.random.Generator) -> TanhNetwork:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from fricomp.errors import ExportError, MissingExtraError
+from fricomp.whole_file import whole_file
 
 from .architecture import TanhNetwork
 
@@ -40,13 +41,8 @@ def save_network(network: TanhNetwork, path: str | os.PathLike[str], metadata: M
     for key, value in sorted(({"opset": str(OPSET)} | dict(metadata)).items()):
         model.metadata_props.add(key=key, value=value)
     onnx.checker.check_model(model)
-    target = Path(path)
-    part = target.with_name(target.name + ".part")
-    try:
+    with whole_file(Path(path), ExportError) as part:
         part.write_bytes(model.SerializeToString())
-        part.replace(target)
-    except OSError as error:
-        raise ExportError(f"cannot write the network {target}: {error.strerror or error}") from error
 
 
 def _graph_model(network: TanhNetwork, onnx: Any) -> Any:

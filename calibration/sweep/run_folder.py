@@ -15,6 +15,7 @@ import msgspec
 import fricomp
 from fricomp.errors import ParameterError, RecordingError, SweepAborted
 from fricomp.recording import RecordingMetadata, RecordingWriter, read_blocks
+from fricomp.whole_file import whole_file
 
 from .block import SweepData, load_sweep
 from .request import CalibrationRequest
@@ -161,12 +162,8 @@ class RunFolder:
 
     def _save(self) -> None:
         text = msgspec.json.format(msgspec.json.encode(self._run), indent=2)
-        target, part = self.path / _REQUEST, self.path / "run.json.part"
-        try:
+        with whole_file(self.path / _REQUEST, SweepAborted) as part:
             part.write_bytes(text + b"\n")
-            part.replace(target)
-        except OSError as error:
-            raise SweepAborted(f"cannot write {target}: {error.strerror or error}") from error
 
 
 def _changed(stored: Any, changes: Mapping[str, Any]) -> Any:

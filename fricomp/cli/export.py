@@ -149,6 +149,8 @@ def _read(path: Path) -> str:
 
 
 def _write(path: Path, text: str) -> None:
-    part = path.with_name(path.name + ".part")
-    part.write_text(text, encoding="utf-8")
-    part.replace(path)
+    from fricomp.errors import ExportError
+    from fricomp.whole_file import whole_file
+
+    with whole_file(path, ExportError) as part:
+        part.write_text(text, encoding="utf-8")

@@ -21,6 +21,7 @@ from fricomp.export.joined_facts import join_facts
 from fricomp.export.onnx_terms import extra_constants, extra_nodes
 from fricomp.laws import DwellStiction, FloatArray
 from fricomp.model import FrictionModel
+from fricomp.whole_file import whole_file
 
 __all__ = ["STATE_COLUMNS", "closed_form_graph", "save_graph", "stack_networks", "state_columns"]
 
@@ -209,13 +210,8 @@ def save_graph(graph: Any, path: str | os.PathLike[str], metadata: dict[str, str
     for key, value in sorted(({"opset": str(OPSET)} | (metadata or {})).items()):
         graph.metadata_props.add(key=key, value=value)
     _onnx().checker.check_model(graph)
-    target = Path(path)
-    part = target.with_name(target.name + ".part")
-    try:
+    with whole_file(Path(path), ExportError) as part:
         part.write_bytes(graph.SerializeToString())
-        part.replace(target)
-    except OSError as error:
-        raise ExportError(f"cannot write {target}: {error.strerror or error}") from error
 
 
 def _onnx() -> Any:

@@ -14,6 +14,7 @@ import numpy as np
 from fricomp.errors import FricompError, ModelFileError
 from fricomp.laws import FrictionLaw, Term, term_class
 from fricomp.model.model import Covariance, FrictionModel, Motion, Provenance, Validity
+from fricomp.whole_file import whole_file
 
 __all__ = ["MODEL_SCHEMA", "decode_model", "encode_model", "load_model", "model_json_schema", "save_model"]
 
@@ -67,13 +68,9 @@ def save_model(model: FrictionModel, path: str | os.PathLike[str]) -> str:
     Raises:
         ModelFileError: The file cannot be written.
     """
-    target, data = Path(path), encode_model(model)
-    part = target.with_name(target.name + ".part")
-    try:
+    data = encode_model(model)
+    with whole_file(Path(path), ModelFileError) as part:
         part.write_bytes(data)
-        part.replace(target)
-    except OSError as error:
-        raise ModelFileError(f"cannot write the model file {target}: {error.strerror or error}") from error
     return hashlib.sha256(data).hexdigest()
 
 

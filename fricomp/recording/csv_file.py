@@ -27,7 +27,7 @@ from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import RecordingMetadata, metadata_from_fields, metadata_to_fields
 from fricomp.recording.recording import CHANNELS, REQUIRED_CHANNELS, Recording
 from fricomp.recording.validity import drop_bad_rows
-from fricomp.recording.whole_file import whole_file
+from fricomp.whole_file import whole_file
 
 SCHEMA = "fricomp.recording/1"
 _FAMILY = "fricomp.recording/"

@@ -62,7 +62,7 @@ class Source(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class ChannelRule(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Where a channel comes from. Worked through in the order of the attributes.
+    """Where a channel comes from. Worked through in the order of the attributes, `from_zero` last.
 
     Attributes:
         column: Number counted from 1, name, or path with dots; `name:3` is the third column

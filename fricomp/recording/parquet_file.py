@@ -11,7 +11,7 @@ from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import metadata_from_fields, metadata_to_fields
 from fricomp.recording.recording import Recording
 from fricomp.recording.validity import drop_bad_rows
-from fricomp.recording.whole_file import whole_file
+from fricomp.whole_file import whole_file
 
 _KEY = b"fricomp.recording"
 

@@ -173,10 +173,7 @@ def _join_dask(scheduler: str) -> Iterator[tuple[Executor, int]]:
 
 
 def stream(
-    items: Iterable[tuple[_Item, tuple[Any, ...]]],
-    call: Callable[..., Any],
-    executor: tuple[Executor, int],
-    go_on: Callable[[], bool] = always,
+    items: Iterable[tuple[_Item, tuple[Any, ...]]], call: Callable[..., Any], executor: tuple[Executor, int]
 ) -> Iterator[tuple[_Item, Future[Any]]]:
     """Finished futures as they come; a few calls a worker are under way, so that any number of items fits in memory.
 
@@ -184,13 +181,12 @@ def stream(
         items: What is reported beside the future, and the arguments of the call; taken one by one.
         call: What a worker runs; it must be importable there.
         executor: With the number of its workers, as `open_executor` gives it.
-        go_on: Asked before each call; no more are started once it says no.
     """
     pool, workers = executor
     todo = iter(items)
     waiting: dict[Future[Any], _Item] = {}
     while True:
-        while len(waiting) < _AHEAD * workers and go_on() and (each := next(todo, None)) is not None:
+        while len(waiting) < _AHEAD * workers and (each := next(todo, None)) is not None:
             waiting[pool.submit(call, *each[1])] = each[0]
         if not waiting:
             return

@@ -18,6 +18,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 from fricomp.errors import FricompError, RecordingError
+from fricomp.whole_file import whole_file
 
 from .executor import stream
 from .joint import FleetJoint
@@ -257,9 +258,8 @@ def write_rows(rows: Sequence[FleetRow], path: Path) -> None:
     from pyarrow import parquet
 
     columns = list(dict.fromkeys(key for row in rows for key in row))
-    temporary = path.with_suffix(".part")
-    parquet.write_table(pyarrow.Table.from_pylist([{c: row.get(c) for c in columns} for row in rows]), temporary)
-    temporary.replace(path)
+    with whole_file(path) as part:
+        parquet.write_table(pyarrow.Table.from_pylist([{c: row.get(c) for c in columns} for row in rows]), part)
 
 
 def collect_rows(joints: Sequence[FleetJoint], out: Path) -> list[FleetRow]:

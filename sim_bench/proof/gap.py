@@ -19,7 +19,7 @@ import msgspec
 import numpy as np
 
 from fricomp.errors import DiagnosisError
-from fricomp.recording.whole_file import whole_file
+from fricomp.whole_file import whole_file
 
 from ..concealed import CATALOGUE, CaseSpec, generate, write_answer, write_case
 from ..diagnosis import HeldOut

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fricomp.errors import DiagnosisError
-from fricomp.recording.whole_file import whole_file
+from fricomp.whole_file import whole_file
 
 from .run import ANSWERS, DIAGNOSES, REFUSED, SEALS, read_scores
 from .score import brief_diagnosis

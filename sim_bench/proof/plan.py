@@ -32,6 +32,7 @@ GROUPS = {
 NULLS = ("null", "hard_null")
 """Groups in which nothing is missing."""
 
+_SHORT = 30.0  # [s] of the recordings of clear cases
 _ONE_SPRING = {"joint_elasticity", "backlash"}  # both are of the one transmission, which has one stiffness
 _STRENGTHS = ("1", "0.5", "2", "0.2", "5", "0.1", "clear")
 _MOTIONS = ("rich", "fourier", "rich", "sweep", "rich", "fourier", "pick_and_place", "rich", "slow_reversals", "chirp")
@@ -83,23 +84,22 @@ def plan_cases(
     return planned
 
 
-def plan_clear_cases(seeds: Iterator[int], duration: float = 30.0) -> list[PlannedCase]:
+def plan_clear_cases(seeds: Iterator[int]) -> list[PlannedCase]:
     """Every effect of the catalogue once, clear, on a rich motion, and a case with nothing missing after every third.
 
     Args:
         seeds: One is taken for each case.
-        duration: Of every recording [s].
     """
     cores, noises = cycle(("lugre", "gms", "dahl", "set_valued")), cycle(_NOISES)
     motions = cycle(("rich", "fourier", "sweep", "slow_reversals", "pick_and_place", "chirp"))
     null_cores = cycle(("set_valued", "lugre", "gms", "dahl"))
     planned = []
     for index, name in enumerate(CATALOGUE, start=1):
-        single = CaseSpec(next(seeds), (name,), "clear", "rich", duration, next(noises), next(cores))
+        single = CaseSpec(next(seeds), (name,), "clear", "rich", _SHORT, next(noises), next(cores))
         planned.append(PlannedCase("single", single))
         if index % 3 == 0:
             next(cores)  # so that an effect does not meet the same core all the time
-            nothing = CaseSpec(next(seeds), (), "clear", next(motions), duration, next(noises), next(null_cores))
+            nothing = CaseSpec(next(seeds), (), "clear", next(motions), _SHORT, next(noises), next(null_cores))
             planned.append(PlannedCase("null", nothing))
     return planned
 

@@ -18,6 +18,9 @@ from .statistics import ShareEstimate, oracle_power
 __all__ = ["PowerPoint", "compute_confusion", "compute_power"]
 
 
+_WEAKEST = 0.5  # ENR from which the confusion matrix counts
+
+
 class PowerPoint(NamedTuple):
     """Single effects of about one strength.
 
@@ -58,15 +61,15 @@ def compute_power(scores: Sequence[Score]) -> list[PowerPoint]:
     return points
 
 
-def compute_confusion(scores: Sequence[Score], weakest: float = 0.5) -> dict[str, Counter[str]]:
-    """For each single effect of at least this strength, how often each answer came first.
+def compute_confusion(scores: Sequence[Score]) -> dict[str, Counter[str]]:
+    """For each single effect of ENR 0.5 or more, how often each answer came first.
 
     Answers without a name count as their verdict.
     """
     table: dict[str, Counter[str]] = {}
     for score in scores:
         if score.group in ("single", "outside", "injected", *NULLS) and (
-            score.enr >= weakest * WEAK or not score.truth
+            score.enr >= _WEAKEST * WEAK or not score.truth
         ):
             answer = score.named.split("+")[0] or f"({score.verdict})"
             table.setdefault(score.truth or "(nothing)", Counter())[answer] += 1

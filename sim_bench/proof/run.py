@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from fricomp.errors import DiagnosisError
+from fricomp.whole_file import whole_file
 
 from ..fleet import always
 from .blind import BlindAnswer, Prepared, diagnose_blind, prepare, prepare_follow_up
@@ -215,9 +216,8 @@ def _write_score(score: Score, path: Path) -> None:
     import pyarrow
     from pyarrow import parquet
 
-    temporary = path.with_suffix(".part")
-    parquet.write_table(pyarrow.Table.from_pylist([asdict(score)]), temporary)
-    temporary.replace(path)
+    with whole_file(path) as part:
+        parquet.write_table(pyarrow.Table.from_pylist([asdict(score)]), part)
 
 
 def read_scores(folder: Path) -> list[Score]:

@@ -20,6 +20,7 @@ __all__ = [
 
 _DRAWS, _SEED = 4000, 7  # of a bootstrap
 _INDEPENDENT = 0.75  # of the rows
+_FREEDOM, _RIVALS, _FALSE_ALARMS = 2, 32, 0.02  # of the oracle
 
 
 class ShareEstimate(NamedTuple):
@@ -48,17 +49,16 @@ class ShareEstimate(NamedTuple):
         return f"{self.share:.1%} ({self.hits} of {self.total}; {self.low:.1%} to {self.high:.1%})"
 
 
-def compute_share(hits: int, count: int, confidence: float = 0.95) -> ShareEstimate:
-    """Clopper-Pearson interval of a binomial share."""
-    return ShareEstimate(hits, count, *_exact_interval(hits, count, confidence))
+def compute_share(hits: int, count: int) -> ShareEstimate:
+    """Clopper-Pearson interval of a binomial share, at 95 %."""
+    return ShareEstimate(hits, count, *_exact_interval(hits, count))
 
 
-def _exact_interval(hits: float, count: float, confidence: float) -> tuple[float, float]:
+def _exact_interval(hits: float, count: float) -> tuple[float, float]:
     from scipy.stats import beta
 
-    tail = 0.5 * (1.0 - confidence)
-    low = float(beta.ppf(tail, hits, count - hits + 1.0)) if hits > 0.0 else 0.0
-    high = float(beta.ppf(1.0 - tail, hits + 1.0, count - hits)) if hits < count else 1.0
+    low = float(beta.ppf(0.025, hits, count - hits + 1.0)) if hits > 0.0 else 0.0
+    high = float(beta.ppf(0.975, hits + 1.0, count - hits)) if hits < count else 1.0
     return low, high
 
 
@@ -112,7 +112,7 @@ def compute_clustered_share(hits: Sequence[int], totals: Sequence[int]) -> Share
     if 0.0 < share < 1.0 and of.size > 1:
         between = of.size / (of.size - 1) * float(np.sum((of - share * out_of) ** 2)) / total**2
         effective = min(share * (1.0 - share) / max(between, 1e-30), total)
-    low, high = _exact_interval(share * effective, effective, 0.95)
+    low, high = _exact_interval(share * effective, effective)
     return ShareEstimate(int(of.sum()), int(total), low, high)
 
 
@@ -128,30 +128,28 @@ def compute_mean(values: Sequence[float]) -> tuple[float, float, float]:
     return middle, float(found.confidence_interval.low), float(found.confidence_interval.high)
 
 
-def oracle_power(enr: float, rows: int, freedom: int = 2, rivals: int = 32, false_alarms: float = 0.02) -> float:
+def oracle_power(enr: float, rows: int) -> float:
     """Power of the likelihood-ratio test that knows every effect's shape.
 
     The energy of an effect of strength `enr` over n independent rows is n enr²; its test statistic is chi-squared with
-    that non-centrality. The threshold keeps the false alarms over all rivals together at the wanted rate.
+    that non-centrality, and two degrees of freedom as most effects have. The threshold keeps the false alarms over all
+    32 effects of the catalogue together at 2 %.
 
     Args:
         enr: Effect-to-noise ratio after the refit of the base.
         rows: Rows of the recording; three quarters of them count. Hann windows that overlap by half share 1/6 of white
             torque noise, so that what changes slowly from row to row meets 1 + 2/6 of its variance; what changes
             quickly, and rows whose noise is the encoder's, meet less. Coloured torque noise is correlated for longer.
-        freedom: Parameters of an effect.
-        rivals: Effects that are tested.
-        false_alarms: Wanted rate on recordings with nothing missing.
     """
     from scipy.stats import chi2, ncx2
 
-    threshold = float(chi2.isf(false_alarms / rivals, freedom))
+    threshold = float(chi2.isf(_FALSE_ALARMS / _RIVALS, _FREEDOM))
     energy = _INDEPENDENT * rows * enr**2
     if energy == 0.0:
-        return float(chi2.sf(threshold, freedom))
+        return float(chi2.sf(threshold, _FREEDOM))
     if energy > 1e4:
         return 1.0
-    return float(np.clip(ncx2.sf(threshold, freedom, energy), 0.0, 1.0))
+    return float(np.clip(ncx2.sf(threshold, _FREEDOM, energy), 0.0, 1.0))
 
 
 def format_quartiles(values: Sequence[float]) -> str:

@@ -10,7 +10,7 @@ import msgspec
 
 from fricomp.errors import FricompError
 from fricomp.recording import read_public
-from fricomp.recording.whole_file import whole_file
+from fricomp.whole_file import whole_file
 
 from ..diagnosis import Diagnosis, DiagnosisRecord, Quantity, diagnose, load_diagnosis
 from ..diagnosis_report import derived_parameters, with_names, write_diagnosis

@@ -8,7 +8,7 @@ from pathlib import Path
 import msgspec
 
 from fricomp.recording import write_recording
-from fricomp.recording.whole_file import whole_file
+from fricomp.whole_file import whole_file
 
 from ..diagnosis_version import diagnosis_version
 from ..proof.blind import BlindAnswer, diagnose_blind

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 
@@ -35,10 +35,9 @@ from .case import TrackingFigures, Witness, compute_figures
 from .joint import loop_of
 from .vertical_joint import GravityController, MultiSine, vertical_joint
 
-__all__ = ["CLOSE_LOOP_METHODS", "CloseLoopMethod", "CloseLoopResult", "close_loop"]
+__all__ = ["CloseLoopMethod", "CloseLoopResult", "close_loop"]
 
 CloseLoopMethod = Literal["none", "stribeck", "extended"]
-CLOSE_LOOP_METHODS: tuple[CloseLoopMethod, ...] = get_args(CloseLoopMethod)
 """Without compensation; with the calibrated model; with what the diagnosis made of it."""
 
 _PERIOD = 1e-3

@@ -25,7 +25,6 @@ from .can_twin import CanDevice
 __all__ = ["ODriveNode", "ODriveSettings", "flat_endpoints"]
 
 TURN = 2.0 * pi
-MILLISECOND_NS = 1_000_000
 
 
 class Command(IntEnum):

@@ -254,6 +254,6 @@ def test_what_a_bus_counts_as_damaged_is_told_by_health() -> None:
     link: Any = PythonCanLink(NoisyBus())  # type: ignore[arg-type]
     assert list(link.receive()) == []
     assert link.n_errors == 3
-    adapter = make_bench("mit", 1).adapter
+    adapter: Any = make_bench("mit", 1).adapter
     adapter._link = link
     assert adapter.health()["bus_errors"] == 3.0

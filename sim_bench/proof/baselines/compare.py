@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from fricomp.errors import DiagnosisError
+from fricomp.whole_file import whole_file
 
 from ...concealed import CaseSpec, generate, write_answer, write_case
 from ...fleet import stream
@@ -94,9 +95,8 @@ def _write(scores: Sequence[BaselineScore], path: Path) -> None:
     from pyarrow import parquet
 
     if scores:
-        temporary = path.with_suffix(".part")
-        parquet.write_table(pyarrow.Table.from_pylist([asdict(score) for score in scores]), temporary)
-        temporary.replace(path)
+        with whole_file(path) as part:
+            parquet.write_table(pyarrow.Table.from_pylist([asdict(score) for score in scores]), part)
 
 
 def _read(path: Path) -> Iterator[BaselineScore]:

@@ -4,23 +4,29 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from fricomp.errors import RecordingError
+from fricomp.errors import FricompError, RecordingError
+
+__all__ = ["whole_file"]
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
+def whole_file(path: Path, error: type[FricompError] = RecordingError) -> Iterator[Path]:
     """Give a path beside the wanted one to write to; move it into place only when all went well.
 
+    Args:
+        path: Of the file.
+        error: What is raised where the folder cannot be written, or the disk is full.
+
     Raises:
-        RecordingError: The folder cannot be written, or the disk is full.
+        FricompError: Of that kind.
     """
     temporary = path.with_name(path.name + ".part")
     try:
         yield temporary
         temporary.replace(path)
-    except OSError as error:
+    except OSError as failure:
         temporary.unlink(missing_ok=True)
-        raise RecordingError(f"cannot write {path}: {error.strerror or error}") from error
+        raise error(f"cannot write {path}: {failure.strerror or failure}") from failure
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
