@@ -4,6 +4,7 @@ from .adapter import JointAdapter
 from .can_adapter import CanAdapter
 from .driver import Driver
 from .options import AdapterOptions
+from .recorded import recording_metadata
 from .registry import ENTRY_POINT_GROUP, adapter_class, adapter_names, open_adapter
 from .serial_adapter import SerialAdapter
 from .transmission import Transmission
@@ -19,4 +20,5 @@ __all__ = [
     "adapter_class",
     "adapter_names",
     "open_adapter",
+    "recording_metadata",
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from fricomp.adapters import JointAdapter
+from fricomp.adapters import JointAdapter, recording_metadata
 from fricomp.errors import AdapterConfigurationError, ParameterError
 from fricomp.joint import CommandMode
 from fricomp.recording import RecordingMetadata
@@ -93,19 +93,4 @@ class SweepContext:
 
     def metadata(self) -> RecordingMetadata:
         """Facts for the recording."""
-        declared, limits = self.adapter.capabilities.joints[self.joint], self.adapter.options.limits[self.joint]
-        return RecordingMetadata(
-            joint=declared.name,
-            motion=declared.motion,
-            torque_unit=declared.torque_unit,
-            torque_kind=declared.torque_kind,
-            encoder_resolution=declared.position_quantum or None,
-            position_limits=limits.position or declared.position_limits,
-            velocity_limit=limits.velocity,
-            continuous=limits.position is None and declared.position_limits is None,
-            source="fricomp calibrate",
-            extra={
-                "torque_limit": min(limits.torque, declared.torque_limit),
-                "torque_quantum": declared.torque_quantum,
-            },
-        )
+        return recording_metadata(self.adapter, self.joint, "fricomp calibrate")

@@ -209,18 +209,10 @@ class _Setup:
 
     def metadata(self) -> list[RecordingMetadata]:
         """Of each joint's recording."""
-        from fricomp.recording import RecordingMetadata
+        from fricomp.adapters import recording_metadata
 
-        return [
-            RecordingMetadata(
-                joint=joint.name,
-                motion=joint.motion,
-                torque_unit=joint.torque_unit,
-                torque_kind=joint.torque_kind,
-                position_limits=joint.position_limits,
-            )
-            for joint in self.adapter.capabilities.joints
-        ]
+        joints = range(len(self.adapter.capabilities.joints))
+        return [recording_metadata(self.adapter, joint, "fricomp run") for joint in joints]
 
 
 def _figures(result: LoopResult) -> dict[str, Any]:

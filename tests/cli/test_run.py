@@ -1,5 +1,6 @@
 """`fricomp run` with options that would divide by zero or move nothing."""
 
+import math
 from pathlib import Path
 
 import pytest
@@ -117,4 +118,7 @@ def test_a_joint_that_is_stopped_by_the_gate_leaves_its_recording(tmp_path: Path
     file.write_text(f'[[joints]]\nname = "joint"\n{limits}\n')
     result = CliRunner().invoke(app, ["run", str(model), "--config", str(file), "--out", str(out)])
     assert isinstance(result.exception, SafetyTrip), result.output
-    assert read_recording(out / "without_compensation_joint.csv").duration > 0.5
+    recording = read_recording(out / "without_compensation_joint.csv")
+    assert recording.duration > 0.5
+    assert recording.metadata.encoder_resolution == pytest.approx(2.0 * math.pi / 2**18)
+    assert recording.metadata.source == "fricomp run"
