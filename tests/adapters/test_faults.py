@@ -241,6 +241,21 @@ def test_a_cable_pulled_in_mid_frame_ends_in_zero_torque_and_harms_nothing_later
     assert_comes_back(bench)
 
 
+@pytest.mark.parametrize("protocol", PROTOCOLS)
+def test_a_stop_drops_what_still_waits_to_be_sent_before_it_sends(
+    protocol: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bench = started(protocol)
+    link: Any = bench.adapter._link  # type: ignore[attr-defined]
+    order: list[str] = []
+    discard, send = link.discard_output, link.send
+    monkeypatch.setattr(link, "discard_output", lambda: (order.append("discard"), discard())[1])
+    monkeypatch.setattr(link, "send", lambda data: (order.append("send"), send(data))[1])
+    bench.adapter.safe_stop("operator")
+    assert "discard" in order
+    assert order.index("discard") < order.index("send")
+
+
 def test_what_a_bus_counts_as_damaged_is_told_by_health() -> None:
     class NoisyBus:
         n_damaged = 2  # counted by the interface itself
