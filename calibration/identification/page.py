@@ -10,13 +10,11 @@ import numpy as np
 from fricomp.laws import FloatArray
 from fricomp.report import Band, Chart, Check, Line, Panel, Points, ReportPage, Section, Table, draw_png, write_report
 
+from .chart import REACH, network_note, training_chart
 from .result import IdentificationResult, Status
 from .uncertainty import profile_interval
 
 __all__ = ["identification_charts", "parameter_rows", "write_identification_report"]
-
-_REACH = 1.96
-"""Half width of a 95 % interval in standard deviations."""
 
 
 def write_identification_report(
@@ -39,7 +37,7 @@ def write_identification_report(
         Section("Parameters", (Table(heads, parameter_rows(result)),)),
         Section("What was checked", _checks(result)),
         Section("Residuals", (charts[1],)),
-        *((Section("Training", (charts[2], _network_note(result))),) if len(charts) > 2 else ()),
+        *((Section("Training", (charts[2], network_note(result))),) if len(charts) > 2 else ()),
         Section("How it was made", (Table(("what", "value"), tuple((facts or {}).items())),), folded=True),
     )
     page = ReportPage(
@@ -68,7 +66,7 @@ def _between(lower: float, upper: float) -> str:
 def identification_charts(result: IdentificationResult) -> list[Chart]:
     """Friction curve, residuals and, where a network was trained, its course."""
     charts = [_curve(result), _residuals(result)]
-    return charts if result.traces is None else [*charts, _training(result)]
+    return charts if result.traces is None else [*charts, training_chart(result.traces, result.model.torque_unit)]
 
 
 def _curve(result: IdentificationResult) -> Chart:
@@ -82,7 +80,7 @@ def _curve(result: IdentificationResult) -> Chart:
         speed = np.geomspace(points.speed[rows].min(), points.speed[rows].max(), 300)
         torque = sign * np.asarray(result.model.torque(sign * speed, normal_load=load))
         loads = None if load is None else np.full_like(speed, load)
-        reach = _REACH * result.torque_deviation(sign * speed, loads)
+        reach = REACH * result.torque_deviation(sign * speed, loads)
         marks = (
             Points(points.speed[rows], points.magnitude[rows], "measured", color=6, size=3.0),
             Band(speed, torque - reach, torque + reach, "95 % interval", color=0),
@@ -108,22 +106,6 @@ def _residuals(result: IdentificationResult) -> Chart:
     return Chart("residuals", "Residuals", (panel,), caption="No trend should be left in them.")
 
 
-def _training(result: IdentificationResult) -> Chart:
-    traces = result.traces
-    assert traces is not None
-    step = np.arange(1.0, len(traces.data_loss) + 1.0)
-    final = np.exp(result.optimum.logs)
-    relative = tuple(
-        Line(step, traces.parameters[:, k] / final[k], name.partition(".")[2]) for k, name in enumerate(traces.names)
-    )
-    losses = (Line(step, traces.data_loss, "data"), Line(step, traces.model_loss, "closed form"))
-    panels = (
-        Panel(relative, "iteration", "parameter / final value"),
-        Panel(losses, "iteration", "mean squared error", y_scale="log"),
-    )
-    return Chart("training", "Course of the training", panels, columns=2)
-
-
 def _checks(result: IdentificationResult) -> tuple[Check, ...]:
     good = result.status is Status.CONVERGED
     choice = (
@@ -141,19 +123,6 @@ def _checks(result: IdentificationResult) -> tuple[Check, ...]:
         ),
         Check("Noise", "note", choice),
         Check("Network", "passed" if result.distillation.largest_error < 0.01 else "warning", exported),
-    )
-
-
-def _network_note(result: IdentificationResult) -> str:
-    network = result.identifying_network
-    if network is None:
-        return ""
-    velocity = np.linspace(-1.0, 1.0, 2001) * float(result.observations.speed.max())
-    velocity = velocity[np.abs(velocity) >= result.observations.speed.min()]
-    apart = np.max(np.abs(np.asarray(network.torque(velocity)) - np.asarray(result.network.torque(velocity))))
-    return (
-        "The network that was trained with the parameters follows the noise of its points; between them it is up to "
-        f"{float(apart):.3g} {result.model.torque_unit} from the exported one, which was trained to the closed form."
     )
 
 

@@ -7,23 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from fricomp.laws import FloatArray
-from fricomp.report import PALETTE, Band, Chart, HeatMap, Line, Mark, Panel, Points, Rule
+from fricomp.report import Band, Chart, HeatMap, Line, Mark, Panel, Points, Rule
 
+from ..identification.chart import REACH, training_chart, words
 from .calibrate import Calibration
 from .point import FrictionPoint
 
 __all__ = ["calibration_charts"]
 
-# Half width of a 95 % interval in standard deviations.
-REACH = 1.96
 # Positions in the palette: measured, model, network, rejected.
 MEASURED, MODEL, NETWORK, REJECTED = 1, 0, 2, 6
-_NAMES = {
-    "coulomb_torque": "Coulomb torque",
-    "static_torque": "static torque",
-    "stribeck_velocity": "Stribeck velocity",
-    "viscous_coefficient": "viscous coefficient",
-}
 
 
 def calibration_charts(calibration: Calibration) -> dict[str, Chart]:
@@ -34,15 +27,10 @@ def calibration_charts(calibration: Calibration) -> dict[str, Chart]:
         residuals(calibration),
         correlations(calibration),
     ]
-    traces = training(calibration)
-    return {chart.name: chart for chart in (*charts, *([traces] if traces else []))}
-
-
-def words(name: str) -> str:
-    """A parameter's name in words: `stribeck.forward.coulomb_torque` is `Coulomb torque, forward`."""
-    *group, last = name.split(".")
-    side = f", {group[-1]}" if group and group[-1] in ("forward", "reverse") else ""
-    return _NAMES.get(last, last.replace("_", " ")) + side
+    traces = calibration.estimate.result.traces
+    if traces is not None and len(traces.data_loss) > 1:
+        charts.append(training_chart(traces, _units(calibration)[1]))
+    return {chart.name: chart for chart in charts}
 
 
 def friction_curve(calibration: Calibration) -> Chart:
@@ -161,27 +149,6 @@ def correlations(calibration: Calibration) -> Chart:
     place = np.arange(float(len(names)))
     grid = HeatMap(place, place, result.covariance / np.outer(deviation, deviation), "correlation", True, names, names)
     return Chart("correlation", "Correlation of the parameters", (Panel((grid,), "", ""),), panel_height=420)
-
-
-def training(calibration: Calibration) -> Chart | None:
-    """The parameters and losses over the iterations; None where no network was trained."""
-    traces = calibration.estimate.result.traces
-    if traces is None or len(traces.data_loss) < 2:
-        return None
-    steps = np.arange(float(len(traces.data_loss)))
-    final = np.abs(traces.parameters[-1])
-    lines = tuple(
-        Line(steps, traces.parameters[:, i] / final[i], words(name), color=i % len(PALETTE))
-        for i, name in enumerate(traces.names)
-    )
-    unit = _units(calibration)[1]
-    losses = (Line(steps, traces.data_loss, "data"), Line(steps, traces.model_loss, "Stribeck model"))
-    panels = (
-        Panel(lines, "iteration", "parameter / final value [1]", "Parameters"),
-        Panel(losses, "iteration", f"mean squared error [({unit})²]", "Losses", y_scale="log"),
-    )
-    caption = "Network and parameters are trained together, from a start by variable projection."
-    return Chart("training", "Training of network and parameters", panels, caption=caption, panel_height=260)
 
 
 def _joined(columns: Sequence[FloatArray]) -> FloatArray:

@@ -9,6 +9,7 @@ import numpy as np
 from fricomp.report import Check, Outcome
 
 from ..identification import Status
+from ..identification.chart import REACH
 from .analysis import HALF_DIFFERENCE, SweepAnalysis
 from .calibrate import Calibration
 from .sign_check import SignCheck
@@ -27,8 +28,6 @@ COMPENSATED = 0.08
 ASSISTED = 0.1
 BREAKAWAY_AGREES = 0.05
 MODEL_AGREES = 0.03
-# Half width of a 95 % interval in standard deviations.
-REACH = 1.96
 
 
 def calibration_checks(calibration: Calibration) -> tuple[Check, ...]:

@@ -9,8 +9,9 @@ import numpy as np
 
 from fricomp.report import Chart, Check, ReportPage, Section, Table, draw_png, write_report
 
+from ..identification.chart import REACH, network_note, words
 from .calibrate import Calibration, mean_relative_deviation
-from .chart import calibration_charts, words
+from .chart import calibration_charts
 
 __all__ = ["calibration_page", "parameter_table", "write_calibration_report"]
 
@@ -70,7 +71,7 @@ def calibration_page(
         Section("What was checked", checks),
         Section("Data", (charts["acquisition"], _source_note(calibration))),
         Section("Residuals", (charts["residuals"],)),
-        Section("Network", (*((charts["training"],) if "training" in charts else ()), _network_note(calibration))),
+        Section("Network", (*((charts["training"],) if "training" in charts else ()), network_note(result))),
         Section("Plateaus", (_plateau_table(calibration),), folded=True),
         Section("How it was made", (Table(("what", "value"), tuple(facts.items())),), folded=True),
     ]
@@ -103,15 +104,7 @@ def _summary(calibration: Calibration, checks: tuple[Check, ...]) -> tuple[str, 
         if not bad
         else f"Look at this before you use the model: {', '.join(bad)}."
     )
-    return (
-        (_curve_sentence(calibration, unit), verdict, *_asymmetry(model.forward, model.reverse, unit))
-        if _has_curve(calibration)
-        else (verdict,)
-    )
-
-
-def _has_curve(calibration: Calibration) -> bool:
-    return any(name.endswith("static_torque") for name in calibration.estimate.result.parameter_names)
+    return (_curve_sentence(calibration, unit), verdict, *_asymmetry(model.forward, model.reverse, unit))
 
 
 def _curve_sentence(calibration: Calibration, unit: str) -> str:
@@ -136,7 +129,7 @@ def _parameter_note(calibration: Calibration) -> str:
     offset = calibration.analysis.offset
     return (
         "Intervals hold the scatter of the plateaus, estimated from itself, and what is not known of the zero of the "
-        f"torque sensor (± {1.96 * offset.deviation:.1g} {calibration.analysis.metadata.torque_unit}), which all "
+        f"torque sensor (± {REACH * offset.deviation:.1g} {calibration.analysis.metadata.torque_unit}), which all "
         "plateaus share. They do not hold an error of scale: a torque constant that is 1 % off makes every torque 1 % "
         "off."
     )
@@ -148,20 +141,6 @@ def _source_note(calibration: Calibration) -> str:
     return (
         f"The drive's torque is {analysis.metadata.torque_kind}. Friction is the {analysis.torque_source}. "
         f"Normal load: {analysis.load_source}{at}."
-    )
-
-
-def _network_note(calibration: Calibration) -> str:
-    result = calibration.estimate.result
-    exported = (
-        f"The exported network was trained to the closed form by collocation, and differs from it by at most "
-        f"{result.distillation.largest_error:.1e} of the largest torque on a grid between the training points."
-    )
-    if result.identifying_network is None:
-        return exported
-    return (
-        "The network that was trained together with the parameters follows the noise of the points between them, so it "
-        f"is not the one that is exported. {exported}"
     )
 
 

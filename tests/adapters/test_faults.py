@@ -249,8 +249,17 @@ def test_a_stop_drops_what_still_waits_to_be_sent_before_it_sends(
     link: Any = bench.adapter._link  # type: ignore[attr-defined]
     order: list[str] = []
     discard, send = link.discard_output, link.send
-    monkeypatch.setattr(link, "discard_output", lambda: (order.append("discard"), discard())[1])
-    monkeypatch.setattr(link, "send", lambda data: (order.append("send"), send(data))[1])
+
+    def discarding() -> None:
+        order.append("discard")
+        discard()
+
+    def sending(data: Any) -> None:
+        order.append("send")
+        send(data)
+
+    monkeypatch.setattr(link, "discard_output", discarding)
+    monkeypatch.setattr(link, "send", sending)
     bench.adapter.safe_stop("operator")
     assert "discard" in order
     assert order.index("discard") < order.index("send")
