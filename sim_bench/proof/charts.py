@@ -18,12 +18,15 @@ def draw_power(points: Sequence[PowerPoint]) -> Chart:
     """Shares against strength, beside the oracle's."""
     enr = np.array([point.enr for point in points])
     order = np.argsort(enr)
-    marks = [Line(enr[order], np.array([p.oracle for p in points])[order], "likelihood-ratio oracle", stroke="dashed")]
-    for name, shares in (("detected", [p.detected for p in points]), ("right name first", [p.named for p in points])):
+    oracle = np.array([p.oracle for p in points])[order]
+    marks = [Line(enr[order], oracle, "likelihood-ratio oracle", color=0, stroke="dashed")]
+    rows = (("called missing", [p.detected for p in points]), ("right name first", [p.named for p in points]))
+    for color, (name, shares) in enumerate(rows, 1):
         half = np.array([0.5 * (s.high - s.low) for s in shares])
         middle = np.array([0.5 * (s.high + s.low) for s in shares])
-        marks.append(Line(enr[order], np.array([s.share for s in shares])[order], name))
-        marks.append(Points(enr, middle, error=half, size=0.1))  # type: ignore[arg-type]
+        beside = enr * (0.985 if color == 1 else 1.015)  # bars of one place would hide each other
+        marks.append(Line(enr[order], np.array([s.share for s in shares])[order], name, color=color))
+        marks.append(Points(beside, middle, error=half, size=0.1, color=color))  # type: ignore[arg-type]
     panel = Panel(tuple(marks), "effect-to-noise ratio after the base refit", "share of cases", x_scale="log")
     return Chart("power", "Power against strength", (panel,), caption="Bars are exact 95 % intervals.")
 

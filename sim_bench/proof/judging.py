@@ -8,12 +8,21 @@ from .figure import WEAK, where
 from .plan import NULLS
 from .score import Score
 
-__all__ = ["count_for_names", "count_for_pairs", "holds", "is_wrong", "names_another", "right_first"]
+__all__ = ["answer_of", "count_for_names", "count_for_pairs", "holds", "is_wrong", "names_another", "right_first"]
 
 
 def right_first(score: Score) -> bool:
     """Whether the right answer came first: the name, or what is accepted for it where it cannot be known."""
     return score.top_right or _unnamed_but_right(score)
+
+
+def answer_of(score: Score) -> str:
+    """The name that came first, or the verdict in brackets; where the right one did, inertia and gravity that are off
+    too do not count."""
+    names = score.named.split("+") if score.named else []
+    if score.top_right:
+        names = [name for name in names if name in score.truth.split("+")] or names
+    return names[0] if names else f"({score.verdict})"
 
 
 def names_another(score: Score) -> bool:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .figure import WEAK, count_share, where
-from .judging import right_first
+from .judging import answer_of, right_first
 from .plan import NULLS
 from .score import Score
 from .splits import band_of
@@ -71,6 +71,5 @@ def compute_confusion(scores: Sequence[Score]) -> dict[str, Counter[str]]:
         if score.group in ("single", "outside", "injected", *NULLS) and (
             score.enr >= _WEAKEST * WEAK or not score.truth
         ):
-            answer = score.named.split("+")[0] or f"({score.verdict})"
-            table.setdefault(score.truth or "(nothing)", Counter())[answer] += 1
+            table.setdefault(score.truth or "(nothing)", Counter())[answer_of(score)] += 1
     return dict(sorted(table.items()))

@@ -6,6 +6,7 @@ from pathlib import Path
 from fricomp.sim_bench.concealed import CHOICES
 from fricomp.sim_bench.proof import Score, compute_figures, write_page
 from fricomp.sim_bench.proof.by_effect import format_coverage, format_places
+from fricomp.sim_bench.proof.judging import answer_of
 from fricomp.sim_bench.proof.splits import format_splits
 from fricomp.sim_bench.proof.wrong import format_misses
 from tests.sim_bench.proof.scoring import score_of
@@ -63,3 +64,9 @@ def test_weak_misses_that_count_in_a_figure_are_listed_apart_from_wrong_answers(
     assert "80 of 81 answers" in text
     assert all(f"make {n}." in text for n in range(80))
     assert text.index("make weak") > text.index("## Other misses that count")
+
+
+def test_the_answer_of_a_case_is_the_right_name_where_the_load_is_off_as_well() -> None:
+    assert answer_of(score_of(truth="cogging", named="payload_error+cogging", top_right=True)) == "cogging"
+    assert answer_of(score_of(truth="cogging", named="spring_torque+cogging")) == "spring_torque"
+    assert answer_of(score_of(verdict="unknown_physics")) == "(unknown_physics)"
