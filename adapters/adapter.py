@@ -16,7 +16,6 @@ from .drive_side import DriveSide
 from .options import AdapterOptions
 from .reference import ReferenceLimiter
 from .stopping import StoppableDriver, reason_of
-from .transmission import Transmission
 
 __all__ = ["POLL_INTERVAL_NS", "JointAdapter"]
 
@@ -65,7 +64,7 @@ class JointAdapter(StoppableDriver):
         try:
             drives = self._open()
             n_joints = len(drives.joints)
-            transmissions = tuple(self.options.transmissions or (Transmission(),) * n_joints)
+            transmissions = self.options.gears
             check_counts(n_joints, limits=self.options.limits, transmissions=transmissions)
             joints = tuple(t.capabilities_to_joint(j) for j, t in zip(drives.joints, transmissions, strict=True))
             check_limits(joints, self.options.limits)
@@ -294,7 +293,7 @@ class JointAdapter(StoppableDriver):
         joints = self.capabilities.joints
         check_counts(len(joints), limits=options.limits)
         check_limits(joints, options.limits)
-        if tuple(options.transmissions or (Transmission(),) * len(joints)) != self._transmissions:
+        if options.gears != self._transmissions:
             raise AdapterConfigurationError(
                 "the transmissions are not those that the adapter was opened with: close() it and open() it again"
             )

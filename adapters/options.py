@@ -28,3 +28,8 @@ class AdapterOptions:
     ramp_time: float = 0.2
     stale_after: float = 0.02
     allow_no_watchdog: bool = False
+
+    @property
+    def gears(self) -> tuple[Transmission, ...]:
+        """The transmission of each joint, one that changes nothing where none is given."""
+        return tuple(self.transmissions or (Transmission(),) * len(self.limits))

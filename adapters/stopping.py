@@ -43,6 +43,14 @@ class StoppableDriver(Driver):
         self._asked_stop: TripRecord | None = None
         self._released_stop: TripRecord | None = None
 
+    @final
+    def _torques_at_drives(self) -> list[float]:
+        """The torque limits of the joints on their drives' side, for the bounds of the drives' own loops."""
+        options = self._checked_options
+        return [
+            abs(gear.torque_to_drive(limit.torque)) for gear, limit in zip(options.gears, options.limits, strict=True)
+        ]
+
     @property
     @final
     def gate(self) -> SafetyGate:

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from typing import get_args
 
-from fricomp.control import JointLimits
 from fricomp.errors import AdapterConfigurationError
 from fricomp.joint import JointCapabilities
 from fricomp.model import Motion
 
-__all__ = ["SCALED_UNITS", "Transmission", "torques_at_drives"]
+__all__ = ["SCALED_UNITS", "Transmission"]
 
 SCALED_UNITS = ("N·m", "N")
 """Torque in the actuator's own unit, such as ampere, is not scaled by a gear: only the sign carries over."""
@@ -88,14 +86,3 @@ class Transmission:
             torque_limit=drive.torque_limit * torque_ratio,
             position_limits=limits,
         )
-
-
-def torques_at_drives(limits: Sequence[JointLimits], transmissions: Sequence[Transmission] | None) -> list[float]:
-    """The torque limits of joints on their drives' side [N·m], for the bounds of the drives' own loops.
-
-    Args:
-        limits: One for each joint.
-        transmissions: Likewise; None where the drives report the joint side already.
-    """
-    gears = transmissions or (Transmission(),) * len(limits)
-    return [abs(gear.torque_to_drive(limit.torque)) for gear, limit in zip(gears, limits, strict=True)]

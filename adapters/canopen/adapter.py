@@ -14,7 +14,6 @@ from ..can_adapter import CanAdapter
 from ..configuration import convert
 from ..driver import HOW_TO_CLEAR
 from ..link import CanFrame, CanLink
-from ..transmission import torques_at_drives
 from .capability import declare
 from .clearing import clear_by_service
 from .configuration import CanOpenConfiguration
@@ -134,14 +133,10 @@ class CanOpenAdapter(CanAdapter):
             try:
                 modes &= find_modes(drive)
                 drive.scaling = read_scaling(drive.service, joint.counts_per_revolution, joint.velocity_count)
-                torque.append(find_most_torque(drive, self._torque_at_motor(number)))
+                torque.append(find_most_torque(drive, self._torques_at_drives()[number]))
             except AdapterError as error:
                 raise type(error)(f"joint {joint.name!r}: {error}") from error
         return declare(self._configuration, self._drives, modes, torque)
-
-    def _torque_at_motor(self, joint: int) -> float:
-        """The torque limit of a joint on the drive's side [N·m]."""
-        return torques_at_drives(self._checked_options.limits, self._checked_options.transmissions)[joint]
 
     # -- configuring --------------------------------------------------------------------------------------
 
@@ -174,7 +169,7 @@ class CanOpenAdapter(CanAdapter):
         drive.restarted = False
         map_process_data(drive.service, drive.node_id, mode)
         clear_targets(drive, mode)
-        set_torque_limit(drive, self._torque_at_motor(number), mode)
+        set_torque_limit(drive, self._torques_at_drives()[number], mode)
         set_mode(drive, mode, self._wait_for_answer)
         set_period(drive, period)
         return set_watchdog(drive, self._configuration)

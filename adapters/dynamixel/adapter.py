@@ -216,10 +216,9 @@ class DynamixelAdapter(ServoLine):
         if self._mode_in_use == "torque":
             return
         servo, most = self._servos[joint], self._current_limits[joint]
-        limits, transmissions = self._checked_options.limits, self._checked_options.transmissions
-        gear_ratio = transmissions[joint].gear_ratio if transmissions else 1.0
+        limit, gear = self._checked_options.limits[joint], self._checked_options.gears[joint]
         unit = "N·m" if self._configuration.joints[joint].torque_constant else "A"
-        bound = compute_current_bound(limits[joint].torque, unit, gear_ratio, self._torque_counts[joint])
+        bound = compute_current_bound(limit.torque, unit, gear.gear_ratio, self._torque_counts[joint])
         if bound > most:
             raise AdapterConfigurationError(
                 f"servo {servo}: a torque limit of {bound} counts of current is beyond its current limit, {most}"

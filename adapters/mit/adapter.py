@@ -15,7 +15,6 @@ from ..can_adapter import CanAdapter
 from ..configuration import convert
 from ..driver import HOW_TO_CLEAR
 from ..link import CanFrame, CanLink
-from ..transmission import torques_at_drives
 from .configuration import MitConfiguration, make_motor
 from .motor import MotorState
 from .profile import Register, RegisterType
@@ -197,8 +196,7 @@ class MitAdapter(CanAdapter):
 
     def _make_loops(self) -> list[MotorVelocityLoop]:
         """Velocity loops, at rest where the motors are; none where no gains are configured."""
-        limits = torques_at_drives(self.gate.limits, self._checked_options.transmissions)
-        rows = zip(self._motors, self._gains, limits, self._reported.position, strict=True)
+        rows = zip(self._motors, self._gains, self._torques_at_drives(), self._reported.position, strict=True)
         now_ns, period = self.clock.now_ns(), self._period
         return [MotorVelocityLoop(m, g, most, period, at, now_ns=now_ns) for m, g, most, at in rows if g is not None]
 

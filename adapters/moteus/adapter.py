@@ -13,7 +13,6 @@ from ..configuration import JointConfiguration, SerialAdapterConfiguration, conv
 from ..driver import HOW_TO_CLEAR
 from ..link import SerialLink
 from ..serial_adapter import SerialAdapter
-from ..transmission import torques_at_drives
 from .codec import (
     LONGEST_TEXT,
     MODE_POSITION,
@@ -152,7 +151,7 @@ class MoteusAdapter(SerialAdapter):
         timeout = self._configuration.watchdog
         self._commands = [
             CommandLine(address, mode, highest, timeout)
-            for address, highest in zip(self._addresses, self._highest_torques(), strict=True)
+            for address, highest in zip(self._addresses, self._torques_at_drives(), strict=True)
         ]
         self._set_timeouts()
         self._watchdog = Watchdog(timeout, True)
@@ -172,10 +171,6 @@ class MoteusAdapter(SerialAdapter):
                 confirmed = confirmed and _is_number(found, value)
         if not confirmed:
             raise AdapterConfigurationError(f"the controllers do not keep {', '.join(wanted)}: read back {found!r}")
-
-    def _highest_torques(self) -> list[float]:
-        """The limits at the drives, as checked: a second barrier, which their own loops do not pass either."""
-        return torques_at_drives(self._checked_options.limits, self._checked_options.transmissions)
 
     def _converse(self, joint: int, line: str) -> str:
         """Send a line to the diagnostic channel; the line it answers."""

@@ -179,7 +179,6 @@ class OdriveAdapter(ParameterAdapter):
 
     def _configure(self, mode: CommandMode, period: float) -> None:
         self._mode_in_use, self._running = mode, False
-        self._take_limits()
         confirmed = bool(self._endpoints)
         for joint, node in enumerate(self._nodes):
             self._bound_torque(joint, mode)

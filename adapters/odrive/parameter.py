@@ -11,7 +11,6 @@ from fricomp.joint import Clock, CommandMode
 
 from ..can_adapter import CanAdapter
 from ..link import CanFrame, CanLink
-from ..transmission import torques_at_drives
 from .codec import CONTROL_MODES, PASSTHROUGH, Command, plain_frame, request_frame
 from .configuration import OdriveConfiguration
 from .endpoint import (
@@ -54,7 +53,6 @@ class ParameterAdapter(CanAdapter):
         if configuration.endpoints is not None:
             self._version, self._endpoints = read_endpoints(configuration.endpoints)
         self._answers: list[bytes | None] = [None] * len(self._nodes)
-        self._highest = [0.0] * len(self._nodes)
 
     def _take_answer(self, joint: int, data: bytes) -> None:
         self._answers[joint] = data
@@ -116,10 +114,6 @@ class ParameterAdapter(CanAdapter):
             raise AdapterConfigurationError(f"node {self._nodes[joint]} has {found}: set them to numbers")
         return max(min(found[HIGHEST_TORQUE], -found[LOWEST_TORQUE]), 0.0)
 
-    def _take_limits(self) -> None:
-        """The torque limits at the drives, as they are now: a trial cuts them down before it configures."""
-        self._highest = torques_at_drives(self.options.limits, self.options.transmissions)
-
     def _bound_torque(self, joint: int, mode: CommandMode) -> None:
         """Tell the axis the limit for its own loop and read it back; in torque mode the gate is all there is.
 
@@ -128,7 +122,7 @@ class ParameterAdapter(CanAdapter):
         """
         if mode == "torque":
             return
-        highest = self._highest[joint]
+        highest = self._torques_at_drives()[joint]
         for name, value in ((HIGHEST_TORQUE, highest), (LOWEST_TORQUE, -highest)):
             if not self._set_endpoint(joint, name, value):
                 raise AdapterConfigurationError(

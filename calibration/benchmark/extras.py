@@ -20,9 +20,8 @@ _PLATEAUS = 200
 _DT = 1e-3
 _BRISTLE = (200.0, 0.5)
 """sigma_0 [N·m/rad] and sigma_1 [N·m·s/rad] of the simulated joint."""
-
-
-_LUGRE_SECONDS = 40.0  # of each record
+_LUGRE_SECONDS = 40.0
+"""Length of each of its records [s]."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,7 @@ def measure_extras(draws: int, lugre_seeds: int) -> ExtraFigures:
     side = np.linspace(0.01, 1.0, _PLATEAUS // 2)
     uniform = np.concatenate([-side[::-1], side])
     planned = np.repeat(plan.velocity, plan.plateaus)
-    static, stiffness = _lugre(lugre_seeds, _LUGRE_SECONDS)
+    static, stiffness = _lugre(lugre_seeds)
     return ExtraFigures(
         uniform_percent=100.0 * _LEVEL * plan.uniform_deviation,
         planned_percent=100.0 * _LEVEL * plan.mean_deviation,
@@ -89,9 +88,9 @@ def _mean_error(velocity: FloatArray, draws: int) -> float:
     return float(np.mean(np.sqrt(np.mean(np.square(errors), axis=0))))
 
 
-def _lugre(seeds: int, seconds: float) -> tuple[float, float]:
+def _lugre(seeds: int) -> tuple[float, float]:
     """Largest error of a static parameter and of sigma_0 [%]."""
-    t = np.arange(0.0, seconds, _DT)
+    t = np.arange(0.0, _LUGRE_SECONDS, _DT)
     velocity = 0.6 * np.sin(2.0 * np.pi * 0.3 * t) * np.sin(2.0 * np.pi * 0.05 * t + 0.3)
     velocity = velocity + 0.02 * np.sin(2.0 * np.pi * 1.1 * t)
     values = np.array([*PaperProblem().true_values, *_BRISTLE])

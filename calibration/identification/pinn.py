@@ -42,6 +42,7 @@ _LONGEST_STEP = 0.5
 _SCORE_TOLERANCE = 5e-3
 """Converged within this many standard deviations (Mahalanobis) of the likelihood's own optimum."""
 _MOST_STEPS = 150
+"""Iterations of a training, refused ones included."""
 _SLOW_GAIN = 0.05
 """Training may stop when the loss falls by less than this fraction a step."""
 
@@ -156,7 +157,7 @@ def train_pinn(law: SeparableLaw, observations: Observations, start: Optimum, *,
     weights, at = network.parameters(), start
     rows = problem.network_rows(weights, at, _scaled_weight(at, observations))
     weights = weights + solve_output_layer(rows.by_weight, rows.error)
-    return _descend(problem, weights, at, _MOST_STEPS)
+    return _descend(problem, weights, at)
 
 
 def untrained_network(observations: Observations, rng: np.random.Generator) -> TanhNetwork:
@@ -179,13 +180,13 @@ def _residual_unit(at: Optimum, observations: Observations) -> float:
     return float(np.median(at.whitened.weight)) * observations.torque_scale
 
 
-def _descend(problem: _Problem, weights: FloatArray, at: Optimum, iterations: int) -> TrainedPinn:
+def _descend(problem: _Problem, weights: FloatArray, at: Optimum) -> TrainedPinn:
     unit = _residual_unit(at, problem.observations)
     damping, course = Damping(), []
     likelihood = at.whitened.residual / unit / _ROOT2
     rows = problem.network_rows(weights, at, at.whitened.weight / unit)
     converged, step_count = False, 0
-    for _ in range(iterations):
+    for _ in range(_MOST_STEPS):
         step_count += 1
         by_parameter = at.whitened.jacobian / unit / _ROOT2
         change, weight_change, predicted = _joint_step(likelihood, by_parameter, rows, damping.value)

@@ -13,6 +13,7 @@ from fricomp.adapters import JointAdapter
 from fricomp.laws import FrictionLaw
 from fricomp.report import Chart, Panel, Points, Rule
 
+from ..identification.chart import REACH
 from .calibrate import Calibration, calibrate
 from .context import SweepContext
 from .request import CalibrationRequest
@@ -98,7 +99,7 @@ class SeedStudy:
         panels = (
             Panel((Points(places, percent),), "parameter", "error [%]", "Error"),
             Panel(
-                (Rule(1.96, "y", "95 %"), Rule(-1.96), Points(places, deviations)),
+                (Rule(REACH, "y", "95 %"), Rule(-REACH), Points(places, deviations)),
                 "parameter",
                 "error [standard deviations]",
                 "Error in its own standard deviations",

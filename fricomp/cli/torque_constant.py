@@ -9,6 +9,7 @@ import msgspec
 import typer
 from rich.text import Text
 
+from fricomp.calibration.identification.chart import REACH
 from fricomp.calibration.sweep import CalibrationRequest
 from fricomp.calibration.sweep.weight import HungWeight, TorqueConstant, identify_torque_constant, record_passes
 from fricomp.cli.calibration import follow, open_joint
@@ -41,8 +42,7 @@ def measure_torque_constant(request: CalibrationRequest, weight: HungWeight, out
         old.unlink(missing_ok=True)  # left there, they would pass for what an interrupted one has found
     with open_joint(request) as context:
         simulated = context.adapter.capabilities.simulated
-        gears = context.adapter.options.transmissions
-        gear_ratio = gears[context.joint].gear_ratio if gears else 1.0
+        gear_ratio = context.adapter.options.gears[context.joint].gear_ratio
     bare = _record(request, weight, out, simulated=simulated, hung=False)
     loaded = _record(request, weight, out, simulated=simulated, hung=True)
     found = identify_torque_constant(bare, loaded, weight, gear_ratio)
@@ -74,7 +74,7 @@ def _record(
 
 
 def _print(found: TorqueConstant, out: Path) -> None:
-    unit, reach = found.unit, 1.96 * found.deviation
+    unit, reach = found.unit, REACH * found.deviation
     screen = console()
     screen.print(
         Text.assemble(

@@ -125,34 +125,15 @@ class OnlineAdaptation:
                 one, it counts as the reference load.
         """
         speed, ahead = abs(velocity), velocity >= 0.0
-        if (
-            not all(
-                map(
-                    math.isfinite,
-                    (
-                        velocity,
-                        friction_torque,
-                        position,
-                        load_torque,
-                        temperature or 0.0,
-                        acceleration,
-                        normal_load or 0.0,
-                    ),
-                )
-            )
-            or speed < self._fast
-            or ahead != self._ahead
-        ):
+        given = (velocity, friction_torque, position, load_torque, acceleration, temperature or 0.0, normal_load or 0.0)
+        if not all(map(math.isfinite, given)) or speed < self._fast or ahead != self._ahead:
             self._slid, self._ahead = 0.0, ahead
             return
         self._slid += self._compensator.period
         if self.frozen:
             return
         try:
-            loaded = max(float(self._curves.load.factor(normal_load)), 0.0)
-            dry, viscous, held = self._modelled(
-                speed, velocity, position, load_torque, temperature, acceleration, loaded
-            )
+            dry, viscous, held = self._modelled(velocity, position, load_torque, temperature, acceleration, normal_load)
         except (ArithmeticError, ValueError):  # of inputs far beyond the model, from which a power runs over
             return
         level = friction_torque - held if ahead else held - friction_torque
@@ -171,17 +152,17 @@ class OnlineAdaptation:
 
     def _modelled(
         self,
-        speed: float,
         velocity: float,
         position: float,
         load_torque: float,
         temperature: float | None,
         acceleration: float,
-        loaded: float,
+        normal_load: float | None,
     ) -> tuple[float, float, float]:
         """Dry and viscous friction of the model along the motion, and what it holds whatever the direction."""
-        ahead = velocity >= 0.0
+        speed, ahead = abs(velocity), velocity >= 0.0
         curve = self._curves.forward if ahead else self._curves.reverse
+        loaded = max(float(self._curves.load.factor(normal_load)), 0.0)
         dry, viscous = loaded * curve.dry(speed), curve.viscous * speed
         if self._extra is None:
             return dry, viscous, 0.0

@@ -12,6 +12,7 @@ import numpy as np
 from fricomp.calibration import IdentificationResult
 from fricomp.calibration.batch import BatchIdentification, identify_batch
 from fricomp.calibration.batch.points import observe_all
+from fricomp.calibration.identification.chart import REACH
 from fricomp.calibration.identification.identify import require_choice
 from fricomp.calibration.identification.observation import observe
 from fricomp.calibration.identification.provenance import compute_provenance
@@ -178,5 +179,5 @@ def _chart(rows: Sequence[FleetRow]) -> Chart:
     for name in _parameters(rows):
         given = [(i, row[name], row[name + _DEVIATION]) for i, row in enumerate(rows) if row.get(name) is not None]
         index, value, deviation = np.array(given, dtype=np.float64).T
-        panels.append(Panel((Points(index, value, error=1.96 * deviation),), "joint", name.partition(".")[2] or name))
+        panels.append(Panel((Points(index, value, error=REACH * deviation),), "joint", name.partition(".")[2] or name))
     return Chart("parameters", "Parameters with 95 % intervals", tuple(panels), columns=2)

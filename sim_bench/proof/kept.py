@@ -5,17 +5,13 @@ from __future__ import annotations
 import shutil
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from fricomp.errors import DiagnosisError
 from fricomp.whole_file import whole_file
 
-from .run import ANSWERS, DIAGNOSES, REFUSED, SEALS, read_scores
+from .run import ANSWERS, DIAGNOSES, REFUSED, SEALS, read_opened, read_scores
 from .score import brief_diagnosis
 from .settings import SETTINGS, read_settings
-
-if TYPE_CHECKING:
-    import pyarrow
 
 __all__ = ["BASELINES", "KEPT", "find_kept", "keep_data", "restore_data"]
 
@@ -35,32 +31,18 @@ def keep_data(out: Path, folder: Path) -> None:
     An answer stands beside what the diagnosis said of its case, so that anybody can hold it against its seal and score
     it by other rules.
     """
-    from pyarrow import Table, parquet
+    from pyarrow import Table, binary, parquet, schema, string
 
     folder.mkdir(parents=True, exist_ok=True)
     scores = read_scores(out)
     with whole_file(folder / _SCORES) as part:
         parquet.write_table(Table.from_pylist([asdict(score) for score in scores]), part)
-    opened = [row for score in scores if (row := _opened(out, score.case))]
+    found = ((score.case, read_opened(out, score.case)) for score in scores)
+    rows = [{"case": case, "answer": one[0], "diagnosis": brief_diagnosis(one[1])} for case, one in found if one]
+    table = Table.from_pylist(rows, schema=schema([("case", string()), ("answer", binary()), ("diagnosis", binary())]))
     with whole_file(folder / _OPENED) as part:
-        parquet.write_table(
-            Table.from_pylist(opened, schema=_opened_schema()), part, compression="zstd", compression_level=19
-        )
+        parquet.write_table(table, part, compression="zstd", compression_level=19)
     _copy(out, folder)
-
-
-def _opened(out: Path, case: str) -> dict[str, str | bytes]:
-    """A row of the opened answers; empty where the run has no answer of the case, or no diagnosis."""
-    answer, diagnosis = (out / name / f"{case}.json" for name in (ANSWERS, DIAGNOSES))
-    if not (answer.exists() and diagnosis.exists()):
-        return {}
-    return {"case": case, "answer": answer.read_bytes(), "diagnosis": brief_diagnosis(diagnosis.read_bytes())}
-
-
-def _opened_schema() -> pyarrow.Schema:
-    import pyarrow
-
-    return pyarrow.schema({"case": pyarrow.string(), "answer": pyarrow.binary(), "diagnosis": pyarrow.binary()})
 
 
 def restore_data(folder: Path, out: Path) -> None:

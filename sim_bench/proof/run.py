@@ -31,6 +31,7 @@ __all__ = [
     "SEALS",
     "Diagnose",
     "count_open",
+    "read_opened",
     "read_refused",
     "read_scores",
     "run_proof",
@@ -241,6 +242,11 @@ def _read(folder: Path) -> Iterator[Score]:
         if set(row) != names:
             raise DiagnosisError(f"{path} was written by another version: start a new folder")
         score = Score(**row)
-        answer, diagnosis = (folder / name / f"{score.case}.json" for name in (ANSWERS, DIAGNOSES))
-        opened = answer.exists() and diagnosis.exists()
-        yield score_again(score, answer.read_bytes(), diagnosis.read_bytes()) if opened else score
+        opened = read_opened(folder, score.case)
+        yield score_again(score, *opened) if opened else score
+
+
+def read_opened(folder: Path, case: str) -> tuple[bytes, bytes] | None:
+    """Answer and diagnosis of a case of a run; None where either is missing, as of cases of earlier versions."""
+    answer, diagnosis = (folder / name / f"{case}.json" for name in (ANSWERS, DIAGNOSES))
+    return (answer.read_bytes(), diagnosis.read_bytes()) if answer.exists() and diagnosis.exists() else None
