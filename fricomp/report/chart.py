@@ -132,6 +132,7 @@ class HeatMap:
         x_names: Names in place of x, such as of parameters.
         y_names: Names in place of y.
         limits: Values at the ends of the colour scale, so that several maps share one; None to fit.
+        texts: What stands in the cells, such as counts, row by row; empty for nothing.
     """
 
     x: Values
@@ -142,12 +143,15 @@ class HeatMap:
     x_names: tuple[str, ...] = ()
     y_names: tuple[str, ...] = ()
     limits: tuple[float, float] | None = None
+    texts: tuple[tuple[str, ...], ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("x", "y", "values"):
             object.__setattr__(self, name, _read_only(getattr(self, name)))
         if self.values.shape != (self.y.size, self.x.size):
             raise ParameterError(f"a heat map over {self.y.size} x {self.x.size} has values {self.values.shape}")
+        if self.texts and (len(self.texts), *set(map(len, self.texts))) != self.values.shape:
+            raise ParameterError("a heat map has one text a cell, row by row, or none")
 
 
 @dataclass(frozen=True)

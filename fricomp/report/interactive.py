@@ -196,7 +196,8 @@ def _traces(mark: Mark, color: str) -> list[dict[str, Any]]:
                 scale |= {"colorscale": "RdBu", "reversescale": True, "zmid": 0.0}
             if mark.limits is not None:
                 scale |= {"zmin": mark.limits[0], "zmax": mark.limits[1]}
-            grid = {"x": mark.x_names or mark.x, "y": mark.y_names or mark.y, "z": mark.values}
+            grid: dict[str, Any] = {"x": mark.x_names or mark.x, "y": mark.y_names or mark.y, "z": mark.values}
+            grid |= {"text": mark.texts, "texttemplate": "%{text}"} if mark.texts else {}
             return [{"type": "heatmap", **grid, "colorbar": {"title": {"text": mark.color_label}}, **scale}]
         case Rule():
             line = {"color": color, "width": 1.2, "dash": "dash"}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -70,8 +71,17 @@ def draw_png(chart: Chart, path: str | os.PathLike[str]) -> Path:
             _draw_panel(figure, ax, panel, named, above)
             if chart.share_x:
                 ax.label_outer()
-        figure.savefig(target, dpi=_DOTS_PER_INCH)
+        _save(figure, target)
     return target
+
+
+def _save(figure: Any, target: Path) -> None:
+    """With a palette of its own: a third of the bytes of full colour, which lines and text do not need."""
+    from PIL import Image
+
+    full = BytesIO()
+    figure.savefig(full, dpi=_DOTS_PER_INCH, format="png")
+    Image.open(full).convert("RGB").quantize(256).save(target, format="PNG", optimize=True)
 
 
 def _row_lines(chart: Chart) -> list[int]:
@@ -160,7 +170,17 @@ def _draw_heat_map(figure: Any, ax: Any, mark: HeatMap) -> None:
         ax.set_xticks(mark.x, mark.x_names, **(upright or _slant(mark.x_names)))
     if mark.y_names:
         ax.set_yticks(mark.y, mark.y_names)
+    for y, row in zip(mark.y, mark.texts, strict=False):
+        for x, text in zip(mark.x, row, strict=True):
+            ax.text(x, y, text, ha="center", va="center", fontsize=7, color="#FFFFFF", path_effects=_outlined())
     ax.grid(visible=False)
+
+
+def _outlined() -> list[Any]:
+    """Dark about light letters, which can be read on every colour."""
+    from matplotlib.patheffects import withStroke
+
+    return [withStroke(linewidth=1.6, foreground="#222222")]
 
 
 def _edges(centres: np.ndarray) -> np.ndarray:

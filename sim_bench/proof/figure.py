@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .intervals import KnownInterval
 from .score import Score
 from .statistics import ShareEstimate, compute_clustered_share, compute_mean, compute_median, compute_share
 
@@ -27,6 +28,7 @@ class Figure(NamedTuple):
         cases: What it was measured on.
         brief: The value on some of them, in a few words; None where it has no parts.
         settled: Whether the whole interval lies on that side of the target.
+        topic: What it is about, with others.
     """
 
     name: str
@@ -36,6 +38,7 @@ class Figure(NamedTuple):
     cases: tuple[Score, ...] = ()
     brief: Callable[[Sequence[Score]], str] | None = None
     settled: bool = True
+    topic: str = ""
 
     @property
     def standing(self) -> str:
@@ -50,24 +53,40 @@ def where(scores: Sequence[Score], wanted: Callable[[Score], bool]) -> list[Scor
     return [score for score in scores if wanted(score)]
 
 
-def count_share(scores: Sequence[Score], hit: Callable[[Score], bool]) -> ShareEstimate:
-    """How many of the scores hit."""
-    return compute_share(sum(map(hit, scores)), len(scores))
+def count_share(
+    scores: Sequence[Score], hit: Callable[[Score], bool], cluster: Callable[[Score], str] | None = None
+) -> ShareEstimate:
+    """How many of the scores hit; those of one cluster, such as of one recording, are alike."""
+    if cluster is None:
+        return compute_share(sum(map(hit, scores)), len(scores))
+    groups = [[hit(s) for s in scores if cluster(s) == name] for name in sorted(set(map(cluster, scores)))]
+    return compute_clustered_share([sum(group) for group in groups], [len(group) for group in groups])
 
 
-def at_least(name: str, wanted: float, scores: Sequence[Score], hit: Callable[[Score], bool]) -> Figure:
+def at_least(
+    name: str,
+    wanted: float,
+    scores: Sequence[Score],
+    hit: Callable[[Score], bool],
+    cluster: Callable[[Score], str] | None = None,
+) -> Figure:
     """A share that should be large."""
-    found = count_share(scores, hit)
+    found = count_share(scores, hit, cluster)
     reached = found.share >= wanted if found.total else None
     settled = found.low >= wanted or found.high < wanted
     return Figure(name, f"≥ {wanted:.0%}", str(found), reached, tuple(scores), _brief(hit), settled)
 
 
 def at_most(
-    name: str, wanted: float, scores: Sequence[Score], hit: Callable[[Score], bool], bound: float = 1.0
+    name: str,
+    wanted: float,
+    scores: Sequence[Score],
+    hit: Callable[[Score], bool],
+    bound: float = 1.0,
+    cluster: Callable[[Score], str] | None = None,
 ) -> Figure:
     """A share that should be small, and the upper end of its interval too where a bound is given: that settles it."""
-    found = count_share(scores, hit)
+    found = count_share(scores, hit, cluster)
     target = f"≤ {wanted:.0%}" + (f", upper bound ≤ {bound:.0%}" if bound < 1.0 else "")
     reached = found.share <= wanted and found.high <= bound if found.total else None
     settled = found.low > wanted or found.high <= max(wanted, bound if bound < 1.0 else 0.0)
@@ -105,19 +124,27 @@ def mean(name: str, most: float, scores: Sequence[Score], value: Callable[[Score
     return Figure(name, f"≤ {most:g}", text, middle <= most, tuple(scores), settled=low > most or high <= most)
 
 
-def coverage(name: str, scores: Sequence[Score], least: float, most: float) -> Figure:
-    """Share of parameters whose interval holds the truth, those of one case taken as a cluster."""
-    compared = where(scores, lambda s: s.parameters > 0)
+def coverage(
+    name: str, scores: Sequence[Score], wanted: Callable[[KnownInterval], bool], least: float = 0.0, most: float = 0.0
+) -> Figure:
+    """Share of the wanted intervals that hold the truth, those of one case taken as a cluster."""
+
+    def counts(score: Score) -> tuple[int, int]:
+        some = [each for each in score.intervals if wanted(each)]
+        return sum(each.covers for each in some), len(some)
+
+    def brief(some: Sequence[Score]) -> str:
+        hits, totals = zip(*map(counts, some), strict=True)
+        return f"{sum(hits)} of {sum(totals)}"
+
+    compared = where(scores, lambda s: counts(s)[1] > 0)
     target = f"{100.0 * least:.0f}–{100.0 * most:.0f} %" if most else "–"
     if not compared:
         return Figure(name, target, "– (no case)", None)
-    found = compute_clustered_share([s.covered for s in compared], [s.parameters for s in compared])
+    hits, totals = zip(*map(counts, compared), strict=True)
+    found = compute_clustered_share(hits, totals)
     text = f"{found.share:.1%} ({found.hits} of {found.total} in {len(compared)} cases; "
     text += f"{found.low:.1%} to {found.high:.1%})"
     reached = least <= found.share <= most if most else None
     settled = found.high < least or found.low > most or least <= found.low <= found.high <= most
-    return Figure(name, target, text, reached, tuple(compared), _covered, settled)
-
-
-def _covered(scores: Sequence[Score]) -> str:
-    return f"{sum(s.covered for s in scores)} of {sum(s.parameters for s in scores)}"
+    return Figure(name, target, text, reached, tuple(compared), brief, settled)

@@ -8,12 +8,29 @@ from .figure import WEAK, where
 from .plan import NULLS
 from .score import Score
 
-__all__ = ["answer_of", "count_for_names", "count_for_pairs", "holds", "is_wrong", "names_another", "right_first"]
+__all__ = [
+    "answer_of",
+    "count_for_names",
+    "count_for_pairs",
+    "holds",
+    "is_wrong",
+    "nameable",
+    "names_another",
+    "rightly_named",
+]
+
+_UNLOGGED = "neighbour_coupling"
+"""Nobody can name it: the motion of the neighbour is not logged."""
 
 
-def right_first(score: Score) -> bool:
-    """Whether the right answer came first: the name, or what is accepted for it where it cannot be known."""
-    return score.top_right or _unnamed_but_right(score)
+def nameable(scores: Sequence[Score]) -> list[Score]:
+    """Single effects that can be named."""
+    return where(scores, lambda s: s.group == "single" and s.truth != _UNLOGGED)
+
+
+def rightly_named(score: Score) -> set[str]:
+    """The concealed effects that were named."""
+    return set(score.truth.split("+")) & set(score.named.split("+")) - {""}
 
 
 def answer_of(score: Score) -> str:
@@ -27,22 +44,18 @@ def answer_of(score: Score) -> str:
 
 def names_another(score: Score) -> bool:
     """Whether another name than the right one came first, be the right one in its set or not."""
-    return bool(score.named) and not right_first(score)
+    return bool(score.named) and not score.top_right
 
 
 def holds(score: Score) -> bool:
-    """Whether the truth is in the printed set, or what is accepted for it was said."""
-    return score.in_set or _unnamed_but_right(score)
-
-
-def _unnamed_but_right(score: Score) -> bool:
-    """Such as unknown where the motion of the neighbour is not logged."""
-    return score.verdict_right and not score.named
+    """Whether the truth is in the printed set, or unknown was said where a channel is missing to name it."""
+    hidden = score.group == "hidden" or score.truth == _UNLOGGED
+    return score.in_set or (hidden and score.verdict_right and not score.named)
 
 
 def count_for_names(scores: Sequence[Score], motion: str, weakest: float) -> list[Score]:
-    """Single effects on this motion, of at least this strength."""
-    return where(scores, lambda s: s.group == "single" and s.excitation == motion and s.enr >= WEAK * weakest)
+    """Single effects that can be named, on this motion and of at least this strength."""
+    return where(nameable(scores), lambda s: s.excitation == motion and s.enr >= WEAK * weakest)
 
 
 def count_for_pairs(scores: Sequence[Score]) -> list[Score]:

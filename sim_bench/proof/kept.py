@@ -9,7 +9,7 @@ from pathlib import Path
 from fricomp.errors import DiagnosisError
 from fricomp.whole_file import whole_file
 
-from .run import ANSWERS, DIAGNOSES, REFUSED, SEALS, read_opened, read_scores
+from .run import ANSWERS, DIAGNOSES, FOLLOW_UPS, REFUSED, SEALS, read_opened, read_scores
 from .score import brief_diagnosis
 from .settings import SETTINGS, read_settings
 
@@ -19,6 +19,8 @@ BASELINES = "baselines.md"
 """File of a run that holds the table of the other methods."""
 
 _SCORES, _OPENED = "scores.parquet", "answers.parquet"
+_FOLDERS = {"answer": ANSWERS, "diagnosis": DIAGNOSES, "follow_up": FOLLOW_UPS}
+"""Folder of each column of the opened answers."""
 KEPT = (SEALS, REFUSED, _SCORES, _OPENED, SETTINGS)
 """Files that are a run's own; settings last, as a folder without them holds no run."""
 
@@ -37,12 +39,24 @@ def keep_data(out: Path, folder: Path) -> None:
     scores = read_scores(out)
     with whole_file(folder / _SCORES) as part:
         parquet.write_table(Table.from_pylist([asdict(score) for score in scores]), part)
-    found = ((score.case, read_opened(out, score.case)) for score in scores)
-    rows = [{"case": case, "answer": one[0], "diagnosis": brief_diagnosis(one[1])} for case, one in found if one]
-    table = Table.from_pylist(rows, schema=schema([("case", string()), ("answer", binary()), ("diagnosis", binary())]))
+    columns = schema([("case", string()), *((name, binary()) for name in _FOLDERS)])
+    table = Table.from_pylist([_row(out, score.case) for score in scores], schema=columns)
     with whole_file(folder / _OPENED) as part:
         parquet.write_table(table, part, compression="zstd", compression_level=19)
     _copy(out, folder)
+
+
+def _row(out: Path, case: str) -> dict[str, str | bytes]:
+    """A case of the table of opened answers; its follow-up is empty where there is none."""
+    opened = read_opened(out, case)
+    assert opened  # else it would have no score
+    answer, diagnosis, follow_up = opened
+    return {
+        "case": case,
+        "answer": answer,
+        "diagnosis": brief_diagnosis(diagnosis),
+        "follow_up": brief_diagnosis(follow_up),
+    }
 
 
 def restore_data(folder: Path, out: Path) -> None:
@@ -51,15 +65,15 @@ def restore_data(folder: Path, out: Path) -> None:
 
     if (out / SETTINGS).exists() or not (folder / SETTINGS).exists():
         return
-    for name in ("scores", ANSWERS, DIAGNOSES):
+    for name in ("scores", *_FOLDERS.values()):
         (out / name).mkdir(parents=True, exist_ok=True)
     table = parquet.read_table(folder / _SCORES)
     for index, case in enumerate(table["case"].to_pylist()):
         parquet.write_table(table.slice(index, 1), out / "scores" / f"{case}.parquet")
     opened = parquet.read_table(folder / _OPENED).to_pylist() if (folder / _OPENED).exists() else []
     for row in opened:
-        (out / ANSWERS / f"{row['case']}.json").write_bytes(row["answer"])
-        (out / DIAGNOSES / f"{row['case']}.json").write_bytes(row["diagnosis"])
+        for column in row.keys() & _FOLDERS.keys():
+            (out / _FOLDERS[column] / f"{row['case']}.json").write_bytes(row[column])
     _copy(folder, out)
 
 

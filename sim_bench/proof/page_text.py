@@ -2,48 +2,50 @@
 
 from __future__ import annotations
 
-__all__ = ["CLEAR", "INJECTED", "INTRODUCTION", "LIMITS", "NULLS"]
+__all__ = ["CLEAR", "HOW_A_RUN_GOES", "INJECTED", "INTRODUCTION", "LIMITS", "NULLS"]
 
 INTRODUCTION = """# Proof on concealed cases
 
 `fricomp bench mismatch` makes joints with physics that their simulation leaves out, has `fricomp diagnose` look at
-recording, simulation and controller only, and compares. The generator (`sim_bench/concealed`) steps its own closed-loop
-dynamics at 20 kHz, with friction cores, effects and sensors of its own, and imports neither the friction laws nor the
-diagnosis; a test walks the imports.
+recording, simulation and controller only, and compares. The generator (`sim_bench/concealed`) steps its own
+closed-loop dynamics at 20 kHz, with friction cores, effects and sensors of its own, and imports neither the friction
+laws nor the diagnosis; a test walks the imports. Every second simulation beside an effect is wrong in inertia,
+gravity (2 to 25 %) and centre of mass as well; every second case comes with the friction of the joint without the
+effect.
 
-Every second joint with an effect has a simulation whose inertia and gravity are wrong by 2 to 25 %, with the centre of
-mass elsewhere, as those of users are; every second case comes with the friction of the joint without the effect. What
-may be named beside the effect then is that the load is not the simulation's.
+Strength is the effect-to-noise ratio (ENR): what a refit of inertia, gravity, offset and both Stribeck curves leaves
+of the concealed torque in windows of 42 ms, over the noise of such a window, root mean square. The hash of each
+answer is on disk before the diagnosis of that case starts, in a process and folder of its own. **That is an order of
+events, no independence**: generator and diagnosis come from one project. [How a run
+goes](proof/details.md#how-a-run-goes) tells the rest.
+"""
+HOW_A_RUN_GOES = """## How a run goes
 
-Strength is the effect-to-noise ratio (ENR). Inertia, gravity, offset and both Stribeck curves are refitted to the
-noise-free concealed torque in windows of 42 ms; what is left, over the noise of such a window, is squared and averaged
-over the windows, and ENR is the root of that. Five effects would vanish in that refit and are measured against what the
-user states: errors of gain, inertia and payload after a refit of friction alone, an offset and a difference between
-directions after none.
+**Sealing.** The hash of each answer with its salt is written to `docs/proof/seals.jsonl` before the diagnosis starts.
+It proves the order to whoever has kept that file from before; in the repository seals and scores come together, and
+everybody else is told. Scored seeds follow from the hash of the committed diagnosis folder and the number of the run,
+so that they cannot be known while it is written; every scored run is logged in `docs/proof/runs.jsonl` before it
+starts, so that abandoned ones show too. `docs/proof/answers.parquet` holds each answer that was opened, as it was
+sealed, beside what was said, first and with the motion that was proposed: anybody can score them by rules of their
+own.
 
-The hash of each answer with its salt is on disk before the diagnosis of that case starts, in another process and in a
-folder that holds nothing else. **That is an order of events, no independence**: generator and diagnosis come from one
-project. It is proved to whoever has kept `docs/proof/seals.jsonl` from before; in the repository seals and scores come
-together, and everybody else is told the order. Scored seeds follow from the hash of the committed diagnosis folder and
-the number of the run, so that they cannot be known while it is written; every scored run is logged in
-`docs/proof/runs.jsonl` before it starts, so that abandoned ones show too. `docs/proof/answers.parquet` holds each
-answer that was opened, as it was sealed, beside what was said: anybody can score them by rules of their own.
+**In pieces.** `--minutes M` starts no case after M minutes, finishes those under way and writes the pages, `--resume`
+goes on, in another checkout from the data beside the page. Groups, effects and strengths are interleaved, so that any
+beginning is a fair sample of the whole; every scored run has an order of its own. A scored run refuses to go on with
+another diagnosis or generator than it began with. `--replay N` diagnoses the cases of run N anew; with `--verify` it
+makes their answers again and holds them against the seals without diagnosing. `--close "reason"` ends a run, whose
+data moves to `run-N`.
 
-The oracle beside the power is the likelihood-ratio test that knows every effect's shape, at the same ENR and length,
-with 2 % false alarms over all effects together. It counts three quarters of the windows as independent, since they
-overlap by half. That is too few for effects that change quickly, and too many under coloured noise.
+**Strength.** Five effects would vanish in the refit and are measured against what the user states: errors of gain,
+inertia and payload after a refit of friction alone, an offset and a difference between directions after none.
 
-A run (`--scored --page docs/proof.md`) goes in pieces: `--minutes M` starts no case after M minutes, finishes those
-under way and writes the page, `--resume` goes on, in another checkout from the data beside this page. Groups, effects
-and strengths are interleaved, so that any beginning is a fair sample of the whole; every scored run has an order of its
-own. A scored run refuses to go on with another diagnosis or generator than it began with. Up to the 25th, every effect
-met one friction core only; up to the 26th, the simulation was exact wherever physics was missing, friction was stated
-only where none was, and only what depended on the temperature cooled down. `--replay N` diagnoses the cases of run N
-anew; with `--verify` it makes their answers again and holds them against the seals without diagnosing.
-`--close "reason"` ends a run, whose data moves to `run-N`.
-`--nulls` runs joints with nothing missing alone ([300 of them](nulls.md)), `--clear` every effect once
-([page](clear.md)), `--baselines N` compares other methods on the first N cases, `--speed-up N` times N cases with one
-worker and with two, and [executors](fleet.md) are those of fleets.
+**Oracle.** Beside the power stands that of the likelihood-ratio test that knows every effect's shape, at the same ENR
+and length, with 2 % false alarms over all effects together. It counts three quarters of the windows as independent,
+since they overlap by half. That is too few for effects that change quickly, and too many under coloured noise.
+
+**Other calls.** `--nulls` runs joints with nothing missing alone, `--clear` every effect once ([page](../clear.md)),
+`--baselines N` compares other methods on the first N cases, `--gap N` measures how much of the held-out error is
+closed, `--speed-up N` times N cases with one worker and with two, and [executors](../fleet.md) are those of fleets.
 """
 INJECTED = """# Effects injected into real recordings
 
@@ -52,16 +54,17 @@ the torque channel of public recordings, and has `fricomp diagnose` look at the 
 joints. The noise, the friction and the flaws are those of real joints; the loop has not reacted to the effect.
 
 Strength is what a refit of a rigid joint with a Stribeck curve for each direction leaves of the effect in 42 ms
-windows, over what the same refit leaves of the recording itself. Before that the recordings are diagnosed as they are:
-what is named there counts as known, is not injected, and is no false name afterwards. Recordings that come out
-complete as they are stand apart from those in which more is missing already.
+windows, over what the same refit leaves of the recording itself. Before that the recordings are diagnosed as they
+are: what is named there counts as known, is not injected, and is no false name afterwards. Recordings that come out
+complete as they are stand apart from those in which more is missing already. Cases of one recording are alike, so
+that intervals take each recording as one cluster.
 """
 CLEAR = """# Every effect of the catalogue once, clear
 
 `fricomp bench mismatch --clear` conceals each effect of the catalogue in a joint at the clear strength, or as near to
 it as the effect goes, on a rich motion of 30 s, with a joint from which nothing is missing after every third, and has
-`fricomp diagnose` look at them blind. Generator, sealing, figures and what is not proved are those of the
-[proof on concealed cases](proof.md); these are development seeds.
+`fricomp diagnose` look at them blind. Every simulation is right otherwise. Generator, sealing, figures and what is
+not proved are those of the [proof on concealed cases](proof.md); these are development seeds.
 """
 NULLS = """# False alarms on joints with nothing missing
 
@@ -90,9 +93,13 @@ LIMITS = """## What the words mean
   can have it: some cannot be so weak, or so strong. Power, names and the confusion matrix (from ENR 0.5) are of one
   effect at a time and by the strength that was reached; power leaves out parameters, which are no detection.
 - The noise below a residual is what the diagnosis takes it for: 0.6 to 1.8 times what differences of samples show,
-  scaled to what neither the base nor any smooth torque reaches. So a ratio near one says that nothing smooth is left.
-- Right, too, are `torque_offset` for `direction_asymmetry` and the reverse, and unknown or `external_disturbance` for
-  `neighbour_coupling`; some effects outside the catalogue may be called external.
+  scaled to what neither the base nor any smooth torque reaches. So a ratio near one says that nothing smooth is left,
+  and not that the noise was known.
+- Right, too, are `torque_offset` for `direction_asymmetry` and the reverse. `neighbour_coupling`, whose neighbour is
+  not logged, is no figure of names: unknown or `external_disturbance` is right for it. Some effects outside the
+  catalogue may be called external.
+- A proposed motion tells a set apart when, of every set that was printed, something is left and all that is left is
+  true.
 - Names of parameters are judged like others: false where the simulation has that parameter right, unless the truth is
   in their set. Where inertia and gravity were shifted, `inertia_error` and `payload_error` are right and not counted.
 - Pairs are of physics and measurement on a rich motion: no parameters, no pushes, no neighbours. Effects outside the
@@ -101,28 +108,29 @@ LIMITS = """## What the words mean
   their errors had been read, for which no interval here makes up. Those of medians are order statistics, those of the
   mean size of a set come from drawing cases again; parameters of one case are a cluster.
 - Intervals of parameters are compared where the right effect was named and generator and catalogue share the form, or
-  the best-fitting value on noise-free data is known; counts, such as an order, have none.
+  the best-fitting value on noise-free data is known; counts, such as an order, have none. Of normal errors behind
+  right intervals, 1 of 10,000 would miss by two half widths.
+- Pairs are wanted at ENR 0.5 to 8 together; the row tells how strong the weaker one is.
 
 ## What is not proved here
 
 - Generator and diagnosis come from one project; effects that neither of them thinks of are not tried, beyond those
-  outside the catalogue. Joints whose dynamics and left-out physics are MuJoCo's have
-  [a page of their own](second_generator.md); they are not sealed.
-- The joints are simulated, one hinge each, recorded at 1 kHz with torque measured on the joint's side, by one recording
-  (two where a motion was proposed). Effects injected into real recordings, with real noise, have
-  [a page of their own](injected.md).
+  outside the catalogue. Joints whose dynamics and left-out physics are MuJoCo's have [a page of their
+  own](second_generator.md); they are not sealed.
+- The joints are simulated, one hinge each, recorded at 1 kHz with torque measured on the joint's side, by one
+  recording (two where a motion was proposed). Effects injected into real recordings, with real noise, have [a page of
+  their own](injected.md).
 - The borders of what counts as an effect are not tried: no joint has a delay between 0.25 and 1 ms, a filter of the
   velocity between 2 and 4 ms, or (but for `gms`) a presliding travel between 0.15 and 0.6 mrad.
 - An error of the gain, of inertia or of payload is tried with a simulation that is right otherwise: beside another
   error of inertia and gravity nobody can tell it.
-- The loop is not told to the diagnosis, which estimates it; load channels hold gravity and inertia, no spring or push.
+- The loop is not told to the diagnosis, which estimates it; load channels hold gravity and inertia, no spring or
+  push.
 - Motion of a neighbouring joint is not logged, so that `neighbour_coupling` counts as right when it is called unknown
   or external.
 - Strength of `presliding_hysteresis` is measured against the stiff bristle of the same joint; a diagnosis that fits
   the bristle's stiffness sees less of it. The torque of `velocity_filter_lag` is that of a simulation driven by the
   late velocity; the recording holds none of it.
-- How much of the held-out gap is closed, of what the right structure could close, is not known for scored cases: the
-  figure above counts from the diagnosis' own estimate of the noise, which is never above the error that its answer
-  leaves, so that it is near 1 by construction and cannot be compared with the target of 0.95. What could be reached
-  takes a second diagnosis without the concealed torque: `--gap N` does that on N cases of development seeds.
+- How much of the held-out gap is closed, of what the right structure could close, takes a second diagnosis without
+  the concealed torque: `--gap N` measures it on N cases of development seeds, above.
 """

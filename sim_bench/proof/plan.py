@@ -36,7 +36,6 @@ _SHORT = 30.0  # [s] of the recordings of clear cases
 _ONE_SPRING = {"joint_elasticity", "backlash"}  # both are of the one transmission, which has one stiffness
 _STRENGTHS = ("1", "0.5", "2", "0.2", "5", "0.1", "clear")
 _MOTIONS = ("rich", "fourier", "rich", "sweep", "rich", "fourier", "pick_and_place", "rich", "slow_reversals", "chirp")
-_NOISES = ("white", "coloured", "jittered", "quantised", "heavy_tailed")
 _HIDDEN = ("load_coulomb", "thermal_friction", "load_stribeck", "load_quadratic")
 _PARAMETERS = ("inertia_error", "payload_error", "torque_offset", "direction_asymmetry")
 _OF_THE_BODY = frozenset({"inertia_error", "payload_error", "torque_gain_error"})
@@ -90,15 +89,14 @@ def plan_clear_cases(seeds: Iterator[int]) -> list[PlannedCase]:
     Args:
         seeds: One is taken for each case.
     """
-    cores, noises = cycle(("lugre", "gms", "dahl", "set_valued")), cycle(_NOISES)
-    motions = cycle(("rich", "fourier", "sweep", "slow_reversals", "pick_and_place", "chirp"))
-    null_cores = cycle(("set_valued", "lugre", "gms", "dahl"))
+    rng = np.random.default_rng(9)
+    decks = (CHOICES["core"], CHOICES["core"], CHOICES["noise"], _MOTIONS[1:])
+    cores, null_cores, noises, motions = (_deck(rng, cards) for cards in decks)
     planned = []
     for index, name in enumerate(CATALOGUE, start=1):
         single = CaseSpec(next(seeds), (name,), "clear", "rich", _SHORT, next(noises), next(cores))
         planned.append(PlannedCase("single", single))
         if index % 3 == 0:
-            next(cores)  # so that an effect does not meet the same core all the time
             nothing = CaseSpec(next(seeds), (), "clear", next(motions), _SHORT, next(noises), next(null_cores))
             planned.append(PlannedCase("null", nothing))
     return planned

@@ -10,7 +10,7 @@ import hashlib
 import json
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +27,7 @@ from .seal import SealBook
 __all__ = [
     "ANSWERS",
     "DIAGNOSES",
+    "FOLLOW_UPS",
     "REFUSED",
     "SEALS",
     "Diagnose",
@@ -43,8 +44,8 @@ Diagnose = Callable[[dict[str, bytes]], BlindAnswer]
 REFUSED, SEALS = "refused.jsonl", "seals.jsonl"
 """Files of a run: cases that could not be made, and hashes of answers."""
 
-ANSWERS, DIAGNOSES = "answers", "diagnoses"
-"""Folders of a run: opened answers, and what was said."""
+ANSWERS, DIAGNOSES, FOLLOW_UPS = "answers", "diagnoses", "follow_ups"
+"""Folders of a run: opened answers, what was said, and what was said once the proposed motion was recorded too."""
 
 _NO_ANSWER = BlindAnswer(b"", b"", 0.0, "no answer")
 
@@ -65,7 +66,7 @@ class _Run:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        for name in ("scores", ANSWERS, DIAGNOSES):
+        for name in ("scores", ANSWERS, DIAGNOSES, FOLLOW_UPS):
             (folder / name).mkdir(parents=True, exist_ok=True)
         self.seals = SealBook(folder / SEALS)
         self.refused = read_refused(folder)
@@ -87,6 +88,8 @@ class _Run:
     def score(self, planned: PlannedCase, blind: BlindAnswer, follow_up: BlindAnswer | None) -> Score:
         name = name_of(planned.spec)
         (self.folder / DIAGNOSES / f"{name}.json").write_bytes(blind.diagnosis)
+        if follow_up is not None:
+            (self.folder / FOLLOW_UPS / f"{name}.json").write_bytes(follow_up.diagnosis)
         answer = (self.folder / ANSWERS / f"{name}.json").read_bytes()
         self.seals.open(name, answer)
         score = score_case(planned, answer, blind, follow_up)
@@ -222,10 +225,10 @@ def _write_score(score: Score, path: Path) -> None:
 
 
 def read_scores(folder: Path) -> list[Score]:
-    """All scores in the folder of a run, by name of the case and by the rules of today where its answer is kept.
+    """All scores in the folder of a run, by name of the case and by the rules of today.
 
     Raises:
-        DiagnosisError: There is none, or they are of another version.
+        DiagnosisError: There is none, or an answer is not kept beside its score, as in runs of earlier versions.
     """
     return sorted(_read(folder), key=lambda score: score.case)
 
@@ -236,17 +239,16 @@ def _read(folder: Path) -> Iterator[Score]:
     paths = sorted((folder / "scores").glob("*.parquet"))
     if not paths:
         raise DiagnosisError(f"no scores in {folder}: run 'fricomp bench mismatch --out {folder}' first")
-    names = {each.name for each in fields(Score)}
     for path in paths:
-        row = parquet.read_table(path).to_pylist()[0]
-        if set(row) != names:
+        opened = read_opened(folder, path.stem)
+        if not opened:
             raise DiagnosisError(f"{path} was written by another version: start a new folder")
-        score = Score(**row)
-        opened = read_opened(folder, score.case)
-        yield score_again(score, *opened) if opened else score
+        yield score_again(parquet.read_table(path).to_pylist()[0], *opened)
 
 
-def read_opened(folder: Path, case: str) -> tuple[bytes, bytes] | None:
-    """Answer and diagnosis of a case of a run; None where either is missing, as of cases of earlier versions."""
-    answer, diagnosis = (folder / name / f"{case}.json" for name in (ANSWERS, DIAGNOSES))
-    return (answer.read_bytes(), diagnosis.read_bytes()) if answer.exists() and diagnosis.exists() else None
+def read_opened(folder: Path, case: str) -> tuple[bytes, bytes, bytes] | None:
+    """Answer, diagnosis and follow-up (empty for none) of a case; None where either of the first two is missing."""
+    answer, diagnosis, follow_up = (folder / name / f"{case}.json" for name in (ANSWERS, DIAGNOSES, FOLLOW_UPS))
+    if not (answer.exists() and diagnosis.exists()):
+        return None
+    return answer.read_bytes(), diagnosis.read_bytes(), follow_up.read_bytes() if follow_up.exists() else b""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy as np
 from fricomp.errors import DiagnosisError
 
 from .blind import BlindAnswer
+from .intervals import KnownInterval, compare_intervals
 from .making import command_of
 from .plan import PlannedCase
 
@@ -31,7 +32,7 @@ PARAMETERS = frozenset({"inertia_error", "payload_error", "torque_offset", "dire
 
 _SCORED = ("schema", "verdict", "effects", "heldout", "location", "noise_ratio", "changes")  # of a diagnosis
 _TOLD = ("sentences",)  # beside it, what a reader looks for
-_SIMULATION = "simulation"  # what stands for the parameters of a shifted simulation among the effects
+_OF_THE_RUN = ("group", "proposed", "recorded", "seconds", "error", "command")
 _GRID = 1e-3  # [s] of the comparison of two sets of intervals
 
 
@@ -69,20 +70,11 @@ class Score:
         verdict_right: The verdict is the expected one, or was accepted for it.
         overlap: Intersection over union of the located and the true time, 0 where no time was named; NaN where the
             effect is not localised.
-        gap_closed: Energy above the diagnosis' own noise floor that was removed on held-out data; NaN where no effect
-            of physics or measurement was named that changes the residual. That floor is at most the error that is
-            left, so this is no share of what the right structure could close: `gap` measures that.
         noise_ratio: Residual of the base model over its noise floor, as the diagnosis sees it; NaN where not given.
-        parameters: Number of parameters that can be compared: of concealed effects that were named, and the refitted
-            inertia and gravity where those of the simulation were shifted and found to be. Counts, such as an order,
-            have no interval.
-        covered: How many of their 95 % intervals hold the truth.
-        coverage: The same for each concealed effect that was named, such as `cogging 3/3`, and for a shifted
-            `simulation`, joined by a plus sign.
-        worst_error: Largest relative error of them; NaN for none.
+        intervals: Of parameters whose truth is known.
         proposed: It proposed a motion to tell a printed set apart.
         recorded: That motion could be recorded, and both recordings were diagnosed together.
-        resolved: With it, a concealed effect was named alone.
+        resolved: With it, of every printed set nothing but the truth is left.
         seconds: Time of the diagnosis [s].
         error: Why it failed; empty where it did not.
         command: Makes the case again.
@@ -115,12 +107,8 @@ class Score:
     false_parameters: int
     verdict_right: bool
     overlap: float
-    gap_closed: float
     noise_ratio: float
-    parameters: int
-    covered: int
-    coverage: str
-    worst_error: float
+    intervals: tuple[KnownInterval, ...]
     proposed: bool
     recorded: bool
     resolved: bool
@@ -156,29 +144,37 @@ def brief_diagnosis(content: bytes) -> bytes:
 
 def score_case(planned: PlannedCase, answer: bytes, blind: BlindAnswer, follow_up: BlindAnswer | None = None) -> Score:
     """Compare an opened answer with what the diagnosis said, and with what it said after the proposed motion."""
-    return Score(
-        group=planned.group,
-        **_compare(json.loads(answer), read_diagnosis(blind.diagnosis)),
-        proposed=asks_for_more(blind),
-        recorded=follow_up is not None,
-        resolved=follow_up is not None and _resolved(json.loads(answer), read_diagnosis(follow_up.diagnosis)),
-        seconds=blind.seconds,
-        error=blind.error,
-        command=command_of(planned.spec),
-    )
+    known = {
+        "group": planned.group,
+        "proposed": asks_for_more(blind),
+        "recorded": follow_up is not None,
+        "seconds": blind.seconds,
+        "error": blind.error,
+        "command": command_of(planned.spec),
+    }
+    return score_again(known, answer, blind.diagnosis, follow_up.diagnosis if follow_up else b"")
 
 
-def score_again(score: Score, answer: bytes, diagnosis: bytes) -> Score:
-    """A score by the rules of today, of the answer and the diagnosis that it came from.
+def score_again(known: Mapping[str, Any], answer: bytes, diagnosis: bytes, follow_up: bytes = b"") -> Score:
+    """A score by the rules of today.
 
-    Times, and what became of a proposed motion, are known to the run alone and stay.
+    Args:
+        known: Fields of the score that the run alone knows: group, time, command, and whether a motion was proposed
+            and recorded. Others do not count.
+        answer: As it was opened.
+        diagnosis: What was said of it; empty for nothing.
+        follow_up: What was said with the proposed motion; empty for nothing.
     """
-    return replace(score, **_compare(json.loads(answer), read_diagnosis(diagnosis)))
+    truth, said = json.loads(answer), read_diagnosis(diagnosis)
+    return Score(
+        **{name: known[name] for name in _OF_THE_RUN},
+        **_compare(truth, said),
+        resolved=bool(follow_up) and _resolved(truth, said, read_diagnosis(follow_up)),
+    )
 
 
 def _compare(truth: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
     """All of a score that follows from the answer and the diagnosis."""
-    coverage, worst = _score_parameters(truth, said)
     effects, joint, spec = truth["effects"], truth["joint"], truth["spec"]
     return {
         "case": truth["id"],
@@ -200,12 +196,8 @@ def _compare(truth: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
         **_score_names(truth, said),
         "verdict_right": _verdict_right(truth, said),
         "overlap": _score_location(truth, said, spec["duration"]),
-        "gap_closed": _gap_closed(said),
         "noise_ratio": _number(said.get("noise_ratio")),
-        "parameters": sum(total for _, total in coverage.values()),
-        "covered": sum(covered for covered, _ in coverage.values()),
-        "coverage": "+".join(f"{name} {covered}/{total}" for name, (covered, total) in coverage.items()),
-        "worst_error": worst,
+        "intervals": compare_intervals(truth, said),
     }
 
 
@@ -224,7 +216,7 @@ def _score_names(truth: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
     right, tolerated = _right_names(truth), _tolerated(truth)
     wanted: set[str] = set().union(*right) if right else set()
     named = [each["name"] for each in said["effects"]]
-    sets = [{each["name"], *each.get("indistinguishable_from", ())} for each in said["effects"]]
+    sets = _sets(said)
     judged = [name for name in named if name in wanted or name not in tolerated]
     false = [name for name, group in zip(named, sets, strict=True) if name in judged and not group & wanted]
     found = [any(name in judged for name in names) for names in right]
@@ -247,10 +239,16 @@ def asks_for_more(answer: BlindAnswer) -> bool:
     return bool(answer.motion) and any(each.get("indistinguishable_from") for each in said["effects"])
 
 
-def _resolved(truth: dict[str, Any], said: dict[str, Any]) -> bool:
-    """Whether a concealed effect comes first and alone in its set."""
-    names = _score_names(truth, said)
-    return bool(names["top_right"]) and not said["effects"][0].get("indistinguishable_from")
+def _resolved(truth: dict[str, Any], first: dict[str, Any], second: dict[str, Any]) -> bool:
+    """Whether of every set that was printed first, something is left, and that is true."""
+    right = {*_tolerated(truth), *set().union(*_right_names(truth))}
+    left = set().union(*_sets(second))
+    return all(group & left and group & left <= right for group in _sets(first) if len(group) > 1)
+
+
+def _sets(said: dict[str, Any]) -> list[set[str]]:
+    """Each name with what it cannot be told from."""
+    return [{each["name"], *each.get("indistinguishable_from", ())} for each in said["effects"]]
 
 
 def _verdict_right(truth: dict[str, Any], said: dict[str, Any]) -> bool:
@@ -278,62 +276,6 @@ def _score_location(truth: dict[str, Any], said: dict[str, Any], duration: float
         return float("nan")
     location = said.get("location") or {}
     return interval_overlap(truth["location"]["time"], location.get("time", []), duration)
-
-
-def _gap_closed(said: dict[str, Any]) -> float:
-    heldout = said.get("heldout")
-    named = [each for each in said["effects"] if each["kind"] != "parameter" and each.get("share", 0.0) > 0.0]
-    if not heldout or not named:
-        return float("nan")
-    before, after, floor = (heldout[name] ** 2 for name in ("rmse_before", "rmse_after", "noise_floor"))
-    return float((before - after) / (before - floor)) if before > floor else float("nan")
-
-
-def _score_parameters(truth: dict[str, Any], said: dict[str, Any]) -> tuple[dict[str, tuple[int, int]], float]:
-    """For each effect how many intervals hold the truth and how many could; the largest relative error of all."""
-    answers = {each["name"]: each["parameters"] for each in said["effects"]}
-    pairs = {each["name"]: (answers.get(each["name"], {}), _values(each["comparable"])) for each in truth["effects"]}
-    if "gravity" in truth["joint"] and answers.keys() & set(truth["shifted_parameters"]):
-        pairs[_SIMULATION] = (_refitted(said), _body_of(truth["joint"]))
-    coverage, errors = {}, []
-    for effect, (found, wanted) in pairs.items():
-        if _numbered(found) != _numbered(wanted):
-            continue  # where one push is missed, which of the others is the second is a matter of counting
-        compared = [(given, wanted[name]) for name, given in found.items() if name in wanted and _has_width(given)]
-        if compared:
-            held = sum(given["ci95"][0] <= value <= given["ci95"][1] for given, value in compared)
-            coverage[effect] = (held, len(compared))
-            errors += [abs(given["value"] / value - 1.0) if value else np.nan for given, value in compared]
-    return coverage, float(np.max(errors)) if errors else float("nan")
-
-
-def _values(parameters: Mapping[str, Any]) -> dict[str, float]:
-    return {name: each["value"] for name, each in parameters.items()}
-
-
-def _refitted(said: dict[str, Any]) -> dict[str, Any]:
-    """What a diagnosis says has changed in the simulation, with its interval."""
-    return {each["name"]: each["refitted"] for each in said.get("changes") or () if each.get("refitted")}
-
-
-def _body_of(joint: Mapping[str, Any]) -> dict[str, float]:
-    """Inertia and gravity of the concealed joint by the names of a diagnosis."""
-    gravity, angle = joint["gravity"], joint["gravity_angle"]
-    return {
-        "inertia": joint["inertia"],
-        "gravity_cos": gravity * float(np.sin(angle)),
-        "gravity_sin": gravity * float(np.cos(angle)),
-    }
-
-
-def _has_width(given: Mapping[str, Any]) -> bool:
-    """Whether a parameter has an interval; counts, such as the order of a filter, have none."""
-    return bool(given["ci95"][0] < given["ci95"][1])
-
-
-def _numbered(parameters: Mapping[str, Any]) -> int:
-    """How many of the same thing an effect has, such as pushes."""
-    return sum(name.startswith("start_") for name in parameters)
 
 
 def _number(value: float | None) -> float:

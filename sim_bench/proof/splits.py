@@ -10,7 +10,7 @@ from fricomp.report import format_markdown_table
 
 from ..concealed import CHOICES
 from .figure import WEAK, Figure, count_share, where
-from .judging import right_first
+from .judging import nameable
 from .plan import NULLS
 from .score import Score
 
@@ -68,7 +68,7 @@ def _middle(scores: Sequence[Score]) -> str:
 def format_splits(scores: Sequence[Score]) -> str:
     """A section of the page; empty where neither joints with nothing missing nor single effects are there."""
     nothing = where(scores, lambda s: s.group in NULLS)
-    single = where(scores, lambda s: s.group == "single" and s.enr >= WEAK * _WEAKEST)
+    single = where(nameable(scores), lambda s: s.enr >= WEAK * _WEAKEST)
     if not nothing and not single:
         return ""
     parts = ["## By friction core, motion, noise and strength"]
@@ -78,7 +78,10 @@ def format_splits(scores: Sequence[Score]) -> str:
         parts.append(format_markdown_table(head, rows))
     if single:
         banded = [("strength", band, some) for band, some in _group(single, band_of)]
-        rows = [[axis, value, str(count_share(some, right_first))] for axis, value, some in (*_parts(single), *banded)]
+        rows = [
+            [axis, value, str(count_share(some, lambda s: s.top_right))]
+            for axis, value, some in (*_parts(single), *banded)
+        ]
         head = [f"one effect, ENR ≥ {_WEAKEST:g}", "", "right name first (95 % interval)"]
         parts.append(format_markdown_table(head, rows))
     return "\n\n".join(parts)

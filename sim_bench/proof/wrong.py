@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from fricomp.report import format_markdown_table
 
 from .figure import where
-from .judging import count_for_names, count_for_pairs, is_wrong, names_another, right_first
+from .judging import count_for_names, count_for_pairs, is_wrong, nameable, names_another
 from .score import Score
 
 __all__ = ["format_misses", "format_wrong"]
 
 
 def format_wrong(scores: Sequence[Score]) -> str:
-    """A section of the page: every wrong answer with the command that makes its case."""
+    """A section of the page: every wrong answer with the design that makes its case."""
     wrong = where(scores, is_wrong)
     if not wrong:
         return "## Wrong answers\n\nNone."
@@ -29,8 +29,8 @@ def format_misses(scores: Sequence[Score]) -> str:
     too few.
     """
     named = [*count_for_names(scores, "rich", 0.2), *count_for_names(scores, "fourier", 0.5)]
-    missed = [s for s in named if not right_first(s)] + [s for s in count_for_pairs(scores) if not s.exact]
-    missed += [s for s in where(scores, lambda s: s.group == "single") if names_another(s) and s not in missed]
+    missed = [s for s in named if not s.top_right] + [s for s in count_for_pairs(scores) if not s.exact]
+    missed += [s for s in nameable(scores) if names_another(s) and s not in missed]
     others = [score for score in missed if not is_wrong(score)]
     if not others:
         return ""

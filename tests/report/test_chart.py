@@ -30,6 +30,8 @@ def test_bars_and_heat_maps_check_their_shape() -> None:
         Bars(("a",), np.zeros(2))
     with pytest.raises(ParameterError, match="heat map over 2 x 3"):
         HeatMap(np.zeros(3), np.zeros(2), np.zeros((3, 2)))
+    with pytest.raises(ParameterError, match="one text a cell"):
+        HeatMap(np.zeros(3), np.zeros(2), np.zeros((2, 3)), texts=(("a", "b", "c"),))
 
 
 def test_colors_follow_the_order_unless_given() -> None:

@@ -4,6 +4,7 @@ import json
 import re
 import struct
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -93,6 +94,19 @@ def test_a_heat_map_of_any_size_is_filled(rows: int, columns: int, tmp_path: Pat
     pixels = imread(file)[:, :, :3]
     yellow = np.all(np.abs(pixels - np.array([0.993, 0.906, 0.144])) < 0.02, axis=2)
     assert np.mean(yellow) > 0.5
+
+
+def test_texts_stand_in_the_cells(tmp_path: Path) -> None:
+    heat = HeatMap(np.arange(2.0), np.arange(1.0), np.ones((1, 2)))
+    bare, written = (
+        Chart("heat", "Heat", (Panel((each,), "x", "y"),)) for each in (heat, replace(heat, texts=(("17", ""),)))
+    )
+    assert '"text":[["17",""]]' in draw_interactive(written)
+    assert "texttemplate" not in draw_interactive(bare)
+    pixels = [imread(draw_png(chart, tmp_path / "heat.png"))[:, :, :3] for chart in (bare, written)]
+    left, right = np.array_split(np.any(np.abs(pixels[0] - pixels[1]) > 0.3, axis=2), 2, axis=1)
+    assert left.sum() > 20
+    assert right.sum() == 0
 
 
 def test_a_png_has_the_size_the_chart_asks_for(every_mark: Chart, tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from typing import Any
 
 from fricomp.sim_bench.proof import Score
 
-_EMPTY: dict[str, Any] = {"str": "", "int": 0, "float": 0.0, "bool": False}
+_EMPTY: dict[str, Any] = {"str": "", "int": 0, "float": 0.0, "bool": False, "tuple[KnownInterval, ...]": ()}
 
 
 def score_of(group: str = "single", **given: Any) -> Score:

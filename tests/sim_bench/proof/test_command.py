@@ -36,7 +36,7 @@ def test_a_run_writes_scores_failures_and_page_and_can_be_resumed(tmp_path: Path
     options = ["--quick", "--cases", "2", "--executor", "serial", "--out", str(out), "--page", str(page)]
     first = CliRunner().invoke(mismatch.app, options, catch_exceptions=False)
     assert first.exit_code == 0
-    assert "named where nothing is missing" in first.stdout
+    assert "where nothing is missing" in first.stdout
     assert (out / "failures.md").read_text().startswith("# 0 wrong answers of 2")
     assert (page.parent / "proof" / "scores.parquet").exists()
     assert len((page.parent / "proof" / "seals.jsonl").read_text().splitlines()) == 2
@@ -82,7 +82,7 @@ def test_nulls_alone_are_made_and_scored(tmp_path: Path) -> None:
     options = ["--nulls", "--quick", "--cases", "3", "--executor", "serial", "--out", str(tmp_path / "run")]
     options += ["--page", str(page)]
     told = CliRunner().invoke(mismatch.app, options, catch_exceptions=False).stdout
-    assert "named where nothing is missing" in told
+    assert "where nothing is missing" in told
     assert "of 3" in told
     assert "fricomp bench mismatch --quick --nulls --cases 3 --first-seed 0" in page.read_text()
 

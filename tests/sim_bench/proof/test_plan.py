@@ -54,7 +54,8 @@ def test_the_clear_plan_holds_every_effect_once_and_nulls() -> None:
     assert {each.spec.strength for each in planned} == {"clear"}
     nulls = _specs(each for each in planned if each.group == "null")
     assert len(nulls) == len(CATALOGUE) // 3
-    assert {spec.core for spec in nulls} == {"dahl", "lugre", "gms", "set_valued"}
+    for specs in (nulls, _specs(each for each in planned if each.group == "single")):
+        assert {spec.core for spec in specs} == {"dahl", "lugre", "gms", "set_valued"}
 
 
 def test_a_plan_of_nulls_alone_turns_through_motions_and_cores() -> None:

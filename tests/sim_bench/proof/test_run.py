@@ -211,10 +211,14 @@ def test_page_and_list_of_failures_are_written(tmp_path: Path) -> None:
     page.parent.mkdir()
     write_page(scores, page, title="A test.", reproduce="fricomp bench mismatch --quick")
     text = page.read_text()
-    assert "named where nothing is missing" in text
+    assert "where nothing is missing" in text
     assert "100.0% (1 of 1" in text
     assert "outside the catalogue called unknown" not in text  # there is no such case
-    assert (page.parent / "proof" / "power.png").stat().st_size > 5000
+    assert not (page.parent / "proof" / "power.png").exists()  # it would be a single point
+    assert "](proof/details.md)" in text
+    details = (page.parent / "proof" / "details.md").read_text()
+    assert details.startswith("# Details of the proof on concealed cases\n\nA test.\n\n## How a run goes")
+    assert "## Wrong answers\n\n2 of 3 answers" in details
     assert (page.parent / "proof" / "confusion.png").stat().st_size > 5000
     failures = format_failures(scores)
     assert "fricomp cases make --seed 3 --effect load_coulomb" in failures

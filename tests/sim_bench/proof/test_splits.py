@@ -6,12 +6,13 @@ from pathlib import Path
 from fricomp.sim_bench.concealed import CHOICES
 from fricomp.sim_bench.proof import Score, compute_figures, write_page
 from fricomp.sim_bench.proof.by_effect import format_coverage, format_places
+from fricomp.sim_bench.proof.intervals import KnownInterval
 from fricomp.sim_bench.proof.judging import answer_of
 from fricomp.sim_bench.proof.splits import format_splits
 from fricomp.sim_bench.proof.wrong import format_misses
 from tests.sim_bench.proof.scoring import score_of
 
-_EVERYWHERE = "the same, on every motion and with every friction core"
+_EVERYWHERE = "the same, median on every motion and with every friction core"
 
 
 def _nulls(**ratios: float) -> list[Score]:
@@ -45,8 +46,12 @@ def test_the_split_tells_which_core_fails() -> None:
 
 
 def test_coverage_and_place_are_told_by_effect() -> None:
-    covered = [score_of(coverage="cogging 3/3+drive_lag 0/1"), score_of(coverage="drive_lag 1/1"), score_of()]
-    assert "| drive_lag | 2 | 50% (1 of 2) |" in format_coverage(covered)
+    held, missed = (KnownInterval("drive_lag", "time_constant", truth, 1.0, 0.9, 1.1) for truth in (1.05, 2.0))
+    covered = [score_of(intervals=(missed,)), score_of(intervals=(held,)), score_of()]
+    bare = score_of(truth="end_stop", named="end_stop")
+    text = format_coverage([*covered, bare])
+    assert "| drive_lag | 2 | 50% (1 of 2) |" in text
+    assert "| end_stop | 0 | none |" in text
     assert format_coverage([score_of()]) == ""
     placed = [score_of(truth="end_stop", enr=enr, overlap=overlap) for enr, overlap in ((0.1, 0.0), (2.0, 0.8))]
     assert "| end_stop | 2 | 0.40 (0.00 to 0.80) | 1 | 0.80 (0.80 to 0.80) |" in format_places(placed)
@@ -60,7 +65,7 @@ def test_weak_misses_that_count_in_a_figure_are_listed_apart_from_wrong_answers(
     assert "make weaker" not in format_misses([weak, weaker])
     many = [score_of("null", false_names=1, named="cogging", command=f"make {n}.") for n in range(80)]
     write_page([*many, weak], tmp_path / "proof.md", title="A test.", reproduce="fricomp bench mismatch")
-    text = (tmp_path / "proof.md").read_text()
+    text = (tmp_path / "proof" / "details.md").read_text()
     assert "80 of 81 answers" in text
     assert all(f"make {n}." in text for n in range(80))
     assert text.index("make weak") > text.index("## Other misses that count")
