@@ -35,6 +35,11 @@ class RealCase:
     arm: str = ""
     known: tuple[tuple[str, float], ...] = ()
 
+    @property
+    def effects(self) -> frozenset[str]:
+        """Effects that are in it, promised or not."""
+        return frozenset((*self.expected, *self.listed))
+
 
 _LOAD = ("load_coulomb", "load_quadratic", "load_stribeck")
 _FRICTION = (

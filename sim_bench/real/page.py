@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from fricomp.report import format_markdown_table
+
 from ..diagnosis_report import VERDICT_TITLES, format_quantity
 from .run import RealOutcome
 
@@ -30,34 +32,42 @@ found in the samples. So they compare with each other in a row, and with publish
 _MARK = {True: "yes", False: "**no**", None: "nothing promised"}
 
 
-def write_real_page(outcomes: Sequence[RealOutcome], page: Path) -> None:
-    """Write the Markdown page."""
-    sections = [_INTRODUCTION.strip(), _overview(outcomes), *map(_section, outcomes)]
+def write_real_page(outcomes: Sequence[RealOutcome], page: Path, measured: str) -> None:
+    """Write the Markdown page.
+
+    Args:
+        outcomes: Of all cases.
+        page: File.
+        measured: When, and of which diagnosis.
+    """
+    sections = [_INTRODUCTION.strip(), f"{measured}\n\n{_overview(outcomes)}", *map(_section, outcomes)]
     page.parent.mkdir(parents=True, exist_ok=True)
     page.write_text("\n\n".join(sections) + "\n", encoding="utf-8")
 
 
 def _overview(outcomes: Sequence[RealOutcome]) -> str:
+    head = ["recording", "answer", "held-out error, before → after (floor)", "known: found", "as expected", "time [s]"]
     rows = [
-        f"| {one.case.name} | {_answer(one)} | {_errors(one)} | {_values(one)} | {_mark(one)} | {one.seconds:.0f} |"
-        for one in outcomes
+        [one.case.name, _answer(one), _errors(one), _values(one), _mark(one), f"{one.seconds:.0f}"] for one in outcomes
     ]
-    head = (
-        "| recording | answer | held-out error, before → after (floor) | known: found | as expected | time [s] |\n"
-        "|---|---|---|---|---|---|"
-    )
-    return "\n".join([head, *rows, "", _count(outcomes)])
+    return f"{format_markdown_table(head, rows)}\n\n{_count(outcomes)}"
 
 
 def _count(outcomes: Sequence[RealOutcome]) -> str:
-    """How many came out as expected, and in how many nothing was found of what is listed."""
-    promised = [one.reached for one in outcomes if one.reached is not None]
-    listed = [one for one in outcomes if _is_listed(one)]
-    missed = sum(not one.found for one in listed)
-    return (
-        f"As expected: {sum(promised)} of {len(promised)}. Not found: {missed} of {len(listed)} in which effects are "
-        f"known and none is promised. Nothing promised: {len(outcomes) - len(promised) - len(listed)}."
-    )
+    """How many of those in which effects are known name one, and what is named beside."""
+    known = [one for one in outcomes if one.case.effects]
+    named = [one for one in known if one.named & one.case.effects]
+    in_set = [one for one in known if one.names & one.case.effects and one not in named]
+    others = [f"{one.case.name} ({', '.join(sorted(one.others))})" for one in known if one.others]
+    controls = [one for one in outcomes if not one.case.effects and one.reached is not None]
+    sentences = [
+        f"Of {len(known)} in which effects are known, {len(named)} name one of them, {len(in_set)} more have it in a "
+        f"set, {len(known) - len(named) - len(in_set)} do not find it.",
+        f"Other names: {'; '.join(others) or 'none'}.",
+        f"Controls without what must not be named: {sum(bool(one.reached) for one in controls)} of {len(controls)}.",
+        f"Nothing known: {len(outcomes) - len(known) - len(controls)}.",
+    ]
+    return " ".join(sentences)
 
 
 def _is_listed(outcome: RealOutcome) -> bool:

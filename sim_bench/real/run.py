@@ -63,6 +63,11 @@ class RealOutcome:
         return self.names & set(self.case.listed)
 
     @property
+    def others(self) -> frozenset[str]:
+        """What was named that nobody knows to be there."""
+        return self.named - self.case.effects
+
+    @property
     def found_values(self) -> tuple[tuple[str, float, Quantity], ...]:
         """Name, known value and found value of each parameter that the case knows, of the strongest effect with it."""
         found: dict[str, Quantity] = {}

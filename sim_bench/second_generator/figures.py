@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..proof.statistics import ShareEstimate, compute_share
+from ..proof.statistics import ShareEstimate, compute_clustered_share, compute_share
 from .motion import MOTIONS
 from .score import Score
 
@@ -78,6 +78,6 @@ def _filtered(score: Score) -> bool:
 
 
 def _coverage(scores: Sequence[Score]) -> ShareEstimate:
-    """Of the parameters of what is missing; that of the filter is the same in all cases."""
-    values = [value for score in scores for value in score.values if value.effect != _FILTER]
-    return compute_share(sum(value.covered for value in values), len(values))
+    """Of the parameters of what is missing, those of one case as a cluster; that of the filter is the same in all."""
+    cases = [[value.covered for value in score.values if value.effect != _FILTER] for score in scores]
+    return compute_clustered_share([sum(case) for case in cases], [len(case) for case in cases])

@@ -50,7 +50,8 @@ printed as what it cannot be told from. An answer is wrong that has another verd
 another name first than a right one. Parameters that are named though the simulation has them right count as false
 names here, as in the proof; the figures stand for the count without them as well. `torque_offset` and
 `direction_asymmetry` are a mismatch because the simulation has a friction loss, which is the same both ways; beside
-one without friction they are part of what is identified. Intervals of shares are exact 95 % intervals.
+one without friction they are part of what is identified. Intervals of shares are exact 95 %
+intervals, the parameters of one case a cluster.
 """
 
 

@@ -144,20 +144,20 @@ def test_what_cannot_be_told_from_the_answer_is_no_refused_rival() -> None:
 def test_the_page_counts_what_is_known_and_was_not_found(tmp_path: Path) -> None:
     cases = [RealCase(name, (), "ripple", listed=(effect,)) for name, effect in (("a", "cogging"), ("b", "end_stop"))]
     outcomes = [_outcome("end_stop", case=case) for case in (*cases, RealCase("c", (), "nothing"))]
-    write_real_page([*outcomes, _outcome("load_quadratic")], tmp_path / "real.md")
+    write_real_page([*outcomes, _outcome("load_quadratic")], tmp_path / "real.md", "Measured now.")
     text = (tmp_path / "real.md").read_text()
     assert "| a | `end_stop` | 0.25 → 0.05 (0.04) A | – | not found | 1 |" in text
     assert "| – | found: end_stop | 1 |" in text
     assert "| – | nothing promised | 1 |" in text
-    assert (
-        "As expected: 1 of 1. Not found: 1 of 2 in which effects are known and none is promised. Nothing promised: 1."
-        in text
-    )
+    assert "Measured now.\n\n| recording |" in text
+    assert "Of 3 in which effects are known, 1 name one of them, 1 more have it in a set, 1 do not find it." in text
+    assert "Other names: a (end_stop); case (load_quadratic)." in text
+    assert text.count("Nothing known: 1.") == 1
 
 
 def test_the_page_names_the_strongest_refused_rival(tmp_path: Path) -> None:
     rivals = (Rival(effects=("load_quadratic",), gain=9.0), Rival(effects=("end_stop",), gain=5.0, refused="pulls"))
-    write_real_page([_outcome("load_quadratic", rivals)], tmp_path / "real.md")
+    write_real_page([_outcome("load_quadratic", rivals)], tmp_path / "real.md", "Measured now.")
     text = (tmp_path / "real.md").read_text()
     assert "end_stop: pulls" in text
     assert "| case | `load_quadratic` | 0.25 → 0.05 (0.04) A | – | in its alias set | 1 |" in text

@@ -25,11 +25,14 @@ def real(
     resume: Annotated[bool, typer.Option("--resume", help="Keep the cases that are in OUT already.")] = False,
 ) -> None:
     """Diagnose recordings that nobody here made, and compare with what is known about them."""
+    from datetime import date
+
     from rich.table import Table
 
     from fricomp.cli.bench.side_by_side import run_side_by_side
     from fricomp.cli.terminal import console
     from fricomp.errors import DiagnosisError
+    from fricomp.sim_bench.proof import format_stamp
     from fricomp.sim_bench.real import REAL_CASES, run_case, write_real_page
 
     known = {case.name: case for case in REAL_CASES}
@@ -48,5 +51,5 @@ def real(
         table.add_row(one.case.name, verdict, named or "–", mark, f"{one.seconds:.0f}")
     console().print(table)
     if page is not None:
-        write_real_page(outcomes, page)
+        write_real_page(outcomes, page, format_stamp(date.today(), Path.cwd()))
         console().print(f"{page} written", soft_wrap=True)
