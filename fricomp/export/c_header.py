@@ -169,13 +169,13 @@ def _measured(settings: CompensationSettings, literal: Literal) -> str:
     )
 
 
-def _falling(curves: FrictionCurves, literal: Literal) -> str:
-    """The exponential of the curve as C; the usual exponent 2 needs no power."""
+def _falling(curves: FrictionCurves, literal: Literal, chosen_by: str) -> str:
+    """The exponential of the curve of the sign of `chosen_by` as C; the usual exponent 2 needs no power."""
     ratio = "(speed / stribeck_velocity)"
     forward, reverse = curves.forward.exponent, curves.reverse.exponent
     if forward == reverse == 2.0:
         return f"exp$f(-({ratio} * {ratio}))"
-    return f"exp$f(-pow$f({ratio}, (direction >= $zero) ? {literal(forward)} : {literal(reverse)}))"
+    return f"exp$f(-pow$f({ratio}, ({chosen_by} >= $zero) ? {literal(forward)} : {literal(reverse)}))"
 
 
 def _static(curves: FrictionCurves, settings: CompensationSettings, literal: Literal) -> Template:
@@ -185,7 +185,7 @@ def _static(curves: FrictionCurves, settings: CompensationSettings, literal: Lit
         share_at_rest = f"({size} < {width}) ? ($one - ({size} / {width})) : $zero"
     return Template(
         template.STATIC.safe_substitute(
-            falling=_falling(curves, literal),
+            falling=_falling(curves, literal, "direction"),
             share_at_rest=share_at_rest,
             unseen=literal(FALLING_SHARE_WITHOUT_VELOCITY if settings.source == "blend" else 1.0),
             smoothing=literal(settings.smoothing),
@@ -197,7 +197,7 @@ def _bristle(curves: FrictionCurves, period: float, literal: Literal) -> Templat
     assert curves.bristle is not None
     return Template(
         template.BRISTLE.safe_substitute(
-            falling=_falling(curves, literal),
+            falling=_falling(curves, literal, "drive"),
             sigma_0=literal(curves.bristle.sigma_0),
             deepest=literal(deepest_bend(curves)),
             sigma_1_per_period=literal(curves.bristle.sigma_1 / period),

@@ -193,6 +193,15 @@ BRISTLE = Template(
         const $real size = (drive >= $zero) ? drive : -drive;
         const $real speed = fabs$f($dragged);
         $real steady;
+        if (drive >= $zero) { /* a bristle bends with the velocity, whatever a position error says */
+            coulomb = $forward_coulomb;
+            rise = $forward_rise;
+            stribeck_velocity = $forward_stribeck_velocity;
+        } else {
+            coulomb = $reverse_coulomb;
+            rise = $reverse_rise;
+            stribeck_velocity = $reverse_stribeck_velocity;
+        }
         level = ${prefix}_factor${f}(input) * (coulomb + (rise * $falling));
         steady = level / $sigma_0;
         if ((steady > $zero) && (steady < $deepest)) {

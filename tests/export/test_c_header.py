@@ -86,6 +86,14 @@ CASES: dict[str, tuple[FrictionModel, dict[str, Any]]] = {
     "lagged": (make_model(LaggedStribeck(FORWARD, REVERSE, lag=4e-3)), {"source": "blend", "measured_share": 0.7}),
     "lagged, measured": (make_model(LaggedStribeck(FORWARD, REVERSE, lag=4e-3)), {"source": "measured"}),
     "lagged lugre": (make_model(LaggedLuGre(FORWARD, REVERSE, 6000.0, 5.0, lag=4e-3)), {}),
+    "lugre, position error": (
+        make_model(LuGre(FORWARD, replace(REVERSE, stribeck_exponent=1.3), 6000.0, 5.0)),
+        {"error_rate": 50.0},
+    ),
+    "lagged lugre, position error": (
+        make_model(LaggedLuGre(FORWARD, REVERSE, 6000.0, 5.0, lag=4e-3)),
+        {"error_rate": 50.0},
+    ),
     "no normal load known": (replace(make_model(), validity=Validity(velocity=(-1.0, 1.0))), {}),
 }
 
