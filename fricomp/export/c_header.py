@@ -5,8 +5,11 @@ from __future__ import annotations
 import hashlib
 import math
 import re
+import sys
 from collections.abc import Callable
 from string import Template
+
+import numpy as np
 
 import fricomp.export.c_template as template
 from fricomp.control import (
@@ -29,6 +32,7 @@ Literal = Callable[[float], str]
 
 _LONGEST_PERIOD = 10.0
 """Control periods end here [s], as in `Compensator`."""
+_LARGEST_FLOAT, _LARGEST_DOUBLE = float(np.finfo(np.float32).max), sys.float_info.max
 
 
 def render_c_header(
@@ -75,6 +79,7 @@ def render_c_header(
         position_unit=model.position_unit,
         prefix=name,
         guard=f"{name.upper()}_H",
+        content=f"{name.upper()}_{hashlib.sha256(functions.encode()).hexdigest()[:16].upper()}",
         period=f"{period:g}",
         functions=functions,
     )
@@ -89,6 +94,9 @@ def _functions(
     curves: FrictionCurves, settings: CompensationSettings, names: tuple[str, str, str], period: float, is_float: bool
 ) -> str:
     def literal(value: float) -> str:
+        if abs(value) > (_LARGEST_FLOAT if is_float else _LARGEST_DOUBLE):
+            size = "INFINITY" if is_float else "(double)INFINITY"
+            return size if value > 0.0 else f"-{size}"
         text = repr(float(value))
         text = text if "e" in text or "." in text else f"{text}.0"
         return f"{text}F" if is_float else text

@@ -21,8 +21,12 @@ HEADER = Template(
  *
  * The names that end in f are the same in single precision.
  */
+#if defined(${guard}) && !defined(${content})
+#error "two different headers of the prefix $prefix: give each joint a prefix of its own (--prefix)"
+#endif
 #ifndef ${guard}
 #define ${guard}
+#define ${content}
 
 #if defined(__FAST_MATH__)
 #error "compile without -ffast-math: this header has to tell numbers that are not finite apart"
