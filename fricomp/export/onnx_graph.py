@@ -72,7 +72,11 @@ def closed_form_graph(models: Sequence[FrictionModel], *, any_status: bool = Fal
     node, columns = onnx.helper.make_node, state_columns(models)
     output = "plain_torque" if any(extras) else "torque"
     caps = [compute_torque_cap(model) for model in models]
-    nodes = _closed_form_nodes(node, columns, "unheld_torque" if any(caps) else output)
+    smoothing = np.array([[curve.smoothing] for curve in curves])
+    if is_smoothed := bool(np.any(smoothing)):
+        constants["sharp"] = np.where(smoothing > 0.0, 0.0, 1.0)  # of joints whose friction changes its sign at once
+        constants["smoothing"] = smoothing + constants["sharp"]
+    nodes = _closed_form_nodes(node, columns, is_smoothed, "unheld_torque" if any(caps) else output)
     if any(caps):
         constants["cap"] = np.array([[np.inf if cap is None else cap] for cap in caps])
         constants["minus_cap"] = -constants["cap"]
@@ -101,7 +105,7 @@ def state_columns(models: Sequence[FrictionModel]) -> tuple[str, ...]:
     return STATE_COLUMNS[:-1] if any(isinstance(term, _BEYOND) for term in terms) else STATE_COLUMNS[:2]
 
 
-def _closed_form_nodes(node: Any, columns: Sequence[str], output: str) -> list[Any]:
+def _closed_form_nodes(node: Any, columns: Sequence[str], is_smoothed: bool, output: str) -> list[Any]:
     nodes = [
         node("Split", ["state"], columns, axis=1),
         node("Abs", ["velocity"], ["speed"]),
@@ -109,7 +113,9 @@ def _closed_form_nodes(node: Any, columns: Sequence[str], output: str) -> list[A
         node("Sub", ["load_ratio", "one"], ["excess"]),
         node("Mul", ["excess", "sensitivity"], ["share"]),
         node("Add", ["share", "one"], ["follows"]),
-        node("Relu", ["follows"], ["factor"]),  # far below the reference load friction ends, and never drives
+        # Far below the reference load friction ends, and never drives.
+        node("Relu", ["follows"], ["load_factor" if is_smoothed else "factor"]),
+        *(_smoothing_nodes(node) if is_smoothed else []),
     ]
     for side in ("forward", "reverse"):
         names = ("ratio", "power", "minus", "falling", "risen", "dry", "loaded", "viscous_part", "level")
@@ -132,6 +138,16 @@ def _closed_form_nodes(node: Any, columns: Sequence[str], output: str) -> list[A
         node("Where", ["is_forward", "forward_loaded_", "reverse_loaded_"], ["dry_level"]),
         node("Sign", ["velocity"], ["sign"]),
         node("Mul", ["size", "sign"], [output]),
+    ]
+
+
+def _smoothing_nodes(node: Any) -> list[Any]:
+    """The factor of the load times the share of dry friction that a speed reaches: tanh(speed/smoothing), or all."""
+    return [
+        node("Div", ["speed", "smoothing"], ["smoothed_speed"]),
+        node("Tanh", ["smoothed_speed"], ["smoothed_share"]),
+        node("Max", ["smoothed_share", "sharp"], ["reached"]),
+        node("Mul", ["load_factor", "reached"], ["factor"]),
     ]
 
 
