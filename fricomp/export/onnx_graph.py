@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from fricomp.control import (
+    FrictionCurves,
     compute_torque_cap,
     find_doubt_in_status,
     require_usable,
@@ -85,9 +86,23 @@ def closed_form_graph(models: Sequence[FrictionModel], *, any_status: bool = Fal
             node("Max", ["below_cap", "minus_cap"], [output]),
         ]
     graph = _model(onnx, nodes + extra_nodes(node, extras), constants, (rows, len(columns)))
+    for key, value in _loads(models, curves).items():
+        graph.metadata_props.add(key=key, value=value)
     if unused := [name for name in columns if not any(_depends_on(name, model) for model in models)]:
         graph.metadata_props.add(key="unused", value=f"{', '.join(unused)}: any finite number, it changes nothing")
     return graph
+
+
+def _loads(models: Sequence[FrictionModel], curves: Sequence[FrictionCurves]) -> dict[str, str]:
+    """What `NetworkCompensator` is told of the normal load of each joint, nothing where no friction follows it."""
+    joints = list(zip(models, curves, strict=True))
+    if not any(curve.load.load_sensitivity for curve in curves):
+        return {}
+    ranges = [model.validity.normal_load if curve.load.load_sensitivity else None for model, curve in joints]
+    return {
+        "normal_load_range": "; ".join(" ".join(f"{edge:.9g}" for edge in edges or ()) for edges in ranges),
+        "reference_load": "; ".join(f"{curve.load.reference_load:.9g}" for curve in curves),
+    }
 
 
 def _depends_on(column: str, model: FrictionModel) -> bool:
@@ -218,12 +233,14 @@ def _block_diagonal(blocks: Sequence[FloatArray]) -> FloatArray:
 
 
 def save_graph(graph: Any, path: str | os.PathLike[str], metadata: dict[str, str] | None = None) -> None:
-    """Check and write a graph, whole or not at all.
+    """Check and write a graph, whole or not at all; `metadata` goes before what the graph states itself.
 
     Raises:
         ExportError: The file cannot be written.
     """
-    for key, value in sorted(({"opset": str(OPSET)} | (metadata or {})).items()):
+    stated = {item.key: item.value for item in graph.metadata_props}
+    del graph.metadata_props[:]
+    for key, value in sorted((stated | {"opset": str(OPSET)} | (metadata or {})).items()):
         graph.metadata_props.add(key=key, value=value)
     _onnx().checker.check_model(graph)
     with whole_file(Path(path), ExportError) as part:
