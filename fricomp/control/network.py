@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fricomp.control.network_file import open_network, read_largest_torques, read_velocity_range
+from fricomp.control.network_file import open_network, read_largest_torques, read_loads, read_velocity_range
 from fricomp.control.trust import LARGEST_EXTRAPOLATION, find_doubt_in_status
 from fricomp.errors import ModelFileError, ParameterError
 from fricomp.laws import FloatArray
@@ -19,19 +19,21 @@ from fricomp.laws import FloatArray
 __all__ = ["NetworkCompensator"]
 
 _WARM_UP, _TIMED = 200, 1000
-_SAMPLES = 101
+_SAMPLES, _LOADS = 101, 5
+_LARGEST_INPUT = float(np.finfo(np.float32).max)
 
 
 class NetworkCompensator:
     """Friction compensation from the networks that a calibration exports.
 
     Close to rest the torque is faded with tanh(v/smoothing), outside the trained range of velocity it goes to zero.
+    Normal loads beyond the range that the file states for a joint count as its ends.
 
     Attributes:
         n_joints: Joints of the graph.
-        authority: Largest compensation of each joint, from its network over its range.
+        authority: Largest compensation of each joint, from its network over its ranges of velocity and load.
         tail: Slowest of 1000 timed calls but one [s].
-        rejected: Inputs so far that were not finite and got zeros.
+        rejected: Inputs so far that were not finite in single precision and got zeros.
 
     Args:
         path: `friction.onnx` of one joint, or several stacked by `fricomp export`.
@@ -44,7 +46,8 @@ class NetworkCompensator:
 
     Raises:
         MissingExtraError: onnxruntime is not installed.
-        ModelFileError: The file is no friction network, or what it says of its range or largest torque cannot be meant.
+        ModelFileError: The file is no friction network, or what it says of its ranges or largest torque cannot be
+            meant.
         ParameterError: Its calls are too slow for the period, its model is not usable, or an argument is outside its
             domain.
     """
@@ -73,7 +76,8 @@ class NetworkCompensator:
         rows = self._session.get_inputs()[0].shape[0]
         self.n_joints = rows if isinstance(rows, int) else 1
         self._state = np.zeros((self.n_joints, 2), dtype=np.float32)
-        self._state[:, 1] = 1.0
+        self._loads = read_loads(about, self.n_joints)
+        self._state[:, 1] = [loads.usual for loads in self._loads]
         self._torque = np.zeros((self.n_joints, 1), dtype=np.float32)
         # Views that read and write plain floats, several times faster than numpy scalars.
         self._states, self._torques = _plain_view(self._state), _plain_view(self._torque)
@@ -98,10 +102,11 @@ class NetworkCompensator:
         Args:
             out: One entry a joint, in the models' torque units.
             velocity_reference: [rad/s] or [m/s].
-            load: Normal loads; those of the last call, at first 1, where None.
+            load: Normal loads; those of the last call where None, at first the reference load that the file states,
+                else the middle of its range, else 1.
         """
         try:
-            usable = math.isfinite(sum(velocity_reference)) and (load is None or math.isfinite(sum(load)))
+            usable = _fits(velocity_reference) and (load is None or _fits(load))
             if usable:
                 self._set_state(velocity_reference, load)
         except (TypeError, ValueError, OverflowError):
@@ -127,7 +132,6 @@ class NetworkCompensator:
 
         Raises:
             ValueError: They are those of another number of joints.
-            OverflowError: One is beyond single precision.
         """
         state, smoothing = self._states, self._smoothing
         if len(velocity_reference) != self.n_joints or (load is not None and len(load) != self.n_joints):
@@ -138,19 +142,25 @@ class NetworkCompensator:
                 v = smoothing if v >= 0.0 else -smoothing
             state[2 * j] = v
             if load is not None:
-                state[2 * j + 1] = load[j]
+                low, high, _ = self._loads[j]
+                state[2 * j + 1] = min(max(load[j], low), high)
 
     def run_graph(self) -> None:
         """Run the graph on the inputs of the last call."""
         self._run()
 
     def _largest(self) -> FloatArray:
-        """Largest torque of each network over the range. Shape (n_joints,)."""
-        found = np.zeros(self.n_joints)
-        for v in np.linspace(*self._range, _SAMPLES):
-            self._state[:, 0] = v
-            self._run()
-            found = np.maximum(found, np.abs(self._torque[:, 0]))
+        """Largest torque of each network over the ranges, from the slowest speed it is asked. Shape (n_joints,)."""
+        found, usual = np.zeros(self.n_joints), self._state[:, 1].copy()
+        known = np.array([(low, high) if math.isfinite(low) else (at, at) for low, high, at in self._loads])
+        slowest = np.clip([-self._smoothing, self._smoothing], *self._range)
+        for loads in np.linspace(known[:, 0], known[:, 1], _LOADS):
+            self._state[:, 1] = loads
+            for v in (*np.linspace(*self._range, _SAMPLES), *slowest):
+                self._state[:, 0] = v
+                self._run()
+                found = np.maximum(found, np.abs(self._torque[:, 0]))
+        self._state[:, 1] = usual
         if not np.all(np.isfinite(found)) or not np.all(found > 0.0):
             raise ModelFileError(f"the network gives {found.tolist()} as its largest torques: it is damaged")
         return found
@@ -164,6 +174,11 @@ class NetworkCompensator:
             self._run()
             took.append(time.perf_counter() - start)
         return sorted(took)[-2]
+
+
+def _fits(values: Sequence[float]) -> bool:
+    """Whether all are finite in single precision too."""
+    return math.isfinite(sum(values)) and min(values) >= -_LARGEST_INPUT and max(values) <= _LARGEST_INPUT
 
 
 def _plain_view(array: Any) -> Any:

@@ -5,14 +5,28 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.errors import MissingExtraError, ModelFileError, ParameterError
 
-__all__ = ["open_network", "read_largest_torques", "read_velocity_range"]
+__all__ = ["Loads", "open_network", "read_largest_torques", "read_loads", "read_velocity_range"]
+
+
+class Loads(NamedTuple):
+    """Normal loads of one joint of a network.
+
+    Attributes:
+        low: Lowest one that the network knows; minus infinity where none is stated.
+        high: Highest one; infinity where none is stated.
+        usual: The one assumed until one is given.
+    """
+
+    low: float = -math.inf
+    high: float = math.inf
+    usual: float = 1.0
 
 
 def open_network(path: Path) -> Any:
@@ -83,6 +97,39 @@ def read_largest_torques(about: Mapping[str, str], n_joints: int) -> NDArray[np.
             "and positive; export it anew"
         )
     return largest
+
+
+def read_loads(about: Mapping[str, str], n_joints: int) -> list[Loads]:
+    """Normal loads of each joint, as the file states them: once for all joints or between semicolons.
+
+    The usual load is `reference_load` where that is stated, else the middle of `normal_load_range`, else 1.
+
+    Raises:
+        ModelFileError: It states those of another number of joints, or what is no range or no load.
+    """
+    ranges = _of_each("normal_load_range", about, n_joints)
+    return [_loads(*each) for each in zip(ranges, _of_each("reference_load", about, n_joints), strict=True)]
+
+
+def _of_each(key: str, about: Mapping[str, str], n_joints: int) -> list[list[float]]:
+    """The numbers of `key` for each joint."""
+    parts = about.get(key, "").split(";")
+    if len(parts) not in (1, n_joints):
+        raise ModelFileError(f"the network of {n_joints} joints states {key} of {len(parts)}; export it anew")
+    return [[_number(word) for word in part.split()] for part in parts] * (n_joints if len(parts) == 1 else 1)
+
+
+def _loads(edges: list[float], reference: list[float]) -> Loads:
+    is_range = not edges or (len(edges) == 2 and -math.inf < edges[0] <= edges[1] < math.inf)
+    if not is_range or len(reference) > 1 or not all(math.isfinite(load) for load in reference):
+        raise ModelFileError(
+            f"the network's file states the normal loads {edges} and the reference load {reference}: two finite "
+            "numbers in ascending order and a finite one are needed; export it anew"
+        )
+    if not edges:
+        return Loads(usual=reference[0]) if reference else Loads()
+    low, high = edges
+    return Loads(low, high, min(max(reference[0], low), high) if reference else (low + high) / 2.0)
 
 
 def _number(word: str) -> float:

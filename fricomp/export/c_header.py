@@ -5,8 +5,11 @@ from __future__ import annotations
 import hashlib
 import math
 import re
+import sys
 from collections.abc import Callable
 from string import Template
+
+import numpy as np
 
 import fricomp.export.c_template as template
 from fricomp.control import (
@@ -29,6 +32,7 @@ Literal = Callable[[float], str]
 
 _LONGEST_PERIOD = 10.0
 """Control periods end here [s], as in `Compensator`."""
+_LARGEST_FLOAT, _LARGEST_DOUBLE = float(np.finfo(np.float32).max), sys.float_info.max
 
 
 def render_c_header(
@@ -75,6 +79,7 @@ def render_c_header(
         position_unit=model.position_unit,
         prefix=name,
         guard=f"{name.upper()}_H",
+        content=f"{name.upper()}_{hashlib.sha256(functions.encode()).hexdigest()[:16].upper()}",
         period=f"{period:g}",
         functions=functions,
     )
@@ -89,6 +94,9 @@ def _functions(
     curves: FrictionCurves, settings: CompensationSettings, names: tuple[str, str, str], period: float, is_float: bool
 ) -> str:
     def literal(value: float) -> str:
+        if abs(value) > (_LARGEST_FLOAT if is_float else _LARGEST_DOUBLE):
+            size = "INFINITY" if is_float else "(double)INFINITY"
+            return size if value > 0.0 else f"-{size}"
         text = repr(float(value))
         text = text if "e" in text or "." in text else f"{text}.0"
         return f"{text}F" if is_float else text
@@ -169,13 +177,13 @@ def _measured(settings: CompensationSettings, literal: Literal) -> str:
     )
 
 
-def _falling(curves: FrictionCurves, literal: Literal) -> str:
-    """The exponential of the curve as C; the usual exponent 2 needs no power."""
+def _falling(curves: FrictionCurves, literal: Literal, chosen_by: str) -> str:
+    """The exponential of the curve of the sign of `chosen_by` as C; the usual exponent 2 needs no power."""
     ratio = "(speed / stribeck_velocity)"
     forward, reverse = curves.forward.exponent, curves.reverse.exponent
     if forward == reverse == 2.0:
         return f"exp$f(-({ratio} * {ratio}))"
-    return f"exp$f(-pow$f({ratio}, (direction >= $zero) ? {literal(forward)} : {literal(reverse)}))"
+    return f"exp$f(-pow$f({ratio}, ({chosen_by} >= $zero) ? {literal(forward)} : {literal(reverse)}))"
 
 
 def _static(curves: FrictionCurves, settings: CompensationSettings, literal: Literal) -> Template:
@@ -185,7 +193,7 @@ def _static(curves: FrictionCurves, settings: CompensationSettings, literal: Lit
         share_at_rest = f"({size} < {width}) ? ($one - ({size} / {width})) : $zero"
     return Template(
         template.STATIC.safe_substitute(
-            falling=_falling(curves, literal),
+            falling=_falling(curves, literal, "direction"),
             share_at_rest=share_at_rest,
             unseen=literal(FALLING_SHARE_WITHOUT_VELOCITY if settings.source == "blend" else 1.0),
             smoothing=literal(settings.smoothing),
@@ -197,7 +205,7 @@ def _bristle(curves: FrictionCurves, period: float, literal: Literal) -> Templat
     assert curves.bristle is not None
     return Template(
         template.BRISTLE.safe_substitute(
-            falling=_falling(curves, literal),
+            falling=_falling(curves, literal, "drive"),
             sigma_0=literal(curves.bristle.sigma_0),
             deepest=literal(deepest_bend(curves)),
             sigma_1_per_period=literal(curves.bristle.sigma_1 / period),

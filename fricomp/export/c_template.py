@@ -21,8 +21,12 @@ HEADER = Template(
  *
  * The names that end in f are the same in single precision.
  */
+#if defined(${guard}) && !defined(${content})
+#error "two different headers of the prefix $prefix: give each joint a prefix of its own (--prefix)"
+#endif
 #ifndef ${guard}
 #define ${guard}
+#define ${content}
 
 #if defined(__FAST_MATH__)
 #error "compile without -ffast-math: this header has to tell numbers that are not finite apart"
@@ -193,6 +197,15 @@ BRISTLE = Template(
         const $real size = (drive >= $zero) ? drive : -drive;
         const $real speed = fabs$f($dragged);
         $real steady;
+        if (drive >= $zero) { /* a bristle bends with the velocity, whatever a position error says */
+            coulomb = $forward_coulomb;
+            rise = $forward_rise;
+            stribeck_velocity = $forward_stribeck_velocity;
+        } else {
+            coulomb = $reverse_coulomb;
+            rise = $reverse_rise;
+            stribeck_velocity = $reverse_stribeck_velocity;
+        }
         level = ${prefix}_factor${f}(input) * (coulomb + (rise * $falling));
         steady = level / $sigma_0;
         if ((steady > $zero) && (steady < $deepest)) {

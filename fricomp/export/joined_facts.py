@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from fricomp.control import find_doubt_in_status
-from fricomp.control.network_file import read_largest_torques, read_velocity_range
+from fricomp.control.network_file import read_largest_torques, read_loads, read_velocity_range
 from fricomp.errors import ExportError
 
 __all__ = ["join_facts"]
@@ -25,10 +25,11 @@ def join_facts(joints: Sequence[Mapping[str, str]]) -> dict[str, str]:
 
     Raises:
         ExportError: Ranges of velocity do not overlap.
-        ModelFileError: A file states a range or a largest torque that cannot be meant.
+        ModelFileError: A file states a range, a load or a largest torque that cannot be meant.
     """
     for about in joints:
         read_largest_torques(about, 1)
+        read_loads(about, 1)
     keys = dict.fromkeys(key for about in joints for key in about if key not in _OF_ONE_FILE)
     facts = {key: _join([about.get(key, "") for about in joints]) for key in keys}
     if "joint" in facts:

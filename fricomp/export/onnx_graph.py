@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from fricomp.control import (
+    FrictionCurves,
     compute_torque_cap,
     find_doubt_in_status,
     require_usable,
@@ -72,7 +73,11 @@ def closed_form_graph(models: Sequence[FrictionModel], *, any_status: bool = Fal
     node, columns = onnx.helper.make_node, state_columns(models)
     output = "plain_torque" if any(extras) else "torque"
     caps = [compute_torque_cap(model) for model in models]
-    nodes = _closed_form_nodes(node, columns, "unheld_torque" if any(caps) else output)
+    smoothing = np.array([[curve.smoothing] for curve in curves])
+    if is_smoothed := bool(np.any(smoothing)):
+        constants["sharp"] = np.where(smoothing > 0.0, 0.0, 1.0)  # of joints whose friction changes its sign at once
+        constants["smoothing"] = smoothing + constants["sharp"]
+    nodes = _closed_form_nodes(node, columns, is_smoothed, "unheld_torque" if any(caps) else output)
     if any(caps):
         constants["cap"] = np.array([[np.inf if cap is None else cap] for cap in caps])
         constants["minus_cap"] = -constants["cap"]
@@ -81,9 +86,23 @@ def closed_form_graph(models: Sequence[FrictionModel], *, any_status: bool = Fal
             node("Max", ["below_cap", "minus_cap"], [output]),
         ]
     graph = _model(onnx, nodes + extra_nodes(node, extras), constants, (rows, len(columns)))
+    for key, value in _loads(models, curves).items():
+        graph.metadata_props.add(key=key, value=value)
     if unused := [name for name in columns if not any(_depends_on(name, model) for model in models)]:
         graph.metadata_props.add(key="unused", value=f"{', '.join(unused)}: any finite number, it changes nothing")
     return graph
+
+
+def _loads(models: Sequence[FrictionModel], curves: Sequence[FrictionCurves]) -> dict[str, str]:
+    """What `NetworkCompensator` is told of the normal load of each joint, nothing where no friction follows it."""
+    joints = list(zip(models, curves, strict=True))
+    if not any(curve.load.load_sensitivity for curve in curves):
+        return {}
+    ranges = [model.validity.normal_load if curve.load.load_sensitivity else None for model, curve in joints]
+    return {
+        "normal_load_range": "; ".join(" ".join(f"{edge:.9g}" for edge in edges or ()) for edges in ranges),
+        "reference_load": "; ".join(f"{curve.load.reference_load:.9g}" for curve in curves),
+    }
 
 
 def _depends_on(column: str, model: FrictionModel) -> bool:
@@ -101,7 +120,7 @@ def state_columns(models: Sequence[FrictionModel]) -> tuple[str, ...]:
     return STATE_COLUMNS[:-1] if any(isinstance(term, _BEYOND) for term in terms) else STATE_COLUMNS[:2]
 
 
-def _closed_form_nodes(node: Any, columns: Sequence[str], output: str) -> list[Any]:
+def _closed_form_nodes(node: Any, columns: Sequence[str], is_smoothed: bool, output: str) -> list[Any]:
     nodes = [
         node("Split", ["state"], columns, axis=1),
         node("Abs", ["velocity"], ["speed"]),
@@ -109,7 +128,9 @@ def _closed_form_nodes(node: Any, columns: Sequence[str], output: str) -> list[A
         node("Sub", ["load_ratio", "one"], ["excess"]),
         node("Mul", ["excess", "sensitivity"], ["share"]),
         node("Add", ["share", "one"], ["follows"]),
-        node("Relu", ["follows"], ["factor"]),  # far below the reference load friction ends, and never drives
+        # Far below the reference load friction ends, and never drives.
+        node("Relu", ["follows"], ["load_factor" if is_smoothed else "factor"]),
+        *(_smoothing_nodes(node) if is_smoothed else []),
     ]
     for side in ("forward", "reverse"):
         names = ("ratio", "power", "minus", "falling", "risen", "dry", "loaded", "viscous_part", "level")
@@ -132,6 +153,16 @@ def _closed_form_nodes(node: Any, columns: Sequence[str], output: str) -> list[A
         node("Where", ["is_forward", "forward_loaded_", "reverse_loaded_"], ["dry_level"]),
         node("Sign", ["velocity"], ["sign"]),
         node("Mul", ["size", "sign"], [output]),
+    ]
+
+
+def _smoothing_nodes(node: Any) -> list[Any]:
+    """The factor of the load times the share of dry friction that a speed reaches: tanh(speed/smoothing), or all."""
+    return [
+        node("Div", ["speed", "smoothing"], ["smoothed_speed"]),
+        node("Tanh", ["smoothed_speed"], ["smoothed_share"]),
+        node("Max", ["smoothed_share", "sharp"], ["reached"]),
+        node("Mul", ["load_factor", "reached"], ["factor"]),
     ]
 
 
@@ -202,12 +233,14 @@ def _block_diagonal(blocks: Sequence[FloatArray]) -> FloatArray:
 
 
 def save_graph(graph: Any, path: str | os.PathLike[str], metadata: dict[str, str] | None = None) -> None:
-    """Check and write a graph, whole or not at all.
+    """Check and write a graph, whole or not at all; `metadata` goes before what the graph states itself.
 
     Raises:
         ExportError: The file cannot be written.
     """
-    for key, value in sorted(({"opset": str(OPSET)} | (metadata or {})).items()):
+    stated = {item.key: item.value for item in graph.metadata_props}
+    del graph.metadata_props[:]
+    for key, value in sorted((stated | {"opset": str(OPSET)} | (metadata or {})).items()):
         graph.metadata_props.add(key=key, value=value)
     _onnx().checker.check_model(graph)
     with whole_file(Path(path), ExportError) as part:

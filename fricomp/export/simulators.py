@@ -12,6 +12,7 @@ import numpy as np
 
 from fricomp.control import FrictionCurves, bound_friction, require_usable, split_law, trusted_curves
 from fricomp.errors import ExportError
+from fricomp.export.default_class import joint_type
 from fricomp.export.fidelity import Fidelity, compute_fidelity, fit_levels, sample_friction
 from fricomp.laws import Cogging, FloatArray, FrictionLaw, KinematicError, SpringTorque, Term
 from fricomp.model import FrictionModel
@@ -23,6 +24,7 @@ MJCF_WAYS: tuple[MjcfWay, ...] = ("dcmotor", "damping", "frictionloss")
 
 # MuJoCo's default friction constraint creeps at 90 % of breakaway; these two together make it stick.
 _STICKING = {"solreffriction": "0.002 1", "solimpfriction": "0.9999 0.9999 0.001 0.5 2"}
+_SPRING_NOTE = " stiffness and springref by fricomp "  # inside the joint, for the next export
 _BREAKAWAY_TRAVEL = 1e-4  # [rad] or [m], a stiff joint's; where the model has no bristle
 _BRISTLE_TIME = 1e-3  # sigma_1/sigma_0 [s], likewise
 
@@ -210,19 +212,44 @@ def apply_to_mjcf(export: SimulatorExport, text: str | None, joint: str) -> str:
         joint: Name of the joint.
 
     Raises:
-        ExportError: The file is not MJCF, or has no such joint.
+        ExportError: The file is not MJCF, has no such joint, or the joint is no hinge of a rotary model or slide of a
+            linear one.
     """
-    root = _parse(
-        text or f"<mujoco><worldbody><body><joint name={_quote(joint)}/></body></worldbody></mujoco>", "mujoco"
-    )
+    kind = "hinge" if _is_rotary(export) else "slide"
+    body = f'<body><joint name={_quote(joint)} type="{kind}"/></body>'
+    root = _parse(text or f"<mujoco><worldbody>{body}</worldbody></mujoco>", "mujoco")
     element = _find((each for world in root.findall("worldbody") for each in world.iter("joint")), joint)
+    _require_kind(joint_type(root, element), (kind,), joint)
     for name in ("damping", "frictionloss", *_STICKING):
         element.attrib.pop(name, None)
+    _remove_spring(element)
     element.attrib.update(export.joint)
-    if "springref" in export.joint and element.get("type", "hinge") == "hinge" and not _in_radians(root):
-        element.attrib["springref"] = f"{math.degrees(float(export.joint['springref'])):.9g}"
+    if "springref" in export.joint:
+        element.append(ET.Comment(_SPRING_NOTE))
+        if kind == "hinge" and not _in_radians(root):
+            element.attrib["springref"] = f"{math.degrees(float(export.joint['springref'])):.9g}"
     _replace_motor(root, joint, export.actuator)
     return _to_text(root, export)
+
+
+def _is_rotary(export: SimulatorExport) -> bool:
+    return export.fidelity.position_unit == "rad"
+
+
+def _require_kind(found: str | None, wanted: Sequence[str], joint: str) -> None:
+    if found is not None and found not in wanted:
+        raise ExportError(
+            f"joint {joint!r} in the file to write into is of type {found}; the friction model is of a "
+            f"{' or '.join(wanted)} joint: give the model of this one"
+        )
+
+
+def _remove_spring(element: ET.Element) -> None:
+    """Take out the spring of an earlier export, not one that the joint had of its own."""
+    for note in [each for each in element if each.text == _SPRING_NOTE]:
+        element.remove(note)
+        for name in ("stiffness", "springref"):
+            element.attrib.pop(name, None)
 
 
 def _replace_motor(root: ET.Element, joint: str, attributes: Mapping[str, str]) -> None:
@@ -242,10 +269,13 @@ def apply_to_urdf(export: SimulatorExport, text: str | None, joint: str) -> str:
     """URDF with the friction of `joint` in it; see `apply_to_mjcf`.
 
     Raises:
-        ExportError: The file is not URDF, or has no such joint.
+        ExportError: The file is not URDF, has no such joint, or the joint turns where the model is linear or slides
+            where it is rotary.
     """
-    root = _parse(text or f"<robot><joint name={_quote(joint)}/></robot>", "robot")
+    kinds = ("revolute", "continuous") if _is_rotary(export) else ("prismatic",)
+    root = _parse(text or f'<robot><joint name={_quote(joint)} type="{kinds[0]}"/></robot>', "robot")
     element = _find(root.findall("joint"), joint)
+    _require_kind(element.get("type"), kinds, joint)
     dynamics = element.find("dynamics")
     if dynamics is None:
         dynamics = ET.SubElement(element, "dynamics")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from typing import Any, get_type_hints
@@ -20,6 +21,7 @@ __all__ = ["MODEL_SCHEMA", "decode_model", "encode_model", "load_model", "model_
 
 MODEL_SCHEMA = "fricomp.model/1"
 _FAMILY, _VERSION = MODEL_SCHEMA.split("/")
+_UNIT_OF_LOADS = "as normal_load"
 
 
 class _Quantity(msgspec.Struct, forbid_unknown_fields=True):
@@ -78,7 +80,7 @@ def load_model(path: str | os.PathLike[str]) -> FrictionModel:
     """Read a model file.
 
     Raises:
-        ModelFileError: The file is missing, damaged, foreign, or written by a newer version.
+        ModelFileError: The file is missing, damaged, foreign, in units of its own, or written by a newer version.
     """
     try:
         data = Path(path).read_bytes()
@@ -120,21 +122,38 @@ def decode_model(data: bytes, source: str = "the model") -> FrictionModel:
     """The model in the bytes of a model file; `source` names it in errors.
 
     Raises:
-        ModelFileError: The bytes are damaged, foreign, or written by a newer version.
+        ModelFileError: The bytes are damaged, foreign, in units of their own, or written by a newer version.
     """
     try:
         schema = msgspec.json.decode(data, type=_Header).schema
     except (msgspec.DecodeError, UnicodeDecodeError) as error:
         raise ModelFileError(f"{source} is not a fricomp model file, or is damaged: {error}") from error
     family, _, version = schema.partition("/")
-    if family != _FAMILY or not version.isdecimal():
+    if family != _FAMILY or not version.isdecimal() or int(version) < 1:
         raise ModelFileError(f"{source} has schema {schema!r}; a model file has {MODEL_SCHEMA!r}")
     if int(version) > int(_VERSION):
         raise ModelFileError(f"{source} has schema {schema!r}, newer than {MODEL_SCHEMA!r}: upgrade fricomp to read it")
     try:
-        return _model(msgspec.json.decode(data, type=_ModelRecord))
+        record = msgspec.json.decode(data, type=_ModelRecord)
+        model = _model(record)
     except (msgspec.DecodeError, FricompError, TypeError) as error:
         raise ModelFileError(f"{source} is damaged: {error}") from error
+    _require_units(record, model.units(), source)
+    return model
+
+
+def _require_units(record: _ModelRecord, units: Mapping[str, str], source: str) -> None:
+    """Refuse a value in another unit than the model writes: it would count as if it were in that one.
+
+    A reference load may name any unit, because a model does not know the one of its loads.
+    """
+    stated = {f"{t.term}.{name}": quantity.unit for t in record.law for name, quantity in t.parameters.items()}
+    for name, unit in stated.items():
+        if unit != units[name] != _UNIT_OF_LOADS:
+            raise ModelFileError(
+                f"{source} gives {name} in {unit!r}; a {record.motion} model with torque in {record.torque_unit} has "
+                f"{units[name]!r} there: convert the value"
+            )
 
 
 def _model(record: _ModelRecord) -> FrictionModel:
@@ -163,16 +182,16 @@ def _term(record: _TermRecord) -> Term:
 
 def _build(cls: type[Any], values: dict[str, Any]) -> Any:
     """Make the dataclass `cls` from dotted names."""
-    hints, arguments = get_type_hints(cls), {}
+    hints, unknown = get_type_hints(cls), set(values)
+    arguments: dict[str, Any] = {}
     for field in fields(cls):
-        prefix = f"{field.name}."
-        inner = {name.removeprefix(prefix): value for name, value in values.items() if name.startswith(prefix)}
-        if is_dataclass(hints[field.name]) and inner:
-            arguments[field.name] = _build(hints[field.name], inner)
-        elif field.name in values:
-            arguments[field.name] = values[field.name]
-    known = set(arguments) | {name for name in values if name.partition(".")[0] in arguments}
-    unknown = sorted(set(values) - known)
+        names = {name for name in values if name.startswith(f"{field.name}.")}
+        if not is_dataclass(hints[field.name]):
+            names = {field.name} & set(values)
+            arguments |= {name: values[name] for name in names}
+        elif names:
+            arguments[field.name] = _build(hints[field.name], {name.partition(".")[2]: values[name] for name in names})
+        unknown -= names
     if unknown:
-        raise ModelFileError(f"{cls.__name__} has no parameter {', '.join(unknown)}")
+        raise ModelFileError(f"{cls.__name__} has no parameter {', '.join(sorted(unknown))}")
     return cls(**arguments)

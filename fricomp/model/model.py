@@ -41,6 +41,14 @@ class Covariance:
         matrix.flags.writeable = False
         object.__setattr__(self, "matrix", matrix)
 
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Covariance):
+            return NotImplemented
+        return self.names == other.names and np.array_equal(self.matrix, other.matrix)
+
+    def __hash__(self) -> int:
+        return hash(self.names)
+
     def standard_deviations(self) -> dict[str, float]:
         """Standard deviation of each parameter, in its own unit."""
         return dict(zip(self.names, np.sqrt(np.diag(self.matrix)).tolist(), strict=True))

@@ -86,6 +86,19 @@ CASES: dict[str, tuple[FrictionModel, dict[str, Any]]] = {
     "lagged": (make_model(LaggedStribeck(FORWARD, REVERSE, lag=4e-3)), {"source": "blend", "measured_share": 0.7}),
     "lagged, measured": (make_model(LaggedStribeck(FORWARD, REVERSE, lag=4e-3)), {"source": "measured"}),
     "lagged lugre": (make_model(LaggedLuGre(FORWARD, REVERSE, 6000.0, 5.0, lag=4e-3)), {}),
+    "lugre, position error": (
+        make_model(LuGre(FORWARD, replace(REVERSE, stribeck_exponent=1.3), 6000.0, 5.0)),
+        {"error_rate": 50.0},
+    ),
+    "lagged lugre, position error": (
+        make_model(LaggedLuGre(FORWARD, REVERSE, 6000.0, 5.0, lag=4e-3)),
+        {"error_rate": 50.0},
+    ),
+    "never fades": (make_model(), {"fade_width": math.inf}),
+    "no range": (
+        make_model(LaggedStribeck(FORWARD, REVERSE, lag=4e-3)),
+        {"velocity_range": (-math.inf, 1e300), "load_range": (-math.inf, math.inf)},
+    ),
     "no normal load known": (replace(make_model(), validity=Validity(velocity=(-1.0, 1.0))), {}),
 }
 
@@ -134,6 +147,18 @@ def test_c_agrees_with_python(name: str, tmp_path: Path) -> None:
     assert np.max(np.abs(found[:, 0] - expected)) <= 1e-12 * largest
     assert np.max(np.abs(found[:, 1] - expected)) <= 1e-6 * largest
     assert found[-1, 2] == compensator.rejected > 0
+
+
+@needs_gcc
+def test_a_second_header_of_the_same_prefix_is_refused_unless_it_is_the_same(tmp_path: Path) -> None:
+    (tmp_path / "main.c").write_text('#include "a.h"\n#include "b.h"\nint main(void) { return 0; }\n')
+    command = ["gcc", *FLAGS, "main.c", "-o", "main", "-lm"]
+    (tmp_path / "a.h").write_text(render_c_header(make_model()))
+    for other, refused in ((make_model(), False), (make_model(Coulomb(0.3)), True)):
+        (tmp_path / "b.h").write_text(render_c_header(other))
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert ("two different headers of the prefix friction_joint" in done.stderr) == refused
+        assert (done.returncode != 0) == refused
 
 
 def test_header_is_ascii_and_names_its_model() -> None:

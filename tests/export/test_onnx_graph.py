@@ -20,6 +20,7 @@ from fricomp.laws import (
     DwellStiction,
     LaggedStribeck,
     LoadScaling,
+    PositionCoulomb,
     SmoothedCoulomb,
     StribeckCurve,
     Term,
@@ -69,6 +70,23 @@ def test_several_joints_share_one_graph(tmp_path: Path) -> None:
     state = np.array([[0.03, 1.0], [-0.2, 1.5], [0.4, 0.7]])
     expected = [float(m.torque(v, normal_load=n)) for m, (v, n) in zip(models, state.tolist(), strict=True)]
     assert run(tmp_path / "arm.onnx", state) == pytest.approx(expected, rel=2e-6)
+
+
+def test_smoothed_friction_is_smooth_beside_a_joint_that_is_not(tmp_path: Path) -> None:
+    models = [make_model(SmoothedCoulomb(0.5, 0.05), Viscous(0.1)), make_model()]
+    for k, chosen in enumerate((models, models[:1])):
+        save_graph(closed_form_graph(chosen), tmp_path / f"{k}.onnx")
+        for velocity in (0.0, 1e-6, -1e-3, 0.02, -0.3):
+            expected = [float(model.torque(velocity, normal_load=1.5)) for model in chosen]
+            found = run(tmp_path / f"{k}.onnx", [[velocity, 1.5]] * len(chosen))
+            assert found == pytest.approx(expected, rel=2e-6)
+
+
+@pytest.mark.parametrize("velocity", [1e-3, -1e-3])
+def test_terms_beside_smoothed_friction_take_no_more_than_it_has_at_that_speed(velocity: float, tmp_path: Path) -> None:
+    model = make_model(SmoothedCoulomb(0.5, 0.05), PositionCoulomb(0.0, -0.4, 1.0))
+    save_graph(closed_form_graph([model]), tmp_path / "a.onnx")
+    assert run(tmp_path / "a.onnx", [[velocity, 1.0, 0.0, 0.0, 0.0]])[0] == 0.0
 
 
 def draw_state(rows: int) -> np.ndarray[Any, Any]:

@@ -120,6 +120,75 @@ def test_a_second_export_replaces_the_first(way: MjcfWay) -> None:
     assert steady_torque(twice, 0.3) == pytest.approx(steady_torque(fresh, 0.3), rel=1e-9)
 
 
+SPRUNG = (Stribeck(FORWARD), SpringTorque(0.4, 0.2))
+
+
+def test_the_spring_of_an_earlier_export_goes_and_one_of_the_joint_stays() -> None:
+    plain = export_mjcf(make_model(), "dcmotor")
+    once = apply_to_mjcf(export_mjcf(make_model(*SPRUNG)), ROBOT, "elbow")
+    again = mujoco.MjModel.from_xml_string(apply_to_mjcf(plain, once, "elbow"))
+    assert (again.jnt_stiffness[0], again.qpos_spring[0]) == (0.0, 0.0)
+    own = ROBOT.replace('damping="7"', 'stiffness="3" springref="90"')
+    kept = mujoco.MjModel.from_xml_string(apply_to_mjcf(plain, own, "elbow"))
+    assert (kept.jnt_stiffness[0], kept.qpos_spring[0]) == pytest.approx((3.0, np.pi / 2))
+
+
+def as_linear(model: FrictionModel) -> FrictionModel:
+    return replace(model, motion="linear", torque_unit="N")
+
+
+CLASSES = """<default><joint type="slide"/><default class="outer"><default class="inner"><joint damping="1"/></default>
+</default><default class="turning"><joint type="hinge"/></default></default>"""
+
+
+@pytest.mark.parametrize(
+    ("body", "joint", "is_slide"),
+    [
+        ("", "", True),
+        ("", 'class="inner"', True),
+        ('childclass="turning"', "", False),
+        ('childclass="turning"', 'class="inner"', True),
+        ('childclass="turning"', 'type="slide"', True),
+    ],
+)
+def test_a_joint_is_of_the_type_that_its_class_says(body: str, joint: str, is_slide: bool) -> None:
+    text = ROBOT.replace("<worldbody><body>", f"{CLASSES}<worldbody><body {body}>").replace('axis="0 0 1"', joint)
+    fitting, other = make_model(*SPRUNG), as_linear(make_model(*SPRUNG))
+    if is_slide:
+        fitting, other = other, fitting
+    model = mujoco.MjModel.from_xml_string(apply_to_mjcf(export_mjcf(fitting), text, "elbow"))
+    assert model.jnt_type[0] == (mujoco.mjtJoint.mjJNT_SLIDE if is_slide else mujoco.mjtJoint.mjJNT_HINGE)
+    assert model.qpos_spring[0] == pytest.approx(0.2)
+    with pytest.raises(ExportError, match="'elbow' in the file to write into is of type"):
+        apply_to_mjcf(export_mjcf(other), text, "elbow")
+
+
+def test_a_type_that_an_included_file_may_state_is_left_to_it() -> None:
+    text = ROBOT.replace("<worldbody>", '<include file="defaults.xml"/><worldbody>')
+    assert "elbow" in apply_to_mjcf(export_mjcf(as_linear(make_model())), text, "elbow")
+
+
+@pytest.mark.parametrize(
+    ("kind", "is_linear"), [("prismatic", False), ("fixed", False), ("revolute", True), ("continuous", True)]
+)
+def test_urdf_joint_of_another_kind_is_refused(kind: str, is_linear: bool) -> None:
+    text = f'<robot name="r"><joint name="elbow" type="{kind}"/></robot>'
+    wrong, right = make_model(), as_linear(make_model())
+    if is_linear:
+        wrong, right = right, wrong
+    with pytest.raises(ExportError, match=f"of type {kind}; the friction model is of a"):
+        apply_to_urdf(export_urdf(wrong), text, "elbow")
+    assert kind == "fixed" or "dynamics" in apply_to_urdf(export_urdf(right), text, "elbow")
+
+
+def test_a_ball_joint_is_refused_and_a_snippet_has_the_type_of_the_model() -> None:
+    with pytest.raises(ExportError, match="of type ball"):
+        apply_to_mjcf(export_mjcf(make_model()), ROBOT.replace('axis="0 0 1"', 'type="ball"'), "elbow")
+    linear = as_linear(make_model())
+    assert 'type="slide"' in apply_to_mjcf(export_mjcf(linear), None, "elbow")
+    assert 'type="prismatic"' in apply_to_urdf(export_urdf(linear), None, "elbow")
+
+
 def test_mjcf_friction_goes_to_the_joint_of_a_body() -> None:
     text = ROBOT.replace("<actuator>", '<equality><joint name="elbow" joint1="elbow"/></equality><actuator>')
     root = ET.fromstring(apply_to_mjcf(export_mjcf(make_model(), "frictionloss"), text, "elbow"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
@@ -48,6 +49,21 @@ def test_a_model_survives_the_file_unchanged(tmp_path: Path) -> None:
     np.testing.assert_array_equal(back.covariance.matrix, model.covariance.matrix)  # type: ignore[union-attr]
 
 
+def test_a_model_equals_what_its_file_holds_and_no_other() -> None:
+    model = example()
+    assert decode_model(encode_model(model)) == model
+    assert model.covariance is not None
+    vaguer = Covariance(model.covariance.names, 2.0 * model.covariance.matrix)
+    assert replace(model, covariance=vaguer) != model
+    assert replace(model, covariance=None) != model
+
+
+def test_a_reference_load_may_be_in_any_unit() -> None:
+    """Models of earlier versions have it in that of the torque."""
+    data = encode_model(example())
+    assert decode_model(data.replace(b'"as normal_load"', b'"N"')) == decode_model(data)
+
+
 def test_the_file_names_units_and_standard_deviations() -> None:
     first = msgspec.json.decode(encode_model(example()))["law"][0]["parameters"]["forward.coulomb_torque"]
     assert first == {"value": 0.15, "unit": "A", "standard_deviation": 0.002}
@@ -61,11 +77,15 @@ def test_the_published_schema_describes_the_file() -> None:
     ("old", "new", "message"),
     [
         (b'"fricomp.model/1"', b'"fricomp.model/2"', "newer"),
+        (b'"fricomp.model/1"', b'"fricomp.model/0"', "a model file has"),
         (b'"fricomp.model/1"', b'"urdf/1"', "a model file has"),
         (b'"value": 0.15', b'"value": -0.15', "as a magnitude"),
         (b'"value": 0.15', b'"value": "0.15"', "damaged"),
         (b'"stribeck"', b'"grease"', "unknown friction term"),
         (b"forward.coulomb_torque", b"forward.culomb_torque", "damaged"),
+        (b'"load.load_sensitivity"', b'"load"', "has no parameter load"),
+        (b'"unit": "A"', b'"unit": "mA"', "'mA'; a rotary model with torque in A has 'A' there"),
+        (b'"torque_unit": "A"', b'"torque_unit": "Nm"', "forward.coulomb_torque in 'A'; .* has 'Nm' there"),
         (b'"joint"', b'"jiont"', "damaged"),
         (b'"rotary"', b'"circular"', "damaged"),
         (b"}\n", b"", "damaged"),
