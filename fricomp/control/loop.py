@@ -12,7 +12,7 @@ from typing import Protocol
 
 from fricomp.control.adaptation import AdaptationSettings
 from fricomp.control.compensator import Compensator
-from fricomp.control.ending import Stoppable, require_stopped
+from fricomp.control.ending import Stoppable, require_stopped, stopping_on_error
 from fricomp.control.gate import SafetyGate, TripRecord
 from fricomp.control.interruption import EndingSignals
 from fricomp.control.load import LoadModel
@@ -145,18 +145,31 @@ class ControlLoop:
     def run(self, duration: float) -> LoopResult:
         """Configure, enable, run for `duration` [s], stop. Log and counters are those of this run alone.
 
+        Whatever it raises, the joints have been stopped, also where they were enabled before.
+
         Raises:
             ParameterError: The duration is not finite or negative; nothing has been configured.
             AdapterError: The bus or a drive failed; the joints have been stopped, unless the message says that the
                 stop did not get through. That one comes in place of any other error, which is its cause.
             KeyboardInterrupt: Ctrl-C; the joints have been stopped.
         """
-        if not 0.0 <= duration * 1e9 < math.inf:  # it is counted in nanoseconds
-            raise ParameterError(f"the duration of a run must be finite and not negative, got {duration!r} s")
         try:
+            self._prepare(duration)
             return self._run(duration)
         finally:
             self._stop.clear()  # only now: one that came while the drives were configured holds
+
+    def _prepare(self, duration: float) -> None:
+        """Configure the drives; an error stops the joints, which their owner may have enabled."""
+        try:
+            with stopping_on_error(self.adapter):
+                if not 0.0 <= duration * 1e9 < math.inf:  # it is counted in nanoseconds
+                    raise ParameterError(f"the duration of a run must be finite and not negative, got {duration!r} s")
+                self.adapter.configure(self.mode, self.period)
+                self.compensation.reset()
+        except BaseException:
+            require_stopped(self.adapter)
+            raise
 
     def _run(self, duration: float) -> LoopResult:
         adapter, signals, feedback = self.adapter, EndingSignals(self._stop), JointFeedback(self._n)
@@ -165,8 +178,6 @@ class ControlLoop:
         self._skipped = cycles = 0
         trip: TripRecord | None = None
         rejected = self.compensation.rejected
-        adapter.configure(self.mode, self.period)
-        self.compensation.reset()
         with real_time(self.options) as granted, signals:
             try:
                 with signals.impatient():
