@@ -12,9 +12,9 @@ from typing import Protocol
 
 from fricomp.control.adaptation import AdaptationSettings
 from fricomp.control.compensator import Compensator
-from fricomp.control.ending import Stoppable, require_stopped, stopping_on_error
+from fricomp.control.ending import Stoppable, require_stopped, stopping_at_exit, stopping_on_error
 from fricomp.control.gate import SafetyGate, TripRecord
-from fricomp.control.interruption import EndingSignals
+from fricomp.control.interruption import EndingSignals, warn_of_unheard_signals
 from fricomp.control.load import LoadModel
 from fricomp.control.loop_compensation import LoopCompensation
 from fricomp.control.loop_log import LoopLog
@@ -75,7 +75,8 @@ class ControlLoop:
     """Runs a controller and friction compensation on the joints of an adapter, which is open already.
 
     The controller sees the reference of the time at which its feedback was taken, the compensation that of the time
-    at which it acts. The joints are stopped on every way out; nothing enables them again.
+    at which it acts. The joints are stopped on every way out; nothing enables them again. Signals are heard in the
+    main thread only; a loop in another one ends with the main thread.
 
     Args:
         adapter: Opened; its gate holds the limits.
@@ -154,8 +155,9 @@ class ControlLoop:
             KeyboardInterrupt: Ctrl-C; the joints have been stopped.
         """
         try:
-            self._prepare(duration)
-            return self._run(duration)
+            with stopping_at_exit(self.adapter):
+                self._prepare(duration)
+                return self._run(duration)
         finally:
             self._stop.clear()  # only now: one that came while the drives were configured holds
 
@@ -165,6 +167,7 @@ class ControlLoop:
             with stopping_on_error(self.adapter):
                 if not 0.0 <= duration * 1e9 < math.inf:  # it is counted in nanoseconds
                     raise ParameterError(f"the duration of a run must be finite and not negative, got {duration!r} s")
+                warn_of_unheard_signals()
                 self.adapter.configure(self.mode, self.period)
                 self.compensation.reset()
         except BaseException:
@@ -206,8 +209,11 @@ class ControlLoop:
         wanted = [0.0] * n
         period = round(self.period * 1e9)
         start = deadline = now_ns() + period
-        end, cycles = start + round(duration * 1e9), 0
+        end, cycles, process = start + round(duration * 1e9), 0, threading.main_thread()
         while deadline < end and not stop.is_set():
+            if not process.is_alive():  # the interpreter waits for this thread, and nobody else is left to end it
+                gate.trip("stop", "the main thread has ended", now_ns())
+                break
             sleep_until(deadline)
             began, now = counter(), now_ns()
             read_into(feedback)

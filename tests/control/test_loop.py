@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import threading
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -344,6 +345,15 @@ def test_stop_ends_the_loop() -> None:
     loop = make_loop(joints)
     joints.on_write = lambda: loop.stop() if len(joints.written) == 10 else None
     assert loop.run(5.0).cycles == 11
+
+
+def test_a_loop_ends_at_rest_with_the_main_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    joints = IdealJoints()
+    monkeypatch.setattr(threading.main_thread(), "is_alive", lambda: len(joints.written) < 20)
+    result = make_loop(joints).run(1.0)
+    assert result.cycles == 20
+    assert str(result.trip) == "stop: the main thread has ended"
+    assert joints.events[-1] == "stop"
 
 
 def test_drive_with_its_own_loop_gets_reference_and_feed_forward() -> None:
