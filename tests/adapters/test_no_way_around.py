@@ -7,8 +7,8 @@ from math import nan
 import pytest
 
 from fricomp.control import ControlLoop, PositionController, SineReference
-from fricomp.errors import AdapterError, ParameterError
-from tests.adapters.fake_driver import FakeAdapter, command, enabled_adapter
+from fricomp.errors import AdapterError, ParameterError, SafetyTrip
+from tests.adapters.fake_driver import PERIOD, FakeAdapter, command, enabled_adapter
 
 
 def make_loop(adapter: FakeAdapter) -> ControlLoop:
@@ -30,3 +30,31 @@ def test_a_loop_that_cannot_begin_tells_of_a_stop_that_did_not_get_through() -> 
     adapter.fail["stop"] = AdapterError("the bus is silent")
     with pytest.raises(AdapterError, match=r"the joints are enabled.*did not reach the drive.*cut the power"):
         make_loop(adapter).run(0.1)
+
+
+@pytest.mark.parametrize("trip", ["stop", "overspeed"])
+def test_a_gate_that_a_caller_resets_releases_nothing(trip: str) -> None:
+    adapter = enabled_adapter()
+    if trip == "stop":
+        adapter.safe_stop("emergency button")
+    else:
+        adapter.gate.trip("overspeed", "emergency button")
+        adapter.write(command())
+    adapter.gate.reset()
+    with pytest.raises(AdapterError, match="emergency button"):
+        adapter.configure("torque", PERIOD)
+    adapter.gate.reset()
+    with pytest.raises(SafetyTrip, match=r"emergency button.*clear_faults"):
+        adapter.enable()
+    assert not adapter.enabled
+    adapter.clear_faults()
+    adapter.enable()
+
+
+def test_a_trip_that_is_reset_before_the_next_command_still_stops_the_joints() -> None:
+    adapter = enabled_adapter()
+    adapter.gate.trip("overrun", "15 cycles missed")
+    adapter.gate.reset()
+    adapter.gate.arm(adapter.manual_clock.now_ns())
+    assert not adapter.write(command(torque=1.0))
+    assert (adapter.sent, adapter.log[-1], adapter.enabled) == ([], "stop", False)
