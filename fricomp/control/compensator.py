@@ -15,7 +15,7 @@ from fricomp.control.trust import require_usable, trusted_curves
 from fricomp.errors import ParameterError
 from fricomp.model import FrictionModel, load_model
 
-__all__ = ["ArmCompensator", "Compensator"]
+__all__ = ["ArmCompensator", "Compensator", "require_one_each"]
 
 ModelSource = FrictionModel | str | os.PathLike[str]
 
@@ -106,12 +106,13 @@ class ArmCompensator:
         joints: One compensator a joint, in the order of the command.
 
     Raises:
-        ParameterError: No joint, or a model that depends on what `torque_into` is not told.
+        ParameterError: No joint, one compensator twice, or a model that depends on what `torque_into` is not told.
     """
 
     def __init__(self, joints: Sequence[Compensator]) -> None:
         if not joints:
             raise ParameterError("an arm needs at least one joint")
+        require_one_each(joints)
         for compensator in joints:
             if untold := compensator.inputs - {"normal_load"}:
                 raise ParameterError(
@@ -154,6 +155,16 @@ class ArmCompensator:
         """Forget the state of every joint."""
         for joint in self.joints:
             joint.reset()
+
+
+def require_one_each(compensators: Sequence[Compensator]) -> None:
+    """Refuse one compensator for several joints: bristle, lag, rests and scale are those of one.
+
+    Raises:
+        ParameterError: One comes twice.
+    """
+    if len({id(compensator) for compensator in compensators}) != len(compensators):
+        raise ParameterError("a compensator keeps the state of one joint: make one for each")
 
 
 def _inputs(model: FrictionModel) -> frozenset[str]:

@@ -11,17 +11,25 @@ from operator import add
 from typing import Protocol
 
 from fricomp.control.adaptation import AdaptationSettings
-from fricomp.control.compensator import Compensator
+from fricomp.control.compensator import Compensator, require_one_each
 from fricomp.control.ending import Stoppable, require_stopped, stopping_at_exit, stopping_on_error
 from fricomp.control.gate import SafetyGate, TripRecord
 from fricomp.control.interruption import EndingSignals, warn_of_unheard_signals
 from fricomp.control.load import LoadModel
 from fricomp.control.loop_compensation import LoopCompensation
 from fricomp.control.loop_log import LoopLog
-from fricomp.control.position_loop import Controller, Reference, ReferenceState
+from fricomp.control.position_loop import Controller, PositionController, Reference, ReferenceState, SineReference
 from fricomp.control.real_time import RealTimeOptions, RealTimeReport, real_time
 from fricomp.errors import ParameterError, SafetyTrip
-from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, JointFeedback, await_feedback
+from fricomp.joint import (
+    Capabilities,
+    Clock,
+    CommandMode,
+    JointCapabilities,
+    JointCommand,
+    JointFeedback,
+    await_feedback,
+)
 
 __all__ = ["ControlLoop", "LoopAdapter", "LoopResult"]
 
@@ -112,18 +120,15 @@ class ControlLoop:
         most_skipped: int = 10,
     ) -> None:
         joints = adapter.capabilities.joints
-        if compensators is not None and len(compensators) != len(joints):
-            raise ParameterError(f"{len(compensators)} compensators given for {len(joints)} joints: give one for each")
+        if compensators is not None:
+            _require_fit(compensators, joints, period)
+        for part in (reference, controller):
+            if isinstance(part, SineReference | PositionController) and part.n_joints != len(joints):
+                raise ParameterError(f"a {type(part).__name__} of {part.n_joints} joints given for {len(joints)}")
         if (controller is None) is (mode == "torque"):
             raise ParameterError(f"mode {mode!r} {'needs a' if mode == 'torque' else 'takes no'} controller")
         if compensators and mode != "torque" and not adapter.capabilities.feed_forward:
             raise ParameterError(f"these drives take no torque in {mode} mode: compensate in torque mode")
-        for compensator, joint in zip(compensators or (), joints, strict=False):
-            if compensator.model.torque_unit != joint.torque_unit:
-                raise ParameterError(
-                    f"the model of joint {joint.name!r} is in {compensator.model.torque_unit}, "
-                    f"the drive takes {joint.torque_unit}: identify it on this drive"
-                )
         self.adapter, self.reference, self.controller = adapter, reference, controller
         if load is None and isinstance(controller, LoadModel):
             load = controller
@@ -206,7 +211,7 @@ class ControlLoop:
         sample, counter, append, stop = self.reference.sample, time.perf_counter_ns, self.log.append, self._stop
         controller, compensate = self.controller, self.compensation.update
         command, goal, seen = JointCommand(n), ReferenceState(n), ReferenceState(n)
-        wanted = [0.0] * n
+        wanted, unfilled = [0.0] * n, [math.nan] * n
         period = round(self.period * 1e9)
         start = deadline = now_ns() + period
         end, cycles, process = start + round(duration * 1e9), 0, threading.main_thread()
@@ -217,10 +222,15 @@ class ControlLoop:
             sleep_until(deadline)
             began, now = counter(), now_ns()
             read_into(feedback)
+            goal.forget()
             sample((now - start) * 1e-9, goal)
+            seen.forget()
             sample(max(feedback.time_ns - start, 0) * 1e-9, seen)
             if controller is not None:
+                wanted[:] = unfilled
                 controller.torque_into(wanted, feedback, seen)
+                if len(wanted) != n:
+                    gate.trip("wrong_joint_count", f"the controller gave {len(wanted)} torques for {n} joints", now)
             compensation = compensate(feedback, goal, seen)
             command.torque[:] = map(add, wanted, compensation)
             command.position, command.velocity = goal.position, goal.velocity
@@ -238,3 +248,26 @@ class ControlLoop:
                 if behind > self.most_skipped:
                     gate.trip("overrun", f"{behind} cycles of {self.period * 1e3:g} ms missed at once", now)
         return cycles
+
+
+def _require_fit(compensators: Sequence[Compensator], joints: Sequence[JointCapabilities], period: float) -> None:
+    """Refuse compensators that are not those of these joints, called once in this period."""
+    if len(compensators) != len(joints):
+        raise ParameterError(f"{len(compensators)} compensators given for {len(joints)} joints: give one for each")
+    require_one_each(compensators)
+    for compensator, joint in zip(compensators, joints, strict=True):
+        model = compensator.model
+        if model.torque_unit != joint.torque_unit:
+            raise ParameterError(
+                f"the model of joint {joint.name!r} is in {model.torque_unit}, "
+                f"the drive takes {joint.torque_unit}: identify it on this drive"
+            )
+        if model.motion != joint.motion:
+            raise ParameterError(
+                f"the model of joint {joint.name!r} is of a {model.motion} joint, it is {joint.motion}"
+            )
+        if not math.isclose(compensator.period, period):
+            raise ParameterError(
+                f"the compensator of joint {joint.name!r} is made for a period of {compensator.period:g} s, the loop "
+                f"has {period:g} s: pass period={period:g} to it"
+            )

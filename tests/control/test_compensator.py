@@ -183,6 +183,8 @@ def test_arm_is_its_joints() -> None:
         arm.torque_into(out, [0.1, 0.1], [0.1])
     with pytest.raises(ParameterError, match="at least one"):
         ArmCompensator([])
+    with pytest.raises(ParameterError, match="make one for each"):
+        ArmCompensator([joints[0], joints[0]])
 
 
 def test_an_arm_takes_no_model_whose_inputs_it_is_not_told() -> None:
@@ -192,7 +194,7 @@ def test_an_arm_takes_no_model_whose_inputs_it_is_not_told() -> None:
 
 
 def test_arm_hands_on_every_input() -> None:
-    arm, out = ArmCompensator([Compensator(make_model(), error_rate=2.0)] * 2), [0.0, 0.0]
+    arm, out = ArmCompensator([Compensator(make_model(), error_rate=2.0) for _ in range(2)]), [0.0, 0.0]
     arm.torque_into(out, [0.1, -0.2], [0.1, -0.1], [0.01, 0.0], [1.2, 0.7])
     one = Compensator(make_model(), error_rate=2.0)
     assert out == [one.torque(0.1, 0.1, 0.01, 1.2), one.torque(-0.2, -0.1, 0.0, 0.7)]
