@@ -31,8 +31,8 @@ class Compensator:
             that calling it costs no method lookup.
         model: What is compensated.
         settings: How; `settings.notes` says why.
-        inputs: What the model depends on besides velocity, of `position`, `load_torque`, `normal_load` (the size of the
-            transmitted torque), `temperature` and `acceleration`.
+        inputs: What the model depends on besides velocity, and has to be told, of `position`, `load_torque`,
+            `normal_load` (the size of the transmitted torque), `temperature` and `acceleration`.
 
     Args:
         model: A model or the path of its file (`friction.json`).
@@ -77,8 +77,13 @@ class Compensator:
 
     @property
     def rejected(self) -> int:
-        """How many inputs so far were not finite and got 0.0."""
+        """How many inputs so far were no finite numbers, or missing, and got 0.0."""
         return self._hot.rejected()
+
+    @property
+    def rejection(self) -> str:
+        """Why the last of them was; empty where none was."""
+        return self._hot.rejection()
 
     def reset(self) -> None:
         """Forget the bristle, rests and the last torque; call it when the loop starts again."""
