@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import signal
 import threading
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -19,12 +18,10 @@ from fricomp.control import (
     JointLimits,
     LoopLog,
     PositionController,
-    RealTimeOptions,
     Reference,
     ReferenceState,
     SafetyGate,
     SineReference,
-    real_time,
 )
 from fricomp.errors import AdapterError, AdapterTimeout, ParameterError, SafetyTrip
 from fricomp.joint import Capabilities, CommandMode, JointCapabilities, JointCommand, JointFeedback
@@ -459,21 +456,3 @@ def test_log_becomes_a_recording() -> None:
     assert recording.metadata.torque_kind == "measured"
     assert recording.torque == pytest.approx(np.full(200, 0.1))
     assert recording.velocity_reference is not None
-
-
-@pytest.fixture
-def restored() -> Iterator[None]:
-    import gc
-
-    yield
-    gc.enable()
-
-
-@pytest.mark.usefixtures("restored")
-def test_what_the_system_refuses_is_said_and_all_is_put_back() -> None:
-    import gc
-
-    with real_time(RealTimeOptions(core=10_000)) as report:
-        assert not gc.isenabled()
-        assert any("core 10000" in refused for refused in report.refused)
-    assert gc.isenabled()
