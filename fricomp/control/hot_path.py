@@ -79,7 +79,9 @@ def build_hot_path(  # noqa: C901
         settings: How it is compensated.
         period: Control period [s].
     """
-    bristle, reset_bristle = build_bristle(curves, period) if curves.bristle is not None else (None, _nothing)
+    bristle, reset_bristle = (
+        build_bristle(curves, period, settings.smoothing) if curves.bristle is not None else (None, _nothing)
+    )
     extra, reset_extra = build_extra(curves.extra, settings, period) if curves.extra else (None, _nothing)
     lagging, reset_lag = (
         build_lag(curves.lag, period, settings.velocity_range) if curves.lag > 0.0 else (None, _nothing)
@@ -89,6 +91,8 @@ def build_hot_path(  # noqa: C901
     unseen = FALLING_SHARE_WITHOUT_VELOCITY if settings.source == "blend" else 1.0
     smoothing, gain, fade = settings.smoothing, settings.gain, 1.0 / settings.fade_width
     forward, reverse = tuple(curves.forward), tuple(curves.reverse)
+    mean_viscous = 0.5 * (curves.forward.viscous + curves.reverse.viscous)
+    half_viscous = 0.5 * (curves.forward.viscous - curves.reverse.viscous)
     per_load = curves.load.load_sensitivity / curves.load.reference_load
     insensitive = 1.0 - curves.load.load_sensitivity
     error_rate = settings.error_rate
@@ -156,6 +160,8 @@ def build_hot_path(  # noqa: C901
             else:
                 coulomb, rise, stribeck_velocity, exponent, viscous = reverse
                 blended = -blended
+            if lagging is not None:  # the velocity that drags has not turned yet, and the coefficient must not jump
+                viscous = mean_viscous + half_viscous * tanh(direction / smoothing)
             if bristle is None:
                 falling = 1.0
                 speed = blended if lagging is None else abs(felt)
