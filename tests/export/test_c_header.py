@@ -58,6 +58,12 @@ int main(void)
 }
 """
 
+
+def make_heavy_lugre() -> FrictionModel:
+    law = FrictionLaw((LuGre(FORWARD, REVERSE, 6000.0, 5.0, LoadScaling(1.0, 1e-3)),))
+    return FrictionModel(law, validity=Validity(velocity=(-1.0, 1.0)))
+
+
 CASES: dict[str, tuple[FrictionModel, dict[str, Any]]] = {
     "reference": (make_model(), {"source": "reference"}),
     "blend": (make_model(), {"source": "blend", "measured_share": 0.7}),
@@ -86,6 +92,7 @@ CASES: dict[str, tuple[FrictionModel, dict[str, Any]]] = {
     "lagged": (make_model(LaggedStribeck(FORWARD, REVERSE, lag=4e-3)), {"source": "blend", "measured_share": 0.7}),
     "lagged, measured": (make_model(LaggedStribeck(FORWARD, REVERSE, lag=4e-3)), {"source": "measured"}),
     "lagged lugre": (make_model(LaggedLuGre(FORWARD, REVERSE, 6000.0, 5.0, lag=4e-3)), {}),
+    "lugre under loads beyond all bending": (make_heavy_lugre(), {"authority": 5e3}),
     "no normal load known": (replace(make_model(), validity=Validity(velocity=(-1.0, 1.0))), {}),
 }
 
