@@ -80,7 +80,6 @@ def _metadata(result: IdentificationResult, network: TanhNetwork, digest: str) -
         "output": f"friction torque [{model.torque_unit}]",
         "joint": model.joint,
         "velocity_range": " ".join(f"{v:.9g}" for v in validity.velocity or ()),
-        "reference_load": f"{network.load_offset:.9g}",
         "normal_load_range": " ".join(f"{v:.9g}" for v in validity.normal_load or ()),
         "model_json_sha256": digest,
         "status": str(result.status),

@@ -100,12 +100,7 @@ def _export_onnx(paths: list[Path], out: Path, any_status: bool) -> str:
 
 def _facts(model: FrictionModel) -> dict[str, str]:
     """What the metadata of a graph say of a joint; how much it may claim is in the graph itself."""
-    from fricomp.control import trusted_curves
-
     facts = {"joint": model.joint, "output": f"torque [{model.torque_unit}]"}
-    facts["reference_load"] = f"{trusted_curves(model).load.reference_load:.9g}"
-    if model.validity.normal_load is not None:
-        facts["normal_load_range"] = " ".join(f"{edge:.9g}" for edge in model.validity.normal_load)
     if model.provenance.status:
         facts |= {"status": model.provenance.status, "message": model.provenance.message}
     if model.validity.velocity is not None:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fricomp.control.network_file import open_network, read_largest_torques, read_loads, read_velocity_range
+from fricomp.control.network_file import open_network, read_largest_torques, read_velocity_range
 from fricomp.control.trust import LARGEST_EXTRAPOLATION, find_doubt_in_status
 from fricomp.errors import ModelFileError, ParameterError
 from fricomp.laws import FloatArray
@@ -20,20 +20,18 @@ __all__ = ["NetworkCompensator"]
 
 _WARM_UP, _TIMED = 200, 1000
 _SAMPLES = 101
-_LARGEST_FLOAT = float(np.finfo(np.float32).max)
 
 
 class NetworkCompensator:
     """Friction compensation from the networks that a calibration exports.
 
     Close to rest the torque is faded with tanh(v/smoothing), outside the trained range of velocity it goes to zero.
-    Loads beyond their range count as its ends.
 
     Attributes:
         n_joints: Joints of the graph.
-        authority: Largest compensation of each joint, from its network over its ranges of velocity and load.
+        authority: Largest compensation of each joint, from its network over its range.
         tail: Slowest of 1000 timed calls but one [s].
-        rejected: Inputs so far that were not finite, or no velocities in single precision, and got zeros.
+        rejected: Inputs so far that were not finite and got zeros.
 
     Args:
         path: `friction.onnx` of one joint, or several stacked by `fricomp export`.
@@ -41,8 +39,6 @@ class NetworkCompensator:
         gain: Share of the friction that is compensated [1].
         smoothing: Velocity over which the direction changes [rad/s] or [m/s].
         velocity_range: Range of validity, the same for all joints; None to take it from the file.
-        load_range: Range of the normal load, the same for all joints; None to take it from the file, which without one
-            leaves each joint at its reference load.
         largest_share: Share of the period that the slowest call may take [1].
         any_status: Take a network too whose model its identification calls unusable.
 
@@ -61,7 +57,6 @@ class NetworkCompensator:
         gain: float = 0.95,
         smoothing: float = 0.005,
         velocity_range: tuple[float, float] | None = None,
-        load_range: tuple[float, float] | None = None,
         largest_share: float = 0.5,
         any_status: bool = False,
     ) -> None:
@@ -78,6 +73,7 @@ class NetworkCompensator:
         rows = self._session.get_inputs()[0].shape[0]
         self.n_joints = rows if isinstance(rows, int) else 1
         self._state = np.zeros((self.n_joints, 2), dtype=np.float32)
+        self._state[:, 1] = 1.0
         self._torque = np.zeros((self.n_joints, 1), dtype=np.float32)
         # Views that read and write plain floats, several times faster than numpy scalars.
         self._states, self._torques = _plain_view(self._state), _plain_view(self._torque)
@@ -85,11 +81,8 @@ class NetworkCompensator:
         self._run = _bind(self._session, self._state, self._torque)
         self._gain, self._smoothing, self.rejected = gain, smoothing, 0
         self._range = read_velocity_range(velocity_range, about)
-        loads = read_loads(load_range, about, self.n_joints)
-        self._lowest, self._highest = loads[:, 0].tolist(), loads[:, 2].tolist()
         caps = LARGEST_EXTRAPOLATION * read_largest_torques(about, self.n_joints)
-        self.authority: list[float] = np.minimum(self._largest(loads), caps).tolist()
-        self._state[:, 1] = loads[:, 1]
+        self.authority: list[float] = np.minimum(self._largest(), caps).tolist()
         self.tail = self._measure_tail()
         if self.tail > largest_share * period:
             raise ParameterError(
@@ -105,7 +98,7 @@ class NetworkCompensator:
         Args:
             out: One entry a joint, in the models' torque units.
             velocity_reference: [rad/s] or [m/s].
-            load: Normal loads; those of the last call, at first those of reference, where None.
+            load: Normal loads; those of the last call, at first 1, where None.
         """
         try:
             usable = math.isfinite(sum(velocity_reference)) and (load is None or math.isfinite(sum(load)))
@@ -134,34 +127,30 @@ class NetworkCompensator:
 
         Raises:
             ValueError: They are those of another number of joints.
-            OverflowError: A velocity is beyond single precision, which makes it infinite.
+            OverflowError: One is beyond single precision.
         """
-        state, smoothing, lowest, highest = self._states, self._smoothing, self._lowest, self._highest
+        state, smoothing = self._states, self._smoothing
         if len(velocity_reference) != self.n_joints or (load is not None and len(load) != self.n_joints):
             raise ValueError
-        if max(map(abs, velocity_reference)) > _LARGEST_FLOAT:
-            raise OverflowError
         for j in self._indices:
             v = velocity_reference[j]
             if -smoothing <= v <= smoothing:
                 v = smoothing if v >= 0.0 else -smoothing
             state[2 * j] = v
             if load is not None:
-                state[2 * j + 1] = min(max(load[j], lowest[j]), highest[j])
+                state[2 * j + 1] = load[j]
 
     def run_graph(self) -> None:
         """Run the graph on the inputs of the last call."""
         self._run()
 
-    def _largest(self, loads: FloatArray) -> FloatArray:
-        """Largest torque of each network over the range, at any of its `loads`, a column each. Shape (n_joints,)."""
+    def _largest(self) -> FloatArray:
+        """Largest torque of each network over the range. Shape (n_joints,)."""
         found = np.zeros(self.n_joints)
-        for load in loads.T:
-            self._state[:, 1] = load
-            for v in np.linspace(*self._range, _SAMPLES):
-                self._state[:, 0] = v
-                self._run()
-                found = np.maximum(found, np.abs(self._torque[:, 0]))
+        for v in np.linspace(*self._range, _SAMPLES):
+            self._state[:, 0] = v
+            self._run()
+            found = np.maximum(found, np.abs(self._torque[:, 0]))
         if not np.all(np.isfinite(found)) or not np.all(found > 0.0):
             raise ModelFileError(f"the network gives {found.tolist()} as its largest torques: it is damaged")
         return found

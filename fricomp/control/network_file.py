@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from fricomp.errors import MissingExtraError, ModelFileError, ParameterError
 
-__all__ = ["open_network", "read_largest_torques", "read_loads", "read_velocity_range"]
+__all__ = ["open_network", "read_largest_torques", "read_velocity_range"]
 
 
 def open_network(path: Path) -> Any:
@@ -63,33 +63,6 @@ def read_velocity_range(given: tuple[float, float] | None, about: Mapping[str, s
     return low, high
 
 
-def read_loads(given: tuple[float, float] | None, about: Mapping[str, str], n_joints: int) -> NDArray[np.float64]:
-    """Lowest, reference and highest normal load of each joint, as given for all, or as the file states them.
-
-    Where neither gives a range, a joint has its reference load alone, which is 1 if the file does not say.
-
-    Returns:
-        Shape (n_joints, 3).
-
-    Raises:
-        ParameterError: What was given is no range.
-        ModelFileError: What the file states is none, or is that of another number of joints.
-    """
-    if given is not None and not (len(given) == 2 and -math.inf < given[0] <= given[1] < math.inf):
-        raise ParameterError(f"load_range must be two finite numbers, the lower first, got {given!r}")
-    references = _numbers(about, "reference_load") or [1.0]
-    stated = list(given or _numbers(about, "normal_load_range")) or np.repeat(references, 2).tolist()
-    if len(references) not in (1, n_joints) or len(stated) not in (2, 2 * n_joints):
-        raise ModelFileError(f"the network of {n_joints} joints states loads of another number; export it anew")
-    low, high = np.broadcast_to(np.reshape(stated, (-1, 2)), (n_joints, 2)).T
-    if not np.all(np.isfinite([*references, *stated])) or np.any(low > high):
-        raise ModelFileError(
-            f"the network's file states loads from {about.get('normal_load_range', '')!r} and the reference "
-            f"{about.get('reference_load', '')!r}: finite numbers, the lower first, are needed; export it anew"
-        )
-    return np.column_stack([low, np.clip(references, low, high), high])
-
-
 def read_largest_torques(about: Mapping[str, str], n_joints: int) -> NDArray[np.float64]:
     """Largest torque that was measured on each joint, as the file states it: one number for all joints or one a joint.
 
@@ -110,10 +83,6 @@ def read_largest_torques(about: Mapping[str, str], n_joints: int) -> NDArray[np.
             "and positive; export it anew"
         )
     return largest
-
-
-def _numbers(about: Mapping[str, str], key: str) -> list[float]:
-    return [_number(word) for word in about.get(key, "").split()]
 
 
 def _number(word: str) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from fricomp.control import find_doubt_in_status
-from fricomp.control.network_file import read_largest_torques, read_loads, read_velocity_range
+from fricomp.control.network_file import read_largest_torques, read_velocity_range
 from fricomp.errors import ExportError
 
 __all__ = ["join_facts"]
@@ -17,16 +17,15 @@ def join_facts(joints: Sequence[Mapping[str, str]]) -> dict[str, str]:
     """Metadata of one graph, such that `NetworkCompensator` trusts it no further than the joint that allows least.
 
     `velocity_range` is what all joints share, and is left out where one states none. `largest_torque` has one number a
-    joint, `inf` where it is not known, `reference_load` one and `normal_load_range` two. `status` is the worst, with
-    the `message` of the joints that have it. Anything else is kept once where it is the same for all, else for each
-    joint between semicolons.
+    joint, `inf` where it is not known. `status` is the worst, with the `message` of the joints that have it. Anything
+    else is kept once where it is the same for all, else for each joint between semicolons.
 
     Args:
         joints: Metadata of each, in the order of the rows.
 
     Raises:
         ExportError: Ranges of velocity do not overlap.
-        ModelFileError: A file states a range, a load or a largest torque that cannot be meant.
+        ModelFileError: A file states a range or a largest torque that cannot be meant.
     """
     for about in joints:
         read_largest_torques(about, 1)
@@ -37,7 +36,7 @@ def join_facts(joints: Sequence[Mapping[str, str]]) -> dict[str, str]:
     if "largest_torque" in facts:
         facts["largest_torque"] = " ".join(about.get("largest_torque", "inf") for about in joints)
     facts.pop("velocity_range", None)
-    return facts | _shared_range(joints) | _loads(joints) | _worst_status(joints)
+    return facts | _shared_range(joints) | _worst_status(joints)
 
 
 def _join(values: Sequence[str]) -> str:
@@ -53,16 +52,6 @@ def _shared_range(joints: Sequence[Mapping[str, str]]) -> dict[str, str]:
         stated = ", ".join(f"{a:g} to {b:g}" for a, b in ranges)
         raise ExportError(f"the joints share no range of velocity ({stated}): export them one by one")
     return {"velocity_range": f"{low:.9g} {high:.9g}"}
-
-
-def _loads(joints: Sequence[Mapping[str, str]]) -> dict[str, str]:
-    if not any(about.get(key) for about in joints for key in ("reference_load", "normal_load_range")):
-        return {}
-    table = [read_loads(None, about, 1)[0] for about in joints]
-    return {
-        "reference_load": " ".join(f"{reference:.9g}" for _, reference, _ in table),
-        "normal_load_range": " ".join(f"{low:.9g} {high:.9g}" for low, _, high in table),
-    }
 
 
 def _worst_status(joints: Sequence[Mapping[str, str]]) -> dict[str, str]:

@@ -21,9 +21,3 @@ def test_ranges_are_shared_and_torques_kept_for_each() -> None:
 def test_what_is_refused_alone_is_refused_among_others(wrong: dict[str, str]) -> None:
     with pytest.raises(ModelFileError):
         join_facts([_SOUND, _SOUND | wrong])
-
-
-def test_each_joint_keeps_the_loads_of_its_own_file() -> None:
-    facts = join_facts([_SOUND | {"normal_load_range": "20 80", "reference_load": "50"}, _SOUND])
-    assert (facts["normal_load_range"], facts["reference_load"]) == ("20 80 1 1", "50 1")
-    assert "reference_load" not in join_facts([_SOUND, _SOUND])
