@@ -103,6 +103,7 @@ class JointAdapter(StoppableDriver):
         with self._lock:
             if self._enabled:
                 raise AdapterError("the joints are enabled: disable() them before configuring")
+            self._latch()
             if self._gate is not None and self._gate.tripped:
                 raise AdapterError(f"the gate has tripped ({self._gate.trip_record}): call clear_faults() first")
             try:
@@ -123,7 +124,7 @@ class JointAdapter(StoppableDriver):
                 stale_after=wanted.stale_after,
                 watch_torque=mode != "torque",
             )
-            self._latch_stop()  # a stop that came in the meantime found another gate, or none
+            self._latch()  # a stop that came in the meantime found another gate, or none
 
     @final
     def enable(self) -> None:
@@ -143,6 +144,7 @@ class JointAdapter(StoppableDriver):
         with self._lock:
             if self._enabled:
                 raise AdapterError("the joints are enabled already")
+            self._latch()
             try:
                 self._lock_owner, self._enabling = threading.get_ident(), True  # from here on a stop latches the gate
                 self._start_references()
@@ -174,6 +176,7 @@ class JointAdapter(StoppableDriver):
         """
         gate = self._configured_gate()
         with self._lock:
+            self._latch()
             if not self._enabled:
                 self._halt()
                 if gate.tripped:

@@ -42,6 +42,7 @@ class StoppableDriver(Driver):
         # The last stop that was asked for, and the last that was released: one that came in between is not forgotten.
         self._asked_stop: TripRecord | None = None
         self._released_stop: TripRecord | None = None
+        self._released_trip: TripRecord | None = None  # the same of any trip of the gate, whoever resets that
 
     @final
     def _torques_at_drives(self) -> list[float]:
@@ -54,7 +55,7 @@ class StoppableDriver(Driver):
     @property
     @final
     def gate(self) -> SafetyGate:
-        """The safety gate, for its record of trips.
+        """The safety gate, for its record of trips. Resetting it releases nothing: `clear_faults` does.
 
         Raises:
             AdapterError: Not configured.
@@ -80,13 +81,18 @@ class StoppableDriver(Driver):
         It holds whatever the adapter is doing, also configuring or nothing at all: only `clear_faults` releases it.
         """
         self._asked_stop = TripRecord("stop", reason or "stopped", self.clock.now_ns())
-        self._latch_stop()
+        self._latch()
         self._stop_now()
 
-    def _latch_stop(self) -> None:
-        """Trip the gate, which may be a new one, on a stop that has not been released."""
+    def _latch(self) -> None:
+        """Trip the gate, which may be a new one or have been reset, on what has not been released."""
         gate, asked = self._gate, self._asked_stop
-        if gate is not None and asked is not None and asked is not self._released_stop:
+        if gate is None:
+            return
+        last = gate.last_trip
+        if last is not None and last is not self._released_trip:
+            gate.trip(last.reason, last.detail, last.time_ns)
+        if asked is not None and asked is not self._released_stop:
             gate.trip(asked.reason, asked.detail, asked.time_ns)
 
     def _stop_now(self) -> None:
@@ -114,8 +120,9 @@ class StoppableDriver(Driver):
         """Unlatch the gate, unless a stop has come after the one that was `seen`."""
         self._released_stop = seen
         if self._gate is not None:
+            self._released_trip = self._gate.last_trip
             self._gate.reset()
-        self._latch_stop()
+        self._latch()
 
     def _raise_if_stopped(self) -> None:
         """For loops of a driver that wait while enabling: raises `SafetyTrip` once somebody has stopped the joints."""

@@ -9,6 +9,7 @@ from fricomp.control.confidence import compute_confident_gain, compute_friction_
 from fricomp.control.curve import CurveParameters, FrictionCurves, split_law
 from fricomp.control.gate import ABSURD_TORQUE_RATIO, SafetyGate, TripReason, TripRecord
 from fricomp.control.hot_path import TorqueFunction
+from fricomp.control.interruption import interrupt_on_ending_signals
 from fricomp.control.limit_cycle import LIMIT_CYCLE_MARGIN
 from fricomp.control.limits import JointLimits
 from fricomp.control.load import LoadModel, ReportedLoad
@@ -80,6 +81,7 @@ __all__ = [
     "deepest_bend",
     "find_doubt",
     "find_doubt_in_status",
+    "interrupt_on_ending_signals",
     "real_time",
     "require_usable",
     "simulate_loop",

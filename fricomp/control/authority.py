@@ -9,7 +9,16 @@ from itertools import product
 from fricomp.control.curve import FrictionCurves
 from fricomp.control.extra_terms import LOAD_TERMS
 from fricomp.control.trust import compute_torque_cap
-from fricomp.laws import Cogging, DwellStiction, FrictionLaw, KinematicError, PositionCoulomb, Term, ThermalViscous
+from fricomp.laws import (
+    Cogging,
+    DwellStiction,
+    FrictionLaw,
+    KinematicError,
+    PositionCoulomb,
+    Term,
+    ThermalFriction,
+    ThermalViscous,
+)
 from fricomp.model import FrictionModel, Validity
 
 __all__ = ["compute_authority", "find_acceleration_range", "find_temperature_range"]
@@ -43,7 +52,7 @@ def compute_authority(
     if warmth is not None and model.validity.temperature is None:
         notes.append(
             f"the model states no range of temperature: it is followed from {warmth[0]:.4g} to {warmth[1]:.4g} °C, "
-            "where viscous friction vanishes or doubles; give temperature_range and authority for more"
+            "where a part of its friction doubles, or is halved or gone; give temperature_range and authority for more"
         )
     if fastest_change and model.validity.acceleration is None:
         notes.append(
@@ -78,18 +87,35 @@ def find_acceleration_range(
 def find_temperature_range(model: FrictionModel, curves: FrictionCurves) -> tuple[float, float] | None:
     """Temperatures that terms over them are told [°C]; None where nothing bounds them.
 
-    Those of the model. Viscous friction that falls in proportion would turn its sign and drive the joint, so it is
-    followed to where it vanishes, and without a range of the model as far to the other side, where it doubles.
+    Those of the model. Without them as far to either side of the reference as a part of the friction doubles on one.
+    Viscous friction that falls in proportion would turn its sign and drive the joint: it is followed to where it
+    vanishes, whatever the model states.
     """
     stated = model.validity.temperature
+    low, high = stated or (-math.inf, math.inf)
     for term in curves.extra:
-        if not isinstance(term, ThermalViscous) or term.slope == 0.0:
+        if not isinstance(term, ThermalViscous | ThermalFriction):
             continue
-        reach = min(curves.forward.viscous, curves.reverse.viscous) / abs(term.slope)
-        vanishing = term.reference_temperature + math.copysign(reach, term.slope)
-        low, high = stated or (term.reference_temperature - reach, term.reference_temperature + reach)
-        return (low, max(min(high, vanishing), low)) if term.slope > 0.0 else (min(max(low, vanishing), high), high)
-    return stated
+        reach, reference = _thermal_reach(term, curves), term.reference_temperature
+        if stated is None:
+            low, high = max(low, reference - reach), min(high, reference + reach)
+        elif isinstance(term, ThermalViscous) and term.slope > 0.0:
+            high = max(min(high, reference + reach), low)
+        elif isinstance(term, ThermalViscous) and term.slope < 0.0:
+            low = min(max(low, reference - reach), high)
+    return None if math.isinf(high - low) and stated is None else (low, max(low, high))
+
+
+def _thermal_reach(term: ThermalViscous | ThermalFriction, curves: FrictionCurves) -> float:
+    """Change of temperature at which a part of the friction has doubled, one way or the other [K]."""
+    if isinstance(term, ThermalViscous):
+        parts = [(min(curves.forward.viscous, curves.reverse.viscous), term.slope)]
+    else:
+        parts = [
+            (math.log(2.0) * min(term.forward_viscous, term.reverse_viscous), term.viscous_slope),
+            (min(curves.forward.coulomb, curves.reverse.coulomb), term.coulomb_slope),
+        ]
+    return min((size / abs(slope) for size, slope in parts if slope != 0.0), default=math.inf)
 
 
 def _pushes(term: KinematicError, velocity_range: tuple[float, float]) -> tuple[float, float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import exp
+from math import exp, tanh
 
 from fricomp.control.curve import FrictionCurves
 
@@ -15,13 +15,13 @@ _HEAVIEST = 1e3  # factor of a load on dry friction up to which bristles bend: w
 
 
 def build_bristle(
-    curves: FrictionCurves, period: float
+    curves: FrictionCurves, period: float, smoothing: float
 ) -> tuple[Callable[[float, float, float], tuple[float, float]], Callable[[], None]]:
     """Bristle torque driven by the reference velocity, advanced exactly as `fricomp.laws.LuGre.advance`.
 
     It takes the velocity, the velocity that the friction level follows, which may lag, and the factor of the load, and
     gives the torque and the level that it would come to [N·m] or [N]. Beyond `deepest_bend` nothing bends and the
-    torque is that level.
+    torque is that level, with the direction changing over `smoothing` [rad/s] or [m/s].
     """
     assert curves.bristle is not None
     forward, reverse = curves.forward, curves.reverse
@@ -37,7 +37,7 @@ def build_bristle(
         steady = level / sigma_0
         if not 0.0 < steady < deepest:
             z = 0.0
-            return (level if velocity >= 0.0 else -level), level
+            return level * tanh(velocity / smoothing), level
         target = steady if velocity >= 0.0 else -steady
         after = target + (z - target) * exp(-speed * period / steady)
         tau = sigma_0 * after + damping * (after - z)

@@ -41,8 +41,11 @@ def choose_settings(
         given: Fields that are not to be chosen.
 
     Raises:
-        ParameterError: A value is outside its domain, or an unknown field is given.
+        ParameterError: A value is outside its domain or of another kind, or an unknown field is given.
     """
+    known = [name for name in CompensationSettings.__dataclass_fields__ if name != "notes"]
+    if unknown := sorted(set(given) - set(known)):
+        raise ParameterError(f"unknown setting {', '.join(unknown)}; known: {', '.join(known)}")
     given_model, model = model, bound_friction(model)
     curves = split_law(model.law)
     velocity_range, range_notes = _velocity_range(model, curves)
@@ -69,9 +72,8 @@ def choose_settings(
     )
     try:
         chosen = replace(chosen, **given)
-    except TypeError:
-        known = [name for name in CompensationSettings.__dataclass_fields__ if name != "notes"]
-        raise ParameterError(f"unknown setting in {sorted(given)}; known: {', '.join(known)}") from None
+    except TypeError as error:
+        raise ParameterError(f"a setting is of the wrong kind ({error}) in {given!r}") from error
     found = {"source": source_notes, "gain": gain_notes, "authority": authority_notes}
     notes = [
         *_doubts(given_model, model),

@@ -15,7 +15,7 @@ from fricomp.control.trust import require_usable, trusted_curves
 from fricomp.errors import ParameterError
 from fricomp.model import FrictionModel, load_model
 
-__all__ = ["ArmCompensator", "Compensator"]
+__all__ = ["ArmCompensator", "Compensator", "require_one_each"]
 
 ModelSource = FrictionModel | str | os.PathLike[str]
 
@@ -31,8 +31,8 @@ class Compensator:
             that calling it costs no method lookup.
         model: What is compensated.
         settings: How; `settings.notes` says why.
-        inputs: What the model depends on besides velocity, of `position`, `load_torque`, `normal_load` (the size of the
-            transmitted torque), `temperature` and `acceleration`.
+        inputs: What the model depends on besides velocity, and has to be told, of `position`, `load_torque`,
+            `normal_load` (the size of the transmitted torque), `temperature` and `acceleration`.
 
     Args:
         model: A model or the path of its file (`friction.json`).
@@ -77,8 +77,13 @@ class Compensator:
 
     @property
     def rejected(self) -> int:
-        """How many inputs so far were not finite and got 0.0."""
+        """How many inputs so far were no finite numbers, or missing, and got 0.0."""
         return self._hot.rejected()
+
+    @property
+    def rejection(self) -> str:
+        """Why the last of them was; empty where none was."""
+        return self._hot.rejection()
 
     def reset(self) -> None:
         """Forget the bristle, rests and the last torque; call it when the loop starts again."""
@@ -106,12 +111,13 @@ class ArmCompensator:
         joints: One compensator a joint, in the order of the command.
 
     Raises:
-        ParameterError: No joint, or a model that depends on what `torque_into` is not told.
+        ParameterError: No joint, one compensator twice, or a model that depends on what `torque_into` is not told.
     """
 
     def __init__(self, joints: Sequence[Compensator]) -> None:
         if not joints:
             raise ParameterError("an arm needs at least one joint")
+        require_one_each(joints)
         for compensator in joints:
             if untold := compensator.inputs - {"normal_load"}:
                 raise ParameterError(
@@ -154,6 +160,16 @@ class ArmCompensator:
         """Forget the state of every joint."""
         for joint in self.joints:
             joint.reset()
+
+
+def require_one_each(compensators: Sequence[Compensator]) -> None:
+    """Refuse one compensator for several joints: bristle, lag, rests and scale are those of one.
+
+    Raises:
+        ParameterError: One comes twice.
+    """
+    if len({id(compensator) for compensator in compensators}) != len(compensators):
+        raise ParameterError("a compensator keeps the state of one joint: make one for each")
 
 
 def _inputs(model: FrictionModel) -> frozenset[str]:

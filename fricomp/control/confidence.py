@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from fricomp.control.extra_terms import plain_forms
 from fricomp.errors import ParameterError
-from fricomp.laws import FloatArray
-from fricomp.model import FrictionModel
+from fricomp.laws import FloatArray, FrictionLaw
+from fricomp.model import Covariance, FrictionModel
 
 __all__ = ["compute_confident_gain", "compute_friction_deviation"]
 
@@ -45,11 +48,14 @@ def compute_friction_deviation(model: FrictionModel, velocity: FloatArray, load:
 def compute_confident_gain(model: FrictionModel, velocity_range: tuple[float, float]) -> float | None:
     """Smallest ratio of the lower 95 % bound of friction to friction, over velocities and identified loads.
 
+    What holds a position, such as a spring, is no friction and does not count.
+
     Returns:
         The ratio [1], which may be negative where nothing is known, or None without a covariance.
     """
     if model.covariance is None:
         return None
+    model = _without_held_terms(model, model.covariance)
     top = min(abs(velocity_range[0]), velocity_range[1])
     speeds = np.geomspace(1e-3 * top, top, _POINTS)
     velocity = np.concatenate([speeds, -speeds])
@@ -60,3 +66,14 @@ def compute_confident_gain(model: FrictionModel, velocity_range: tuple[float, fl
             1.0 - _NORMAL_95 * compute_friction_deviation(model, velocity, load) / np.maximum(friction, 1e-300)
         )
     return float(np.min(ratios))
+
+
+def _without_held_terms(model: FrictionModel, covariance: Covariance) -> FrictionModel:
+    """`model` with the terms that resist a motion alone; as it is where there is no other, or none at all."""
+    resisting = [term for term in model.law.terms if not any(form.kind == "held" for form in plain_forms(term))]
+    if len(resisting) in (0, len(model.law.terms)):
+        return model
+    law = FrictionLaw(tuple(resisting))
+    kept = [k for k, name in enumerate(covariance.names) if name in law.parameters()]
+    names = tuple(covariance.names[k] for k in kept)
+    return replace(model, law=law, covariance=Covariance(names, covariance.matrix[np.ix_(kept, kept)]))

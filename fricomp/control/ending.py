@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -11,7 +12,7 @@ from typing import Protocol
 from fricomp.control.interruption import EndingSignals
 from fricomp.errors import AdapterError
 
-__all__ = ["Stoppable", "require_stopped", "stopping_on_error", "undisturbed"]
+__all__ = ["Stoppable", "require_stopped", "stopping_at_exit", "stopping_on_error", "undisturbed"]
 
 _TRIES = 3  # signals raise once in half a second at most
 
@@ -33,6 +34,20 @@ def stopping_on_error(adapter: Stoppable) -> Iterator[None]:
         reason = _name(error)
         undisturbed(lambda: adapter.safe_stop(reason))
         raise
+
+
+@contextmanager
+def stopping_at_exit(adapter: Stoppable) -> Iterator[None]:
+    """An interpreter that ends meanwhile stops the joints before it cuts off the thread that moves them."""
+
+    def stop() -> None:  # one of its own: what the user has registered stays
+        adapter.safe_stop("the process ends")
+
+    atexit.register(stop)
+    try:
+        yield
+    finally:
+        atexit.unregister(stop)
 
 
 def undisturbed(stop: Callable[[], None]) -> None:

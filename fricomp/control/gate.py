@@ -117,6 +117,7 @@ class SafetyGate:
         self._armed = False
         self._open_ns = self._due_ns = self._feedback_ns = self._armed_ns = 0
         self._record: TripRecord | None = None
+        self._last_trip: TripRecord | None = None
 
     @property
     def tripped(self) -> bool:
@@ -132,6 +133,11 @@ class SafetyGate:
     def trip_record(self) -> TripRecord | None:
         """The first trip since the last reset."""
         return self._record
+
+    @property
+    def last_trip(self) -> TripRecord | None:
+        """The last trip that there was; a reset does not forget it."""
+        return self._last_trip
 
     @property
     def admitted(self) -> Sequence[float]:
@@ -162,11 +168,14 @@ class SafetyGate:
     def trip(self, reason: TripReason, detail: str, now_ns: int | None = None) -> None:
         """Latch. The first record stays. May be called from any thread."""
         if self._record is None:  # before anything else: an `arm` that comes between the two lines finds it
-            self._record = TripRecord(reason, detail, now_ns)
+            self._record = self._last_trip = TripRecord(reason, detail, now_ns)
         self._armed = False
 
     def reset(self) -> None:
-        """Forget the trip. The gate stays closed until it is armed; nothing but the user's own code calls this."""
+        """Forget the trip. The gate stays closed until it is armed; nothing but the user's own code calls this.
+
+        The gate of an adapter latches again on the same trip, until its `clear_faults` releases it.
+        """
         self.disarm()
         self._record = None
 
@@ -177,13 +186,13 @@ class SafetyGate:
             SafetyTrip: The gate is latched.
         """
         if self._record is not None:
-            raise SafetyTrip(f"{self._record}; find the cause, then reset the safety gate")
+            raise SafetyTrip(f"{self._record}; find the cause, then reset the safety gate (an adapter: clear_faults())")
 
     def observe(self, feedback: JointFeedback, now_ns: int) -> bool:
         """Look at the joints' state and trip on anything outside the limits.
 
         A temperature of NaN is not known yet, which a joint with a limit on it may be for a second after `arm`.
-        Nothing at all (`time_ns` 0) ages from `arm`.
+        Nothing at all (`time_ns` 0) ages from `arm`; of a gate that is not armed nothing ages.
 
         Args:
             feedback: State of all joints; the newest there is, even when nothing new has come.
@@ -201,8 +210,7 @@ class SafetyGate:
                     self._watch_torque(feedback.torque, now_ns)
             except (TypeError, ValueError, OverflowError) as error:
                 self.trip("not_finite", f"the feedback cannot be read: {error}", now_ns)
-        if abs(now_ns - self._feedback_ns) > self._stale_ns:
-            self._trip_stale(now_ns)
+        self._watch_age(now_ns)
         return self._record is None
 
     def _is_well(self, feedback: JointFeedback) -> bool:
@@ -271,8 +279,7 @@ class SafetyGate:
             wanted = list(map(float, torque_in))
         except (TypeError, ValueError, OverflowError) as error:
             self.trip("not_finite", f"the torque command {torque_in!r} cannot be read: {error}", now_ns)
-        if abs(now_ns - self._feedback_ns) > self._stale_ns:
-            self._trip_stale(now_ns)
+        self._watch_age(now_ns)
         if not self._armed or self._record is not None or len(wanted) != len(last):
             return self._refuse(wanted, torque_out, now_ns)
         if now_ns < self._open_ns or now_ns < self._due_ns or not self._is_within(wanted):
@@ -317,7 +324,9 @@ class SafetyGate:
                 self.trip("absurd_command", f"torque command {wanted}, absurd beyond {absurd}", now_ns)
         return self._close(torque_out)
 
-    def _trip_stale(self, now_ns: int) -> None:
+    def _watch_age(self, now_ns: int) -> None:
+        if not self._armed or abs(now_ns - self._feedback_ns) <= self._stale_ns:
+            return
         age, limit = (now_ns - self._feedback_ns) / 1e6, self._stale_ns / 1e6
         self.trip("stale", f"the data of the joints is {age:.1f} ms old, limit {limit:.1f} ms", now_ns)
 

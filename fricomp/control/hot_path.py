@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import exp, inf, tanh
+from math import exp, inf, nan, tanh
 from typing import Protocol
 
 from fricomp.control.bristle import FALLING_SHARE_WITHOUT_VELOCITY, build_bristle
 from fricomp.control.curve import FrictionCurves
-from fricomp.control.extra_terms import build_extra
+from fricomp.control.extra_terms import INPUT_TERMS, build_extra
 from fricomp.control.lag import build_lag
 from fricomp.control.settings import CompensationSettings
 
@@ -28,12 +28,15 @@ class TorqueFunction(Protocol):
         velocity: float | None = None,
         position_error: float | None = None,
         load: float | None = None,
-        position: float = 0.0,
-        load_torque: float = 0.0,
+        position: float | None = None,
+        load_torque: float | None = None,
         temperature: float | None = None,
-        acceleration: float = 0.0,
+        acceleration: float | None = None,
     ) -> float:
-        """Torque to add to the command; 0.0 for input that is not finite, or has no finite torque.
+        """Torque to add to the command; 0.0 for input that is no finite number, or has no finite torque.
+
+        So does a position, load torque or acceleration that the model depends on and that is not given. The 0.0 comes
+        at once, whatever the rate of the settings.
 
         Args:
             velocity_reference: [rad/s] or [m/s].
@@ -54,13 +57,15 @@ class HotPath:
     Attributes:
         torque: The compensation.
         reset: Forget state: bristle, lag, rests, rate limit. Not the counter.
-        rejected: Number of inputs so far that were not finite, or had no finite torque.
+        rejected: Number of inputs so far that were no finite number, or had no finite torque.
+        rejection: Why the last of them was.
         set_scale: Multiply dry and viscous friction, for online adaptation.
     """
 
     torque: TorqueFunction
     reset: Callable[[], None]
     rejected: Callable[[], int]
+    rejection: Callable[[], str]
     set_scale: Callable[[float, float], None]
 
 
@@ -74,7 +79,9 @@ def build_hot_path(  # noqa: C901
         settings: How it is compensated.
         period: Control period [s].
     """
-    bristle, reset_bristle = build_bristle(curves, period) if curves.bristle is not None else (None, _nothing)
+    bristle, reset_bristle = (
+        build_bristle(curves, period, settings.smoothing) if curves.bristle is not None else (None, _nothing)
+    )
     extra, reset_extra = build_extra(curves.extra, settings, period) if curves.extra else (None, _nothing)
     lagging, reset_lag = (
         build_lag(curves.lag, period, settings.velocity_range) if curves.lag > 0.0 else (None, _nothing)
@@ -84,6 +91,8 @@ def build_hot_path(  # noqa: C901
     unseen = FALLING_SHARE_WITHOUT_VELOCITY if settings.source == "blend" else 1.0
     smoothing, gain, fade = settings.smoothing, settings.gain, 1.0 / settings.fade_width
     forward, reverse = tuple(curves.forward), tuple(curves.reverse)
+    mean_viscous = 0.5 * (curves.forward.viscous + curves.reverse.viscous)
+    half_viscous = 0.5 * (curves.forward.viscous - curves.reverse.viscous)
     per_load = curves.load.load_sensitivity / curves.load.reference_load
     insensitive = 1.0 - curves.load.load_sensitivity
     error_rate = settings.error_rate
@@ -98,7 +107,11 @@ def build_hot_path(  # noqa: C901
     lowest, highest = -settings.authority, settings.authority
     fall, climb = -settings.torque_rate * period, settings.torque_rate * period
     dry_gain = viscous_gain = gain
-    last, rejected = 0.0, 0
+    last, rejected, rejection = 0.0, 0, ""
+    no_position, no_load_torque, no_acceleration = (
+        nan if any(isinstance(term, INPUT_TERMS[name]) for term in curves.extra) else 0.0
+        for name in ("position", "load_torque", "acceleration")
+    )
 
     # One long function on purpose: a call to an inner one would cost as much as a third of the whole.
     def torque(  # noqa: C901
@@ -106,12 +119,12 @@ def build_hot_path(  # noqa: C901
         velocity: float | None = None,
         position_error: float | None = None,
         load: float | None = None,
-        position: float = 0.0,
-        load_torque: float = 0.0,
+        position: float | None = None,
+        load_torque: float | None = None,
         temperature: float | None = None,
-        acceleration: float = 0.0,
+        acceleration: float | None = None,
     ) -> float:
-        nonlocal last, rejected
+        nonlocal last, rejected, rejection
         try:
             total = blended = drive = velocity_reference
             factor = 1.0
@@ -133,9 +146,12 @@ def build_hot_path(  # noqa: C901
                     high_load if load > high_load else low_load if load < low_load else load
                 )
             if extra is not None:
-                total += position + load_torque + acceleration + (0.0 if temperature is None else temperature)
+                q = no_position if position is None else position
+                carried = no_load_torque if load_torque is None else load_torque
+                a = no_acceleration if acceleration is None else acceleration
+                total += q + carried + a + (0.0 if temperature is None else temperature)
             if total - total != 0.0:  # infinite or NaN; what follows would turn either into a torque
-                raise ValueError
+                raise ValueError("an input is not finite, or one that the model depends on is missing")
             dragged = drive
             if lagging is not None:
                 felt, dragged = lagging(blended, drive)
@@ -144,6 +160,8 @@ def build_hot_path(  # noqa: C901
             else:
                 coulomb, rise, stribeck_velocity, exponent, viscous = reverse
                 blended = -blended
+            if lagging is not None:  # the velocity that drags has not turned yet, and the coefficient must not jump
+                viscous = mean_viscous + half_viscous * tanh(direction / smoothing)
             if bristle is None:
                 falling = 1.0
                 speed = blended if lagging is None else abs(felt)
@@ -161,7 +179,7 @@ def build_hot_path(  # noqa: C901
             if extra is None:
                 tau = dry_gain * tau + viscous_gain * viscous * dragged
             else:
-                dry, drag, held = extra(blended, drive, position, load_torque, temperature, acceleration)
+                dry, drag, held = extra(blended, drive, q, carried, temperature, a)
                 if dry < -level:  # all of dry friction together may vanish, but it never drives
                     dry = -level
                 tau = dry_gain * (tau + dry * tanh(direction / smoothing)) + viscous_gain * (viscous * dragged + drag)
@@ -172,14 +190,14 @@ def build_hot_path(  # noqa: C901
                 tau += gain * held
             if not lowest <= tau <= highest:
                 if tau - tau != 0.0:
-                    raise ValueError
+                    raise ValueError("the torque is not finite")
                 tau = highest if tau > 0.0 else lowest
             if not fall <= tau - last <= climb:
                 tau = last + climb if tau > last else last + fall
             last = tau
             return tau
-        except (TypeError, ValueError, OverflowError):
-            last = 0.0
+        except (TypeError, ValueError, OverflowError) as error:
+            last, rejection = 0.0, f"{type(error).__name__}: {error}"
             rejected += 1
             return 0.0
 
@@ -194,7 +212,7 @@ def build_hot_path(  # noqa: C901
         nonlocal dry_gain, viscous_gain
         dry_gain, viscous_gain = gain * dry_scale, gain * viscous_scale
 
-    return HotPath(torque, reset, lambda: rejected, set_scale)
+    return HotPath(torque, reset, lambda: rejected, lambda: rejection, set_scale)
 
 
 def _nothing() -> None:

@@ -7,11 +7,12 @@ import math
 import signal
 import threading
 import time
+import warnings
 from collections.abc import Iterator
 from types import FrameType
 from typing import Any
 
-__all__ = ["ENDING_SIGNALS", "EndingSignals", "interrupt_on_ending_signals"]
+__all__ = ["ENDING_SIGNALS", "EndingSignals", "interrupt_on_ending_signals", "warn_of_unheard_signals"]
 
 ENDING_SIGNALS = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
@@ -88,3 +89,18 @@ def interrupt_on_ending_signals() -> None:
 
     for number in ENDING_SIGNALS:
         signal.signal(number, interrupt)
+
+
+def warn_of_unheard_signals() -> None:
+    """Say which signals end the process at once: outside the main thread a loop hears none, so the process must."""
+    if threading.current_thread() is threading.main_thread():
+        return
+    unheard = [number.name for number in ENDING_SIGNALS if signal.getsignal(number) is signal.SIG_DFL]
+    if unheard:
+        warnings.warn(
+            f"a loop outside the main thread hears no signal, and {', '.join(unheard)} would end this process without "
+            "a stop of the joints: call fricomp.control.interrupt_on_ending_signals() in the main thread before, and "
+            "stop() the loop there on KeyboardInterrupt",
+            RuntimeWarning,
+            stacklevel=4,
+        )

@@ -11,17 +11,25 @@ from operator import add
 from typing import Protocol
 
 from fricomp.control.adaptation import AdaptationSettings
-from fricomp.control.compensator import Compensator
-from fricomp.control.ending import Stoppable, require_stopped
+from fricomp.control.compensator import Compensator, require_one_each
+from fricomp.control.ending import Stoppable, require_stopped, stopping_at_exit, stopping_on_error
 from fricomp.control.gate import SafetyGate, TripRecord
-from fricomp.control.interruption import EndingSignals
+from fricomp.control.interruption import EndingSignals, warn_of_unheard_signals
 from fricomp.control.load import LoadModel
 from fricomp.control.loop_compensation import LoopCompensation
 from fricomp.control.loop_log import LoopLog
-from fricomp.control.position_loop import Controller, Reference, ReferenceState
+from fricomp.control.position_loop import Controller, PositionController, Reference, ReferenceState, SineReference
 from fricomp.control.real_time import RealTimeOptions, RealTimeReport, real_time
 from fricomp.errors import ParameterError, SafetyTrip
-from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, JointFeedback, await_feedback
+from fricomp.joint import (
+    Capabilities,
+    Clock,
+    CommandMode,
+    JointCapabilities,
+    JointCommand,
+    JointFeedback,
+    await_feedback,
+)
 
 __all__ = ["ControlLoop", "LoopAdapter", "LoopResult"]
 
@@ -75,7 +83,8 @@ class ControlLoop:
     """Runs a controller and friction compensation on the joints of an adapter, which is open already.
 
     The controller sees the reference of the time at which its feedback was taken, the compensation that of the time
-    at which it acts. The joints are stopped on every way out; nothing enables them again.
+    at which it acts. The joints are stopped on every way out; nothing enables them again. Signals are heard in the
+    main thread only; a loop in another one ends with the main thread.
 
     Args:
         adapter: Opened; its gate holds the limits.
@@ -111,18 +120,15 @@ class ControlLoop:
         most_skipped: int = 10,
     ) -> None:
         joints = adapter.capabilities.joints
-        if compensators is not None and len(compensators) != len(joints):
-            raise ParameterError(f"{len(compensators)} compensators given for {len(joints)} joints: give one for each")
+        if compensators is not None:
+            _require_fit(compensators, joints, period)
+        for part in (reference, controller):
+            if isinstance(part, SineReference | PositionController) and part.n_joints != len(joints):
+                raise ParameterError(f"a {type(part).__name__} of {part.n_joints} joints given for {len(joints)}")
         if (controller is None) is (mode == "torque"):
             raise ParameterError(f"mode {mode!r} {'needs a' if mode == 'torque' else 'takes no'} controller")
         if compensators and mode != "torque" and not adapter.capabilities.feed_forward:
             raise ParameterError(f"these drives take no torque in {mode} mode: compensate in torque mode")
-        for compensator, joint in zip(compensators or (), joints, strict=False):
-            if compensator.model.torque_unit != joint.torque_unit:
-                raise ParameterError(
-                    f"the model of joint {joint.name!r} is in {compensator.model.torque_unit}, "
-                    f"the drive takes {joint.torque_unit}: identify it on this drive"
-                )
         self.adapter, self.reference, self.controller = adapter, reference, controller
         if load is None and isinstance(controller, LoadModel):
             load = controller
@@ -145,18 +151,33 @@ class ControlLoop:
     def run(self, duration: float) -> LoopResult:
         """Configure, enable, run for `duration` [s], stop. Log and counters are those of this run alone.
 
+        Whatever it raises, the joints have been stopped, also where they were enabled before.
+
         Raises:
             ParameterError: The duration is not finite or negative; nothing has been configured.
             AdapterError: The bus or a drive failed; the joints have been stopped, unless the message says that the
                 stop did not get through. That one comes in place of any other error, which is its cause.
             KeyboardInterrupt: Ctrl-C; the joints have been stopped.
         """
-        if not 0.0 <= duration * 1e9 < math.inf:  # it is counted in nanoseconds
-            raise ParameterError(f"the duration of a run must be finite and not negative, got {duration!r} s")
         try:
-            return self._run(duration)
+            with stopping_at_exit(self.adapter):
+                self._prepare(duration)
+                return self._run(duration)
         finally:
             self._stop.clear()  # only now: one that came while the drives were configured holds
+
+    def _prepare(self, duration: float) -> None:
+        """Configure the drives; an error stops the joints, which their owner may have enabled."""
+        try:
+            with stopping_on_error(self.adapter):
+                if not 0.0 <= duration * 1e9 < math.inf:  # it is counted in nanoseconds
+                    raise ParameterError(f"the duration of a run must be finite and not negative, got {duration!r} s")
+                warn_of_unheard_signals()
+                self.adapter.configure(self.mode, self.period)
+                self.compensation.reset()
+        except BaseException:
+            require_stopped(self.adapter)
+            raise
 
     def _run(self, duration: float) -> LoopResult:
         adapter, signals, feedback = self.adapter, EndingSignals(self._stop), JointFeedback(self._n)
@@ -165,8 +186,6 @@ class ControlLoop:
         self._skipped = cycles = 0
         trip: TripRecord | None = None
         rejected = self.compensation.rejected
-        adapter.configure(self.mode, self.period)
-        self.compensation.reset()
         with real_time(self.options) as granted, signals:
             try:
                 with signals.impatient():
@@ -192,18 +211,26 @@ class ControlLoop:
         sample, counter, append, stop = self.reference.sample, time.perf_counter_ns, self.log.append, self._stop
         controller, compensate = self.controller, self.compensation.update
         command, goal, seen = JointCommand(n), ReferenceState(n), ReferenceState(n)
-        wanted = [0.0] * n
+        wanted, unfilled = [0.0] * n, [math.nan] * n
         period = round(self.period * 1e9)
         start = deadline = now_ns() + period
-        end, cycles = start + round(duration * 1e9), 0
+        end, cycles, process = start + round(duration * 1e9), 0, threading.main_thread()
         while deadline < end and not stop.is_set():
+            if not process.is_alive():  # the interpreter waits for this thread, and nobody else is left to end it
+                gate.trip("stop", "the main thread has ended", now_ns())
+                break
             sleep_until(deadline)
             began, now = counter(), now_ns()
             read_into(feedback)
+            goal.forget()
             sample((now - start) * 1e-9, goal)
+            seen.forget()
             sample(max(feedback.time_ns - start, 0) * 1e-9, seen)
             if controller is not None:
+                wanted[:] = unfilled
                 controller.torque_into(wanted, feedback, seen)
+                if len(wanted) != n:
+                    gate.trip("wrong_joint_count", f"the controller gave {len(wanted)} torques for {n} joints", now)
             compensation = compensate(feedback, goal, seen)
             command.torque[:] = map(add, wanted, compensation)
             command.position, command.velocity = goal.position, goal.velocity
@@ -221,3 +248,26 @@ class ControlLoop:
                 if behind > self.most_skipped:
                     gate.trip("overrun", f"{behind} cycles of {self.period * 1e3:g} ms missed at once", now)
         return cycles
+
+
+def _require_fit(compensators: Sequence[Compensator], joints: Sequence[JointCapabilities], period: float) -> None:
+    """Refuse compensators that are not those of these joints, called once in this period."""
+    if len(compensators) != len(joints):
+        raise ParameterError(f"{len(compensators)} compensators given for {len(joints)} joints: give one for each")
+    require_one_each(compensators)
+    for compensator, joint in zip(compensators, joints, strict=True):
+        model = compensator.model
+        if model.torque_unit != joint.torque_unit:
+            raise ParameterError(
+                f"the model of joint {joint.name!r} is in {model.torque_unit}, "
+                f"the drive takes {joint.torque_unit}: identify it on this drive"
+            )
+        if model.motion != joint.motion:
+            raise ParameterError(
+                f"the model of joint {joint.name!r} is of a {model.motion} joint, it is {joint.motion}"
+            )
+        if not math.isclose(compensator.period, period):
+            raise ParameterError(
+                f"the compensator of joint {joint.name!r} is made for a period of {compensator.period:g} s, the loop "
+                f"has {period:g} s: pass period={period:g} to it"
+            )

@@ -29,12 +29,21 @@ class ReferenceState:
         self.velocity = [0.0] * n_joints
         self.acceleration = [0.0] * n_joints
 
+    def forget(self) -> None:
+        """Positions and velocities of NaN, on which a command never passes, and no acceleration."""
+        unknown = [math.nan] * len(self.position)
+        self.position[:] = self.velocity[:] = unknown
+        self.acceleration[:] = [0.0] * len(unknown)
+
 
 class Reference(Protocol):
     """A motion over time."""
 
     def sample(self, time: float, state: ReferenceState) -> None:
-        """Fill `state` with the reference at `time` since the start of the loop [s]."""
+        """Fill `state` with the reference at `time` since the start of the loop [s].
+
+        It comes forgotten: positions and velocities that are not filled in stay NaN.
+        """
 
 
 class Controller(Protocol):
@@ -44,7 +53,8 @@ class Controller(Protocol):
         """Fill `out` with the torque of each joint, without friction compensation.
 
         Args:
-            out: In the adapter's torque unit, one entry a joint.
+            out: In the adapter's torque unit, one entry a joint. It comes filled with NaN: a joint that is left out
+                stops all.
             feedback: What the joints report.
             reference: The reference at the time at which the feedback was taken.
         """
@@ -76,6 +86,11 @@ class SineReference:
                 f"{len(self.amplitude)} amplitudes and {len(self.centre)} centres"
             )
 
+    @property
+    def n_joints(self) -> int:
+        """Number of joints."""
+        return len(self.centre)
+
     def sample(self, time: float, state: ReferenceState) -> None:
         """Fill in the sine at `time` [s]."""
         omega, time = 2.0 * math.pi * self.frequency, max(time - self.rest, 0.0)
@@ -97,11 +112,29 @@ class PositionController:
         stiffness: K of each joint [N·m/rad] or [N/m].
         damping: D of each joint [N·m·s/rad] or [N·s/m].
         inertia: J of each joint [kg·m²] or [kg].
+
+    Raises:
+        ParameterError: The lengths differ, or a value is negative or not finite.
     """
 
     stiffness: Sequence[float]
     damping: Sequence[float]
     inertia: Sequence[float]
+
+    def __post_init__(self) -> None:
+        gains = self.stiffness, self.damping, self.inertia
+        if len({len(values) for values in gains}) != 1 or not all(
+            0.0 <= v < math.inf for values in gains for v in values
+        ):
+            raise ParameterError(
+                "a position controller needs stiffness, damping and inertia of each joint, finite and not below 0, got "
+                f"{self.stiffness!r}, {self.damping!r} and {self.inertia!r}"
+            )
+
+    @property
+    def n_joints(self) -> int:
+        """Number of joints."""
+        return len(self.inertia)
 
     @classmethod
     def from_bandwidth(
@@ -110,10 +143,12 @@ class PositionController:
         """Gains that give each joint a natural frequency of `bandwidth` [Hz] without friction.
 
         Raises:
-            ParameterError: The bandwidth is not positive.
+            ParameterError: The bandwidth or an inertia is not finite and positive, or the damping ratio negative.
         """
-        if not bandwidth > 0.0:
-            raise ParameterError(f"the bandwidth must be positive [Hz], got {bandwidth!r}")
+        if not 0.0 < bandwidth < math.inf or not all(0.0 < j < math.inf for j in inertia):
+            raise ParameterError(
+                f"bandwidth [Hz] and inertia must be finite and positive, got {bandwidth!r} and {list(inertia)!r}"
+            )
         omega = 2.0 * math.pi * bandwidth
         return cls([j * omega**2 for j in inertia], [2.0 * damping_ratio * j * omega for j in inertia], list(inertia))
 

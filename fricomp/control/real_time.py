@@ -16,8 +16,7 @@ from dataclasses import dataclass, field
 __all__ = ["RealTimeOptions", "RealTimeReport", "real_time"]
 
 _MCL_CURRENT, _MCL_FUTURE = 1, 2  # mlockall(2)
-_PR_SET_TIMERSLACK = 29  # prctl(2)
-_DEFAULT_SLACK_NS = 50_000
+_PR_SET_TIMERSLACK, _PR_GET_TIMERSLACK = 29, 30  # prctl(2)
 
 
 @dataclass(frozen=True)
@@ -28,7 +27,8 @@ class RealTimeOptions:
         priority: FIFO priority, 1 to 99; 0 leaves the scheduler alone.
         core: Core to stay on; None for any.
         lock_memory: Keep all pages in memory.
-        freeze_garbage: Collect once, then keep the collector off: a full collection takes tens of milliseconds.
+        freeze_garbage: Collect once, then keep the collector off: a full collection takes tens of milliseconds. What
+            is frozen already stays so, and no more is added to it.
     """
 
     priority: int = 0
@@ -52,7 +52,10 @@ class RealTimeReport:
 
 @contextlib.contextmanager
 def real_time(options: RealTimeOptions) -> Iterator[RealTimeReport]:
-    """Apply `options` to this thread for as long as the context lasts."""
+    """Apply `options` to this thread for as long as the context lasts; then all is as it was before.
+
+    Memory of which some was locked before stays locked: the system does not tell which.
+    """
     report = RealTimeReport()
     with contextlib.ExitStack() as stack:
         if options.freeze_garbage:
@@ -67,27 +70,32 @@ def real_time(options: RealTimeOptions) -> Iterator[RealTimeReport]:
 
 @contextlib.contextmanager
 def _frozen_garbage() -> Iterator[None]:
-    was_enabled = gc.isenabled()
+    was_enabled, was_frozen = gc.isenabled(), gc.get_freeze_count() > 0
     gc.collect()
-    gc.freeze()
+    if not was_frozen:
+        gc.freeze()
     gc.disable()
     try:
         yield
     finally:
-        gc.unfreeze()
+        if not was_frozen:
+            gc.unfreeze()
         if was_enabled:
             gc.enable()
 
 
 def _linux(options: RealTimeOptions, stack: contextlib.ExitStack, report: RealTimeReport) -> None:
     libc = ctypes.CDLL(None, use_errno=True)
+    slack = libc.prctl(_PR_GET_TIMERSLACK, 0, 0, 0, 0)
     if libc.prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0) == 0:
         report.granted.append("timer slack 1 ns")
-        stack.callback(libc.prctl, _PR_SET_TIMERSLACK, _DEFAULT_SLACK_NS, 0, 0, 0)
+        stack.callback(libc.prctl, _PR_SET_TIMERSLACK, max(slack, 0), 0, 0, 0)  # 0 is the thread's default
     if options.lock_memory:
+        was_locked = _is_memory_locked()
         if libc.mlockall(_MCL_CURRENT | _MCL_FUTURE) == 0:
             report.granted.append("memory locked")
-            stack.callback(libc.munlockall)
+            if not was_locked:
+                stack.callback(libc.munlockall)
         else:
             report.refused.append(f"memory not locked: {os.strerror(ctypes.get_errno())}")
     if options.core is not None:
@@ -100,8 +108,16 @@ def _linux(options: RealTimeOptions, stack: contextlib.ExitStack, report: RealTi
             report.refused.append(f"not bound to core {options.core}: {error.strerror}")
     if options.priority:
         try:
+            policy, parameters = os.sched_getscheduler(0), os.sched_getparam(0)
             os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(options.priority))
-            stack.callback(os.sched_setscheduler, 0, os.SCHED_OTHER, os.sched_param(0))
+            stack.callback(os.sched_setscheduler, 0, policy, parameters)
             report.granted.append(f"FIFO priority {options.priority}")
         except OSError as error:
             report.refused.append(f"no FIFO scheduling: {error.strerror}")
+
+
+def _is_memory_locked() -> bool:
+    """Whether this process has locked memory already [proc(5), VmLck]."""
+    with contextlib.suppress(OSError), open("/proc/self/status", encoding="ascii", errors="replace") as status:
+        return any(line.startswith("VmLck:") and line.split()[1] != "0" for line in status)
+    return False

@@ -88,7 +88,7 @@ class CompensationSettings:
         dead_band: Measured velocity that counts as rest; `measured` only [rad/s] or [m/s].
         gain: Share of the modelled friction that is compensated [1].
         authority: Largest compensation, in the model's torque unit.
-        torque_rate: Fastest change of the compensation, per second.
+        torque_rate: Fastest change of the compensation, per second; input that is rejected gives zero at once.
         rest_velocity: Below it a measured joint counts as resting and gets the breakaway torque; 0 for no assistance.
         error_rate: k: direction that a position error gives to a resting reference; 0 for none [1/s].
         error_band: Position error that gives none [rad] or [m].

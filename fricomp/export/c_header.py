@@ -125,6 +125,7 @@ def _functions(
         extra_variables=filled(template.EXTRA_VARIABLES) if has_extra else "",
         extra=filled(render_extra(curves.extra, settings, period, literal)),
         lagging=filled(template.LAG) if is_late else "",
+        turning=filled(template.TURNING) if is_late else "",
         memories=filled("".join(f"    $real {name};\n" for name in memories)),
         forgotten=filled("".join(f"    state->{name} = $zero;\n" for name in memories)),
         dragging=filled("((viscous * $dragged) + drag)" if has_extra else "viscous * $dragged"),
@@ -149,6 +150,9 @@ def _numbers(curves: FrictionCurves, settings: CompensationSettings) -> dict[str
         "gain": settings.gain,
         "fade_width": settings.fade_width,
         "authority": settings.authority,
+        "smoothing": settings.smoothing,
+        "mean_viscous": 0.5 * (curves.forward.viscous + curves.reverse.viscous),
+        "half_viscous": 0.5 * (curves.forward.viscous - curves.reverse.viscous),
         "load_sensitivity": curves.load.load_sensitivity,
         "reference_load": curves.load.reference_load,
         "forward_edge": high,
@@ -196,7 +200,6 @@ def _static(curves: FrictionCurves, settings: CompensationSettings, literal: Lit
             falling=_falling(curves, literal, "direction"),
             share_at_rest=share_at_rest,
             unseen=literal(FALLING_SHARE_WITHOUT_VELOCITY if settings.source == "blend" else 1.0),
-            smoothing=literal(settings.smoothing),
         )
     )
 

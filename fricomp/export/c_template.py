@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from string import Template
 
-__all__ = ["BRISTLE", "EXTRA_VARIABLES", "FUNCTIONS", "HEADER", "HOLDING", "LAG", "RATE", "STATIC"]
+__all__ = ["BRISTLE", "EXTRA_VARIABLES", "FUNCTIONS", "HEADER", "HOLDING", "LAG", "RATE", "STATIC", "TURNING"]
 
 HEADER = Template(
     """/*
@@ -134,7 +134,7 @@ $lagging    if (direction >= $zero) {
         viscous = $reverse_viscous;
         blended = -blended;
     }
-$dry
+$turning$dry
 $extra    torque = ($gain * torque) + ($gain * $dragging);
     beyond = (drive > $zero) ? (drive - $forward_edge) : ($reverse_edge - drive);
     if (beyond > $zero) {
@@ -172,6 +172,9 @@ LAG = """    {
         state->dragged = driven + ((state->dragged - driven) * $lasting);
         state->felt = seen + ((state->felt - seen) * $lasting);
     }
+"""
+
+TURNING = """    viscous = $mean_viscous + ($half_viscous * tanh$f(direction / $smoothing));
 """
 
 HOLDING = """    torque += $gain * held;
@@ -215,7 +218,7 @@ BRISTLE = Template(
             state->bristle = after;
         } else {
             state->bristle = $zero;
-            torque = (drive >= $zero) ? level : -level;
+            torque = level * tanh$f(drive / $smoothing);
         }
     }"""
 )

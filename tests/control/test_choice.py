@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,7 +16,16 @@ from fricomp.control import (
     compute_friction_deviation,
 )
 from fricomp.errors import ParameterError
-from fricomp.laws import BidirectionalStribeck, Coulomb, FrictionLaw, StribeckCurve, Viscous
+from fricomp.laws import (
+    BidirectionalStribeck,
+    Cogging,
+    Coulomb,
+    FrictionLaw,
+    SpringTorque,
+    StribeckCurve,
+    Term,
+    Viscous,
+)
 from fricomp.model import Covariance, FrictionModel, Validity
 
 
@@ -84,6 +95,17 @@ def test_gain_is_the_lower_bound_of_friction_over_the_range() -> None:
     friction = np.asarray(model.torque(np.geomspace(0.001, 1.0, 400)))
     assert gain == pytest.approx(1.0 - 1.645 * 0.01 / friction.min(), abs=0.01)
     assert choose_settings(model).gain == pytest.approx(gain)
+
+
+@pytest.mark.parametrize("held", [SpringTorque(3.0, -1.0), SpringTorque(3.0, 0.05), Cogging(4.0, 0.5, 9.0)])
+def test_what_holds_a_position_makes_no_friction_certain_or_uncertain(held: Term) -> None:
+    names = ("stribeck.forward.coulomb_torque",)
+    plain = make_model(0.3, Covariance(names, np.array([[0.05**2]])))
+    parameter = next(name for name in FrictionLaw((held,)).parameters())
+    more = Covariance((*names, parameter), np.diag([0.05**2, 1.0]))
+    model = replace(plain, law=plain.law.with_term(held), covariance=more)
+    assert 0.5 < choose_settings(plain).gain < 0.9
+    assert choose_settings(model).gain == pytest.approx(choose_settings(plain).gain)
 
 
 def test_uncertain_model_gets_a_low_gain_and_a_certain_one_stays_below_one() -> None:

@@ -19,11 +19,13 @@ from fricomp.laws import (
     Coulomb,
     Dahl,
     FrictionLaw,
+    KinematicError,
     LoadCoulomb,
     LoadScaling,
     LuGre,
     OperatingPoint,
     SmoothedCoulomb,
+    SpringTorque,
     StribeckCurve,
     Term,
     Viscous,
@@ -106,6 +108,44 @@ def test_what_is_not_finite_gives_zero_and_is_counted(bad: float, place: int) ->
     assert compensator.torque(0.3) > 0.0
 
 
+@pytest.mark.parametrize("bad", ["0.3", None, [0.3], np.array([0.3, 0.3])])
+def test_what_is_no_number_gives_zero_and_says_why(bad: Any) -> None:
+    compensator = Compensator(make_model())
+    assert compensator.rejection == ""
+    assert (compensator.torque(bad), compensator.rejected) == (0.0, 1)
+    assert compensator.rejection.startswith(("TypeError: ", "ValueError: The truth value of an array"))
+    assert (compensator.torque(math.nan), compensator.rejected) == (0.0, 2)
+    assert "not finite" in compensator.rejection
+
+
+def test_a_rejected_input_gives_zero_at_once_whatever_the_rate() -> None:
+    compensator = Compensator(make_model(), torque_rate=10.0)
+    torques = [compensator.torque(0.3) for _ in range(10)]
+    assert torques == pytest.approx([0.01 * k for k in range(1, 11)])
+    assert compensator.torque(math.nan) == 0.0
+    assert compensator.torque(0.3) == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize(
+    ("term", "needed"),
+    [
+        (SpringTorque(2.0, 1.0), ("position",)),
+        (LoadCoulomb(0.1), ("load_torque",)),
+        (KinematicError(1e-3, 0.0, 9.0, 2.0), ("position", "acceleration")),
+    ],
+)
+def test_an_input_that_the_model_depends_on_is_not_taken_for_zero(term: Term, needed: tuple[str, ...]) -> None:
+    compensator = Compensator(make_model(Coulomb(0.2), term))
+    assert compensator.inputs == set(needed)
+    given = dict.fromkeys(needed, 0.5)
+    assert compensator.torque(0.3, **given) != 0.0
+    for missing in needed:
+        known = {name: value for name, value in given.items() if name != missing}
+        assert compensator.torque(0.3, **known) == 0.0
+    assert compensator.rejected == len(needed)
+    assert "missing" in compensator.rejection
+
+
 def test_hot_path_and_arrays_agree() -> None:
     rng = np.random.default_rng(0)
     reference, velocity, error = rng.normal(size=(3, 300)) * np.array([[0.3], [0.3], [0.005]])
@@ -183,6 +223,8 @@ def test_arm_is_its_joints() -> None:
         arm.torque_into(out, [0.1, 0.1], [0.1])
     with pytest.raises(ParameterError, match="at least one"):
         ArmCompensator([])
+    with pytest.raises(ParameterError, match="make one for each"):
+        ArmCompensator([joints[0], joints[0]])
 
 
 def test_an_arm_takes_no_model_whose_inputs_it_is_not_told() -> None:
@@ -192,7 +234,7 @@ def test_an_arm_takes_no_model_whose_inputs_it_is_not_told() -> None:
 
 
 def test_arm_hands_on_every_input() -> None:
-    arm, out = ArmCompensator([Compensator(make_model(), error_rate=2.0)] * 2), [0.0, 0.0]
+    arm, out = ArmCompensator([Compensator(make_model(), error_rate=2.0) for _ in range(2)]), [0.0, 0.0]
     arm.torque_into(out, [0.1, -0.2], [0.1, -0.1], [0.01, 0.0], [1.2, 0.7])
     one = Compensator(make_model(), error_rate=2.0)
     assert out == [one.torque(0.1, 0.1, 0.01, 1.2), one.torque(-0.2, -0.1, 0.0, 0.7)]
@@ -213,7 +255,9 @@ def test_arm_hands_on_every_input() -> None:
         ({"load_torque_range": (0.0, math.nan)}, "load_torque_range"),
         ({"temperature_range": (40.0, 20.0)}, "temperature_range"),
         ({"acceleration_range": (1.0, -1.0)}, "acceleration_range"),
-        ({"colour": "red"}, "unknown setting"),
+        ({"colour": "red", "gain": 0.9}, "unknown setting colour; known"),
+        ({"smoothing": "0.1"}, "wrong kind .*'0.1'"),
+        ({"velocity_range": 3.0}, "wrong kind"),
         ({"period": 0.0}, "period"),
     ],
 )

@@ -110,9 +110,9 @@ def test_no_temperature_gives_more_than_the_ends_of_its_range(term: Term, veloci
 
 @pytest.mark.parametrize("core", [CORE, LuGre(CORE.forward, CORE.reverse, 6000.0, 1.0)], ids=lambda term: term.name)
 @pytest.mark.parametrize("velocity", [-0.5, 0.5])
-def test_dry_friction_never_drives_where_no_range_of_temperature_is_known(core: Term, velocity: float) -> None:
+def test_dry_friction_never_drives_at_any_temperature(core: Term, velocity: float) -> None:
     model = FrictionModel(FrictionLaw((core, WARM[0])), validity=Validity(velocity=(-1.0, 1.0)))
-    compensator = Compensator(model, gain=1.0, source="reference")
+    compensator = Compensator(model, gain=1.0, source="reference", temperature_range=(-math.inf, math.inf))
     for _ in range(10):  # past presliding
         compensator.torque(velocity)
     for temperature in TEMPERATURES:
@@ -120,6 +120,23 @@ def test_dry_friction_never_drives_where_no_range_of_temperature_is_known(core: 
     viscous, reference = (0.02, 0.02) if velocity > 0.0 else (0.03, 0.03)
     left = viscous + reference * math.expm1(-min(0.002 * 50.0 / reference, 3.0))
     assert compensator.torque(velocity, temperature=80.0) == pytest.approx(left * velocity, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("viscous_slope", "coulomb_slope", "reach"),
+    [(0.001, 0.01, 0.02 * math.log(2.0) / 0.001), (-0.001, 0.02, 0.15 / 0.02), (0.0, -0.01, 0.15 / 0.01)],
+)
+def test_without_a_range_a_temperature_is_followed_until_a_part_of_friction_doubles(
+    viscous_slope: float, coulomb_slope: float, reach: float
+) -> None:
+    term = ThermalFriction(0.02, 0.03, viscous_slope, coulomb_slope, 25.0)
+    model = FrictionModel(FrictionLaw((CORE, term)), validity=Validity(velocity=(-1.0, 1.0)))
+    compensator = Compensator(model, gain=1.0, source="reference")
+    assert compensator.settings.temperature_range == pytest.approx((25.0 - reach, 25.0 + reach))
+    assert "range of temperature" in compensator.describe()
+    ends = sorted(compensator.torque(0.5, temperature=25.0 + side * reach) for side in (-1.0, 1.0))
+    for temperature in (-273.0, 1e3):
+        assert ends[0] - 1e-12 <= compensator.torque(0.5, temperature=temperature) <= ends[1] + 1e-12
 
 
 @pytest.mark.parametrize("stated", [None, (-40.0, 120.0)])

@@ -119,6 +119,18 @@ def test_old_data_trips_even_if_nobody_observes() -> None:
     assert gate.trip_record.reason == "stale"
 
 
+def test_no_data_age_while_the_gate_is_not_armed() -> None:
+    gate, out, boot = SafetyGate(LIMITS, period=1e-3), [9.0, 9.0], 10**12
+    assert not gate.admit([1.0, 1.0], out, boot)
+    assert gate.observe(well(0), boot)
+    gate.arm(boot)
+    gate.disarm()
+    assert not gate.admit([1.0, 1.0], out, boot + 50 * MS)
+    assert (gate.trip_record, out) == (None, [0.0, 0.0])
+    gate.arm(boot + 50 * MS)
+    assert gate.admit([1.0, 1.0], out, boot + 51 * MS)
+
+
 def test_a_temperature_that_stays_unknown_trips_where_it_is_limited() -> None:
     gate = make_gate()
     assert gate.observe(well(1000 * MS), 1000 * MS)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import atexit
 import signal
-from collections.abc import Iterator
+import threading
+import warnings
+from collections.abc import Callable, Iterator
 
 import pytest
 
-from fricomp.control.ending import stopping_on_error, undisturbed
-from fricomp.control.interruption import ENDING_SIGNALS, interrupt_on_ending_signals
+from fricomp.control.ending import stopping_at_exit, stopping_on_error, undisturbed
+from fricomp.control.interruption import ENDING_SIGNALS, interrupt_on_ending_signals, warn_of_unheard_signals
 
 
 @pytest.fixture(autouse=True)
@@ -55,3 +58,36 @@ def test_a_stop_that_a_signal_met_before_it_was_kept_off_begins_again() -> None:
 
     undisturbed(stop)
     assert len(calls) == 2
+
+
+def test_a_process_that_ends_stops_the_joints_of_a_loop_that_still_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    at_exit: list[Callable[[], None]] = []
+    monkeypatch.setattr(atexit, "register", at_exit.append)
+    monkeypatch.setattr(atexit, "unregister", at_exit.remove)
+    joints = _Joints()
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    with stopping_at_exit(joints):
+        at_exit[0]()
+    assert (joints.stops, at_exit) == (1, [])
+
+
+def _warned_in_a_thread() -> list[str]:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        thread = threading.Thread(target=warn_of_unheard_signals)
+        thread.start()
+        thread.join(timeout=5.0)
+    return [str(warning.message) for warning in caught]
+
+
+def test_outside_the_main_thread_signals_that_nobody_handles_are_named() -> None:
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    (said,) = _warned_in_a_thread()
+    assert "SIGTERM" in said
+    interrupt_on_ending_signals()
+    assert _warned_in_a_thread() == []
+
+
+def test_in_the_main_thread_nothing_is_warned_of() -> None:
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    warn_of_unheard_signals()

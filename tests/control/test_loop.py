@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import signal
-from collections.abc import Iterator
+import threading
 from dataclasses import replace
 from typing import Any
 
@@ -12,15 +13,15 @@ import pytest
 
 from fricomp.control import (
     Compensator,
+    Controller,
     ControlLoop,
     JointLimits,
     LoopLog,
     PositionController,
-    RealTimeOptions,
+    Reference,
     ReferenceState,
     SafetyGate,
     SineReference,
-    real_time,
 )
 from fricomp.errors import AdapterError, AdapterTimeout, ParameterError, SafetyTrip
 from fricomp.joint import Capabilities, CommandMode, JointCapabilities, JointCommand, JointFeedback
@@ -100,7 +101,7 @@ def make_loop(joints: IdealJoints, **given: Any) -> ControlLoop:
 
 def test_runs_every_cycle_then_stops() -> None:
     joints = IdealJoints()
-    result = make_loop(joints, compensators=[Compensator(MODEL)] * 2).run(0.5)
+    result = make_loop(joints, compensators=[Compensator(MODEL) for _ in range(2)]).run(0.5)
     assert (result.cycles, result.skipped, result.trip) == (500, 0, None)
     assert joints.events == ["enable", "stop"]
     assert np.diff(result.log.time) == pytest.approx(np.full(499, 1e-3))
@@ -108,7 +109,7 @@ def test_runs_every_cycle_then_stops() -> None:
 
 def test_command_is_controller_plus_compensation() -> None:
     joints = IdealJoints()
-    log = make_loop(joints, compensators=[Compensator(MODEL)] * 2).run(0.3).log
+    log = make_loop(joints, compensators=[Compensator(MODEL) for _ in range(2)]).run(0.3).log
     plain = make_loop(IdealJoints()).run(0.3).log
     difference = log.signal("torque_command") - plain.signal("torque_command")
     assert difference == pytest.approx(log.signal("compensation"))
@@ -278,7 +279,7 @@ def test_a_duration_that_never_ends_is_refused_before_anything_is_energised(dura
     joints = IdealJoints()
     with pytest.raises(ParameterError, match="duration of a run"):
         make_loop(joints).run(duration)
-    assert joints.events == []
+    assert joints.events == ["stop"]
 
 
 @pytest.mark.parametrize("when", ["before", "while configuring"])
@@ -311,10 +312,8 @@ def test_a_second_run_is_told_of_itself_alone() -> None:
                 feedback.velocity[:] = [float("nan")] * 2
 
     joints = IdealJoints()
-    controller = OnceBroken.from_bandwidth([0.05] * 2, 2.0)
-    loop = ControlLoop(
-        joints, SineReference([0.1] * 2, 1.0, [0.0] * 2), controller, compensators=[Compensator(MODEL)] * 2
-    )
+    controller, reference = OnceBroken.from_bandwidth([0.05] * 2, 2.0), SineReference([0.1] * 2, 1.0, [0.0] * 2)
+    loop = ControlLoop(joints, reference, controller, compensators=[Compensator(MODEL) for _ in range(2)])
     first = loop.run(0.1)
     assert first.skipped > 0
     assert first.rejected > 0
@@ -326,7 +325,7 @@ def test_a_second_run_is_told_of_itself_alone() -> None:
 
 def test_the_log_holds_what_the_gate_let_through() -> None:
     joints = IdealJoints(limit=0.05)
-    log = make_loop(joints, compensators=[Compensator(MODEL)] * 2).run(0.3).log
+    log = make_loop(joints, compensators=[Compensator(MODEL) for _ in range(2)]).run(0.3).log
     assert log.signal("torque_command").tolist() == joints.written
     assert np.max(np.abs(log.signal("torque_command"))) <= 0.05 < np.max(np.abs(log.signal("compensation")))
 
@@ -336,7 +335,7 @@ def test_drives_without_feed_forward_are_not_compensated_in_their_own_loop() -> 
     joints.capabilities = replace(joints.capabilities, feed_forward=False)
     reference = SineReference([0.1] * 2, 1.0, [0.0] * 2)
     with pytest.raises(ParameterError, match="take no torque in position mode"):
-        ControlLoop(joints, reference, None, compensators=[Compensator(MODEL)] * 2, mode="position")
+        ControlLoop(joints, reference, None, compensators=[Compensator(MODEL) for _ in range(2)], mode="position")
 
 
 def test_stop_ends_the_loop() -> None:
@@ -346,10 +345,19 @@ def test_stop_ends_the_loop() -> None:
     assert loop.run(5.0).cycles == 11
 
 
+def test_a_loop_ends_at_rest_with_the_main_thread(monkeypatch: pytest.MonkeyPatch) -> None:
+    joints = IdealJoints()
+    monkeypatch.setattr(threading.main_thread(), "is_alive", lambda: len(joints.written) < 20)
+    result = make_loop(joints).run(1.0)
+    assert result.cycles == 20
+    assert str(result.trip) == "stop: the main thread has ended"
+    assert joints.events[-1] == "stop"
+
+
 def test_drive_with_its_own_loop_gets_reference_and_feed_forward() -> None:
     joints = IdealJoints()
     reference = SineReference([0.1] * 2, 1.0, [0.0] * 2)
-    loop = ControlLoop(joints, reference, None, compensators=[Compensator(MODEL)] * 2, mode="position")
+    loop = ControlLoop(joints, reference, None, compensators=[Compensator(MODEL) for _ in range(2)], mode="position")
     log = loop.run(0.2).log
     assert log.signal("torque_command") == pytest.approx(log.signal("compensation"))
 
@@ -359,12 +367,75 @@ def test_drive_with_its_own_loop_gets_reference_and_feed_forward() -> None:
     [
         ({"compensators": [Compensator(MODEL)]}, "1 compensators given for 2 joints"),
         ({"mode": "position"}, "takes no controller"),
-        ({"compensators": [Compensator(FrictionModel(MODEL.law, torque_unit="A"))] * 2}, "in A"),
+        ({"compensators": [Compensator(FrictionModel(MODEL.law, torque_unit="A")) for _ in range(2)]}, "in A"),
+        (
+            {"compensators": [Compensator(replace(MODEL, motion="linear", torque_unit="N·m")) for _ in range(2)]},
+            "of a linear joint",
+        ),
+        ({"compensators": [Compensator(MODEL, period=5e-3) for _ in range(2)]}, "a period of 0.005 s"),
+        ({"compensators": [Compensator(MODEL)] * 2}, "make one for each"),
     ],
 )
 def test_parts_that_do_not_fit_are_refused(given: dict[str, Any], match: str) -> None:
     with pytest.raises(ParameterError, match=match):
         make_loop(IdealJoints(), **given)
+
+
+@pytest.mark.parametrize(
+    ("reference", "controller"),
+    [
+        (SineReference([0.1], 1.0, [0.0]), PositionController.from_bandwidth([0.05] * 2, 2.0)),
+        (SineReference([0.1] * 2, 1.0, [0.0] * 2), PositionController.from_bandwidth([0.05] * 3, 2.0)),
+    ],
+)
+def test_a_reference_or_a_controller_of_another_number_of_joints_is_refused(
+    reference: SineReference, controller: PositionController
+) -> None:
+    with pytest.raises(ParameterError, match=r"of (1|3) joints given for 2"):
+        ControlLoop(IdealJoints(), reference, controller)
+
+
+class FirstJointOnly:
+    """Leaves out all joints but the first, as reference and as controller."""
+
+    def sample(self, time: float, state: ReferenceState) -> None:
+        state.position[0] = state.velocity[0] = 0.0
+
+    def torque_into(self, out: list[float], feedback: JointFeedback, reference: ReferenceState) -> None:
+        out[0] = 0.1
+
+
+class OneTooMany:
+    def torque_into(self, out: list[float], feedback: JointFeedback, reference: ReferenceState) -> None:
+        out[:] = [0.1] * 3
+
+
+@pytest.mark.parametrize(
+    ("reference", "controller", "reason"),
+    [
+        (FirstJointOnly(), PositionController.from_bandwidth([0.05] * 2, 2.0), "not_finite"),
+        (SineReference([0.1] * 2, 1.0, [0.0] * 2), FirstJointOnly(), "not_finite"),
+        (SineReference([0.1] * 2, 1.0, [0.0] * 2), OneTooMany(), "wrong_joint_count"),
+    ],
+)
+def test_a_joint_that_reference_or_controller_leave_out_or_add_stops_all(
+    reference: Reference, controller: Controller, reason: str
+) -> None:
+    joints = IdealJoints()
+    result = ControlLoop(joints, reference, controller).run(0.1)
+    assert joints.written == []
+    assert result.trip is not None
+    assert result.trip.reason == reason
+
+
+@pytest.mark.parametrize("bad", [-0.1, 0.0, math.nan, math.inf])
+def test_gains_of_a_controller_are_not_negative_and_finite(bad: float) -> None:
+    with pytest.raises(ParameterError, match="finite and positive"):
+        PositionController.from_bandwidth([0.1, bad], 5.0)
+    with pytest.raises(ParameterError, match="position controller"):
+        PositionController([1.0], [-0.1 if bad == 0.0 else bad], [0.1])
+    with pytest.raises(ParameterError, match="position controller"):
+        PositionController([1.0, 1.0], [0.1], [0.1])
 
 
 def test_log_keeps_the_newest_rows_in_order() -> None:
@@ -385,21 +456,3 @@ def test_log_becomes_a_recording() -> None:
     assert recording.metadata.torque_kind == "measured"
     assert recording.torque == pytest.approx(np.full(200, 0.1))
     assert recording.velocity_reference is not None
-
-
-@pytest.fixture
-def restored() -> Iterator[None]:
-    import gc
-
-    yield
-    gc.enable()
-
-
-@pytest.mark.usefixtures("restored")
-def test_what_the_system_refuses_is_said_and_all_is_put_back() -> None:
-    import gc
-
-    with real_time(RealTimeOptions(core=10_000)) as report:
-        assert not gc.isenabled()
-        assert any("core 10000" in refused for refused in report.refused)
-    assert gc.isenabled()

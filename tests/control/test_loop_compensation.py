@@ -117,7 +117,7 @@ def test_loop_asks_a_controller_that_knows_the_load() -> None:
 
 def test_adaptation_is_off_unless_asked_for_and_needs_the_rigid_body() -> None:
     joints, reference = IdealJoints(), SineReference([0.1] * 2, 1.0, [0.0] * 2)
-    plain = ControlLoop(joints, reference, Carrier(), compensators=[Compensator(PLAIN)] * 2)
+    plain = ControlLoop(joints, reference, Carrier(), compensators=[Compensator(PLAIN) for _ in range(2)])
     assert plain.compensation.adaptations == ()
     with pytest.raises(ParameterError, match="rigid body"):
         LoopCompensation([Compensator(PLAIN)], 1, 1e-3, adaptation=AdaptationSettings())

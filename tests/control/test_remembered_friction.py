@@ -57,7 +57,9 @@ def test_compensation_of_a_reference_is_the_law(name: str) -> None:
         state = model.law.rest_state()
         for velocity in draw_velocity(2000):
             expected, state = model.law.advance(state, OperatingPoint(velocity), 2e-3)
-            assert compensator.torque(velocity) == pytest.approx(float(expected), rel=1e-9, abs=1e-12)
+            torque = compensator.torque(velocity)
+            if velocity or "lagged" not in name:  # while a lag still drags, rest is half way between both directions
+                assert torque == pytest.approx(float(expected), rel=1e-9, abs=1e-12)
         compensator.reset()
 
 
@@ -73,8 +75,9 @@ def test_any_finite_input_gives_a_torque_within_the_authority(name: str, source:
         assert abs(torque) <= compensator.settings.authority
     fresh = Compensator(model, source=source)
     for _ in range(300):  # what was far off is forgotten in some lags and rests
-        after, expected = (c.torque(0.5, 0.5, 0.0, position=0.1) for c in (compensator, fresh))
+        after, expected = (c.torque(0.5, 0.5, 0.0, position=0.1, acceleration=0.0) for c in (compensator, fresh))
     assert after == pytest.approx(expected, rel=1e-6)
+    assert expected > 0.1
 
 
 def test_a_joint_at_rest_gets_nothing_however_long_it_rests() -> None:
@@ -104,6 +107,27 @@ def test_authority_holds_what_rests_and_an_uneven_gear_may_ask_for() -> None:
     points = [(v, a) for v in (0.0, 1.0) for a in (0.0, *settings.acceleration_range)]
     worst = max(float(np.max(np.abs(law.torque(v, position=position, acceleration=a)))) for v, a in points)
     assert worst <= settings.authority - plain <= 2.0 * worst
+
+
+@pytest.mark.parametrize("term", [LuGre, LaggedLuGre])
+def test_under_a_load_beyond_all_bending_the_direction_changes_without_a_jump(term: type[LuGre]) -> None:
+    late = {"lag": 8e-3} if term is LaggedLuGre else {}
+    law = term(FORWARD, REVERSE, 6000.0, 1.0, load=LoadScaling(1.0, 0.01), **late)
+    compensator = Compensator(make_model(law))
+    assert [compensator.torque(v, load=20.0) for v in (0.0, 1e-12, -1e-12)] == pytest.approx([0.0] * 3, abs=1e-6)
+    assert compensator.torque(0.3, load=20.0) == compensator.settings.authority
+
+
+@pytest.mark.parametrize("name", ["lagged", "lagged bristle"])
+def test_a_lag_makes_no_jump_of_viscous_friction_where_the_reference_changes_its_sign(name: str) -> None:
+    torques = []
+    for sign in (1.0, -1.0):
+        compensator = Compensator(make_model(*LAWS[name]), source="reference", gain=1.0)
+        for _ in range(200):
+            compensator.torque(1.0)
+        torques.append(compensator.torque(sign * 1e-12))
+    assert torques[0] == pytest.approx(torques[1], abs=1e-6)
+    assert torques[0] > 0.01
 
 
 @pytest.mark.parametrize("wrong", [1e3, 1e200, 1e308])
