@@ -43,6 +43,7 @@ class JointAdapter(StoppableDriver):
         self._asked_ns = 0  # when the drives were last asked for their state: every write asks
         self._capabilities: Capabilities | None = None
         self._mode: CommandMode = "torque"
+        self._half_configured = False  # the last configuration failed: drives and gate may be of different ones
         self._close_failure = ""
 
     # -- what users call --------------------------------------------------------------------------------
@@ -58,7 +59,7 @@ class JointAdapter(StoppableDriver):
         """
         if self._capabilities is not None:
             raise AdapterError("the adapter is open already: close() it first")
-        self._gate, self._close_failure = None, ""
+        self._gate, self._half_configured, self._close_failure = None, False, ""
         self._released_stop = self._asked_stop  # of an earlier session; one that comes from here on holds
         self._checked_options = self.options
         try:
@@ -107,7 +108,7 @@ class JointAdapter(StoppableDriver):
             if self._gate is not None and self._gate.tripped:
                 raise AdapterError(f"the gate has tripped ({self._gate.trip_record}): call clear_faults() first")
             try:
-                self._checked_options = wanted
+                self._checked_options, self._half_configured = wanted, True
                 self._configure(mode, period)
                 watchdog = self._confirmed_watchdog() or self.capabilities.watchdog
                 check_watchdog(watchdog, period)
@@ -115,7 +116,7 @@ class JointAdapter(StoppableDriver):
                 self._checked_options = before  # with the gate that there is
                 raise_own(error)
             self._capabilities = replace(self.capabilities, watchdog=watchdog)
-            self._mode = mode
+            self._mode, self._half_configured = mode, False
             self._references = ReferenceLimiter(wanted.limits, period)
             self._gate = SafetyGate(
                 wanted.limits,
@@ -131,7 +132,8 @@ class JointAdapter(StoppableDriver):
         """Energise at zero torque; from here on torque ramps up to its limits.
 
         Raises:
-            AdapterError: Not configured, enabled already, or the drive has no confirmed watchdog and none was waived.
+            AdapterError: Not configured to the end, enabled already, or the drive has no confirmed watchdog and none
+                was waived.
             SafetyTrip: The gate has latched: call `clear_faults` first.
             DriveFault: The drive reports a fault.
         """
@@ -144,6 +146,8 @@ class JointAdapter(StoppableDriver):
         with self._lock:
             if self._enabled:
                 raise AdapterError("the joints are enabled already")
+            if self._half_configured:
+                raise AdapterError("the drives were not configured to the end: configure() them again")
             self._latch()
             try:
                 self._lock_owner, self._enabling = threading.get_ident(), True  # from here on a stop latches the gate

@@ -183,7 +183,7 @@ class CanOpenAdapter(CanAdapter):
     # -- moving -------------------------------------------------------------------------------------------
 
     def _enable(self) -> None:
-        if not self._configured or self._mode != self._mode_in_use:
+        if not self._configured:  # clearing faults did not end
             raise AdapterError("the drives were not configured to the end: configure() them again")
         self._pump()  # what has come while nobody read
         for drive in self._drives:

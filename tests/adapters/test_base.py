@@ -15,6 +15,7 @@ from fricomp.errors import (
     AdapterConfigurationError,
     AdapterConnectionError,
     AdapterError,
+    AdapterTimeout,
     DriveFault,
     FricompError,
     SafetyTrip,
@@ -522,6 +523,22 @@ def test_a_stop_from_another_thread_is_not_forgotten_whatever_the_adapter_was_do
     adapter.clear_faults()
     adapter.configure("torque", PERIOD)
     adapter.enable()
+
+
+def test_after_a_configuration_that_failed_nothing_is_enabled_until_one_ends() -> None:
+    adapter = FakeAdapter()
+    adapter.open()
+    adapter.configure("torque", 1e-3)
+    adapter.fail["configure"] = AdapterTimeout("no answer")
+    with pytest.raises(AdapterTimeout):
+        adapter.configure("velocity", 1e-3)
+    with pytest.raises(AdapterError, match="not configured to the end"):
+        adapter.enable()
+    assert "enable" not in adapter.log
+    del adapter.fail["configure"]
+    adapter.configure("velocity", 1e-3)
+    adapter.enable()
+    assert adapter.enabled
 
 
 def test_a_stop_before_configuring_is_not_forgotten() -> None:

@@ -173,9 +173,10 @@ def test_drives_that_were_not_configured_to_the_end_are_not_enabled(rig: CanOpen
     rig.drives[1].set_data(0x6072, 0, b"\xff\x0f")
     with pytest.raises(AdapterError, match="velocity mode is refused"):
         rig.adapter.configure("velocity", rig.period)
-    with pytest.raises(AdapterError, match="configure"):
-        rig.adapter.enable()
     rig.adapter.clear_faults()
+    with pytest.raises(AdapterError, match="not configured to the end"):
+        rig.adapter.enable()
+    rig.adapter.configure("torque", rig.period)
     rig.adapter.enable()
     rig.clock.advance(rig.period)
     assert run(rig, 3, torque=1.0)
