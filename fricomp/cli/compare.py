@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from fricomp.model import FrictionModel
 
 app = typer.Typer(add_completion=False)
 
@@ -27,13 +30,18 @@ def compare(
 
     before, after = load_model(old), load_model(new)
     result = compare_models(before, after, significance)
-    table = Table("parameter", "old", "new", "change", "± sd", "p", "unit")
+    table = Table()
+    for heading in ("parameter", "old", "new", "change", "± sd", "p", "unit"):
+        table.add_column(heading, overflow="fold")
     for change in result.changes:
         style = "bold" if change.p_value < significance else ""
         share = f"{change.difference / change.old:+.1%}" if change.old else "–"
         numbers = (f"{change.old:.5g}", f"{change.new:.5g}", share, f"{change.standard_deviation:.2g}")
-        table.add_row(change.name, *numbers, f"{change.p_value:.2g}", change.unit, style=style)
+        short = change.name.removeprefix("stribeck.")
+        table.add_row(short, *numbers, f"{change.p_value:.2g}", change.unit, style=style)
     out = console()
+    for doubt in _find_doubts(before, after):
+        out.print(f"Careful: {doubt}.", style="yellow")
     out.print(table)
     if result.normal_load is not None:
         unknown = [name for name, known in zip(("old", "new"), result.load_known, strict=True) if not known]
@@ -50,3 +58,14 @@ def compare(
         return
     names = ", ".join(change.name for change in result.significant) or "no single parameter stands out"
     out.print(f"The joint has changed (p = {result.p_value:.2g}): {names}. The curves differ most by {where}.")
+
+
+def _find_doubts(before: FrictionModel, after: FrictionModel) -> list[str]:
+    """Why the answer may mislead: a model that is not usable, or two joints."""
+    from fricomp.control import find_doubt
+
+    found = [(name, find_doubt(model)) for name, model in (("old", before), ("new", after))]
+    doubts = [f"the {name} model is not usable ({doubt.rstrip('.')})" for name, doubt in found if doubt is not None]
+    if before.joint != after.joint:
+        doubts.append(f"the old model is of joint {before.joint!r}, the new one of {after.joint!r}")
+    return doubts

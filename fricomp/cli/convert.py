@@ -44,10 +44,10 @@ def convert(
 
     if rate is not None and not 0.0 < rate < float("inf"):
         raise RecordingError(f"--rate is {rate:g}: give samples a second above 0 [Hz], or leave it out")
-    read, of_file = _read(source, mapping, rate, skip_bad_rows=skip_bad_rows)
-    found = _select(read, only or [])
-    findings = {named.name: of_file + check_recording(named.recording) for named in found}
+    found = _select(_read(source, mapping, rate, skip_bad_rows=skip_bad_rows), only or [])
     targets = {named.name: _target(out, named.name, alone=len(found) == 1) for named in found}
+    _refuse_overwriting([targets[named.name] for named in found], source, mapping)
+    findings = {named.name: _add(named.findings, check_recording(named.recording)) for named in found}
     if not force:
         for name, noticed in findings.items():
             raise_errors(noticed, f"{source}, {name}")
@@ -56,15 +56,13 @@ def convert(
     _show(found, findings, targets)
 
 
-def _read(
-    source: Path, mapping: str, rate: float | None, *, skip_bad_rows: bool
-) -> tuple[list[NamedRecording], tuple[Finding, ...]]:
-    """The recordings, and what was wrong with a native file itself."""
-    from fricomp.recording import NamedRecording, convert, resample
+def _read(source: Path, mapping: str, rate: float | None, *, skip_bad_rows: bool) -> list[NamedRecording]:
+    from fricomp.recording import NamedRecording, convert
     from fricomp.recording.file import read_content
+    from fricomp.recording.resampling import resample_checked
 
     if mapping:
-        return list(convert(source, _adjust(mapping, rate, skip_bad_rows=skip_bad_rows))), ()
+        return list(convert(source, _adjust(mapping, rate, skip_bad_rows=skip_bad_rows)))
     try:
         recording, findings = read_content(source, skip_bad_rows=skip_bad_rows)
     except RecordingError as error:
@@ -72,7 +70,10 @@ def _read(
 
         known = ", ".join(list_mappings())
         raise RecordingError(f"{error}; without --mapping only native recordings are read (known: {known})") from error
-    return [NamedRecording(source.stem, recording if rate is None else resample(recording, rate))], findings
+    if rate is not None:
+        recording, before = resample_checked(recording, rate)
+        findings += before
+    return [NamedRecording(source.stem, recording, findings)]
 
 
 def _adjust(name: str, rate: float | None, *, skip_bad_rows: bool) -> Mapping:
@@ -98,6 +99,25 @@ def _select(found: list[NamedRecording], only: list[str]) -> list[NamedRecording
             valid = ", ".join(named.name for named in found)
             raise RecordingError(f"the source has no recording or joint {wanted!r}: valid are {valid}")
     return [named for named, known in zip(found, names, strict=True) if known & set(only)]
+
+
+def _refuse_overwriting(targets: list[Path], source: Path, mapping: str) -> None:
+    """Refuse to write over what was read, or one recording over another."""
+    places = [target.resolve() for target in targets]
+    for target, place in zip(targets, places, strict=True):
+        if place in (source.resolve(), Path(mapping).resolve()):
+            raise RecordingError(f"{target} was read, and would be written over: choose another --out")
+        if places.count(place) > 1:
+            raise RecordingError(
+                f"{places.count(place)} recordings would be {target}: choose one by --only, or give the joints names "
+                "of their own in the mapping"
+            )
+
+
+def _add(before: tuple[Finding, ...], now: tuple[Finding, ...]) -> tuple[Finding, ...]:
+    """Findings of the source and of what was made of it, each once."""
+    told = {(finding.code, finding.column) for finding in before}
+    return before + tuple(finding for finding in now if (finding.code, finding.column) not in told)
 
 
 def _target(out: Path, name: str, *, alone: bool) -> Path:

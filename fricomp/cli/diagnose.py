@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from fricomp.cli.fleet import FleetRun, rich_table, run_joints
+from fricomp.cli.fleet import FleetRun, rich_table, run_joints, show_fleet
 from fricomp.cli.missing import REPORT, require
 
 if TYPE_CHECKING:
@@ -275,7 +275,7 @@ def _diagnose_fleet(
     """Every joint into a folder of its own, and a page on all of them."""
     from functools import partial
 
-    from fricomp.cli.terminal import console
+    from fricomp.cli.diagnosis_folder import check_folder
     from fricomp.sim_bench.diagnosis_report import fleet_table, write_fleet
     from fricomp.sim_bench.fleet import FleetJoint, list_joints
 
@@ -283,14 +283,29 @@ def _diagnose_fleet(
     defaults = FleetJoint("", (), options["simulation"], options["joint"], given["friction"])
     joints = list_joints(sources, defaults)
     work = partial(_diagnose_one, options=options, given=given)
-    settings = {name: str(value) for name, value in {**options, **given}.items()}
-    rows = run_joints(joints, work, out, run, settings | {"command": "diagnose"}, "diagnosing joints")
-    show, page = console(), write_fleet(rows, out)
-    for row in rows:
-        for warning in (row.get("warnings") or "").splitlines():
-            show.print(f"{row['name']}: {warning}", style="yellow", markup=False)
-    show.print(rich_table(fleet_table(rows)))
-    show.print(f"\nThe whole fleet: {page}; as a table: {out / 'fleet.parquet'}", soft_wrap=True, markup=False)
+
+    def check(joint: FleetJoint, folder: Path) -> None:
+        inputs = (joint.simulation, joint.friction, given["simulated"], given["controller"])
+        check_folder(folder, (*joint.recordings, *(path for path in inputs if path is not None)))
+
+    settings = _fleet_settings(options, given) | {"command": "diagnose"}
+    rows = run_joints(joints, work, out, run, settings, "diagnosing joints", check=check)
+    show_fleet(rows, fleet_table(rows), write_fleet(rows, out))
+
+
+def _fleet_settings(options: dict[str, Any], given: dict[str, Path | None]) -> dict[str, str]:
+    """What the rows of a fleet depend on: options, whole paths, and the content of the files that all joints share.
+
+    The content of a simulation or a friction model is kept with the row of each joint.
+    """
+    from hashlib import sha256
+
+    settings = {}
+    for name, value in {**options, **given}.items():
+        settings[name] = str(value.absolute() if isinstance(value, Path) else value)
+        if name in ("simulated", "controller") and value is not None:
+            settings[name] += f", sha256 {sha256(value.read_bytes()).hexdigest()}"
+    return settings
 
 
 def _diagnose_one(joint: FleetJoint, out: Path, *, options: dict[str, Any], given: dict[str, Path | None]) -> FleetRow:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from fricomp.report import Table
     from fricomp.sim_bench.fleet import FleetJoint, FleetRow, Work
 
-__all__ = ["FleetRun", "rich_table", "run_joints"]
+__all__ = ["FleetRun", "rich_table", "run_joints", "show_fleet"]
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,14 @@ class FleetRun:
 
 
 def run_joints(
-    joints: Sequence[FleetJoint], work: Work, out: Path, run: FleetRun, settings: Mapping[str, Any], title: str
+    joints: Sequence[FleetJoint],
+    work: Work,
+    out: Path,
+    run: FleetRun,
+    settings: Mapping[str, Any],
+    title: str,
+    *,
+    check: Callable[[FleetJoint, Path], None] = lambda joint, folder: None,
 ) -> list[FleetRow]:
     """Do all joints under one progress bar; rows in the order of the joints."""
     from fricomp.cli.terminal import progress, resumable
@@ -36,7 +43,20 @@ def run_joints(
         def say(row: FleetRow | None) -> None:
             bar.update(task, advance=1, description=f"{title}: {row['name']}" if row else title)
 
-        return run_fleet(joints, work, out, pool, settings=settings, resume=run.resume, progress=say)
+        return run_fleet(joints, work, out, pool, settings=settings, resume=run.resume, progress=say, check=check)
+
+
+def show_fleet(rows: Sequence[FleetRow], table: Table, page: Path) -> None:
+    """Print what the joints are warned of, their table, and where the page on all of them is."""
+    from fricomp.cli.terminal import console
+
+    show = console()
+    for row in rows:
+        for warning in (row.get("warnings") or "").splitlines():
+            show.print(f"{row['name']}: {warning}", style="yellow", markup=False)
+    show.print(rich_table(table))
+    table_file = page.with_name("fleet.parquet")
+    show.print(f"\nThe whole fleet: {page}; as a table: {table_file}", soft_wrap=True, markup=False)
 
 
 def rich_table(table: Table) -> Any:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from fricomp.cli.fleet import FleetRun, rich_table, run_joints
+from fricomp.cli.fleet import FleetRun, run_joints, show_fleet
 from fricomp.cli.missing import REPORT, require
 
 if TYPE_CHECKING:
@@ -79,8 +79,8 @@ def identify(
     """Identify friction; with a recording, inertia, gravity and offset first."""
     from fricomp.control import find_doubt_in_status
 
-    _refuse_dynamic_law(law)
     require(*REPORT, "onnx")
+    _refuse_unknown(law, noise)
     settings = _Settings(method, noise, loss, law, gravity, seed, depart)
     if batch:
         _identify_batch(files, out, settings, device, resume=resume)
@@ -183,7 +183,8 @@ def _identify_one(joint: FleetJoint, out: Path, *, settings: _Settings) -> Fleet
     written = save_identification(found.result, out)
     if found.free is not None and found.free.departs:
         save_discrepancy(found.free, found.result, out, written.model_sha256)
-    return identification_row(found.result)
+    warnings = [note for note in found.notes if note.startswith("Careful: ")]
+    return identification_row(found.result) | {"warnings": "\n".join(warnings)}
 
 
 def _identify_batch(files: Sequence[str], out: Path, settings: _Settings, device: str, *, resume: bool) -> None:
@@ -200,22 +201,24 @@ def _identify_batch(files: Sequence[str], out: Path, settings: _Settings, device
 
 
 def _show_fleet(rows: Sequence[FleetRow], out: Path) -> None:
-    from fricomp.cli.terminal import console
     from fricomp.sim_bench.fleet.identification import identification_table, write_identification_fleet
 
-    page, screen = write_identification_fleet(rows, out), console()
-    screen.print(rich_table(identification_table(rows)))
-    screen.print(f"The whole fleet: {page}; as a table: {out / 'fleet.parquet'}", soft_wrap=True, markup=False)
+    show_fleet(rows, identification_table(rows), write_identification_fleet(rows, out))
 
 
-def _refuse_dynamic_law(law: str) -> None:
-    """Laws with a state need the friction torque over time, which this command does not take."""
+def _refuse_unknown(law: str, noise: str) -> None:
+    """Refuse laws and noise models that no file can be identified with, before a fleet is begun with them.
+
+    Laws with a state need the friction torque over time, which this command does not take.
+    """
+    from fricomp.calibration.identification.form import separable_law_names
+    from fricomp.calibration.identification.identify import require_choice
     from fricomp.errors import IdentificationError
 
+    require_choice("noise", noise, ("auto", "relative", "absolute"))
     if law not in ("lugre", "dahl"):
+        require_choice("law", law, ("auto", *separable_law_names()))
         return
-    from fricomp.calibration.identification.form import separable_law_names
-
     raise IdentificationError(
         f"--law {law} has a bristle state, which this command does not identify; it knows "
         f"{', '.join(separable_law_names())}. In Python, fricomp.calibration.identify takes time, velocity and "

@@ -7,13 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.errors import RecordingError
+from fricomp.recording.finding import Finding
 from fricomp.recording.mapping import ChannelRule, Column, FileRule, JointRule, Mapping
 from fricomp.recording.metadata import RecordingMetadata, metadata_from_fields
 from fricomp.recording.recording import CHANNELS, Recording
-from fricomp.recording.resampling import resample
+from fricomp.recording.resampling import resample_checked
 from fricomp.recording.sources import Columns, find_column, read_columns
 from fricomp.recording.unit import find_unit
-from fricomp.recording.validity import find_usable_rows
+from fricomp.recording.validity import find_usable_rows, tell_bad_rows
 
 Samples = NDArray[np.float64]
 
@@ -31,10 +32,18 @@ _SI = {
 
 @dataclass(frozen=True)
 class NamedRecording:
-    """A recording and its name in the set it comes from: "file", "joint" or "file/joint"."""
+    """A recording and its name in the set it comes from: "file", "joint" or "file/joint".
+
+    Attributes:
+        name: That name.
+        recording: The recording.
+        findings: Of its source, which the recording does not show any more: rows that were left out, and what the
+            checks found before it was resampled.
+    """
 
     name: str
     recording: Recording
+    findings: tuple[Finding, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -48,10 +57,10 @@ class _Plan:
     channels: dict[str, ChannelRule]
     metadata: RecordingMetadata
 
-    def key(self, column: Column, step: int = 0) -> str:
-        """Name of a source column for this joint."""
+    def key(self, column: Column, step: int = 0) -> Column:
+        """Name or number of a source column for this joint."""
         if isinstance(column, int):
-            return str(column + step * self.joint_number)
+            return column + step * self.joint_number
         return column.replace("{joint}", self.joint.source or self.joint.name)
 
 
@@ -72,7 +81,7 @@ def convert(path: str | Path, mapping: Mapping) -> tuple[NamedRecording, ...]:
     keys = dict.fromkeys(key for plan in plans for key in _wanted_keys(plan))
     source = plans[0].file.source or mapping.source
     columns = read_columns(path, source, keys, skip_bad_rows=mapping.skip_bad_rows)
-    return tuple(NamedRecording(plan.name, _build(plan, columns, mapping, path)) for plan in plans)
+    return tuple(_build(plan, columns, mapping, path) for plan in plans)
 
 
 def _plan(mapping: Mapping, path: Path) -> list[_Plan]:
@@ -92,7 +101,8 @@ def _plan_file(mapping: Mapping, file: FileRule) -> list[_Plan]:
     for number, joint in chosen:
         parts = [file.name] if len(chosen) == 1 and file.name else [file.name, joint.name]
         fields = {"joint": joint.name or "joint", **mapping.metadata, **joint.metadata, **file.metadata}
-        extras = [level.get("extra", {}) for level in (mapping.metadata, joint.metadata, file.metadata)]
+        levels = (mapping.metadata, joint.metadata, file.metadata)
+        extras = [metadata_from_fields({"extra": level.get("extra", {})}).extra for level in levels]
         merged = {**fields, "extra": {name: value for extra in extras for name, value in extra.items()}}
         channels = {**mapping.channels, **joint.channels, **file.channels}
         name = "/".join(part for part in parts if part) or "recording"
@@ -100,20 +110,19 @@ def _plan_file(mapping: Mapping, file: FileRule) -> list[_Plan]:
     return plans
 
 
-def _wanted_keys(plan: _Plan) -> list[str]:
+def _wanted_keys(plan: _Plan) -> list[Column]:
     keys = [plan.key(rule.column, rule.joint_step) for rule in plan.channels.values() if rule.column is not None]
     keys += [plan.key(rule.times) for rule in plan.channels.values() if rule.times is not None]
     return keys + ([plan.key(plan.file.where.column)] if plan.file.where else [])
 
 
-def _build(plan: _Plan, columns: Columns, mapping: Mapping, path: Path) -> Recording:
+def _build(plan: _Plan, columns: Columns, mapping: Mapping, path: Path) -> NamedRecording:
     rows = _select_rows(plan, columns, path)
-    channels: dict[str, Samples] = {}
-    for name in _in_order(plan.channels):
-        channels[name] = _fill(name, plan, columns, rows, channels)
+    findings: tuple[Finding, ...] = ()
     if mapping.skip_bad_rows:
-        keep = find_usable_rows(channels)
-        channels = {name: values[keep] for name, values in channels.items()}
+        keep = _find_usable(plan, columns, rows)
+        rows, findings = rows[keep], tell_bad_rows(keep)
+    channels = _fill_all(plan, columns, rows)
     for name, rule in plan.channels.items():
         if rule.from_zero:
             channels[name] = channels[name] - channels[name][:1]
@@ -121,7 +130,28 @@ def _build(plan: _Plan, columns: Columns, mapping: Mapping, path: Path) -> Recor
         recording = Recording.from_channels(channels, plan.metadata)
     except RecordingError as error:
         raise RecordingError(f"{path}, {plan.name}: {error}") from error
-    return recording if mapping.resample_rate is None else resample(recording, mapping.resample_rate)
+    if mapping.resample_rate is None:
+        return NamedRecording(plan.name, recording, findings)
+    recording, before = resample_checked(recording, mapping.resample_rate)
+    return NamedRecording(plan.name, recording, findings + before)
+
+
+def _find_usable(plan: _Plan, columns: Columns, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Which rows have a number in every column and a time that goes on. Shape (n_rows,).
+
+    Asked of the source, because one bad sample spoils all that follow it in a sum or an unwrapped angle.
+    """
+    keep = np.all([np.isfinite(_take(find_column(columns, key), rows)) for key in _wanted_keys(plan)], axis=0)
+    time = _fill_all(plan, columns, rows[keep])["time"]
+    keep[keep] = find_usable_rows({"time": time})
+    return np.asarray(keep)
+
+
+def _fill_all(plan: _Plan, columns: Columns, rows: NDArray[np.intp]) -> dict[str, Samples]:
+    channels: dict[str, Samples] = {}
+    for name in _in_order(plan.channels):
+        channels[name] = _fill(name, plan, columns, rows, channels)
+    return channels
 
 
 def _select_rows(plan: _Plan, columns: Columns, path: Path) -> NDArray[np.intp]:

@@ -214,4 +214,4 @@ def _is_number(cell: str) -> bool:
         float(cell)
     except ValueError:
         return False
-    return True
+    return "_" not in cell  # as in 1_0, which is a number in Python and in no log

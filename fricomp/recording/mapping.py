@@ -18,15 +18,17 @@ the whole mapping says.
 """
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import msgspec
+from msgspec import Meta
 
 from fricomp.errors import RecordingError
 from fricomp.recording.recording import CHANNELS, REQUIRED_CHANNELS
 
 Format = Literal["text", "mat", "npz", "npy", "json", "binary", "mcap", "rosbag2"]
-Column = int | str
+Column = Annotated[int, Meta(ge=1)] | str
+_Positive = Annotated[float, Meta(gt=0.0)]
 _FOLDER = Path(__file__).parent / "mappings"
 
 
@@ -54,9 +56,9 @@ class Source(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     format: Format | None = None
     delimiter: str = ","
     header: bool = False
-    skip_lines: int = 0
+    skip_lines: Annotated[int, Meta(ge=0)] = 0
     dtype: str = "<f8"
-    columns: int = 1
+    columns: Annotated[int, Meta(ge=1)] = 1
     records: str = ""
     topic: str = ""
 
@@ -65,7 +67,7 @@ class ChannelRule(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Where a channel comes from. Worked through in the order of the attributes, `from_zero` last.
 
     Attributes:
-        column: Number counted from 1, name, or path with dots; `name:3` is the third column
+        column: Number counted from 1 (an integer), name, or path with dots (text); `name:3` is the third column
             of a matrix; `{joint}` stands for the joint's name in the source.
         joint_step: Columns from one joint to the next, for a numbered column.
         constant: The same value in every row.
@@ -85,16 +87,16 @@ class ChannelRule(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     column: Column | None = None
     joint_step: int = 0
     constant: float | None = None
-    rate: float | None = None
+    rate: _Positive | None = None
     integral_of: str | None = None
-    signed_bits: int | None = None
+    signed_bits: Annotated[int, Meta(ge=1, le=64)] | None = None
     times: Column | None = None
     unit: str | None = None
     scale: float = 1.0
     sign: Literal[1, -1] = 1
     offset: float = 0.0
     from_zero: bool = False
-    unwrap: float | None = None
+    unwrap: _Positive | None = None
     plus: str | None = None
 
     def __post_init__(self) -> None:
@@ -164,7 +166,7 @@ class Mapping(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     joints: tuple[JointRule, ...] = ()
     rows: tuple[int, int] | None = None
     skip_bad_rows: bool = False
-    resample_rate: float | None = None
+    resample_rate: _Positive | None = None
 
 
 def list_mappings() -> tuple[str, ...]:
@@ -190,7 +192,7 @@ def _read_mapping(name_or_path: str | Path) -> str:
     if str(name_or_path) in list_mappings():
         return (_FOLDER / f"{name_or_path}.toml").read_text(encoding="utf-8")
     try:
-        return Path(name_or_path).read_text(encoding="utf-8")
+        return Path(name_or_path).read_text(encoding="utf-8-sig")
     except OSError as error:
         raise RecordingError(
             f"no mapping {str(name_or_path)!r}: give a TOML file or one of {', '.join(list_mappings())}"

@@ -1,4 +1,4 @@
-"""Uniform resampling without aliasing.
+"""Uniform resampling without aliasing; what is missing stays missing.
 
 Between samples the signal is a cubic through both neighbours with the slopes of the samples around
 (Catmull-Rom for uneven steps), so nothing is delayed. A lower rate is reached through a symmetric
@@ -11,17 +11,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.errors import RecordingError
+from fricomp.recording.checks import CheckedRecording, check_recording
 from fricomp.recording.recording import Recording
+from fricomp.recording.timing_checks import GAP_PERIODS, locate_gaps
 
 Samples = NDArray[np.float64]
 
 _ATTENUATION = 60.0  # [dB]
 _TRANSITION = 0.1  # width of the filter's edge, as a part of the new rate
 _CUTOFF = 0.45  # middle of the edge, as a part of the new rate: its end is the new Nyquist frequency
+_AROUND = 10  # steps to either side that a gap is compared with
+_MENDED = ("jitter", "two_rates")  # findings whose remedy is to resample
 
 
 def resample(recording: Recording, rate: float) -> Recording:
     """Return the recording at a uniform rate, from its first to its last sample.
+
+    A gap, a step of time longer than five periods and than one of the new ones, stays a gap: the parts between are
+    filtered and interpolated each on its own.
 
     Args:
         recording: Samples at any times.
@@ -34,17 +41,51 @@ def resample(recording: Recording, rate: float) -> Recording:
         raise RecordingError(f"cannot resample {recording.duration:.6g} s at {rate} Hz: give a higher, finite rate")
     period = recording.sample_period
     target = recording.time[0] + np.arange(int(recording.duration * rate * (1 + 1e-12)) + 1) / rate
-    grid, kernel = recording.time, None
-    if rate * period < 1 - 1e-9:
-        grid = recording.time[0] + np.arange(round(recording.duration / period) + 1) * period
-        kernel = _low_pass(rate * period)
-    channels = {"time": target}
-    for name, values in recording.channels.items():
+    kernel = _low_pass(rate * period) if rate * period < 1 - 1e-9 else None
+    gaps = _find_gaps(recording, rate)
+    starts = np.searchsorted(target, recording.time[gaps + 1])
+    stops = np.searchsorted(target, recording.time[gaps], side="right")
+    firsts, lasts = [0, *(gaps + 1)], [*(gaps + 1), len(recording)]
+    parts = [
+        _resample_part({n: values[a:b] for n, values in recording.channels.items()}, target[start:stop], period, kernel)
+        for a, b, start, stop in zip(firsts, lasts, [0, *starts], [*stops, target.size], strict=True)
+        if b - a > 1
+    ]
+    channels = {name: np.concatenate([part[name] for part in parts]) for name in recording.channels}
+    return Recording.from_channels(channels, recording.metadata)
+
+
+def resample_checked(recording: Recording, rate: float) -> CheckedRecording:
+    """Resample, and keep what the checks found before, which interpolation hides from them.
+
+    Raises:
+        RecordingError: As for `resample`.
+    """
+    found = tuple(finding for finding in check_recording(recording) if finding.code not in _MENDED)
+    return CheckedRecording(resample(recording, rate), found)
+
+
+def _find_gaps(recording: Recording, rate: float) -> NDArray[np.intp]:
+    """Rows before steps that are long beside those around them as well; a change of rate is no gap. Shape (n_gaps,)."""
+    step, gaps = np.diff(recording.time), locate_gaps(recording, 1.0 / rate)
+    around = np.clip(gaps[:, None] + np.arange(-_AROUND, _AROUND + 1), 0, step.size - 1)
+    return np.asarray(gaps[step[gaps] > GAP_PERIODS * np.median(step[around], axis=1)])
+
+
+def _resample_part(
+    channels: dict[str, Samples], target: Samples, period: float, kernel: Samples | None
+) -> dict[str, Samples]:
+    """The channels at the times `target` [s], to lower rates through a low-pass on an even grid of `period` [s]."""
+    time = grid = channels["time"]
+    if kernel is not None:
+        grid = time[0] + np.arange(max(round((time[-1] - time[0]) / period), 1) + 1) * period
+    part = {"time": target}
+    for name, values in channels.items():
         if name == "time":
             continue
-        even = values if kernel is None else _filter(_interpolate(recording.time, values, grid), kernel)
-        channels[name] = _interpolate(grid, even, target)
-    return Recording.from_channels(channels, recording.metadata)
+        even = values if kernel is None else _filter(_interpolate(time, values, grid), kernel)
+        part[name] = _interpolate(grid, even, target)
+    return part
 
 
 def _interpolate(time: Samples, values: Samples, target: Samples) -> Samples:

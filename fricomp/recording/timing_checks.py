@@ -9,7 +9,9 @@ from fricomp.recording.recording import Recording
 LOWEST_RATE = 50.0
 """Rate below which breakaway and reversals fall between the samples [Hz]; they last some 20 ms."""
 
-_GAP_PERIODS = 5.0
+GAP_PERIODS = 5.0
+"""A step of time longer than this many periods is a gap."""
+
 _JITTER_NOTED, _JITTER_WARNED = 0.1, 0.5  # 99th percentile of the deviation, in periods
 _RATE_CHANGE = 1.25
 _SLOWEST_PERIOD = 0.5  # [s] no joint is logged slower; milliseconds or sample numbers are
@@ -35,7 +37,7 @@ def find_low_rate(recording: Recording) -> tuple[Finding, ...]:
 
 def locate_gaps(recording: Recording, at_least: float = 0.0) -> NDArray[np.intp]:
     """Rows before each step of time that is longer than five periods, and than `at_least` [s]. Shape (n_gaps,)."""
-    return np.flatnonzero(np.diff(recording.time) > max(_GAP_PERIODS * recording.sample_period, at_least))
+    return np.flatnonzero(np.diff(recording.time) > max(GAP_PERIODS * recording.sample_period, at_least))
 
 
 def find_gaps(recording: Recording) -> tuple[Finding, ...]:

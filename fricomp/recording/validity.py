@@ -5,9 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from fricomp.recording.finding import Finding
+from fricomp.recording.finding import Finding, Severity
 
 Samples = NDArray[np.float64]
+
+_MANY, _TOO_MANY = 0.01, 0.2  # parts of the rows that were left out
 
 
 def find_invalid(channels: Mapping[str, Samples]) -> tuple[Finding, ...]:
@@ -28,6 +30,8 @@ def find_invalid(channels: Mapping[str, Samples]) -> tuple[Finding, ...]:
 def find_usable_rows(channels: Mapping[str, Samples]) -> NDArray[np.bool_]:
     """Return the rows whose samples are all finite and whose time is later than every usable one before.
 
+    A single stamp far ahead, after which time goes on as before it, is no usable one: it would forbid all that follow.
+
     Args:
         channels: As for `find_invalid`, of equal lengths.
 
@@ -35,24 +39,43 @@ def find_usable_rows(channels: Mapping[str, Samples]) -> NDArray[np.bool_]:
         Shape (n_samples,).
     """
     keep = np.all([np.isfinite(values) for values in channels.values()], axis=0)
+    keep[keep] = ~_is_ahead(channels["time"][keep])
     time = np.where(keep, channels["time"], -np.inf)
     latest = np.maximum.accumulate(np.concatenate([[-np.inf], time[:-1]]))
     return np.asarray(keep & (channels["time"] > latest))
 
 
+def _is_ahead(time: Samples) -> NDArray[np.bool_]:
+    """Stamps that are no earlier than two after them, where these go on from the one before. Shape (n_samples,)."""
+    before, after = np.concatenate([[-np.inf], time[:-1]]), np.append(time[1:], np.nan)
+    second = np.append(after[1:], np.nan)[: time.size]
+    return np.asarray((before < after) & (after < second) & (second <= time))
+
+
 def drop_bad_rows(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tuple[Finding, ...]]:
-    """Return the usable rows of all channels, and a note on how many were left out.
+    """Return the usable rows of all channels, and a finding on how many were left out.
 
     Args:
         channels: As for `find_invalid`, of equal lengths.
     """
     keep = find_usable_rows(channels)
+    return {name: values[keep] for name, values in channels.items()}, tell_bad_rows(keep)
+
+
+def tell_bad_rows(keep: NDArray[np.bool_]) -> tuple[Finding, ...]:
+    """How many rows were left out; the more, the graver.
+
+    Args:
+        keep: Rows that stay. Shape (n_samples,).
+    """
     bad = np.flatnonzero(~keep)
     if not bad.size:
-        return dict(channels), ()
+        return ()
+    share = bad.size / keep.size
+    severity: Severity = "error" if share > _TOO_MANY else "warning" if share > _MANY else "note"
     message = f"{bad.size} of {keep.size} rows were left out: no finite number in every column, or no later time"
-    note = Finding("bad_rows", "note", message, "nothing to do: this was asked for", int(bad[0]) + 1)
-    return {name: values[keep] for name, values in channels.items()}, (note,)
+    advice = "nothing to do: this was asked for" if severity == "note" else "look at what the source holds there"
+    return (Finding("bad_rows", severity, message, advice, int(bad[0]) + 1),)
 
 
 def _find_shape_errors(channels: Mapping[str, Samples]) -> tuple[Finding, ...]:

@@ -2,7 +2,8 @@
 
 from .executor import EXECUTORS, SerialExecutor, always, open_executor, stream
 from .joint import FleetJoint, find_recordings, is_joint_table, list_joints, read_joint_table
-from .run import FleetRow, Work, read_rows, run_fleet
+from .rows import FleetRow, read_rows
+from .run import Work, run_fleet
 
 __all__ = [
     "EXECUTORS",

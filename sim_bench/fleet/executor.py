@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import re
+import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import (
     FIRST_COMPLETED,
@@ -16,6 +17,7 @@ from concurrent.futures import (
     wait,
 )
 from contextlib import contextmanager
+from multiprocessing.connection import wait as wait_for
 from typing import Any, TypeVar
 
 from fricomp.errors import DiagnosisError, MissingExtraError
@@ -71,8 +73,17 @@ _stop: Any = None  # in a worker: the event that says that no further call may s
 
 
 def _heed(stopped: Any) -> None:
+    """In a worker, as it starts: heed the event, and end with the process that started it, however that ends."""
     global _stop
     _stop = stopped
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
+
+
+def _end_with(sentinel: int) -> None:
+    wait_for([sentinel])
+    os._exit(1)  # a killed parent tells nobody, and what this worker does is of use to nobody
 
 
 def _unless_stopped(call: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:

@@ -18,20 +18,23 @@ from fricomp.calibration.identification.observation import observe
 from fricomp.calibration.identification.provenance import compute_provenance
 from fricomp.calibration.identification.result import NoiseEstimate
 from fricomp.calibration.table import FrictionTable, read_friction_table
-from fricomp.errors import FricompError, IdentificationError
+from fricomp.errors import FricompError, IdentificationError, MissingExtraError
 from fricomp.model import Covariance, FrictionModel, Validity, save_model
+from fricomp.recording.unit_checks import suspect_degrees_per_second
 from fricomp.report import Chart, Panel, Points, ReportPage, Section, Table, write_report
 
 from .joint import FleetJoint
-from .run import FleetRow, Parcel, at_home, begin_fleet, collect_rows, failed_row, pack, write_row
+from .rows import FleetRow, begin_fleet, collect_rows, write_row
+from .run import Parcel, at_home, failed_row, is_kept, pack, write_failed
 
 __all__ = ["identification_row", "identification_table", "identify_tables", "write_identification_fleet"]
 
 _DEVIATION = ".standard_deviation"
 _FACTS = (
-    *("name", "error", "seconds", "recordings", "sha256", "written"),
-    *("status", "message", "noise", "noise_level", "torque_unit"),
+    *("name", "error", "seconds", "recordings", "simulation", "joint", "friction", "sha256", "written"),
+    *("status", "message", "warnings", "noise", "noise_level", "torque_unit"),
 )
+_LARGEST = 1e100  # [N·m, N, rad/s, m/s]; squares of it are still finite, and no joint is near it
 
 
 def identification_row(result: IdentificationResult) -> FleetRow:
@@ -64,10 +67,12 @@ def identify_tables(
         The rows of all joints, in their order; `fleet.parquet` holds them too.
 
     Raises:
-        IdentificationError: There is no such noise model.
+        IdentificationError: There is no such noise model, or no such device.
+        MissingExtraError: torch is not installed.
         RecordingError: The folder holds a run and is not to be resumed, or with other settings.
     """
     require_choice("noise", noise, ("auto", "relative", "absolute"))
+    _require_device(device)
     joints = [at_home(joint) for joint in joints]
     before = begin_fleet(out, {"command": "identify --batch", "noise": noise}, resume)
     todo = [each for joint in joints if (each := _prepare(joint, before.get(joint.name), out)) is not None]
@@ -86,11 +91,24 @@ def _prepare(joint: FleetJoint, before: FleetRow | None, out: Path) -> tuple[Par
         parcel = pack(joint)
         return None if parcel.gave(before) else (parcel, _read_table(joint))
     except OSError as error:
-        message = f"cannot read {error.filename}: {error.strerror}"
+        if not is_kept(before, joint, error):
+            write_failed(joint, error, before, out)
     except FricompError as error:
-        message = str(error)
-    write_row(failed_row(joint, message), out)
+        write_failed(joint, error, before, out)
     return None
+
+
+def _require_device(device: str) -> None:
+    """Refuse a device that is not there, before a folder is begun with it."""
+    try:
+        import torch
+    except ImportError as error:
+        raise MissingExtraError("torch", "calibrate") from error
+    try:
+        torch.empty(1, device=device)
+    except (RuntimeError, AssertionError, NotImplementedError) as error:  # a build without CUDA asserts
+        reason = str(error).partition("\n")[0]
+        raise IdentificationError(f"there is no device {device!r}: {reason}; --device cpu is always there") from error
 
 
 def _read_table(joint: FleetJoint) -> FrictionTable:
@@ -100,6 +118,11 @@ def _read_table(joint: FleetJoint) -> FrictionTable:
     table = read_friction_table(joint.recordings[0])
     if table.normal_load is not None and np.ptp(table.normal_load) > 0.0:
         raise IdentificationError(f"joint {joint.name} has a normal load that varies: leave out --batch")
+    for name, values in (("velocity", table.velocity), ("torque", table.torque)):
+        if np.max(np.abs(values)) > _LARGEST:
+            raise IdentificationError(
+                f"joint {joint.name} has a {name} of {np.max(np.abs(values)):.3g}: repair its table"
+            )
     observe(table.velocity, table.torque, table.normal_load)
     observe_all([table.velocity], [table.torque])
     return table
@@ -120,6 +143,8 @@ def _write_joint(parcel: Parcel, table: FrictionTable, found: BatchIdentificatio
     row: FleetRow = {"name": joint.name, "error": "", "seconds": 0.0, **parcel.origin, "written": "friction.json"}
     row |= {"status": model.provenance.status, "message": model.provenance.message, "noise": str(found.noise[index])}
     row |= {"noise_level": float(found.noise_level[index]), "torque_unit": model.torque_unit}
+    found_fast = suspect_degrees_per_second(float(np.max(np.abs(table.velocity))))
+    row["warnings"] = "\n".join(f"Careful: {finding}." for finding in found_fast)
     deviations = found.standard_deviations[index]
     for name, value, deviation in zip(found.parameter_names, found.values[index], deviations, strict=True):
         row |= {name: float(value), name + _DEVIATION: float(deviation)}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import os
 import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -16,8 +17,10 @@ from fricomp.errors import RecordingError
 
 __all__ = ["FleetJoint", "find_recordings", "is_joint_table", "list_joints", "read_joint_table"]
 
-_SUFFIXES = (".csv", ".parquet")
+_SUFFIXES = (".csv", ".parquet", ".pq")
 _MAGIC = "*?["
+_OF_FLEET = ("rows", "fleet.json", "fleet.html", "fleet.parquet")  # what lies beside the folders of the joints
+_LONGEST_NAME = 200  # [bytes]; file systems take 255, and numbers and suffixes are added to it
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,8 @@ _COLUMNS = ("name", "recording", *(each.name for each in fields(FleetJoint)[2:])
 def find_recordings(sources: Sequence[str]) -> list[Path]:
     """Files that are meant by files, folders and patterns, in the order given.
 
+    Of a folder these are CSV and Parquet files. Tables of joints, and the rows of a fleet, are no recordings there.
+
     Raises:
         RecordingError: A source matches no recording.
     """
@@ -52,9 +57,9 @@ def find_recordings(sources: Sequence[str]) -> list[Path]:
     for source in sources:
         path = Path(source)
         if path.is_dir():
-            matches = sorted(p for p in path.iterdir() if p.suffix in _SUFFIXES)
+            matches = sorted(p for p in path.iterdir() if p.suffix.lower() in _SUFFIXES and not _is_other_table(p))
         elif any(character in source for character in _MAGIC) and not path.exists():
-            matches = sorted(map(Path, glob(source, recursive=True)))
+            matches = sorted(p for p in map(Path, glob(source, recursive=True)) if not _is_other_table(p))
         else:
             matches = [path]
         if not matches:
@@ -65,16 +70,29 @@ def find_recordings(sources: Sequence[str]) -> list[Path]:
     return list(dict.fromkeys(found))
 
 
+def _is_other_table(path: Path) -> bool:
+    """Whether it is a table of joints, or one that a fleet has written."""
+    folder = path.parent if path.name == "fleet.parquet" else path.parent.parent if path.parent.name == "rows" else None
+    return is_joint_table(str(path)) or (folder is not None and (folder / "fleet.json").exists())
+
+
 def is_joint_table(source: str) -> bool:
     """Whether it is a TOML file, or a CSV file with a column called recording."""
     path = Path(source)
-    if path.suffix == ".toml":
+    if path.suffix.lower() == ".toml":
         return True
-    if path.suffix != ".csv" or not path.is_file():
+    if path.suffix.lower() != ".csv" or not path.is_file():
         return False
-    with path.open(encoding="utf-8", errors="replace") as stream:
-        header = next((line for line in stream if line.strip() and not line.startswith("#")), "")
-    return "recording" in [cell.strip() for cell in header.split(",")]
+    try:
+        with path.open(encoding="utf-8-sig", errors="replace") as stream:
+            header = next((line for line in stream if line.strip() and not line.startswith("#")), "")
+    except OSError:
+        return False
+    return "recording" in _cells(header[:9999])  # what is no text may be one endless line
+
+
+def _cells(header: str) -> list[str]:
+    return [cell.strip() for cell in next(csv.reader([header], skipinitialspace=True), [])]
 
 
 def list_joints(sources: Sequence[str], defaults: FleetJoint) -> list[FleetJoint]:
@@ -85,7 +103,7 @@ def list_joints(sources: Sequence[str], defaults: FleetJoint) -> list[FleetJoint
         defaults: Simulation, joint and friction of those that say nothing else.
 
     Raises:
-        RecordingError: A source matches nothing, or a table cannot be read.
+        RecordingError: A source matches nothing, a table cannot be read, or a name cannot be that of a folder.
     """
     joints: list[FleetJoint] = []
     for source in sources:
@@ -100,13 +118,14 @@ def read_joint_table(path: Path, defaults: FleetJoint) -> list[FleetJoint]:
     """The joints of a table; its paths count from its own folder.
 
     CSV has the column recording and may have name, simulation, joint and friction; several recordings of one joint
-    stand between semicolons. TOML has the same as tables `[[joint]]`, several recordings as a list.
+    stand between semicolons. TOML has the same as tables `[[joint]]`, several recordings as a list. A recording that
+    is not there stays in its row, whose joint cannot be read then.
 
     Raises:
-        RecordingError: The file cannot be read, a column is unknown, or a row names no recording.
+        RecordingError: The file cannot be read, a column is unknown or there twice, or a row names no recording.
     """
     try:
-        rows = _read_toml(path) if path.suffix == ".toml" else _read_csv(path)
+        rows = _read_toml(path) if path.suffix.lower() == ".toml" else _read_csv(path)
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise RecordingError(f"cannot read the table of joints {path}: {error}") from error
     unknown = sorted({key for row in rows for key in row} - set(_COLUMNS))
@@ -117,13 +136,16 @@ def read_joint_table(path: Path, defaults: FleetJoint) -> list[FleetJoint]:
 
 
 def _read_csv(path: Path) -> list[dict[str, Any]]:
-    lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line.strip() and line[0] != "#"]
+    lines = [line for line in path.read_text(encoding="utf-8-sig").splitlines() if line.strip() and line[0] != "#"]
+    twice = [name for name, often in Counter(_cells(lines[0]) if lines else ()).items() if name and often > 1]
+    if twice:
+        raise RecordingError(f"{path} has the column {twice[0]!r} twice: several recordings stand between semicolons")
     rows = csv.DictReader(lines, skipinitialspace=True, restkey="", restval="")
     return [{(key or "").strip(): value for key, value in row.items() if value} for row in rows]
 
 
 def _read_toml(path: Path) -> list[dict[str, Any]]:
-    content = tomllib.loads(path.read_text(encoding="utf-8"))
+    content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     rows = content.get("joint")
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
         raise RecordingError(f"{path} is no table of joints: it needs tables [[joint]] with a recording each")
@@ -132,7 +154,9 @@ def _read_toml(path: Path) -> list[dict[str, Any]]:
 
 def _joint(row: Mapping[str, Any], number: int, table: Path, defaults: FleetJoint) -> FleetJoint:
     given = row.get("recording") or ""
-    sources = given.split(";") if isinstance(given, str) else [str(one) for one in given]
+    sources = given.split(";") if isinstance(given, str) else given
+    if not isinstance(sources, list) or not all(isinstance(source, str) for source in sources):
+        raise RecordingError(f"{table}, joint {number}: recording is {given!r}: give a path, or a list of paths")
     sources = [str(table.parent / source.strip()) for source in sources if source.strip()]
     if not sources:
         raise RecordingError(f"{table}, joint {number}, names no recording")
@@ -140,17 +164,28 @@ def _joint(row: Mapping[str, Any], number: int, table: Path, defaults: FleetJoin
     return replace(
         defaults,
         name=str(row.get("name") or "").strip(),
-        recordings=tuple(find_recordings(sources)),
+        recordings=tuple(dict.fromkeys(path for source in sources for path in _find_or_miss(source))),
         simulation=paths.get("simulation", defaults.simulation),
         friction=paths.get("friction", defaults.friction),
         joint=str(row.get("joint") or "").strip() or defaults.joint,
     )
 
 
+def _find_or_miss(source: str) -> list[Path]:
+    """Its recordings, or where nothing is there the source itself, which nobody can read."""
+    try:
+        return find_recordings([source])
+    except RecordingError:
+        return [Path(source)]
+
+
 def _with_names(joints: Sequence[FleetJoint]) -> list[FleetJoint]:
     """A name of its own for each: as given, that of its first recording, with its folder where that repeats.
 
     Names are made fit for a folder first, because two that differ may be the same as a folder.
+
+    Raises:
+        RecordingError: A name cannot be made fit.
     """
     first = [_folder_name(joint.name or joint.recordings[0].stem) for joint in joints]
     often = Counter(first)
@@ -169,4 +204,10 @@ def _with_names(joints: Sequence[FleetJoint]) -> list[FleetJoint]:
 
 
 def _folder_name(name: str) -> str:
-    return name.replace("/", "-").strip(".") or "joint"
+    fit = name.replace("/", "-").strip(".") or "joint"
+    if fit in _OF_FLEET or not fit.isprintable() or len(os.fsencode(fit)) > _LONGEST_NAME:
+        raise RecordingError(
+            f"no folder can be called after the joint {fit[:60]!r}: give it a name in a table of joints, of printable "
+            f"characters, at most {_LONGEST_NAME} bytes, and none of {', '.join(_OF_FLEET)}"
+        )
+    return fit

@@ -8,7 +8,6 @@ file in `rows/`, last of all: where a row is, the joint is finished.
 from __future__ import annotations
 
 import hashlib
-import json
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future
@@ -17,32 +16,25 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
-from fricomp.errors import FricompError, RecordingError
-from fricomp.whole_file import whole_file
+from fricomp.errors import FricompError
 
 from .executor import stream
 from .joint import FleetJoint
+from .rows import FleetRow, begin_fleet, collect_rows, write_row
 
 __all__ = [
-    "FleetRow",
     "Parcel",
     "Work",
     "at_home",
-    "begin_fleet",
-    "collect_rows",
     "failed_row",
+    "is_kept",
     "pack",
-    "read_rows",
     "run_fleet",
-    "write_row",
-    "write_rows",
+    "write_failed",
 ]
 
-FleetRow = dict[str, Any]
 Work = Callable[[FleetJoint, Path], FleetRow]
 """Does one joint: gets it and the folder to write into, and gives its row. A module's function, so that it travels."""
-
-_SETTINGS = "fleet.json"
 
 
 @dataclass(frozen=True)
@@ -54,11 +46,11 @@ class Parcel:
 
     @property
     def origin(self) -> FleetRow:
-        """What a row was made from: the recordings' paths, and a hash over all files, their paths and their content."""
+        """What a row was made from: paths, the joint's name, and a hash over them and the content of all files."""
         digest = hashlib.sha256(f"{self.joint.joint}\n{self.joint.simulation}\n{self.joint.friction}\n".encode())
         for content in self.files.values():
             digest.update(hashlib.sha256(content).digest())
-        return {"recordings": _sources(self.joint), "sha256": digest.hexdigest()}
+        return {**_given(self.joint), "sha256": digest.hexdigest()}
 
     def gave(self, row: FleetRow | None) -> bool:
         """Whether a row is the finished one of these very files."""
@@ -81,6 +73,7 @@ def run_fleet(
     settings: Mapping[str, Any],
     resume: bool = False,
     progress: Callable[[FleetRow | None], None] = lambda row: None,
+    check: Callable[[FleetJoint, Path], None] = lambda joint, folder: None,
 ) -> list[FleetRow]:
     """Do all joints; one that fails has its error in its row and stops no other.
 
@@ -92,6 +85,8 @@ def run_fleet(
         settings: What the rows depend on beside the joints; a run with others is not gone on with.
         resume: Keep what is finished, and do what failed, is missing, or was done from other files.
         progress: Called with the row of each joint, and with None for each that was finished before.
+        check: Called here with each joint that is to do and its folder; one that it refuses with a `FricompError` has
+            failed, and its folder stays as it is.
 
     Returns:
         The rows of all joints, in their order; `fleet.parquet` holds them too.
@@ -101,7 +96,9 @@ def run_fleet(
     """
     joints = [at_home(joint) for joint in joints]
     before = begin_fleet(out, settings, resume)
-    for joint, future in stream(_pack_all(joints, work, out, before, progress), _work_in_folder, executor):
+    todo = _pack_all(joints, out, before, progress, check)
+    items = ((parcel.joint, (work, parcel)) for parcel in todo)
+    for joint, future in stream(items, _work_in_folder, executor):
         row, files = _take(joint, future)
         _replace_files(files, out / joint.name, before.get(joint.name))
         write_row(row | {"written": ";".join(sorted(files))}, out)
@@ -119,31 +116,6 @@ def at_home(joint: FleetJoint) -> FleetJoint:
     )
 
 
-def read_rows(out: Path) -> list[FleetRow]:
-    """The rows that are in the folder of a fleet so far."""
-    from pyarrow import parquet
-
-    return [parquet.read_table(path).to_pylist()[0] for path in sorted((out / "rows").glob("*.parquet"))]
-
-
-def begin_fleet(out: Path, settings: Mapping[str, Any], resume: bool) -> dict[str, FleetRow]:
-    """Make the folder of a fleet, or find the rows that are in it, by name.
-
-    Raises:
-        RecordingError: The folder holds a run and is not to be resumed, or with other settings.
-    """
-    path, wanted = out / _SETTINGS, json.loads(json.dumps(settings))
-    if path.exists():
-        if not resume:
-            raise RecordingError(f"{out} holds a fleet: give --resume to go on with it, or another --out")
-        found = json.loads(path.read_text(encoding="utf-8"))
-        if found != wanted:
-            raise RecordingError(f"{out} holds a fleet with {found}, not with {wanted}: give another --out")
-    (out / "rows").mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(wanted, indent=1) + "\n", encoding="utf-8")
-    return {row["name"]: row for row in read_rows(out)}
-
-
 def pack(joint: FleetJoint) -> Parcel:
     """A joint with the content of its files.
 
@@ -156,31 +128,48 @@ def pack(joint: FleetJoint) -> Parcel:
 
 def _pack_all(
     joints: Sequence[FleetJoint],
-    work: Work,
     out: Path,
     before: Mapping[str, FleetRow],
     progress: Callable[[FleetRow | None], None],
-) -> Iterator[tuple[FleetJoint, tuple[Work, Parcel]]]:
+    check: Callable[[FleetJoint, Path], None],
+) -> Iterator[Parcel]:
     """Each joint that is still to do with its files, read when it is its turn.
 
-    One whose files cannot be read has failed already, unless they were read and done before.
+    One whose files cannot be read has failed already, unless its recordings alone are out of reach and it was finished.
     """
     for joint in joints:
         row = before.get(joint.name)
         try:
             parcel = pack(joint)
         except OSError as error:
-            if row is not None and not row["error"] and row["recordings"] == _sources(joint):
-                progress(None)
-                continue
-            row = failed_row(joint, f"cannot read {error.filename}: {error.strerror}")
-            write_row(row, out)
-            progress(row)
+            progress(None if is_kept(row, joint, error) else write_failed(joint, error, row, out))
             continue
         if parcel.gave(row):
             progress(None)
-        else:
-            yield joint, (work, parcel)
+            continue
+        try:
+            check(joint, out / joint.name)
+        except FricompError as error:
+            failed = failed_row(joint, str(error)) | {"written": (row or {}).get("written")}
+            write_row(failed, out)
+            progress(failed)
+            continue
+        yield parcel
+
+
+def is_kept(row: FleetRow | None, joint: FleetJoint, error: OSError) -> bool:
+    """Whether a joint stays as it was finished: from the same paths, of which only a recording is out of reach."""
+    same = row is not None and not row["error"] and all(row.get(k) == v for k, v in _given(joint).items())
+    return same and error.filename in map(str, joint.recordings)
+
+
+def write_failed(joint: FleetJoint, error: FricompError | OSError, before: FleetRow | None, out: Path) -> FleetRow:
+    """Write the row of a joint that gives nothing now, remove what it had given before, and return the row."""
+    _replace_files({}, out / joint.name, before)
+    said = f"cannot read {error.filename}: {error.strerror}" if isinstance(error, OSError) else str(error)
+    row = failed_row(joint, said)
+    write_row(row, out)
+    return row
 
 
 def _work_in_folder(work: Work, parcel: Parcel) -> _Answer:
@@ -229,11 +218,13 @@ def _take(joint: FleetJoint, future: Future[Any]) -> _Answer:
 
 def failed_row(joint: FleetJoint, error: str) -> FleetRow:
     """The row of a joint that gave nothing."""
-    return {"error": error, "name": joint.name, "seconds": 0.0, "recordings": _sources(joint)}
+    return {"error": error, "name": joint.name, "seconds": 0.0, **_given(joint)}
 
 
-def _sources(joint: FleetJoint) -> str:
-    return ";".join(map(str, joint.recordings))
+def _given(joint: FleetJoint) -> FleetRow:
+    """Where a joint's files are, and its name in the simulation."""
+    names = {"simulation": joint.simulation, "joint": joint.joint, "friction": joint.friction}
+    return {"recordings": ";".join(map(str, joint.recordings)), **{k: str(v or "") for k, v in names.items()}}
 
 
 def _replace_files(files: Mapping[str, bytes], folder: Path, before: FleetRow | None) -> None:
@@ -245,26 +236,3 @@ def _replace_files(files: Mapping[str, bytes], folder: Path, before: FleetRow | 
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(content)
-
-
-def write_row(row: FleetRow, out: Path) -> None:
-    """Put a joint's row on disk: where it is, the joint is finished."""
-    write_rows([row], out / "rows" / f"{row['name']}.parquet")
-
-
-def write_rows(rows: Sequence[FleetRow], path: Path) -> None:
-    """Write rows as a Parquet file, whole or not at all; what a row does not have is empty there."""
-    import pyarrow
-    from pyarrow import parquet
-
-    columns = list(dict.fromkeys(key for row in rows for key in row))
-    with whole_file(path) as part:
-        parquet.write_table(pyarrow.Table.from_pylist([{c: row.get(c) for c in columns} for row in rows]), part)
-
-
-def collect_rows(joints: Sequence[FleetJoint], out: Path) -> list[FleetRow]:
-    """All rows in the order of the joints, and in one file."""
-    rows = {row["name"]: row for row in read_rows(out)}
-    wanted = [rows[joint.name] for joint in joints]
-    write_rows(wanted, out / "fleet.parquet")
-    return wanted

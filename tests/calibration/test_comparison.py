@@ -89,6 +89,23 @@ def test_the_command_says_what_changed(tmp_path: Path) -> None:
     assert "stribeck.forward.coulomb_torque" in result.output.split("changed")[-1].replace("\n", "")
 
 
+def test_the_command_warns_of_unusable_models_and_of_two_joints(tmp_path: Path) -> None:
+    vague = replace(model(TRUTH), joint="knee", provenance=Provenance(status="not_identifiable", message="too fast"))
+    save_model(replace(model(TRUTH), joint="elbow"), tmp_path / "old.json")
+    save_model(vague, tmp_path / "new.json")
+    call = ["compare", str(tmp_path / "old.json"), str(tmp_path / "new.json")]
+    said = CliRunner().invoke(app, call, env={"COLUMNS": "300"}).output
+    assert "Careful: the new model is not usable (not_identifiable: too fast)." in said
+    assert "Careful: the old model is of joint 'elbow', the new one of 'knee'." in said
+    assert "Careful" not in CliRunner().invoke(app, [*call[:2], call[1]]).output
+
+
+def test_the_names_of_parameters_are_whole_on_a_narrow_screen(tmp_path: Path) -> None:
+    save_model(model(TRUTH), tmp_path / "old.json")
+    call = ["compare", str(tmp_path / "old.json"), str(tmp_path / "old.json")]
+    assert "…" not in CliRunner().invoke(app, call, env={"COLUMNS": "80"}).output
+
+
 def test_models_at_two_loads_are_compared_at_one() -> None:
     one = replace(at_load(model(TRUTH), 2.0, 1.0), validity=Validity(velocity=(-1.0, 1.0), normal_load=(1.0, 3.0)))
     other = at_normal_load(one, 5.0)

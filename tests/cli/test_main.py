@@ -130,6 +130,12 @@ def _help(*command: str) -> str:
     return " ".join(output.split())
 
 
+def test_a_benchmark_over_no_seed_is_refused_by_the_option() -> None:
+    done = CliRunner().invoke(main.app, ["bench", "calibrate", "--seeds", "0"])
+    assert done.exit_code == 2
+    assert "--seeds" in done.output
+
+
 def test_help_names_every_law() -> None:
     for name in separable_law_names():
         assert name in _help("identify")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fricomp.errors import RecordingError
-from fricomp.recording import Mapping, Recording, convert, list_mappings, load_mapping
+from fricomp.recording import Mapping, Recording, convert
 from fricomp.recording.unit import UNITS, find_unit
 
 TIME = np.arange(200) / 100
@@ -316,32 +316,24 @@ def test_resampling_rate_of_a_mapping_is_used(tmp_path: Path) -> None:
     assert recording.sample_period == pytest.approx(1 / 500)
 
 
-@pytest.mark.parametrize("name", list_mappings())
-def test_mappings_of_the_package_load_and_say_where_their_data_come_from(name: str) -> None:
-    mapping = load_mapping(name)
-    assert mapping.metadata["source"]
-    assert len({rule.name for rule in mapping.files}) == len(mapping.files)
+@pytest.mark.parametrize("dtype", ["nonsense", "O", "U0", "f8,f8"])
+def test_a_binary_format_that_is_no_number_is_refused(tmp_path: Path, dtype: str) -> None:
+    (tmp_path / "log.bin").write_bytes(TABLE.tobytes())
+    with pytest.raises(RecordingError, match=r"write (it|one) as numpy does"):
+        _one(tmp_path / "log.bin", f'[source]\ndtype = "{dtype}"\ncolumns = 3\n{_NUMBERED}')
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("[channels", "mapping .*toml: "),
-        ("[chanels]", "unknown field `chanels`|missing required field"),
-        ("[channels]\ntime = { column = 1 }", "channel 'position' is missing"),
-        (_NUMBERED + "effort = { column = 4 }", "unknown channel 'effort': valid are time"),
-        (_NUMBERED + "velocity = { colum = 4 }", "unknown field `colum`"),
-        (_NUMBERED + "velocity = { column = 4, constant = 1 }", "exactly one of column, constant"),
-        (_NUMBERED + "velocity = { column = 4, sign = 2 }", r"channels\[...\].sign"),
-    ],
-)
-def test_bad_mappings_are_refused_with_the_reason(tmp_path: Path, text: str, message: str) -> None:
-    path = tmp_path / "bad.toml"
-    path.write_text(text)
-    with pytest.raises(RecordingError, match=message):
-        load_mapping(path)
-    with pytest.raises(RecordingError, match="no mapping 'nowhere': give a TOML file or one of anymal-sea"):
-        load_mapping("nowhere")
+def test_facts_beside_the_others_are_a_table(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="metadata extra is 'x': give an object"):
+        _rule(tmp_path, "{ column = 2 }", metadata='extra = "x"')
+
+
+def test_a_number_is_a_place_and_a_text_a_name(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("t,0,1,2,3\n0,10,11,12,13\n1,20,21,22,23\n")
+    rules = "[channels]\ntime = { column = 1 }\nposition = { column = 2 }\n"
+    recording = _one(path, "[source]\nheader = true\n" + rules + 'torque = { column = "2" }')
+    assert (recording.position.tolist(), recording.torque.tolist()) == ([10.0, 20.0], [12.0, 22.0])
 
 
 def test_names_without_a_header_line_are_refused_with_what_to_set(tmp_path: Path) -> None:

@@ -109,3 +109,30 @@ def test_bad_rows_of_a_native_recording_are_left_out(tmp_path: Path, capsys: pyt
 def test_a_rate_that_is_none_is_refused(source: Path, mapping: str, rate: float) -> None:
     with pytest.raises(RecordingError, match="--rate is"):
         convert(source, source.with_name("a.csv"), mapping and str(source.with_name(mapping)), ["hip"], rate)
+
+
+def test_what_was_read_is_not_written_over(source: Path) -> None:
+    hip = source.with_name("hip.csv")
+    convert(source, hip, str(source.with_name("robot.toml")), ["hip"])
+    before = hip.read_bytes()
+    with pytest.raises(RecordingError, match="was read, and would be written over: choose another --out"):
+        convert(hip, source.parent / "." / "hip.csv", rate=100.0)
+    assert hip.read_bytes() == before
+
+
+def test_two_joints_of_one_file_are_refused_before_anything_is_written(source: Path) -> None:
+    mapping = source.with_name("robot.toml")
+    mapping.write_text(MAPPING.replace('"hip"', '"l/e"\nsource = "hip"').replace('"knee"', '"l_e"\nsource = "knee"'))
+    with pytest.raises(RecordingError, match=r"2 recordings would be .*leg_l_e.csv: choose one by --only"):
+        convert(source, source.with_name("leg.csv"), str(mapping), force=True)
+    assert not list(source.parent.glob("leg*"))
+
+
+def test_a_gap_is_told_after_resampling_too(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    time = np.delete(np.arange(5000) / 500, np.s_[1000:3000])
+    path = source.with_name("gap.csv")
+    rows = np.column_stack([time, 0.5 * np.sin(4 * time), np.sign(np.cos(4 * time))]).tolist()
+    path.write_text("time,position,torque\n" + "".join(f"{t!r},{q!r},{tau!r}\n" for t, q, tau in rows))
+    convert(path, path.with_name("out.csv"), rate=250.0)
+    assert capsys.readouterr().out.count("gap(s) in time, the longest 4.002 s") == 1
+    assert len(read_recording(path.with_name("out.csv"))) == 1500

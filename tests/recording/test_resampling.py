@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from fricomp.errors import RecordingError
-from fricomp.recording import Recording, resample
+from fricomp.recording import Recording, check_recording, resample
+from fricomp.recording.resampling import resample_checked
 
 MakeRecording = Callable[..., Recording]
 
@@ -53,3 +54,30 @@ def test_a_trend_and_a_constant_pass_unchanged_to_the_ends(make_recording: MakeR
 def test_impossible_rates_are_refused(make_recording: MakeRecording, rate: float) -> None:
     with pytest.raises(RecordingError, match="give a higher, finite rate"):
         resample(make_recording(), rate)
+
+
+@pytest.mark.parametrize("rate", [300.0, 2500.0])
+def test_a_gap_stays_a_gap(make_recording: MakeRecording, rate: float) -> None:
+    whole = make_recording(8000)
+    recording = whole.rows((whole.time < 2.0) | (whole.time > 5.0))
+    result = resample(recording, rate)
+    assert not ((result.time > 2.0) & (result.time < 5.0)).any()
+    assert [finding.code for finding in check_recording(result)] == ["gap"]
+    error = np.abs(result.position - 0.8 * np.sin(np.pi * result.time))
+    near_an_end = (np.abs(result.time[:, None] - [0.0, 2.0, 5.0, 8.0]) < 0.05).any(axis=1)
+    assert error[~near_an_end].max() < 2e-6
+
+
+def test_a_change_of_rate_is_no_gap(make_recording: MakeRecording) -> None:
+    rows = np.concatenate([np.arange(3000), np.arange(3000, 4000, 10)])
+    result = resample(make_recording().rows(rows), 500.0)
+    assert np.ptp(np.diff(result.time)) < 1e-9
+    assert np.abs(result.position - 0.8 * np.sin(np.pi * result.time))[_inner(result)].max() < 1e-4
+
+
+def test_what_the_checks_found_before_is_kept(make_recording: MakeRecording) -> None:
+    recording = make_recording()
+    slow = recording.with_channels(time=1000.0 * recording.time)
+    result, found = resample_checked(slow, 500.0)
+    assert "time_unit" in [finding.code for finding in found]
+    assert "time_unit" not in [finding.code for finding in check_recording(result)]

@@ -14,7 +14,7 @@ app = typer.Typer(add_completion=False)
 @app.command(epilog="fricomp bench calibrate --out runs/bench-calibrate")
 def calibrate(
     out: Annotated[Path, typer.Option(help="Folder of the results and of one run a seed.")] = Path("runs/bench"),
-    seeds: Annotated[int, typer.Option(help="Number of seeds.")] = 10,
+    seeds: Annotated[int, typer.Option(min=1, help="Number of seeds.")] = 10,
     first_seed: Annotated[int, typer.Option(help="First seed.")] = 0,
     quick: Annotated[bool, typer.Option("--quick", help="Two seeds.")] = False,
 ) -> None:

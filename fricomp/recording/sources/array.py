@@ -77,15 +77,22 @@ def read_json(path: Path, source: Source) -> Columns:
 
 def read_binary(path: Path, source: Source) -> Columns:
     """Read rows of `source.columns` numbers of type `source.dtype` without any header."""
-    try:
-        values = np.fromfile(path, dtype=np.dtype(source.dtype))
-    except TypeError as error:
-        raise RecordingError(f"unknown number format {source.dtype!r}: write it as numpy does, '<f8'") from error
+    values = np.fromfile(path, dtype=_number_format(source.dtype))
     if not values.size or values.size % source.columns or path.stat().st_size % values.itemsize:
         raise RecordingError(
             f"{path} has {path.stat().st_size} bytes: no whole number of rows of {source.columns} {source.dtype}"
         )
     return flatten_arrays({"array": values.reshape(-1, source.columns)})
+
+
+def _number_format(name: str) -> np.dtype[Any]:
+    try:
+        dtype = np.dtype(name)
+    except (TypeError, ValueError) as error:
+        raise RecordingError(f"unknown number format {name!r}: write it as numpy does, '<f8'") from error
+    if dtype.kind not in "buif":
+        raise RecordingError(f"{name!r} is no format of one number: write one as numpy does, '<f8'")
+    return dtype
 
 
 def _flatten_structures(content: dict[str, Any], prefix: str = "") -> dict[str, Any]:

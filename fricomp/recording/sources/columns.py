@@ -1,4 +1,4 @@
-"""The columns of a foreign file, by name."""
+"""The columns of a foreign file, by name or by number."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -7,18 +7,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.errors import RecordingError
+from fricomp.recording.mapping import Column
 
-Columns = dict[str, NDArray[np.float64]]
+Columns = dict[Column, NDArray[np.float64]]
+"""By name, and by number from 1 where the source has an order; a name made of digits is still a name."""
 
 
-def find_column(columns: Columns, key: str) -> NDArray[np.float64]:
-    """Return a column by its name or its number counted from 1.
+def find_column(columns: Columns, key: Column) -> NDArray[np.float64]:
+    """Return a column by its name (text) or its number counted from 1 (an integer).
 
     Raises:
         RecordingError: There is no such column; the message lists some that are there.
     """
     if key not in columns:
-        shown = ", ".join(list(columns)[:20]) + (" …" if len(columns) > 20 else "")
+        shown = ", ".join(map(str, list(columns)[:20])) + (" …" if len(columns) > 20 else "")
         raise RecordingError(f"the source has no column {key!r}: it has {shown}")
     return columns[key]
 
@@ -26,7 +28,7 @@ def find_column(columns: Columns, key: str) -> NDArray[np.float64]:
 def flatten_arrays(arrays: Mapping[str, Any]) -> Columns:
     """Give every numeric array a name: vectors `name`, column k of a matrix `name:k`.
 
-    A matrix that stands alone also answers to the plain numbers of its columns.
+    A matrix that stands alone also answers to the numbers of its columns.
     """
     columns: Columns = {}
     for name, value in arrays.items():
@@ -39,15 +41,22 @@ def flatten_arrays(arrays: Mapping[str, Any]) -> Columns:
         elif array.ndim == 2:
             columns.update({f"{name}:{k}": column for k, column in enumerate(array.T, start=1)})
             if len(arrays) == 1:
-                columns.update({str(k): column for k, column in enumerate(array.T, start=1)})
+                columns.update(enumerate(array.T, start=1))
     return columns
 
 
 def columns_of_records(records: Iterable[Any]) -> Columns:
-    """Turn rows, each an object or a list of numbers, into columns; what is missing becomes NaN."""
+    """Turn rows, each an object or a list of numbers, into columns; what is missing becomes NaN.
+
+    Rows that are lists answer to the numbers of their entries.
+    """
+    records = list(records)
     rows = [_flatten_record(record) for record in records]
     names = dict.fromkeys(name for row in rows for name in row)
-    return {name: np.array([row.get(name, np.nan) for row in rows], dtype=np.float64) for name in names}
+    columns: Columns = {name: np.array([row.get(name, np.nan) for row in rows], dtype=np.float64) for name in names}
+    if all(isinstance(record, list | tuple) for record in records):
+        columns.update({int(name): columns[name] for name in names if name.isdigit()})
+    return columns
 
 
 def _flatten_record(record: Any, prefix: str = "") -> dict[str, float]:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection
 from pathlib import Path
 
 from fricomp.errors import RecordingError
-from fricomp.recording.mapping import Format, Source
+from fricomp.recording.mapping import Column, Format, Source
 from fricomp.recording.sources.array import read_binary, read_json, read_mat, read_npy, read_npz
 from fricomp.recording.sources.columns import Columns
 from fricomp.recording.sources.robot_log import read_mcap, read_rosbag
@@ -34,7 +34,7 @@ _SUFFIXES: dict[str, Format] = {
 }
 
 
-def read_columns(path: Path, source: Source, keys: Collection[str], *, skip_bad_rows: bool = False) -> Columns:
+def read_columns(path: Path, source: Source, keys: Collection[Column], *, skip_bad_rows: bool = False) -> Columns:
     """Read a foreign file.
 
     Args:

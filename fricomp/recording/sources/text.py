@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from fricomp.errors import RecordingError
-from fricomp.recording.mapping import Source
+from fricomp.recording.mapping import Column, Source
 from fricomp.recording.sources.columns import Columns
 
 
-def read_text(path: Path, source: Source, keys: Collection[str], *, skip_bad_rows: bool) -> Columns:
+def read_text(path: Path, source: Source, keys: Collection[Column], *, skip_bad_rows: bool) -> Columns:
     """Read the wanted columns of a text table.
 
     Args:
@@ -36,29 +36,29 @@ def read_text(path: Path, source: Source, keys: Collection[str], *, skip_bad_row
     return {key: _parse_column(rows, k, key, path) for key, k in indices.items()} | _names_only(header, indices)
 
 
-def _refuse_names(path: Path, source: Source, keys: Collection[str]) -> None:
+def _refuse_names(path: Path, source: Source, keys: Collection[Column]) -> None:
     """Without a header line columns have numbers only."""
-    names = [key for key in keys if not key.isdigit()]
+    names = [key for key in keys if isinstance(key, str)]
     if names and not source.header:
         raise RecordingError(
             f"{path} is read without a header line, so that no column is called {names[0]!r}: set header = true under "
-            "[source] of the mapping if the first line holds the names, or give the column's number"
+            "[source] of the mapping if the first line holds the names, or give the column's number, without quotes"
         )
 
 
-def _find_index(key: str, header: list[str]) -> int | None:
-    if key in header:
-        return header.index(key)
-    return int(key) - 1 if key.isdigit() and int(key) > 0 else None
+def _find_index(key: Column, header: list[str]) -> int | None:
+    if isinstance(key, int):
+        return key - 1 if key > 0 else None
+    return header.index(key) if key in header else None
 
 
-def _names_only(header: list[str], indices: dict[str, int]) -> Columns:
+def _names_only(header: list[str], indices: dict[Column, int]) -> Columns:
     """Columns nobody asked for, empty: so that an error about a missing one can list them."""
     return {name: np.empty(0) for name in header if name and name not in indices}
 
 
 def _parse_column(
-    rows: list[tuple[int, list[str]]], index: int, key: str, path: Path
+    rows: list[tuple[int, list[str]]], index: int, key: Column, path: Path
 ) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     try:
         return np.array([float(cells[index]) for _, cells in rows])

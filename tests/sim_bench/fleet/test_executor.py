@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from collections.abc import Iterator
 from concurrent.futures import CancelledError, Executor, Future
 from contextlib import suppress
+from multiprocessing.connection import wait
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +44,28 @@ def test_no_call_begins_after_ctrl_c_and_none_is_waited_for(address: str, tmp_pa
         with suppress(CancelledError):
             future.result(timeout=60.0)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["0", "go"]
+
+
+@pytest.mark.slow
+def test_workers_end_with_a_command_that_is_killed(tmp_path: Path) -> None:
+    begun = tmp_path / "begun"
+    script = (
+        "from pathlib import Path\n"
+        "from fricomp.sim_bench.fleet import open_executor\n"
+        "from tests.sim_bench.fleet.working import tell_and_wait\n"
+        "if __name__ == '__main__':\n"
+        "    with open_executor('processes://1') as (pool, _):\n"
+        f"        pool.submit(tell_and_wait, Path({str(begun)!r})).result()\n"
+    )
+    (tmp_path / "fleet.py").write_text(script)
+    root = str(Path(__file__).parents[3])
+    command = subprocess.Popen([sys.executable, str(tmp_path / "fleet.py")], env={**os.environ, "PYTHONPATH": root})
+    wait_for_a_file(None, begun)
+    worker = os.pidfd_open(int(begun.read_text()))
+    command.kill()
+    command.wait()
+    assert wait([worker], timeout=30.0) == [worker]
+    os.close(worker)
 
 
 def test_ctrl_c_says_where_what_is_finished_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from fricomp.calibration import identify
 from fricomp.control import Compensator
-from fricomp.errors import ParameterError
+from fricomp.errors import IdentificationError, ParameterError
 from fricomp.model import FrictionModel, load_model, save_model
 from fricomp.sim_bench.fleet import FleetJoint
 from fricomp.sim_bench.fleet.identification import identify_tables
@@ -65,3 +66,40 @@ def test_a_joint_whose_model_is_refused_stops_no_other(tmp_path: Path, monkeypat
     assert [row["error"] for row in rows] == ["a covariance must be symmetric", ""]
     assert not old.exists()
     assert (tmp_path / "out" / "right" / "friction.json").exists()
+
+
+def test_one_extreme_table_stops_no_other(tmp_path: Path) -> None:
+    joints = [_joint(tmp_path, "huge", 1e160 * _torque(0.2, 0)), _joint(tmp_path, "usual", _torque(0.2, 1))]
+    huge, usual = identify_tables(joints, tmp_path / "out", "auto")
+    assert "joint huge has a torque of" in huge["error"]
+    assert usual["error"] == ""
+
+
+def test_a_device_that_is_not_there_leaves_no_fleet(tmp_path: Path) -> None:
+    with pytest.raises(IdentificationError, match="there is no device 'abacus'"):
+        identify_tables([_joint(tmp_path, "a", _torque(0.2, 0))], tmp_path / "out", "auto", device="abacus")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("damage", ["gone", "bad"])
+def test_a_model_does_not_outlive_its_table(damage: str, tmp_path: Path) -> None:
+    joint, out = _joint(tmp_path, "a", _torque(0.2, 0)), tmp_path / "out"
+    identify_tables([joint], out, "auto")
+    if damage == "gone":
+        joint = replace(joint, recordings=(tmp_path / "b.csv",))
+    else:
+        joint.recordings[0].write_text("velocity,torque\n1,x\n")
+    (row,) = identify_tables([joint], out, "auto", resume=True)
+    assert row["error"]
+    assert list((out / "a").iterdir()) == []
+
+
+def test_degrees_in_a_table_are_in_its_row(tmp_path: Path) -> None:
+    fast = np.geomspace(0.3, 115.0, 20)
+    velocity = np.concatenate([fast, -fast])
+    torque = np.sign(velocity) * (0.15 + 0.45 * np.exp(-((velocity / 2.9) ** 2))) + 0.002 * velocity
+    path = tmp_path / "a.csv"
+    np.savetxt(path, np.column_stack([velocity, torque]), delimiter=",", header="velocity,torque", comments="")
+    (row,) = identify_tables([FleetJoint("a", (path,))], tmp_path / "out", "auto")
+    assert row["warnings"].startswith("Careful: ")
+    assert "is it in degrees" in row["warnings"]

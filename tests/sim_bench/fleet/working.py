@@ -41,6 +41,14 @@ def leave_a_file(path: Path) -> None:
     path.touch()
 
 
+def tell_and_wait(begun: Path) -> None:
+    """Tells the number of this process, and lasts a minute."""
+    part = begun.with_suffix(".part")
+    part.write_text(str(os.getpid()))
+    part.rename(begun)
+    time.sleep(60.0)
+
+
 def wait_for_a_file(begun: Path | None, end: Path) -> None:
     """Tells that this call was begun, and lasts until `end` exists, a minute at most."""
     if begun is not None:
