@@ -4,13 +4,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from fricomp.errors import FricompError, RecordingError
+from fricomp.errors import FricompError
 
 __all__ = ["whole_file"]
 
 
 @contextmanager
-def whole_file(path: Path, error: type[FricompError] = RecordingError) -> Iterator[Path]:
+def whole_file(path: Path, error: type[FricompError]) -> Iterator[Path]:
     """Give a path beside the wanted one to write to; move it into place only when all went well.
 
     Args:

@@ -59,7 +59,7 @@ def write_csv(recording: Recording, path: Path) -> None:
     Raises:
         RecordingError: The folder cannot be written, or the disk is full.
     """
-    with whole_file(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+    with whole_file(path, RecordingError) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
         file.write(format_preamble(recording.metadata, recording.channels))
         file.write(format_rows(recording, recording.channels))
         file.flush()

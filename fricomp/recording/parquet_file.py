@@ -26,7 +26,7 @@ def write_parquet(recording: Recording, path: Path) -> None:
     pyarrow, parquet = _import_pyarrow()
     fields = {"schema": SCHEMA, **metadata_to_fields(recording.metadata)}
     table = pyarrow.table(recording.channels).replace_schema_metadata({_KEY: msgspec.json.encode(fields)})
-    with whole_file(path) as temporary:
+    with whole_file(path, RecordingError) as temporary:
         parquet.write_table(table, temporary)
 
 

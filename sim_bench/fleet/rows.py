@@ -49,7 +49,7 @@ def begin_fleet(out: Path, settings: Mapping[str, Any], resume: bool) -> dict[st
         _require_settings(path, wanted)
     (out / "rows").mkdir(parents=True, exist_ok=True)
     if not path.exists():
-        with whole_file(path) as part:
+        with whole_file(path, RecordingError) as part:
             part.write_text(json.dumps(wanted, indent=1) + "\n", encoding="utf-8")
             _sync(part)
     return {row["name"]: row for row in read_rows(out)}
@@ -80,7 +80,7 @@ def write_rows(rows: Sequence[FleetRow], path: Path) -> None:
     from pyarrow import parquet
 
     columns = list(dict.fromkeys(key for row in rows for key in row))
-    with whole_file(path) as part:
+    with whole_file(path, RecordingError) as part:
         parquet.write_table(pyarrow.Table.from_pylist([{c: row.get(c) for c in columns} for row in rows]), part)
         _sync(part)
 

@@ -131,7 +131,7 @@ def measure_gaps(
         progress()
     for path, future in stream(todo, _measure, executor):
         if (score := future.result()) is not None:
-            with whole_file(path) as part:
+            with whole_file(path, DiagnosisError) as part:
                 part.write_bytes(msgspec.json.encode(msgspec.structs.replace(score, diagnosis=diagnosis_version())))
         progress()
     return [_read(path) for path in paths.values() if path.exists()]

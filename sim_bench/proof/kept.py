@@ -37,11 +37,11 @@ def keep_data(out: Path, folder: Path) -> None:
 
     folder.mkdir(parents=True, exist_ok=True)
     scores = read_scores(out)
-    with whole_file(folder / _SCORES) as part:
+    with whole_file(folder / _SCORES, DiagnosisError) as part:
         parquet.write_table(Table.from_pylist([asdict(score) for score in scores]), part)
     columns = schema([("case", string()), *((name, binary()) for name in _FOLDERS)])
     table = Table.from_pylist([_row(out, score.case) for score in scores], schema=columns)
-    with whole_file(folder / _OPENED) as part:
+    with whole_file(folder / _OPENED, DiagnosisError) as part:
         parquet.write_table(table, part, compression="zstd", compression_level=19)
     _copy(out, folder)
 

@@ -220,7 +220,7 @@ def _write_score(score: Score, path: Path) -> None:
     import pyarrow
     from pyarrow import parquet
 
-    with whole_file(path) as part:
+    with whole_file(path, DiagnosisError) as part:
         parquet.write_table(pyarrow.Table.from_pylist([asdict(score)]), part)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import msgspec
 
-from fricomp.errors import FricompError
+from fricomp.errors import DiagnosisError, FricompError
 from fricomp.recording import read_public
 from fricomp.whole_file import whole_file
 
@@ -116,7 +116,7 @@ def run_case(case: RealCase, out: Path, *, seed: int = 0, resume: bool = False) 
             return RealOutcome(case, record, note.error, note.seconds)
     outcome = _diagnose(case, place, seed)
     place.mkdir(parents=True, exist_ok=True)
-    with whole_file(place / "outcome.json") as part:
+    with whole_file(place / "outcome.json", DiagnosisError) as part:
         part.write_bytes(msgspec.json.encode(_Note(outcome.error, outcome.seconds, diagnosis_version(), seed)))
     return outcome
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import msgspec
 
+from fricomp.errors import DiagnosisError
 from fricomp.recording import write_recording
 from fricomp.whole_file import whole_file
 
@@ -56,6 +57,6 @@ def run_case(case: Case, out: Path, *, resume: bool = False) -> Score:
     blind: BlindAnswer = diagnose_blind({name: (folder / name).read_bytes() for name in _FILES})
     (folder / "diagnosis.json").write_bytes(blind.diagnosis)
     score = replace(score_case(case, truth, blind), diagnosis=diagnosis_version())
-    with whole_file(kept) as part:
+    with whole_file(kept, DiagnosisError) as part:
         part.write_bytes(msgspec.json.format(msgspec.json.encode(score), indent=1) + b"\n")
     return score

@@ -95,7 +95,7 @@ def _write(scores: Sequence[BaselineScore], path: Path) -> None:
     from pyarrow import parquet
 
     if scores:
-        with whole_file(path) as part:
+        with whole_file(path, DiagnosisError) as part:
             parquet.write_table(pyarrow.Table.from_pylist([asdict(score) for score in scores]), part)
 
 
