@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fricomp.errors import ParameterError
-
 if TYPE_CHECKING:
     from fricomp.sim_bench.twins import DriveTwin
 
@@ -36,11 +34,12 @@ def twin(
     write_config: Annotated[Path | None, typer.Option(help="Write an adapter configuration that reaches it.")] = None,
 ) -> None:
     """Serve a drive with a simulated joint behind it in real time, until Ctrl-C."""
+    from fricomp.adapters.configuration import read_table
     from fricomp.cli.terminal import console
     from fricomp.sim_bench.twins import TwinServer
     from fricomp.sim_bench.twins.configuration import make_twin
 
-    table = _read(config)
+    table = read_table(config) if config is not None else {}
     given = {name: value for name, value in (("kind", link), ("tcp_port", tcp_port)) if value}
     table["link"] = {**table.get("link", {}), **given}
     with make_twin(protocol, table) as served, TwinServer(served, real_time=True) as server:
@@ -54,17 +53,6 @@ def twin(
         server.wait()
         if server.error is not None:
             raise server.error
-
-
-def _read(config: Path | None) -> dict[str, Any]:
-    import tomllib
-
-    if config is None:
-        return {}
-    try:
-        return tomllib.loads(config.read_text("utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ParameterError(f"{config} is not a TOML file: {error}") from error
 
 
 def _address(protocol: str, served: DriveTwin, link: dict[str, Any]) -> str:
