@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -27,9 +27,13 @@ docs/twins.md says what a configuration file of a twin holds.
 
 @app.command(epilog=_EPILOG)
 def twin(
-    protocol: Annotated[str, typer.Argument(help="canopen, dynamixel, mit, moteus or odrive.")],
+    protocol: Annotated[
+        Literal["canopen", "dynamixel", "mit", "moteus", "odrive"], typer.Argument(help="What the drive speaks.")
+    ],
     config: Annotated[Path | None, typer.Option(help="TOML file: link, drives, joints.")] = None,
-    link: Annotated[str, typer.Option(help="pty, tcp or can; over what the configuration says.")] = "",
+    link: Annotated[
+        Literal["pty", "tcp", "can"] | None, typer.Option(help="How it is reached; over what the configuration says.")
+    ] = None,
     tcp_port: Annotated[int, typer.Option(help="TCP port; 0 for any free one.")] = 0,
     write_config: Annotated[Path | None, typer.Option(help="Write an adapter configuration that reaches it.")] = None,
 ) -> None:
