@@ -30,12 +30,14 @@ __all__ = [
     "convert",
     "options_of",
     "read_configuration",
+    "read_table",
 ]
 
 Configured = TypeVar("Configured", bound="AdapterConfiguration")
 
 _SIMULATED = "sim"
 _BUSES = frozenset({"bus", "serial"})  # tables that only a real drive has
+_PATHS = {"endpoints": "", "friction": "", "model": ".xml"}  # keys that hold a path, and what such a path ends with
 _NO_BACKEND = 'names no backend: add a line such as backend = "canopen" at the top'
 
 
@@ -168,7 +170,7 @@ def choose_adapter(backend: str | None, file: str | Path | None) -> AdapterChoic
     """
     if file is None:
         return AdapterChoice(backend or _SIMULATED, {})
-    configuration = _read(file)
+    configuration = read_table(file)
     named = configuration.pop("backend", None)
     if named is None and backend is None and _BUSES & configuration.keys():
         raise AdapterConfigurationError(f"{file} {_NO_BACKEND}, or give --backend")
@@ -187,17 +189,36 @@ def read_configuration(path: str | Path) -> dict[str, Any]:
     Raises:
         AdapterConfigurationError: It cannot be read, or names no backend.
     """
-    found = _read(path)
+    found = read_table(path)
     if not isinstance(found.get("backend"), str):
         raise AdapterConfigurationError(f"{path} {_NO_BACKEND}")
     return found
 
 
-def _read(path: str | Path) -> dict[str, Any]:
+def read_table(path: str | Path) -> dict[str, Any]:
+    """What stands in a TOML file; paths in it count from its own folder, wherever the command is called.
+
+    Raises:
+        AdapterConfigurationError: It cannot be read.
+    """
     try:
-        return tomllib.loads(Path(path).read_text("utf-8"))
+        found = tomllib.loads(Path(path).read_text("utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise AdapterConfigurationError(f"cannot read the configuration {path}: {error}") from error
+    _resolve_paths(found, Path(path).absolute().parent)
+    return found
+
+
+def _resolve_paths(table: dict[str, Any], folder: Path) -> None:
+    """Put `folder` before the relative paths of a table, of its joints and of the twin's `sim`."""
+    for name, ending in _PATHS.items():
+        value = table.get(name)
+        if isinstance(value, str) and value.endswith(ending):  # a model may be a name as well
+            table[name] = str(folder / value)
+    joints = table.get("joints")
+    for inner in (table.get("sim"), *(joints if isinstance(joints, list) else ())):
+        if isinstance(inner, dict):
+            _resolve_paths(inner, folder)
 
 
 def convert(configuration: Mapping[str, Any], to: type[Configured]) -> Configured:

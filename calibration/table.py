@@ -55,8 +55,10 @@ def read_friction_table(path: str | os.PathLike[str]) -> FrictionTable:
     """
     header, *rows = _rows(path)
     missing = [name for name in _REQUIRED if name not in header]
-    if missing or not rows:
-        raise RecordingError(f"{path} needs the columns velocity and torque and at least one row; it has {header}")
+    if missing:
+        raise RecordingError(f"{path} needs the columns velocity and torque; it has {', '.join(header)}")
+    if not rows:
+        raise RecordingError(f"{path} has a header and no rows")
     values = {name: _column(path, rows, header, name) for name in (*_REQUIRED, "normal_load") if name in header}
     return FrictionTable(values["velocity"], values["torque"], values.get("normal_load"))
 

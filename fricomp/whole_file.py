@@ -13,14 +13,20 @@ __all__ = ["whole_file"]
 def whole_file(path: Path, error: type[FricompError]) -> Iterator[Path]:
     """Give a path beside the wanted one to write to; move it into place only when all went well.
 
+    The folder is made where it is not there.
+
     Args:
         path: Of the file.
-        error: What is raised where the folder cannot be written, or the disk is full.
+        error: What is raised where the folder cannot be made or written, or the disk is full.
 
     Raises:
         FricompError: Of that kind.
     """
     temporary = path.with_name(path.name + ".part")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as failure:
+        raise error(f"cannot make the folder {path.parent}: {failure.strerror or failure}") from failure
     try:
         yield temporary
         temporary.replace(path)

@@ -30,6 +30,8 @@ LOWEST_TORQUE = "axis0.config.torque_soft_min"
 FORMATS = {"bool": "<?", "float": "<f", "uint8": "<B", "uint16": "<H", "uint32": "<I", "int32": "<i"}
 READ, WRITE = 0, 1
 
+_NOT_ONE = "is not a flat_endpoints.json as the vendor publishes it for each firmware"
+
 
 class Endpoint(NamedTuple):
     """One parameter.
@@ -66,14 +68,19 @@ def read_endpoints(path: str | Path) -> tuple[str, dict[str, Endpoint]]:
         AdapterConfigurationError: The file cannot be read, or is something else.
     """
     try:
-        content = json.loads(Path(path).read_text("utf-8"))
+        text = Path(path).read_bytes()
+    except OSError as error:
+        raise AdapterConfigurationError(
+            f"cannot read the endpoints {path}: {error.strerror or error}; download the flat_endpoints.json of exactly "
+            "the drive's firmware from the vendor"
+        ) from error
+    try:
+        content = json.loads(text)
         found = {
             name: Endpoint(int(entry["id"]), FORMATS[entry["type"]])
             for name, entry in content["endpoints"].items()
             if entry.get("type") in FORMATS
         }
         return str(content["fw_version"]), found
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise AdapterConfigurationError(
-            f"{path} is not a flat_endpoints.json as the vendor publishes it for each firmware: {error!r}"
-        ) from error
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise AdapterConfigurationError(f"{path} {_NOT_ONE}") from error

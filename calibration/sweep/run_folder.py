@@ -69,7 +69,9 @@ class RunFolder:
         try:
             folder.path.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise SweepAborted(f"cannot make the folder {folder.path}: {error.strerror or error}") from error
+            raise SweepAborted(
+                f"cannot make the folder {folder.path}: {error.strerror or error}; choose another --out"
+            ) from error
         ours = _is_run(folder.path)
         foreign = [name for name in (_REQUEST, RECORDING, *_MADE_OF_IT) if (folder.path / name).exists()]
         if foreign and not ours:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -64,7 +64,7 @@ def calibrate(
     dwell: Annotated[float, typer.Option(help="Time on a settled plateau \\[s].")] = 1.0,
     warm_up: Annotated[float, typer.Option(help="Time of moving to and fro before the sweep \\[s].")] = 8.0,
     positions: Annotated[int, typer.Option(help="Places over the travel at which slow plateaus are centred.")] = 1,
-    loop: Annotated[str, typer.Option(help="Who closes the velocity loop: auto, drive or host.")] = "auto",
+    loop: Annotated[Literal["auto", "drive", "host"], typer.Option(help="Who closes the velocity loop.")] = "auto",
     inertia: Annotated[
         float,
         typer.Option(
@@ -77,8 +77,10 @@ def calibrate(
         float, typer.Option(help="Largest torque of the sign check, as a fraction of the torque limit.")
     ] = 0.3,
     normal_load: Annotated[str, typer.Option(help="none, transmitted (from the model), or a number.")] = "none",
-    method: Annotated[str, typer.Option(help="pinn or least_squares; both have the same optimum.")] = "pinn",
-    noise: Annotated[str, typer.Option(help="Of the torque: auto, relative to the friction, or absolute.")] = "auto",
+    method: Annotated[Literal["pinn", "least_squares"], typer.Option(help="Both have the same optimum.")] = "pinn",
+    noise: Annotated[
+        Literal["auto", "relative", "absolute"], typer.Option(help="Of the torque; relative to the friction.")
+    ] = "auto",
     adaptive: Annotated[
         bool, typer.Option("--adaptive", help="Second pass at the speeds that tell most, until --accuracy is reached.")
     ] = False,
@@ -115,10 +117,10 @@ def calibrate(
         require(*REPORT, "onnx")
     settings = SweepSettings(
         speeds=speeds, repeats=repeats, dwell=dwell, warm_up=warm_up, positions=positions,
-        loop=loop, inertia=inertia, bandwidth=bandwidth, check_torque=check_torque, seed=seed,  # type: ignore[arg-type]
+        loop=loop, inertia=inertia, bandwidth=bandwidth, check_torque=check_torque, seed=seed,
     )  # fmt: skip
     options = CalibrationOptions(
-        IdentificationSettings(method=method, noise=noise, seed=seed),  # type: ignore[arg-type]
+        IdentificationSettings(method=method, noise=noise, seed=seed),
         normal_load=normal_load, gravity_unknown=gravity_unknown, adaptive=adaptive, accuracy=0.01 * accuracy,
     )  # fmt: skip
     chosen, file = adapter_configuration(backend, config, model, seed)

@@ -5,11 +5,9 @@ from __future__ import annotations
 import sys
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
-from math import floor, isfinite, log10
 from pathlib import Path
 
 from rich.progress import Progress as Bar
-from rich.table import Table
 from rich.text import Text
 
 from fricomp.adapters import JointAdapter, open_adapter
@@ -36,6 +34,7 @@ from fricomp.calibration.sweep.check import calibration_checks
 from fricomp.calibration.sweep.report import write_calibration_report
 from fricomp.calibration.sweep.run_folder import MOTION_ALONE, RECORDING
 from fricomp.calibration.sweep.sweep import Progress
+from fricomp.cli.parameter_table import parameter_table
 from fricomp.cli.resume import changes, refuse_other
 from fricomp.cli.terminal import console, progress
 from fricomp.control.ending import require_stopped, stopping_on_error
@@ -196,7 +195,7 @@ def _write(calibration: Calibration, folder: RunFolder, bar: Bar) -> None:
         recording_points=len(calibration.analysis.points),
         model_sha256=files.model_sha256,
     )
-    _print_result(calibration)
+    console().print(parameter_table(calibration.estimate.result))
     written = [files.model, files.network, page, folder.recording, folder.path / "run.json"]
     screen = console()
     for check in checks:
@@ -221,29 +220,3 @@ def _facts(folder: RunFolder) -> dict[str, str]:
     chosen = {"backend": request.backend, "configuration": str(request.configuration), "model": request.model or "none"}
     settings = {name: str(getattr(request.settings, name)) for name in request.settings.__dataclass_fields__}
     return chosen | settings | {f"version of {name}": version for name, version in folder.versions.items()}
-
-
-def _print_result(calibration: Calibration) -> None:
-    """A small table: one row a parameter, one column a direction, with half of the 95 % interval."""
-    result = calibration.estimate.result
-    sides: dict[str, dict[str, str]] = {}
-    for name in result.parameter_names:
-        reach, value = result.interval(name).upper - result.parameters[name], result.parameters[name]
-        *group, last = name.split(".")
-        rows = sides.setdefault(group[-1] if len(group) > 1 else "value", {})
-        rows[f"{last.replace('_', ' ')} [{result.model.units()[name]}]"] = _with_reach(value, reach)
-    table = Table(title=f"Friction of joint {calibration.analysis.metadata.joint}, ± 95 %", title_justify="left")
-    table.add_column("parameter")
-    for side in sides:
-        table.add_column(side, justify="right")
-    for label in dict.fromkeys(label for rows in sides.values() for label in rows):
-        table.add_row(label, *(rows.get(label, "") for rows in sides.values()))
-    console().print(table)
-
-
-def _with_reach(value: float, reach: float) -> str:
-    """Value and half of its interval, to the digits that the interval leaves."""
-    if not isfinite(reach):
-        return "cannot be determined"
-    decimals = max(0, min(9, 1 - floor(log10(reach)))) if reach > 0.0 else 6
-    return f"{value:.{decimals}f} ± {reach:.{decimals}f}"

@@ -84,6 +84,7 @@ def inject(
     """Add the torque of a known effect, along the measured motion, to a real recording."""
     import json
 
+    from fricomp.cli.out_folder import make_folder
     from fricomp.cli.terminal import console
     from fricomp.sim_bench.real import InjectedSpec
     from fricomp.sim_bench.real import inject as inject_effect
@@ -92,7 +93,7 @@ def inject(
     made = inject_effect(spec)
     folder, answers = out / spec.name, out.with_name(out.name + ".answers")
     for place in (folder, answers):
-        place.mkdir(parents=True, exist_ok=True)
+        make_folder(place)
     for name, content in made.files.items():
         (folder / name).write_bytes(content)
     (answers / f"{spec.name}.json").write_bytes(made.answer)

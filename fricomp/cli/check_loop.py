@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -16,11 +16,11 @@ __all__ = ["app"]
 
 app = typer.Typer(add_completion=False)
 
-EPILOG = """fricomp check-loop friction.json --inertia 0.1 --bandwidth 10 --delay 0.004
+EPILOG = """fricomp check-loop friction.json --inertia 0.1 --bandwidth 5
 
-fricomp check-loop friction.json --inertia 0.1 --bandwidth 10 --torque-limit 5 --torque-rate 250
+fricomp check-loop friction.json --inertia 0.1 --bandwidth 5 --torque-limit 5 --torque-rate 250
 
-fricomp check-loop friction.json --inertia 0.1 --stiffness 395 --damping 12.6 --delay 0.004 --gain 1.1"""
+fricomp check-loop friction.json --inertia 0.1 --stiffness 98.7 --damping 6.28 --gain 0.8"""
 
 
 @app.command(name="check-loop", epilog=EPILOG)
@@ -35,7 +35,9 @@ def check_loop(
         float, typer.Option(help="Time constant of the measured velocity's filter \\[s].")
     ] = VELOCITY_FILTER,
     gain: Annotated[float | None, typer.Option(help="Of the compensation; chosen from the model if left out.")] = None,
-    source: Annotated[str | None, typer.Option(help="reference, blend or measured; chosen if left out.")] = None,
+    source: Annotated[
+        Literal["reference", "blend", "measured"] | None, typer.Option(help="Of the direction; chosen if left out.")
+    ] = None,
     period: Annotated[float, typer.Option(help="Control period \\[s].")] = 1e-3,
     quantum: Annotated[float, typer.Option(help="Step of the measured velocity \\[rad/s] or \\[m/s].")] = 0.0,
     torque_limit: Annotated[
@@ -90,9 +92,10 @@ def check_loop(
         screen.print(f"- not part of this check: {', '.join(result.left_out)}")
     if out is not None:
         from fricomp.cli.loop_charts import gain_scan_chart
+        from fricomp.cli.out_folder import make_folder
         from fricomp.report import draw_png
 
-        out.mkdir(parents=True, exist_ok=True)
+        make_folder(out)
         chart = gain_scan_chart(result, f"joint {friction.joint}")
         screen.print(f"Chart in {draw_png(chart, out / 'gain-scan.png')}")
     if result.is_safe:

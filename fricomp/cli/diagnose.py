@@ -101,7 +101,7 @@ def diagnose(
     two payloads; --each takes them as different joints, and so does a table of joints: CSV or TOML with recording,
     and where wanted name, simulation, joint and friction.
     """
-    from fricomp.cli.diagnosis_folder import require_folder
+    from fricomp.cli.out_folder import require_folder
     from fricomp.sim_bench.fleet import find_recordings, is_joint_table
 
     require(*REPORT, "ruptures")

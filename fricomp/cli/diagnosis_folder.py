@@ -7,7 +7,7 @@ import re
 from collections.abc import Collection
 from pathlib import Path
 
-__all__ = ["RECORD", "check_folder", "remove_earlier_diagnosis", "require_folder"]
+__all__ = ["RECORD", "check_folder", "remove_earlier_diagnosis"]
 
 RECORD = "diagnosis.json"
 _MODEL = "friction.json"
@@ -16,21 +16,6 @@ _REPORT, _SUBTITLE = "report.html", '<p class="subtitle">Diagnosis of '
 _OTHERS = re.compile(
     r"(report\.html|motion\.csv|(over-time-\d+|where|planes|orders|rivals|distinguishability|motion)\.png)"
 )
-
-
-def require_folder(folder: Path) -> None:
-    """Refuse a path below which nothing can be written, before any work is done.
-
-    Raises:
-        DiagnosisError: It is a file, or lies below one.
-    """
-    from fricomp.errors import DiagnosisError
-
-    for place in (folder, *folder.parents):
-        if place.exists():
-            if not place.is_dir():
-                raise DiagnosisError(f"--out {folder} is no folder, since {place} is a file: name another one")
-            return
 
 
 def check_folder(folder: Path, inputs: Collection[Path]) -> None:
@@ -42,7 +27,9 @@ def check_folder(folder: Path, inputs: Collection[Path]) -> None:
 
     Raises:
         DiagnosisError: A file that it writes is one of the inputs, or was not written by a diagnosis.
+        ParameterError: The folder is a file, or lies below one.
     """
+    from fricomp.cli.out_folder import require_folder
     from fricomp.errors import DiagnosisError
 
     require_folder(folder)

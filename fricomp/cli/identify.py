@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -57,7 +56,7 @@ def identify(
     method: Annotated[
         Literal["pinn", "least_squares"], typer.Option(help="For tables only; both have the same optimum.")
     ] = "pinn",
-    noise: Annotated[str, typer.Option(help="For tables only: auto, relative or absolute.")] = "auto",
+    noise: Annotated[Literal["auto", "relative", "absolute"], typer.Option(help="For tables only.")] = "auto",
     loss: Annotated[
         Literal["gaussian", "robust"], typer.Option(help="For tables only; robust: against outliers.")
     ] = "gaussian",
@@ -77,10 +76,12 @@ def identify(
     resume: Annotated[bool, typer.Option("--resume", help="Of a fleet: go on with the one in --out.")] = False,
 ) -> None:
     """Identify friction; with a recording, inertia, gravity and offset first."""
+    from fricomp.cli.out_folder import require_folder
     from fricomp.control import find_doubt_in_status
 
     require(*REPORT, "onnx")
-    _refuse_unknown(law, noise)
+    _refuse_unknown(law)
+    require_folder(out)
     settings = _Settings(method, noise, loss, law, gravity, seed, depart)
     if batch:
         _identify_batch(files, out, settings, device, resume=resume)
@@ -126,6 +127,7 @@ def _identify_file(file: Path, out: Path, settings: _Settings) -> _Identified:
     from fricomp.calibration.identification import fit_discrepancy
     from fricomp.calibration.identification.page import write_identification_report
     from fricomp.calibration.table import is_friction_table, read_friction_table
+    from fricomp.cli.out_folder import make_folder
     from fricomp.cli.terminal import careful
     from fricomp.recording.unit_checks import suspect_degrees_per_second
 
@@ -143,7 +145,7 @@ def _identify_file(file: Path, out: Path, settings: _Settings) -> _Identified:
         motion = _identify_recording(file, settings.gravity, settings.law, notes)
         result = motion.friction
         notes.insert(0, _rigid_sentence(motion))
-    out.mkdir(parents=True, exist_ok=True)
+    make_folder(out)
     free = fit_discrepancy(result, seed=seed) if settings.depart else None
     notes += [f"Law or network: {free.message}."] if free else []
     write_identification_report(result, out, notes, {"file": file.name, "seed": str(seed), "loss": loss})
@@ -206,8 +208,8 @@ def _show_fleet(rows: Sequence[FleetRow], out: Path) -> None:
     show_fleet(rows, identification_table(rows), write_identification_fleet(rows, out))
 
 
-def _refuse_unknown(law: str, noise: str) -> None:
-    """Refuse laws and noise models that no file can be identified with, before a fleet is begun with them.
+def _refuse_unknown(law: str) -> None:
+    """Refuse laws that no file can be identified with, before a fleet is begun with them.
 
     Laws with a state need the friction torque over time, which this command does not take.
     """
@@ -215,7 +217,6 @@ def _refuse_unknown(law: str, noise: str) -> None:
     from fricomp.calibration.identification.identify import require_choice
     from fricomp.errors import IdentificationError
 
-    require_choice("noise", noise, ("auto", "relative", "absolute"))
     if law not in ("lugre", "dahl"):
         require_choice("law", law, ("auto", *separable_law_names()))
         return
@@ -299,25 +300,16 @@ def _rigid_sentence(motion: MotionIdentification) -> str:
     return said
 
 
-def _deviation(deviation: float) -> str:
-    return f"{deviation:.2g}" if isfinite(deviation) else "cannot be determined"
-
-
 def _finish(result: IdentificationResult, free: DiscrepancyNetwork | None, out: Path) -> None:
     """Write the model and the networks, print the tables."""
-    from rich.table import Table
-
     from fricomp.calibration.identification import Status, save_discrepancy, save_identification
+    from fricomp.cli.parameter_table import parameter_table
     from fricomp.cli.terminal import console
     from fricomp.control import find_doubt_in_status
 
     files = save_identification(result, out)
-    table = Table("parameter", "value", "standard deviation", "unit", box=None, pad_edge=False)
-    units = result.model.units()
-    for name, value in result.parameters.items():
-        table.add_row(name, f"{value:.5g}", _deviation(result.standard_deviations[name]), units[name])
     screen = console()
-    screen.print(table)
+    screen.print(parameter_table(result))
     said = f"{result.status}: {result.message}"
     if find_doubt_in_status(result.status, "") is not None:
         screen.print(f"NOT USABLE, {said}", style="bold red", markup=False)

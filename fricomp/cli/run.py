@@ -65,6 +65,7 @@ def run(
     from fricomp.adapters.configuration import choose_adapter
     from fricomp.cli.loop_charts import run_chart, timing_chart
     from fricomp.cli.missing import require
+    from fricomp.cli.out_folder import make_folder
     from fricomp.cli.terminal import console
     from fricomp.model import load_model
     from fricomp.report import draw_png
@@ -77,7 +78,7 @@ def run(
     require("matplotlib")
     friction = [load_model(path) for path in models]
     chosen = choose_adapter(backend, config)
-    out.mkdir(parents=True, exist_ok=True)
+    make_folder(out)
     motion = (amplitude, frequency, cycles)
     results: dict[str, LoopResult] = {}
     for name in ("without", "with"):

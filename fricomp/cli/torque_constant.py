@@ -13,6 +13,7 @@ from fricomp.calibration.identification.chart import REACH
 from fricomp.calibration.sweep import CalibrationRequest
 from fricomp.calibration.sweep.weight import HungWeight, TorqueConstant, identify_torque_constant, record_passes
 from fricomp.cli.calibration import follow, open_joint
+from fricomp.cli.out_folder import make_folder
 from fricomp.cli.terminal import console, progress
 from fricomp.errors import SweepAborted
 from fricomp.recording import Recording, write_recording
@@ -28,16 +29,14 @@ def measure_torque_constant(request: CalibrationRequest, weight: HungWeight, out
     """Move the joint without and with the weight, and write what that says; a simulated joint hangs it by itself.
 
     Raises:
-        SweepAborted: The folder cannot be made, or holds such a measurement that is not to be replaced.
+        ParameterError: The folder cannot be made.
+        SweepAborted: It holds such a measurement that is not to be replaced.
     """
     if not overwrite and any((out / name).exists() for name in (_RESULT, "bare-0.csv", "loaded-0.csv")):
         raise SweepAborted(
             f"{out} holds a torque constant already: replace it (--overwrite), or choose another folder (--out)"
         )
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise SweepAborted(f"cannot make the folder {out}: {error.strerror or error}") from error
+    make_folder(out)
     for old in (out / _RESULT, *out.glob("bare-*.csv"), *out.glob("loaded-*.csv")):
         old.unlink(missing_ok=True)  # left there, they would pass for what an interrupted one has found
     with open_joint(request) as context:

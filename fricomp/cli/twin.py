@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
-
-from fricomp.errors import ParameterError
 
 if TYPE_CHECKING:
     from fricomp.sim_bench.twins import DriveTwin
@@ -29,18 +27,23 @@ docs/twins.md says what a configuration file of a twin holds.
 
 @app.command(epilog=_EPILOG)
 def twin(
-    protocol: Annotated[str, typer.Argument(help="canopen, dynamixel, mit, moteus or odrive.")],
+    protocol: Annotated[
+        Literal["canopen", "dynamixel", "mit", "moteus", "odrive"], typer.Argument(help="What the drive speaks.")
+    ],
     config: Annotated[Path | None, typer.Option(help="TOML file: link, drives, joints.")] = None,
-    link: Annotated[str, typer.Option(help="pty, tcp or can; over what the configuration says.")] = "",
+    link: Annotated[
+        Literal["pty", "tcp", "can"] | None, typer.Option(help="How it is reached; over what the configuration says.")
+    ] = None,
     tcp_port: Annotated[int, typer.Option(help="TCP port; 0 for any free one.")] = 0,
     write_config: Annotated[Path | None, typer.Option(help="Write an adapter configuration that reaches it.")] = None,
 ) -> None:
     """Serve a drive with a simulated joint behind it in real time, until Ctrl-C."""
+    from fricomp.adapters.configuration import read_table
     from fricomp.cli.terminal import console
     from fricomp.sim_bench.twins import TwinServer
     from fricomp.sim_bench.twins.configuration import make_twin
 
-    table = _read(config)
+    table = read_table(config) if config is not None else {}
     given = {name: value for name, value in (("kind", link), ("tcp_port", tcp_port)) if value}
     table["link"] = {**table.get("link", {}), **given}
     with make_twin(protocol, table) as served, TwinServer(served, real_time=True) as server:
@@ -54,17 +57,6 @@ def twin(
         server.wait()
         if server.error is not None:
             raise server.error
-
-
-def _read(config: Path | None) -> dict[str, Any]:
-    import tomllib
-
-    if config is None:
-        return {}
-    try:
-        return tomllib.loads(config.read_text("utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ParameterError(f"{config} is not a TOML file: {error}") from error
 
 
 def _address(protocol: str, served: DriveTwin, link: dict[str, Any]) -> str:

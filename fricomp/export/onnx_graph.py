@@ -251,7 +251,7 @@ def _onnx() -> Any:
     try:
         import onnx
     except ImportError:
-        raise MissingExtraError("onnx", "calibrate") from None
+        raise MissingExtraError("onnx", "onnx") from None
     return onnx
 
 

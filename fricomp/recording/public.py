@@ -1,7 +1,7 @@
 """Public data sets, read from where they lie through the mappings of the package.
 
 The data are no part of the project: they are looked for in the folder that the environment variable
-`FRICOMP_DATA` names, else in `../shared/data` beside the repository.
+`FRICOMP_DATA` names.
 """
 
 import os

@@ -9,7 +9,7 @@ import pytest
 
 from fricomp.adapters import open_adapter
 from fricomp.adapters.bus_budget import BusBudget, can_frame_bits
-from fricomp.adapters.configuration import choose_adapter, read_configuration
+from fricomp.adapters.configuration import choose_adapter, read_configuration, read_table
 from fricomp.errors import AdapterConfigurationError
 
 TEXT = """
@@ -43,6 +43,27 @@ def test_a_file_becomes_an_adapter_with_its_limits_and_transmissions(tmp_path: P
     assert adapter.options.transmissions is not None
     assert adapter.options.transmissions[0].gear_ratio == 6.0
     assert adapter.options.transmissions[0].sign == -1
+
+
+def test_paths_in_a_file_count_from_its_own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "cfg").mkdir()
+    file = tmp_path / "cfg" / "arm.toml"
+    file.write_text(
+        'endpoints = "flat.json"\nmodel = "arm.xml"\n'
+        '[[joints]]\nfriction = "friction.json"\nmodel = "damiao/DM4310"\n'
+        '[[joints]]\nfriction = "/models/friction.json"\n'
+        '[sim]\nmodel = "two_link_arm"\njoints = [{ friction = "../friction.json" }]\n'
+    )
+    monkeypatch.chdir(tmp_path)
+    found = read_table("cfg/arm.toml")
+    assert found["endpoints"] == str(tmp_path / "cfg" / "flat.json")
+    assert found["model"] == str(tmp_path / "cfg" / "arm.xml")
+    assert [joint["friction"] for joint in found["joints"]] == [
+        str(tmp_path / "cfg" / "friction.json"),
+        "/models/friction.json",
+    ]
+    assert found["joints"][0]["model"] == "damiao/DM4310"
+    assert found["sim"] == {"model": "two_link_arm", "joints": [{"friction": str(tmp_path / "cfg/../friction.json")}]}
 
 
 @pytest.mark.parametrize(

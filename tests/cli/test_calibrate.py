@@ -15,8 +15,8 @@ from fricomp.calibration.sweep import CalibrationRequest, MotionFile, RunFolder,
 from fricomp.calibration.sweep.motion import MotionRunner
 from fricomp.calibration.sweep.weight import HungWeight
 from fricomp.cli import torque_constant
-from fricomp.cli.calibration import _with_reach
 from fricomp.cli.main import app
+from fricomp.cli.parameter_table import _with_reach
 from fricomp.errors import FricompError, RecordingError
 from fricomp.model import load_model
 from fricomp.recording import read_recording
@@ -145,8 +145,6 @@ def test_a_dry_run_of_a_motion_that_does_not_fit_says_so(motion: Path) -> None:
         ("--normal-load column", "no normal_load column"),
         ("--normal-load -3", "positive"),
         ("--normal-load transmitted", "no model says that a load acts"),
-        ("--method foo", "use pinn, least_squares"),
-        ("--noise foo", "use auto, relative, absolute"),
         ("--seed -1", "seed must be at least 0"),
         ("--speeds 0.03,0.1,0.4 --repeats 1", "would have 8 plateaus, at least 10"),
         ("--speeds 0.03,0.1,0.4,1.5 --repeats 1 --adaptive", "would have 8 plateaus"),

@@ -61,6 +61,16 @@ def test_export_to_json_is_the_model(model: Path, tmp_path: Path) -> None:
     assert load_model(tmp_path / "copy.json").law == load_model(model).law
 
 
+@pytest.mark.parametrize("to", ["c", "onnx"])
+def test_export_makes_the_folder_of_its_file(model: Path, tmp_path: Path, to: str) -> None:
+    out = tmp_path / "new" / "deeper" / "file"
+    assert fricomp("export", model, "--to", to, "--out", out).returncode == 0
+    assert out.is_file()
+    refused = fricomp("export", model, "--to", to, "--out", model / "new" / "file")
+    assert refused.returncode == 2
+    assert "cannot make the folder" in refused.stderr
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [

@@ -17,7 +17,7 @@ from fricomp.cli.diagnose import EXIT_BAD_DATA
 from fricomp.cli.diagnosis_folder import remove_earlier_diagnosis
 from fricomp.cli.diagnosis_warnings import diagnosis_warnings, distinct_names
 from fricomp.cli.main import app
-from fricomp.errors import DiagnosisError, RecordingError
+from fricomp.errors import DiagnosisError, FricompError, RecordingError
 from fricomp.laws import Coulomb, FrictionLaw
 from fricomp.model import FrictionModel, Provenance, save_model
 from fricomp.recording import Recording, RecordingMetadata, read_recording, write_recording
@@ -203,7 +203,7 @@ def _refused(tmp_path: Path, out: Path, *options: str) -> str:
     """What a diagnosis that is refused says, before it has read anything."""
     missing = str(tmp_path / "not_there.csv")
     result = CliRunner().invoke(app, ["diagnose", missing, "--out", str(out), *options])
-    assert isinstance(result.exception, DiagnosisError), result.output
+    assert isinstance(result.exception, FricompError), result.output
     return str(result.exception)
 
 
@@ -232,7 +232,8 @@ def test_a_file_that_is_no_diagnosis_is_not_written_over(name: str, diagnosed: b
 @pytest.mark.parametrize("options", [[], ["--each"]])
 def test_a_file_in_the_place_of_the_folder_is_told_at_once(below: str, options: list[str], tmp_path: Path) -> None:
     (tmp_path / "taken").write_text("")
-    assert f"{tmp_path / 'taken'} is a file" in _refused(tmp_path, tmp_path / "taken" / below, *options)
+    told = f"{tmp_path / 'taken'} is a file; choose another --out"
+    assert told in _refused(tmp_path, tmp_path / "taken" / below, *options)
 
 
 def test_a_diagnosis_may_be_repeated_in_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -32,6 +32,20 @@ def test_identifies_a_table_and_writes_model_network_and_report(tmp_path: Path) 
     assert load_model(out / "friction.json").forward.static_torque == pytest.approx(0.6, rel=0.1)
 
 
+def test_parameters_are_told_with_half_of_their_interval_for_each_direction(tmp_path: Path) -> None:
+    call = [str(_table(tmp_path / "points.csv")), "--out", str(tmp_path / "out"), "--method", "least_squares"]
+    said = CliRunner().invoke(app, call, env={"COLUMNS": "300"}).output
+    assert "± 95 %" in said
+    assert re.search(r"static torque \[N·m\] +│ +0\.\d+ ± 0\.\d+ +│ +0\.\d+ ± 0\.\d+", said), said
+
+
+@pytest.mark.parametrize("several", [False, True])
+def test_a_file_in_the_place_of_the_folder_is_told_at_once(tmp_path: Path, several: bool) -> None:
+    table = str(_table(tmp_path / "points.csv"))
+    done = CliRunner().invoke(app, [*[table] * (2 if several else 1), "--out", f"{table}/deeper"])
+    assert str(done.exception) == f"cannot make the folder {table}/deeper: {table} is a file; choose another --out"
+
+
 def test_a_model_that_is_not_usable_is_written_and_ends_with_1(tmp_path: Path) -> None:
     v = np.concatenate([np.linspace(0.3, 1.0, 40), -np.linspace(0.3, 1.0, 40)])
     torque = np.sign(v) * 0.2 + 0.05 * v + np.random.default_rng(0).normal(0.0, 0.003, v.size)
@@ -88,7 +102,8 @@ def test_a_table_is_told_from_a_recording(tmp_path: Path) -> None:
     ("text", "words"),
     [
         ("", "is empty"),
-        ("velocity,torque\n", "at least one row"),
+        ("velocity,torque\n", "has a header and no rows"),
+        ("velocity,force\n1,2\n", "it has velocity, force"),
         ("velocity,torque\n1,x\n", "row 1, column torque is 'x'"),
         ("velocity,torque\n1\n", "column torque is 'missing'"),
         ("velocity,torque\n1,nan\n", "not a finite number"),

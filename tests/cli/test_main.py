@@ -148,6 +148,24 @@ def test_help_says_what_is_easily_missed() -> None:
     assert _help("cases", "make").count("`fricomp cases list` has the names; drawn from the seed by default") == 4
 
 
+@pytest.mark.parametrize(
+    ("call", "valid"),
+    [
+        ("calibrate --loop foo", "'host'"),
+        ("calibrate --method foo", "'least_squares'"),
+        ("calibrate --noise foo", "'relative'"),
+        ("identify points.csv --noise foo", "'relative'"),
+        ("check-loop friction.json --inertia 1 --source foo", "'measured'"),
+        ("twin canopen --link foo", "'tcp'"),
+        ("twin telepathy", "'moteus'"),
+    ],
+)
+def test_what_is_none_of_the_choices_is_refused_with_those_there_are(call: str, valid: str) -> None:
+    done = CliRunner().invoke(main.app, call.split(), env={"COLUMNS": "300"})
+    assert done.exit_code == 2
+    assert valid in done.output
+
+
 def test_a_loop_is_checked_as_it_is_run() -> None:
     checked, run = (
         {option.name: option.default for option in typer.main.get_command(module.app).params}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 
 from fricomp.control import LARGEST_EXTRAPOLATION, Compensator, NetworkCompensator
-from fricomp.errors import ExportError, ParameterError
+from fricomp.errors import ExportError, MissingExtraError, ParameterError
 from fricomp.export import closed_form_graph, save_graph, stack_networks, state_columns
 from fricomp.laws import (
     BidirectionalStribeck,
@@ -49,6 +50,12 @@ def test_closed_form_agrees_with_the_model(tmp_path: Path) -> None:
     expected = model.torque(velocity.astype(np.float64), normal_load=load.astype(np.float64))
     found = run(tmp_path / "a.onnx", np.column_stack([velocity, load]))
     assert np.max(np.abs(found - expected)) <= 2e-6 * np.max(np.abs(expected))
+
+
+def test_without_onnx_the_extra_is_named_that_brings_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "onnx", None)
+    with pytest.raises(MissingExtraError, match=r"\[onnx\]"):
+        closed_form_graph([make_model()])
 
 
 @pytest.mark.parametrize("load", [0.0, -3.0])

@@ -110,8 +110,9 @@ def test_foreign_bytes_are_refused(tmp_path: Path, content: bytes) -> None:
 def test_missing_and_unwritable_files_say_so(tmp_path: Path) -> None:
     with pytest.raises(ModelFileError, match="cannot read"):
         load_model(tmp_path / "none.json")
-    with pytest.raises(ModelFileError, match="cannot write"):
-        save_model(example(), tmp_path / "no" / "folder" / "m.json")
+    save_model(example(), tmp_path / "new" / "folder" / "m.json")
+    with pytest.raises(ModelFileError, match="cannot make the folder"):
+        save_model(example(), tmp_path / "new" / "folder" / "m.json" / "m.json")
 
 
 def test_a_model_without_a_stribeck_curve_says_what_it_has() -> None:

@@ -39,8 +39,8 @@ def source(tmp_path: Path) -> Path:
     return tmp_path / "log.npz"
 
 
-def test_one_joint_is_written_under_the_given_name(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    out = source.with_name("hip.csv")
+def test_one_joint_is_written_where_it_is_told(source: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = source.parent / "new" / "hip.csv"
     convert(source, out, str(source.with_name("robot.toml")), ["hip"], 250.0)
     assert "1500 samples" in capsys.readouterr().out
     recording = read_recording(out)
@@ -79,7 +79,7 @@ def test_flipped_torque_is_status_2_without_force_and_nothing_is_written(source:
         ("log.npz", "a.xlsx", "robot.toml", ["hip"], "is neither .csv"),
         ("log.npz", "a.csv", "nowhere", [], "no mapping 'nowhere'"),
         ("log.npz", "a.csv", "", [], "without --mapping only native recordings are read"),
-        ("log.npz", "gone/a.csv", "robot.toml", ["hip"], "cannot write"),
+        ("log.npz", "log.npz/a.csv", "robot.toml", ["hip"], "cannot make the folder log.npz"),
     ],
 )
 def test_bad_requests_say_what_is_valid(

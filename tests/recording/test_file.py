@@ -86,9 +86,13 @@ def test_damaged_parquet_is_refused(tmp_path: Path) -> None:
         read_recording(path)
 
 
-def test_unwritable_folder_is_one_clear_error(make_recording: MakeRecording, tmp_path: Path) -> None:
-    with pytest.raises(RecordingError, match="cannot write"):
-        write_recording(make_recording(10), tmp_path / "absent" / "recording.csv")
+def test_a_folder_is_made_and_one_that_cannot_be_is_one_clear_error(
+    make_recording: MakeRecording, tmp_path: Path
+) -> None:
+    path = tmp_path / "absent" / "recording.csv"
+    write_recording(make_recording(10), path)
+    with pytest.raises(RecordingError, match=f"cannot make the folder {path}"):
+        write_recording(make_recording(10), path / "recording.csv")
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])

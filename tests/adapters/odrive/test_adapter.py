@@ -94,8 +94,13 @@ def test_endpoints_of_another_firmware_are_refused(tmp_path: Path) -> None:
 def test_a_file_that_is_no_endpoint_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "flat_endpoints.json"
     path.write_text("{}")
-    with pytest.raises(AdapterConfigurationError, match="flat_endpoints"):
+    with pytest.raises(AdapterConfigurationError, match=r"is not a flat_endpoints\.json .* each firmware$"):
         OdriveRig("0.6", path)
+
+
+def test_endpoints_that_are_not_there_are_called_so(tmp_path: Path) -> None:
+    with pytest.raises(AdapterConfigurationError, match=r"cannot read the endpoints .*: No such file"):
+        OdriveRig("0.6", tmp_path / "flat.json")
 
 
 def test_firmware_05_needs_a_torque_constant() -> None:

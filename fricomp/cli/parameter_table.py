@@ -1,0 +1,36 @@
+"""The parameters that an identification gives, as `calibrate` and `identify` print them."""
+
+from __future__ import annotations
+
+from math import floor, isfinite, log10
+
+from rich.table import Table
+
+from fricomp.calibration.identification import IdentificationResult
+
+__all__ = ["parameter_table"]
+
+
+def parameter_table(result: IdentificationResult) -> Table:
+    """One row a parameter, one column a direction, with half of the 95 % interval."""
+    sides: dict[str, dict[str, str]] = {}
+    for name in result.parameter_names:
+        reach, value = result.interval(name).upper - result.parameters[name], result.parameters[name]
+        *group, last = name.split(".")
+        rows = sides.setdefault(group[-1] if len(group) > 1 else "value", {})
+        rows[f"{last.replace('_', ' ')} [{result.model.units()[name]}]"] = _with_reach(value, reach)
+    table = Table(title=f"Friction of joint {result.model.joint}, ± 95 %", title_justify="left")
+    table.add_column("parameter")
+    for side in sides:
+        table.add_column(side, justify="right")
+    for label in dict.fromkeys(label for rows in sides.values() for label in rows):
+        table.add_row(label, *(rows.get(label, "") for rows in sides.values()))
+    return table
+
+
+def _with_reach(value: float, reach: float) -> str:
+    """Value and half of its interval, to the digits that the interval leaves."""
+    if not isfinite(reach):
+        return "cannot be determined"
+    decimals = max(0, min(9, 1 - floor(log10(reach)))) if reach > 0.0 else 6
+    return f"{value:.{decimals}f} ± {reach:.{decimals}f}"
