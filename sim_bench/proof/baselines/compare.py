@@ -12,12 +12,13 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from fricomp.errors import DiagnosisError
+from fricomp.report import format_markdown_table
 from fricomp.whole_file import whole_file
 
 from ...concealed import CaseSpec, generate, write_answer, write_case
 from ...fleet import stream
 from ..making import name_of
-from ..plan import PlannedCase
+from ..plan import NULLS, PlannedCase
 from ..score import Score
 from ..statistics import compute_share, format_quartiles
 from .data import Samples, fit_columns, load_data
@@ -25,7 +26,6 @@ from .methods import METHODS, fit_base
 
 __all__ = ["BaselineScore", "compare_baselines", "format_table"]
 
-_NOTHING = ("null", "hard_null")
 _VISIBLE = 0.5
 _GAP = 1.1  # held-out error of the refitted joint from which a gap can be closed
 
@@ -149,7 +149,7 @@ def _smoothed(torque: Samples) -> Samples:
 
 
 def format_table(baselines: Sequence[BaselineScore], scores: Sequence[Score], measured: str) -> str:
-    """The comparison as Markdown, with the diagnosis on the same cases in its first row where `scores` has them.
+    """The comparison as Markdown; where `scores` has some of the cases, on these alone, with the diagnosis first.
 
     Args:
         baselines: Of the other methods.
@@ -158,46 +158,44 @@ def format_table(baselines: Sequence[BaselineScore], scores: Sequence[Score], me
     """
     cases = {score.case for score in baselines}
     own = [score for score in scores if score.case in cases]
+    if own:
+        cases &= {score.case for score in own}
+    shared = [score for score in baselines if score.case in cases]
     rows = [_own_row(own)] if own else []
-    rows += [_base_row(baselines)]
-    rows += [_row(method, [score for score in baselines if score.method == method]) for method in METHODS]
-    head = [
-        "## Other methods",
-        "",
-        f"{measured} "
+    rows += [_base_row(shared)]
+    rows += [_row(method, [score for score in shared if score.method == method]) for method in METHODS]
+    text = (
+        f"{measured} {len(cases)} cases, the same for all. "
         "Error: on held-out blocks, over that of a refit with the true concealed torque, at ENR 0.5 or more (median, "
         "quartiles; 1 is as good as knowing that torque, less is possible where the refitted joint itself does not "
         "fit). Gap closed: share of the squared error above 1 that is removed, where the refitted joint alone leaves "
         f"more than {_GAP:g}; the diagnosis has a noise floor and rows of its own, so that neither compares. Names: "
-        "the strongest, single effects at ENR 0.5 or more.",
-        "",
-        "| method | right name first | names where nothing is missing | held-out error | gap closed |",
-        "|---|---|---|---|---|",
-    ]
-    return "\n".join([*head, *rows])
+        "the strongest, single effects at ENR 0.5 or more."
+    )
+    head = ["method", "right name first", "names where nothing is missing", "held-out error", "gap closed"]
+    return f"## Other methods\n\n{text}\n\n{format_markdown_table(head, rows)}"
 
 
-def _row(method: str, scores: Sequence[BaselineScore]) -> str:
-    single, nothing = _single(scores), [s for s in scores if s.group in _NOTHING]
+def _row(method: str, scores: Sequence[BaselineScore]) -> list[str]:
+    single, nothing = _single(scores), [s for s in scores if s.group in NULLS]
     names = compute_share(sum(s.top_right for s in single), len(single))
     alarms = compute_share(sum(s.false_alarm for s in nothing), len(nothing))
-    named = any(s.names for s in scores)
+    told = [str(names), str(alarms)] if any(s.names for s in scores) else ["–", "–"]
     errors = format_quartiles([s.error for s in single])
-    gaps = format_quartiles([s.gap_closed for s in single])
-    return f"| {method} | {names if named else '–'} | {alarms if named else '–'} | {errors} | {gaps} |"
+    return [method, *told, errors, format_quartiles([s.gap_closed for s in single])]
 
 
-def _own_row(scores: Sequence[Score]) -> str:
+def _own_row(scores: Sequence[Score]) -> list[str]:
     single = [s for s in scores if s.group == "single" and s.enr >= _VISIBLE]
-    nothing = [s for s in scores if s.group in _NOTHING]
+    nothing = [s for s in scores if s.group in NULLS]
     names = compute_share(sum(s.top_right for s in single), len(single))
     alarms = compute_share(sum(s.false_names > 0 for s in nothing), len(nothing))
-    return f"| **fricomp diagnose** | {names} | {alarms} | – | – |"
+    return ["**fricomp diagnose**", str(names), str(alarms), "–", "–"]
 
 
-def _base_row(baselines: Sequence[BaselineScore]) -> str:
+def _base_row(baselines: Sequence[BaselineScore]) -> list[str]:
     first = [s for s in _single(baselines) if s.method == next(iter(METHODS))]
-    return f"| rigid joint refitted | – | – | {format_quartiles([s.before for s in first])} | 0 |"
+    return ["rigid joint refitted", "–", "–", format_quartiles([s.before for s in first]), "0"]
 
 
 def _single(scores: Sequence[BaselineScore]) -> list[BaselineScore]:

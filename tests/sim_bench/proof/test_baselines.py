@@ -12,6 +12,7 @@ from fricomp.sim_bench.proof.baselines import METHODS, compare_baselines, format
 from fricomp.sim_bench.proof.baselines.data import BaselineData, fit_columns, load_data
 from fricomp.sim_bench.proof.baselines.library import build_library
 from fricomp.sim_bench.proof.baselines.methods import fit_base
+from tests.sim_bench.proof.scoring import score_of
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +51,9 @@ def test_all_methods_answer_and_their_table_is_written(tmp_path: Path) -> None:
     assert len(scores) == 2 * len(METHODS)
     assert first.stat().st_mtime_ns == written  # what is compared is not compared again
     table = format_table(scores, [], "Measured on a day.")
-    assert "Measured on a day. Error: on held-out blocks" in table
+    assert "Measured on a day." in table
+    shared = format_table(scores, [score_of(case=scores[0].case), score_of(case="another")], "")
+    assert "1 cases, the same for all" in shared
+    assert "| **fricomp diagnose** |" in shared
     assert all(f"| {method} |" in table for method in METHODS)
     assert all(np.isfinite(score.error) for score in scores)
