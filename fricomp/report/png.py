@@ -19,6 +19,7 @@ _DOTS_PER_INCH = 130
 _WIDTH = 1100.0 / 100.0  # [in] for a page of 1100 px at the usual 100 px/in
 _LETTER, _SYMBOL = 8.2, 56.0  # widths that decide how many lines a legend takes [px]
 _LEGEND_LINE = 23.0  # height of a line of the legend [px]
+_FEW_DECADES = 1e3  # highest over lowest value of a logarithmic axis whose ticks are plain numbers
 _POINT = 72.0 / 100.0  # [pt/px]
 _BLANK = "\u00a0"  # a title that shows nothing and takes its room
 _STROKE = {"solid": "-", "dashed": "--", "dotted": ":"}
@@ -98,14 +99,26 @@ def _draw_panel(figure: Any, ax: Any, panel: Panel, named: tuple[str, ...], abov
     ax.set_ylabel(panel.y_label)
     room = above * _LEGEND_LINE * _POINT
     ax.set_title(panel.title or _BLANK * bool(above), loc="left", pad=6.0 + room if panel.title else room - 10.0)
-    if panel.x_scale == "log":
-        ax.set_xscale("log")
-    if panel.y_scale == "log":
-        ax.set_yscale("log")
+    for name, scale in (("x", panel.x_scale), ("y", panel.y_scale)):
+        if scale == "log":
+            _make_logarithmic(ax, name)
     if panel.y_range is not None:
         ax.set_ylim(panel.y_range)
     if named:
         _draw_legend(ax, named, above)
+
+
+def _make_logarithmic(ax: Any, name: str) -> None:
+    """Powers of ten along an axis; over few of them plain numbers at 1, 2 and 5."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    getattr(ax, f"set_{name}scale")("log")
+    low, high = getattr(ax, f"get_{name}lim")()
+    if high <= _FEW_DECADES * low:
+        axis = getattr(ax, f"{name}axis")
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
 
 
 def _draw_legend(ax: Any, named: tuple[str, ...], lines: int) -> None:
