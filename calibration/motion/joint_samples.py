@@ -89,7 +89,7 @@ class RecordedMotion:
     @property
     def time(self) -> FloatArray:
         """Of the samples, without the gaps [s]. Shape (n,)."""
-        return self.index * self.period
+        return np.asarray(self.index * self.period, dtype=np.float64)
 
     def torque_after(self, lag: float) -> FloatArray:
         """The low-passed torque that was recorded `lag` [s] after the samples. Shape (n,)."""
