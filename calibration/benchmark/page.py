@@ -139,8 +139,9 @@ which fewer than 200 filtered samples slide is refused.
 
 `identify(..., law=...)` takes `coulomb`, `coulomb_viscous`, `tanh`, `arctan`, `symmetric_stribeck`, `stribeck` from
 points, and `dahl`, `lugre` from a time series with reversals (output error; a network of velocity and load has no
-state and takes no part). `choose_law` compares by held-out likelihood. `profile_interval` serves where the likelihood
-is not quadratic, `block_bootstrap` where points are correlated. With
+state and takes no part). Their velocity must be smooth: what differences of an encoder's counts jump by passes for
+speed, and is in no interval. `choose_law` compares by held-out likelihood. `profile_interval` serves where the
+likelihood is not quadratic, `block_bootstrap` where points are correlated. With
 `normal_load` the parameters hold at the mean load of the points, and this is the load that is assumed wherever none is
 known later; `fricomp compare` brings models that know their loads to one load first.
 """

@@ -13,7 +13,7 @@ from scipy.ndimage import binary_erosion
 
 from fricomp.laws import FloatArray
 
-from .correlated_fit import solve_correlated
+from ..identification.correlated_fit import solve_correlated
 
 __all__ = ["UNKNOWN_LAG", "TorqueLag", "estimate_lag"]
 
