@@ -9,12 +9,15 @@ import numpy as np
 from scipy import stats
 
 from fricomp.errors import ParameterError
-from fricomp.laws import FloatArray
+from fricomp.laws import FloatArray, Scalar
 from fricomp.model import FrictionModel
 
 from .normal_load import at_normal_load, own_load
 
 __all__ = ["ModelComparison", "ParameterChange", "compare_models"]
+
+_KNOWN = 1e9
+"""Degrees of freedom where the size of a covariance is known, or the model file does not say what it is from."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +52,7 @@ class ModelComparison:
 
     Attributes:
         changes: Every parameter with a variance in both models, the most significant first.
-        p_value: Of all of them together (Wald), or 1 where there is none.
+        p_value: Of all of them together, or 1 where there is none.
         significance: Level that decides `changed`.
         added: Terms only the new law has.
         removed: Terms only the old law has.
@@ -103,19 +106,17 @@ def compare_models(old: FrictionModel, new: FrictionModel, significance: float =
     if not 0.0 < significance < 1.0:
         raise ParameterError(f"significance must lie between 0 and 1, got {significance}")
     old, new, load, known = _at_one_load(old, new)
-    names, difference, covariance = _difference(old, new)
-    deviation = np.sqrt(np.diag(covariance))
-    p_values = _holm(2.0 * stats.norm.sf(np.abs(difference) / deviation))
+    difference = _difference(old, new)
     before, after, units = old.law.parameters(), new.law.parameters(), new.units()
     changes = [
         ParameterChange(name, units[name], before[name], after[name], float(sd), float(p))
-        for name, sd, p in zip(names, deviation, p_values, strict=True)
+        for name, sd, p in zip(difference.names, difference.deviation, difference.each(), strict=True)
     ]
     velocity, change = _largest_torque_change(old, new)
     terms_before, terms_after = ({term.name for term in model.law.terms} for model in (old, new))
     return ModelComparison(
         changes=tuple(sorted(changes, key=lambda c: (c.p_value, -abs(c.difference) / c.standard_deviation))),
-        p_value=_wald(difference, covariance),
+        p_value=difference.together(),
         significance=significance,
         added=tuple(sorted(terms_after - terms_before)),
         removed=tuple(sorted(terms_before - terms_after)),
@@ -145,22 +146,67 @@ def _at_one_load(old: FrictionModel, new: FrictionModel) -> _AtOneLoad:
     return _AtOneLoad(old, new, load, (before is not None, after is not None))
 
 
-def _difference(old: FrictionModel, new: FrictionModel) -> tuple[list[str], FloatArray, FloatArray]:
-    """Names with a variance in both models, new minus old, and the covariance of that."""
+class _Difference(NamedTuple):
+    """What two models say of the parameters that both have.
+
+    Attributes:
+        names: Dotted names.
+        value: New minus old. Shape (n,).
+        covariances: Of the old and the new values. Shape (n, n) each.
+        freedoms: Degrees of freedom that the size of each was estimated from.
+    """
+
+    names: list[str]
+    value: FloatArray
+    covariances: tuple[FloatArray, FloatArray]
+    freedoms: tuple[float, float]
+
+    @property
+    def deviation(self) -> FloatArray:
+        """Standard deviation of each difference. Shape (n,)."""
+        return np.asarray(np.sqrt(np.diag(self.covariances[0] + self.covariances[1])))
+
+    def each(self) -> FloatArray:
+        """p of each parameter, by Student's t, corrected for their number. Shape (n,)."""
+        shares = [np.diag(covariance) / self.deviation**2 for covariance in self.covariances]
+        return _holm(2.0 * stats.t.sf(np.abs(self.value) / self.deviation, self._freedom(*shares)))
+
+    def together(self) -> float:
+        """p of all parameters, by Fisher's F; 1 where there is none."""
+        if self.value.size == 0:
+            return 1.0
+        scale = np.outer(self.deviation, self.deviation)
+        correlations = [covariance / scale for covariance in self.covariances]
+        rank = int(np.linalg.matrix_rank(sum(correlations), tol=1e-10))
+        inverse = np.linalg.pinv(sum(correlations), rcond=1e-10)
+        z = self.value / self.deviation
+        shares = [np.trace(correlation @ inverse) / rank for correlation in correlations]
+        return float(stats.f.sf(float(z @ inverse @ z) / rank, rank, self._freedom(*shares)))
+
+    def _freedom(self, old: Scalar, new: Scalar) -> Scalar:
+        """Degrees of freedom of the sum of both, by their shares in it [satterthwaite1946]."""
+        return 1.0 / (old**2 / self.freedoms[0] + new**2 / self.freedoms[1])
+
+
+def _difference(old: FrictionModel, new: FrictionModel) -> _Difference:
+    """The parameters with a variance in both models."""
     if old.covariance is None or new.covariance is None:
         raise ParameterError(_no_covariance(*(("old", old) if old.covariance is None else ("new", new))))
+    both = (old.covariance, new.covariance)
     names = [name for name in old.covariance.names if name in new.covariance.names]
     if not names:
         raise ParameterError("the two models share no identified parameter")
-    blocks = []
-    for covariance in (old.covariance, new.covariance):
-        rows = [covariance.names.index(name) for name in names]
-        blocks.append(covariance.matrix[np.ix_(rows, rows)])
-    total = blocks[0] + blocks[1]
-    known = np.flatnonzero(np.diag(total) > 0.0)
-    names = [names[i] for i in known]
+    rows = [[covariance.names.index(name) for name in names] for covariance in both]
+    first, second = (covariance.matrix[np.ix_(row, row)] for covariance, row in zip(both, rows, strict=True))
+    known = np.flatnonzero(np.diag(first + second) > 0.0)
+    names, part = [names[i] for i in known], np.ix_(known, known)
     before, after = old.law.parameters(), new.law.parameters()
-    return names, np.array([after[n] - before[n] for n in names]), total[np.ix_(known, known)]
+    return _Difference(
+        names,
+        np.array([after[name] - before[name] for name in names]),
+        (first[part], second[part]),
+        (both[0].degrees_of_freedom or _KNOWN, both[1].degrees_of_freedom or _KNOWN),
+    )
 
 
 def _no_covariance(which: str, model: FrictionModel) -> str:
@@ -171,16 +217,6 @@ def _no_covariance(which: str, model: FrictionModel) -> str:
             "make both models with fricomp identify or fricomp calibrate"
         )
     return f"the {which} model has no covariance, so no change can be judged: identify it from data"
-
-
-def _wald(difference: FloatArray, covariance: FloatArray) -> float:
-    if difference.size == 0:
-        return 1.0
-    scale = np.sqrt(np.diag(covariance))
-    correlation = covariance / np.outer(scale, scale)
-    z = difference / scale
-    statistic = float(z @ np.linalg.pinv(correlation, rcond=1e-10) @ z)
-    return float(stats.chi2.sf(statistic, np.linalg.matrix_rank(correlation, tol=1e-10)))
 
 
 def _holm(p_values: FloatArray) -> FloatArray:

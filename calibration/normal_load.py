@@ -86,4 +86,4 @@ def _propagate(covariance: Covariance | None, jacobian: FloatArray) -> Covarianc
     if covariance is None:
         return None
     matrix = jacobian @ covariance.matrix @ jacobian.T
-    return Covariance(covariance.names, 0.5 * (matrix + matrix.T))
+    return replace(covariance, matrix=0.5 * (matrix + matrix.T))

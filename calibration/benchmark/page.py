@@ -128,14 +128,20 @@ both; only where friction would have to drive the joint in one direction does th
 samples through whose low-pass the joint slides in one direction count, for the rigid body too: at rest friction is
 whatever holds the joint, such as minus gravity. Where friction builds up over a way after rests and reversals, that way
 is left out and named; a static law still gives too low a static torque where that way is long. Rigid body and friction
-are fitted together, and standard deviations allow for both and for correlated errors [newey1987]. The low-pass is
+are fitted together, and standard deviations allow for both and for correlated errors [newey1987]. A torque signal that
+is late by 3 ms would put half the viscous coefficient on top of it, or more: the lag, or lead, is estimated from what
+of the torque's slope neither rigid body nor friction can imitate, is said and taken off, up to 50 ms (more where the
+low-pass is lower), with a warning above 10 ms and no convergence beyond. Where the motion does not tell it, it is
+0 ± 4 ms, and that is in the standard deviations. Friction that builds up after reversals may pass for some tenths of a
+millisecond of it. The low-pass is
 lowered where the encoder's noise would pass for acceleration. What stays unknown is `not_identifiable`; a recording in
 which fewer than 200 filtered samples slide is refused.
 
 `identify(..., law=...)` takes `coulomb`, `coulomb_viscous`, `tanh`, `arctan`, `symmetric_stribeck`, `stribeck` from
 points, and `dahl`, `lugre` from a time series with reversals (output error; a network of velocity and load has no
-state and takes no part). `choose_law` compares by held-out likelihood. `profile_interval` serves where the likelihood
-is not quadratic, `block_bootstrap` where points are correlated. With
+state and takes no part). Their velocity must be smooth: what differences of an encoder's counts jump by passes for
+speed, and is in no interval. `choose_law` compares by held-out likelihood. `profile_interval` serves where the
+likelihood is not quadratic, `block_bootstrap` where points are correlated. With
 `normal_load` the parameters hold at the mean load of the points, and this is the load that is assumed wherever none is
 known later; `fricomp compare` brings models that know their loads to one load first.
 """

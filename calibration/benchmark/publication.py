@@ -42,7 +42,7 @@ def publish(ledger: Ledger, pages: Sequence[Path], command: str) -> None:
 
 
 def _figures(ledger: Ledger) -> dict[str, Any]:
-    single = ("departure", "loads", "extras")
+    single = ("departure", "loads", "further")
     return {study: [row["figures"] for row in ledger.rows(study=study)] for study in single} | {
         "targets": measured_targets(ledger),
         "noise_free": summarise_noise_free(ledger),

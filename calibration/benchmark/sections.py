@@ -213,8 +213,11 @@ def extras_section(ledger: Ledger) -> str:
         f"from {f.uniform_percent:.2f} to {f.planned_percent:.2f} % of the value (ratio {f.ratio:.3f}) under "
         f"5 % relative noise, {f.top_share:.0%} of the effort at top speed. Identified from simulated plateaus "
         f"at these speeds, the mean RMS error is {f.measured_ratio:.3f} of the uniform grid's.\n\n"
-        f"LuGre from {f.lugre_seconds:.0f} s at 1 kHz with reversals and 2 % noise, {f.lugre_seeds} records: "
-        f"largest error of a static parameter {f.lugre_static_percent:.2f} %, "
-        f"of sigma_0 {f.lugre_stiffness_percent:.2f} %.\n"
-        for f in (ExtraFigures(**figures) for figures in _largest(ledger, "extras"))
+        f"LuGre from {f.lugre_seconds:.0f} s at 1 kHz with reversals and 2 % noise, {f.lugre_seeds} records of a joint "
+        f"solved at 20 kHz by another rule, its velocity from the counts of an 18-bit encoder through a low-pass of "
+        f"60 Hz: largest error of a static parameter {f.lugre_static_percent:.2f} %, "
+        f"of sigma_0 {f.lugre_stiffness_percent:.2f} %, of sigma_1 {f.lugre_damping_percent:.1f} %; "
+        f"{f.lugre_coverage:.0%} of the 95 % intervals hold the truth, {f.lugre_converged} report `converged`. What "
+        f"encoder and low-pass do to the velocity is not in the intervals; without a low-pass it is more.\n"
+        for f in (ExtraFigures(**figures) for figures in _largest(ledger, "further"))
     )

@@ -136,10 +136,10 @@ def run_extras(ledger: Ledger, draws: int, lugre_seeds: int, progress: Progress)
     """Speeds chosen for information, and LuGre."""
     from .extras import measure_extras
 
-    if not ledger.rows(study="extras", size=draws):
+    if not ledger.rows(study="further", size=draws):
         progress("speeds chosen for information, LuGre")
         figures = asdict(measure_extras(draws, lugre_seeds))
-        ledger.append({"study": "extras", "seed": 0, "size": draws, "figures": figures})
+        ledger.append({"study": "further", "seed": 0, "size": draws, "figures": figures})
 
 
 def contaminate(draw: Draw, problem: PaperProblem) -> tuple[Draw, FloatArray]:

@@ -27,7 +27,8 @@ def with_covariance(result: IdentificationResult, covariance: FloatArray) -> Ide
     """
     short = np.maximum(np.diag(result.covariance) - np.diag(covariance), 0.0)
     covariance = covariance + np.diag(short)
-    model = replace(result.model, covariance=Covariance(result.parameter_names, covariance))
+    before = result.model.covariance or Covariance(result.parameter_names, covariance)
+    model = replace(result.model, covariance=replace(before, matrix=covariance))
     result = replace(result, model=model, covariance=covariance)
     deviations = np.sqrt(np.diag(covariance)).tolist()
     known = zip(result.parameters.items(), deviations, strict=True)

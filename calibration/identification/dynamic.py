@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +14,7 @@ from fricomp.errors import IdentificationError
 from fricomp.laws import Dahl, FloatArray, FrictionLaw, LuGre, StribeckCurve
 from fricomp.model import Covariance, FrictionModel, Provenance, Validity
 
+from .correlated_fit import solve_correlated
 from .form import separable_law
 from .information import invert_information
 from .likelihood import Noise
@@ -40,7 +42,7 @@ class DynamicIdentification:
         message: One sentence on the status.
         parameter_names: Dotted names, in the order of the covariance.
         parameters: Estimates by dotted name, in their own units.
-        covariance: Shape (n_parameters, n_parameters).
+        covariance: For errors that differ in size and are correlated. Shape (n_parameters, n_parameters).
         residual: Measured minus simulated torque [N·m] or [N]. Shape (n_samples,).
         negative_log_likelihood: Of white noise of unknown level.
     """
@@ -62,7 +64,8 @@ def identify_dynamic(
 
     Args:
         time: Evenly spaced [s]. Shape (n,).
-        velocity: [rad/s] or [m/s]. Shape (n,).
+        velocity: At these times, smooth: differences of an encoder's counts need a low-pass without lag, for what they
+            jump by passes for speed [rad/s] or [m/s]. Shape (n,).
         torque: Friction torque [N·m] or [N]. Shape (n,).
         law: `lugre` (ten parameters) or `dahl` (two).
 
@@ -95,30 +98,41 @@ def simulate_bristle(values: FloatArray, velocity: FloatArray, dt: float) -> Flo
 
     Args:
         values: Rows of LuGre (ten values) or Dahl (two) parameters. Shape (n_sets, n_parameters).
-        velocity: Velocity over the step that ends at each sample [rad/s] or [m/s]. Shape (n_samples,).
+        velocity: At each sample; over the step to it, the mean of both its ends [rad/s] or [m/s]. Shape (n_samples,).
         dt: Step [s].
 
     Returns:
         Torque [N·m] or [N]. Shape (n_samples, n_sets).
     """
-    speed, forward = np.abs(velocity)[:, None], (velocity >= 0.0)[:, None]
+    over_step = 0.5 * (velocity + np.concatenate([velocity[:1], velocity[:-1]]))
+    mean = _bristle(values, over_step)
+    target, keep = mean.steady * np.sign(over_step)[:, None], np.exp(-np.abs(over_step)[:, None] * dt / mean.steady)
+    deflection = np.zeros_like(target)
+    for k in range(1, len(velocity)):
+        deflection[k] = target[k] + (deflection[k - 1] - target[k]) * keep[k]
+    at, v = _bristle(values, velocity), velocity[:, None]
+    rate = v - np.abs(v) * deflection / at.steady
+    return np.asarray(at.stiffness * deflection + at.damping * rate + at.viscous * v)
+
+
+class _Bristle(NamedTuple):
+    """Deflection in steady sliding, viscous coefficient, sigma_0, sigma_1 at each velocity, of each set."""
+
+    steady: FloatArray
+    viscous: FloatArray
+    stiffness: FloatArray
+    damping: FloatArray
+
+
+def _bristle(values: FloatArray, velocity: FloatArray) -> _Bristle:
     if values.shape[1] == len(_DAHL):
-        dry = np.broadcast_to(values[:, 0], (len(velocity), len(values)))
-        viscous, stiffness, damping = np.zeros(len(values)), values[:, 1], np.zeros(len(values))
-    else:
-        side = np.where(forward[:, :, None], values[:, :4], values[:, 4:8])
-        falling = np.exp(-((speed / side[:, :, 2]) ** 2))
-        dry = side[:, :, 0] + (side[:, :, 1] - side[:, :, 0]) * falling
-        viscous, stiffness, damping = side[:, :, 3], values[:, 8], values[:, 9]
-    steady = dry / stiffness
-    target, keep = steady * np.sign(velocity)[:, None], np.exp(-speed * dt / steady)
-    deflection = np.empty_like(target)
-    z = np.zeros(len(values))
-    for k in range(len(velocity)):
-        z = target[k] + (z - target[k]) * keep[k]
-        deflection[k] = z
-    rate = np.diff(deflection, axis=0, prepend=np.zeros((1, len(values)))) / dt
-    return np.asarray(stiffness * deflection + damping * rate + viscous * velocity[:, None])
+        nothing, stiffness = np.zeros(len(values)), values[:, 1]
+        steady = np.broadcast_to(values[:, 0] / stiffness, (len(velocity), len(values)))
+        return _Bristle(steady, nothing, stiffness, nothing)
+    side = np.where((velocity >= 0.0)[:, None, None], values[:, :4], values[:, 4:8])
+    falling = np.exp(-((velocity[:, None] / side[:, :, 2]) ** 2))
+    dry = side[:, :, 0] + (side[:, :, 1] - side[:, :, 0]) * falling
+    return _Bristle(dry / values[:, 8], side[:, :, 3], values[:, 8], values[:, 9])
 
 
 def _check(t: FloatArray, v: FloatArray, tau: FloatArray, law: str) -> float:
@@ -167,7 +181,11 @@ def _result(
 ) -> DynamicIdentification:
     values, (v, tau) = np.exp(logs), samples
     variance = float(residual @ residual) / max(len(residual) - len(logs), 1)
-    covariance = invert_information(jacobian.T @ jacobian / max(variance, 1e-300)) * np.outer(values, values)
+    covariance = invert_information(jacobian.T @ jacobian / max(variance, 1e-300))
+    reach = round(len(residual) ** (1.0 / 3.0))  # grows slower than the record, as [newey1987] asks
+    robust = solve_correlated(jacobian, residual, np.arange(len(residual)), reach).covariance
+    short = np.maximum(np.diag(covariance) - np.diag(robust), 0.0)  # never surer than by independent, equal errors
+    covariance = (robust + np.diag(short)) * np.outer(values, values)
     vague = [n for n, c, x in zip(names, np.diag(covariance), values, strict=True) if c > x**2]
     status, message = Status.CONVERGED, "converged to a least-squares optimum of the simulated torque"
     if not done:
@@ -177,7 +195,7 @@ def _result(
     model = FrictionModel(
         law=_law(values),
         validity=Validity(velocity=(float(v.min()), float(v.max()))),
-        covariance=Covariance(names, 0.5 * (covariance + covariance.T)),
+        covariance=Covariance(names, 0.5 * (covariance + covariance.T), max(len(residual) - len(names), 1)),
         provenance=Provenance(
             method="output_error",
             status=str(status),

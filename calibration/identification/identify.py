@@ -224,6 +224,6 @@ def _model(
             velocity=(float(velocity.min()), float(velocity.max())),
             normal_load=None if load is None else (float(load.min()), float(load.max())),
         ),
-        covariance=Covariance(form.names, covariance),
+        covariance=Covariance(form.names, covariance, max(points.size - len(form.names), 1)),
         provenance=provenance,
     )

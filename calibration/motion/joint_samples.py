@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfiltfilt
 
 from fricomp.errors import IdentificationError
@@ -22,7 +23,7 @@ from .parts import MotionParts, split_motion
 __all__ = [
     "FEWEST_SAMPLES",
     "JointSamples",
-    "RecordedVelocity",
+    "RecordedMotion",
     "RegressionSettings",
     "choose_settings",
     "sample_joint",
@@ -68,20 +69,36 @@ share of 1.05 is as mixed as one of 0.95."""
 
 
 @dataclass(frozen=True)
-class RecordedVelocity:
-    """The velocity before the low-pass that samples have gone through.
+class RecordedMotion:
+    """What samples were decimated from, at the recording's own rate.
 
     Attributes:
-        parts: Velocity of each part between gaps, at the recording's own rate [rad/s] or [m/s].
+        parts: Velocity of each part between gaps, before the low-pass [rad/s] or [m/s].
+        torques: Torque of each part, after it [N·m], [N] or the recording's unit.
         low_pass: Second-order sections of the filter, which each part has gone through on its own.
         index: Positions of the samples in the parts, one after the other. Shape (n,).
         period: Of the recording [s].
     """
 
     parts: tuple[FloatArray, ...]
+    torques: tuple[FloatArray, ...]
     low_pass: FloatArray
     index: np.ndarray[tuple[int], np.dtype[np.intp]]
     period: float
+
+    @property
+    def time(self) -> FloatArray:
+        """Of the samples, without the gaps [s]. Shape (n,)."""
+        return np.asarray(self.index * self.period, dtype=np.float64)
+
+    def torque_after(self, lag: float) -> FloatArray:
+        """The low-passed torque that was recorded `lag` [s] after the samples. Shape (n,)."""
+        at = [np.arange(len(torque), dtype=np.float64) for torque in self.torques]
+        shifted = [
+            CubicSpline(t, torque)(np.clip(t + lag / self.period, 0.0, t[-1]))
+            for t, torque in zip(at, self.torques, strict=True)
+        ]
+        return np.asarray(np.concatenate(shifted)[self.index])
 
     def filtered_torque(self, model: FrictionModel) -> FloatArray:
         """Friction of `model` as the low-pass shows it at the samples [N·m] or [N]. Shape (n,)."""
@@ -125,7 +142,7 @@ class JointSamples:
         acceleration: [rad/s²] or [m/s²]. Shape (n,).
         direction: Low-passed sign of the velocity; between -1 and 1 near a reversal. Shape (n,).
         torque: [N·m], [N] or the recording's unit. Shape (n,).
-        recorded: The velocity that they were filtered from.
+        recorded: What they were decimated from.
     """
 
     position: FloatArray
@@ -133,7 +150,7 @@ class JointSamples:
     acceleration: FloatArray
     direction: FloatArray
     torque: FloatArray
-    recorded: RecordedVelocity
+    recorded: RecordedMotion
 
     def sliding(self, slowest: float, travel: float = 0.0) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
         """Samples through whose low-pass the joint slides in one direction only, so that its friction is known.
@@ -175,11 +192,13 @@ def sample_joint(recording: Recording, settings: RegressionSettings = _DEFAULTS)
             f"a motion needs at least {FEWEST_SAMPLES} samples between gaps, this one has {count}"
         )
     low_pass = butter(4, min(settings.torque_cutoff, 0.4 * rate), fs=rate, output="sos")
-    filtered, velocities, kept = zip(*(_filter(even, recording, low_pass, settings) for even in times), strict=True)
+    filtered, velocities, torques, kept = zip(
+        *(_filter(even, recording, low_pass, settings) for even in times), strict=True
+    )
     starts = np.concatenate([[0], np.cumsum([len(even) for even in times])[:-1]])
     index = np.concatenate([start + part for start, part in zip(starts, kept, strict=True)])
     position, velocity, acceleration, direction, torque = np.concatenate(filtered, axis=1)
-    recorded = RecordedVelocity(velocities, low_pass, index, recording.sample_period)
+    recorded = RecordedMotion(velocities, torques, low_pass, index, recording.sample_period)
     return JointSamples(position, velocity, acceleration, direction, torque, recorded)
 
 
@@ -237,8 +256,8 @@ def split_for(recording: Recording, settings: RegressionSettings = _DEFAULTS) ->
 
 def _filter(
     even: FloatArray, recording: Recording, low_pass: FloatArray, settings: RegressionSettings
-) -> tuple[FloatArray, FloatArray, np.ndarray[tuple[int], np.dtype[np.intp]]]:
-    """One part without gaps: the first columns of `JointSamples`, the velocity before its filter, and which are kept.
+) -> tuple[FloatArray, FloatArray, FloatArray, np.ndarray[tuple[int], np.dtype[np.intp]]]:
+    """One part without gaps: columns of `JointSamples`, velocity before the filter, torque after it, what is kept.
 
     Args:
         even: Times at the recording's rate [s]. Shape (n,).
@@ -255,4 +274,5 @@ def _filter(
     factor = max(1, int(rate / (5.0 * settings.torque_cutoff)))
     skip = max(1, int(settings.margin * rate / factor))
     kept = np.arange(0, len(even), factor)[skip:-skip]
-    return sosfiltfilt(low_pass, columns, axis=1)[:, kept], velocity, kept
+    filtered = sosfiltfilt(low_pass, columns, axis=1)
+    return filtered[:, kept], velocity, filtered[-1], kept

@@ -3,7 +3,8 @@
 Torque and regressors pass through the same low-pass filter and are decimated together [gautier1997filtering], so the
 filter cancels; position is differentiated after a zero-phase low-pass. Only samples that slide count: at rest friction
 is whatever holds the joint, such as minus gravity, which a fit would take for gravity and inertia. Rigid body and
-friction law are fitted together, and deviations hold for errors that are correlated.
+friction law are fitted together, a torque that comes late is shifted, and deviations hold for errors that are
+correlated.
 """
 
 from __future__ import annotations
@@ -16,11 +17,12 @@ from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 
 from ..identification import IdentificationOptions, IdentificationResult, identify
+from ..identification.correlated_fit import CorrelatedFit, solve_correlated
 from ..identification.doubt import with_covariance
 from ..identification.form import separable_law
-from .correlated_fit import CorrelatedFit, solve_correlated
 from .joint_samples import FEWEST_SAMPLES, JointSamples, RegressionSettings
-from .verdict import weigh_rivals, with_offset_note
+from .torque_lag import TorqueLag, estimate_lag
+from .verdict import weigh_rivals, with_lag_note, with_offset_note
 
 __all__ = ["MotionIdentification", "RigidBodyFit", "fit_rigid_body", "identify_motion"]
 
@@ -33,6 +35,10 @@ _REACH = 25
 """Samples over which errors go together: five periods of the low-pass's cutoff, over which its answer has died out."""
 _REFINEMENTS = 3
 """Times that friction and rigid body are refined; a third one moved parameters by less than a standard deviation."""
+_LAG_STEPS = 6
+"""Times that the lag of the torque is taken off anew, at most; two or three are enough for 20 ms."""
+_LAG_SETTLED = 0.1
+"""Step of the lag that is too small to take, in its standard deviations."""
 _LENGTHS = tuple(np.geomspace(1e-5, 0.01, 13).tolist())
 """Lengths of presliding to try, as fractions of the range of the motion; four of the last are 4 % of the range."""
 _SETTLED = 4.0
@@ -81,12 +87,14 @@ class MotionIdentification:
             the law has friction of its own in each direction: sliding cannot tell one from the other.
         friction: The friction law fitted to what they leave.
         points: Friction points behind it: velocity and torque. Shape (n, 2).
+        lag: How late the torque comes, which has been taken off, also in `points`.
         presliding: Way after each rest and reversal that is left out since friction builds up on it [rad] or [m].
     """
 
     rigid_body: RigidBodyFit
     friction: IdentificationResult
     points: FloatArray
+    lag: TorqueLag
     presliding: float = 0.0
 
 
@@ -133,22 +141,23 @@ def identify_motion(
         IdentificationError: The motion does not tell the parts apart.
     """
     chosen = options or IdentificationOptions()
-    fit = _fit_sliding(samples, settings, _sliding(samples, settings.slowest), law, chosen)
-    presliding = _SETTLED * _find_presliding(samples, settings, fit)
+    fit = _fit_aligned(samples, settings, _sliding(samples, settings.slowest), law, chosen)
+    presliding = _SETTLED * _find_presliding(settings, fit)
     if presliding > 0.0:
-        fit = _fit_sliding(samples, settings, _sliding(samples, settings.slowest, presliding), law, chosen)
-    friction = fit.friction(samples)
+        fit = _fit_aligned(samples, settings, _sliding(samples, settings.slowest, presliding), law, chosen)
+    friction = fit.friction()
     velocity = samples.velocity[fit.rows]
     result = identify(velocity, friction, noise="absolute", law=law, options=chosen)
     together = fit.together(result)
     n_body = fit.columns.shape[1]
-    result = with_covariance(result, together.covariance[n_body:, n_body:])
+    result = with_covariance(result, fit.lag.widen(together.covariance)[n_body:, n_body:])
     alone = _fit_together(fit.columns, fit.left, result, np.flatnonzero(fit.rows), reach=1)
     ratio = np.diag(together.covariance)[n_body:] / np.maximum(np.diag(alone.covariance)[n_body:], 1e-300)
     result = weigh_rivals(result, fit.found, max(1.0, float(np.max(ratio))))
+    result = with_lag_note(result, fit.lag)
     if fit.shares_offset:
         result = with_offset_note(result, fit.symmetric_offset)
-    return MotionIdentification(fit.rigid, result, np.stack([velocity, friction], axis=1), presliding)
+    return MotionIdentification(fit.rigid, result, np.stack([velocity, friction], axis=1), fit.lag, presliding)
 
 
 @dataclass(frozen=True)
@@ -156,31 +165,37 @@ class _SlidingFit:
     """Rigid body and friction of the samples that slide.
 
     Attributes:
+        samples: All samples, their torque rid of its lag as far as it is known.
         rows: Which samples. Shape (n_samples,).
         columns: What the rigid body's parameters multiply, at them. Shape (n, n_body).
         left: Torque without friction, and without an offset that is not fitted, at them [N·m] or [N]. Shape (n,).
         mixed: What the low-pass does to friction at all samples [N·m] or [N]. Shape (n_samples,).
         rigid: The rigid body.
         found: The friction.
+        slope: Of the fitted torque over time, at them [N·m/s] or [N/s]. Shape (n,).
+        lag: How late the torque comes, with what was taken off.
         shares_offset: Whether friction takes the offset.
         symmetric_offset: Offset beside symmetric friction [N·m] or [N].
     """
 
+    samples: JointSamples
     rows: _Rows
     columns: FloatArray
     left: FloatArray
     mixed: FloatArray
     rigid: RigidBodyFit
     found: IdentificationResult
+    slope: FloatArray
+    lag: TorqueLag
     shares_offset: bool
     symmetric_offset: float
 
-    def friction(self, samples: JointSamples) -> FloatArray:
+    def friction(self) -> FloatArray:
         """Friction points: what the rigid body leaves of the torque [N·m] or [N]. Shape (n,)."""
-        return np.asarray((samples.torque - self.rigid.rigid_torque(samples) - self.mixed)[self.rows])
+        return np.asarray((self.samples.torque - self.rigid.rigid_torque(self.samples) - self.mixed)[self.rows])
 
     def together(self, found: IdentificationResult, more: FloatArray | None = None) -> CorrelatedFit:
-        """Rigid body, small changes of friction and `more` fitted at once; more at the end. Shape of more (n,)."""
+        """Rigid body, small changes of friction and `more` fitted at once; more at the end. Shape (n, n_more)."""
         return _fit_together(self.columns, self.left, found, np.flatnonzero(self.rows), more)
 
 
@@ -196,10 +211,38 @@ def _sliding(samples: JointSamples, slowest: float, travel: float = 0.0) -> _Row
     return rows
 
 
-def _fit_sliding(
+def _fit_aligned(
     samples: JointSamples, settings: RegressionSettings, rows: _Rows, law: str, options: IdentificationOptions
 ) -> _SlidingFit:
-    """Rigid body and friction in turns, each rigid body fitted together with small changes of the friction."""
+    """Rigid body and friction with the torque at the time of the motion that it belongs to."""
+    fit = _fit_sliding(samples, settings, rows, law, options, 0.0)
+    for _ in range(_LAG_STEPS):
+        lag = float(np.clip(fit.lag.value, -settings.margin, settings.margin))  # beyond, parts have no torque
+        if fit.lag.step < _LAG_SETTLED or lag == fit.lag.taken_off:
+            break
+        aligned = replace(samples, torque=samples.recorded.torque_after(lag))
+        fit = _fit_sliding(aligned, settings, rows, law, options, lag)
+    return fit
+
+
+def _fit_sliding(
+    samples: JointSamples,
+    settings: RegressionSettings,
+    rows: _Rows,
+    law: str,
+    options: IdentificationOptions,
+    lag: float,
+) -> _SlidingFit:
+    """Rigid body and friction in turns, each rigid body fitted together with small changes of the friction.
+
+    Args:
+        samples: All samples.
+        settings: Whether gravity acts.
+        rows: Which samples slide. Shape (n_samples,).
+        law: The law of friction.
+        options: Of its identification.
+        lag: What their torque was rid of [s].
+    """
     rigid = fit_rigid_body(samples, gravity=settings.gravity, rows=rows)
     symmetric_offset = rigid.offset
     bidirectional = separable_law(law).bidirectional  # its curves hold any offset: fitted beside them it is anything
@@ -216,21 +259,27 @@ def _fit_sliding(
         left = (samples.torque - filtered)[rows] - (rigid.offset if bidirectional else 0.0)
         together = _fit_together(columns, left, found, np.flatnonzero(rows))
         rigid = _with_body(rigid, together, settings.gravity, has_offset=not bidirectional)
-    return _SlidingFit(rows, columns, left, mixed, rigid, found, shares_offset, symmetric_offset)
+    slope = np.gradient(rigid.rigid_torque(samples) + filtered, samples.recorded.time)[rows]
+    late = estimate_lag(lag, np.hstack([columns, _slopes(found)]), (slope, left), rows, _REACH)
+    together = together._replace(covariance=late.widen(together.covariance))
+    rigid = _with_body(rigid, together, settings.gravity, has_offset=not bidirectional)
+    return _SlidingFit(samples, rows, columns, left, mixed, rigid, found, slope, late, shares_offset, symmetric_offset)
 
 
-def _find_presliding(samples: JointSamples, settings: RegressionSettings, fit: _SlidingFit) -> float:
+def _find_presliding(settings: RegressionSettings, fit: _SlidingFit) -> float:
     """Length over which friction builds up after a rest or a reversal [rad] or [m]; 0 where none shows.
 
     Bristles deflect before they slip: friction lacks a part that dies out exponentially with the way [dahl1968].
-    Errors that go together count as one, else any misfit of the law would pass for presliding.
+    Errors that go together count as one, else any misfit of the law would pass for presliding; what a torque that comes
+    late would explain does not count.
     """
-    plain = fit.together(fit.found).error
+    samples = fit.samples
+    plain = fit.together(fit.found, fit.slope[:, None]).error
     best = float(plain @ plain) * np.exp(-_EVIDENCE * _REACH / len(plain))
     found = 0.0
     for length in np.array(_LENGTHS) * np.ptp(samples.position):
         lacking = samples.recorded.presliding(settings.slowest * samples.top_speed, float(length))[fit.rows]
-        together = fit.together(fit.found, lacking)
+        together = fit.together(fit.found, np.column_stack([fit.slope, lacking]))
         left_over = float(together.error @ together.error)
         if left_over < best and together.solution[-1] < 0.0:
             best, found = left_over, float(length)
@@ -263,13 +312,17 @@ def _fit_together(
         left: Torque without the friction of `found` [N·m] or [N]. Shape (n,).
         found: Friction identified so far.
         at: Position of each sample in time. Shape (n,).
-        more: One more column, which comes last. Shape (n,).
+        more: Further columns, which come last. Shape (n, n_more).
         reach: Samples over which errors go together.
     """
-    optimum = found.optimum
-    slopes = found.observations.sign[:, None] * optimum.jacobian / np.exp(optimum.logs)
-    columns = [body, slopes] if more is None else [body, slopes, more[:, None]]
+    columns = [body, _slopes(found)] if more is None else [body, _slopes(found), more]
     return solve_correlated(np.hstack(columns), left, at, reach)
+
+
+def _slopes(found: IdentificationResult) -> FloatArray:
+    """What a small change of each friction parameter does to its points. Shape (n, n_parameters)."""
+    optimum = found.optimum
+    return np.asarray(found.observations.sign[:, None] * optimum.jacobian / np.exp(optimum.logs))
 
 
 def _with_body(rigid: RigidBodyFit, fit: CorrelatedFit, gravity: bool, *, has_offset: bool) -> RigidBodyFit:

@@ -7,8 +7,9 @@ from dataclasses import replace
 from ..identification import IdentificationResult, Status
 from ..identification.doubt import doubted
 from ..identification.verdict import RIVAL, nearest_rival
+from .torque_lag import TorqueLag
 
-__all__ = ["weigh_rivals", "with_offset_note"]
+__all__ = ["weigh_rivals", "with_lag_note", "with_offset_note"]
 
 
 def weigh_rivals(result: IdentificationResult, found: IdentificationResult, samples: float) -> IdentificationResult:
@@ -38,7 +39,20 @@ def with_offset_note(result: IdentificationResult, offset: float) -> Identificat
         "a constant torque offset cannot be told from friction that differs between the directions and counts as such; "
         f"with the same friction in both it would be {offset:.4g} {unit}"
     )
+    result = _with_note(result, "torque_offset", f"0 assumed: {said}")
+    return replace(result, message=f"{result.message}; {said}")
+
+
+def with_lag_note(result: IdentificationResult, lag: TorqueLag) -> IdentificationResult:
+    """With the lag of the torque in the model file, and in doubt where it has not settled."""
+    result = _with_note(result, "torque_age", f"{lag.value:.3g} +- {lag.deviation:.2g}")
+    if lag.settled:
+        return result
+    apart = f"torque and motion come apart by some {1e3 * lag.value:.3g} ms, more than can be taken off"
+    return doubted(result, Status.NOT_CONVERGED, f"{apart}: check the time stamps of both")
+
+
+def _with_note(result: IdentificationResult, name: str, note: str) -> IdentificationResult:
     provenance = result.model.provenance
-    provenance = replace(provenance, notes={**provenance.notes, "torque_offset": f"0 assumed: {said}"})
-    model = replace(result.model, provenance=provenance)
-    return replace(result, model=model, message=f"{result.message}; {said}")
+    provenance = replace(provenance, notes={**provenance.notes, name: note})
+    return replace(result, model=replace(result.model, provenance=provenance))

@@ -289,7 +289,8 @@ def _rigid_sentence(motion: MotionIdentification) -> str:
         f"{_MASS.get(torque, f'{torque}·s²/{angle}')}{offset}, gravity "
         f"{gravity if any(body.gravity) else 'not asked for (--gravity)'}; symmetric friction beside it: Coulomb "
         f"{body.coulomb_torque:.5g} {torque}, viscous {body.viscous_coefficient:.5g} {torque}·s/{angle}. "
-        f"{len(motion.points)} samples slide and count; standard deviations allow for their correlation."
+        f"{len(motion.points)} samples slide and count; standard deviations allow for their correlation. "
+        f"{motion.lag.sentence}"
     )
     if body.inertia < 2.0 * of_inertia:  # a 95 % interval that holds zero
         said += " The motion does not determine the inertia: record one with quicker accelerations while it slides."

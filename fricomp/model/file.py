@@ -36,9 +36,10 @@ class _TermRecord(msgspec.Struct, forbid_unknown_fields=True):
     options: dict[str, str] = {}
 
 
-class _CovarianceRecord(msgspec.Struct, forbid_unknown_fields=True):
+class _CovarianceRecord(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
     names: tuple[str, ...]
     matrix: list[list[float]]
+    degrees_of_freedom: float | None = None
 
 
 class _ModelRecord(msgspec.Struct, forbid_unknown_fields=True):
@@ -91,7 +92,8 @@ def load_model(path: str | os.PathLike[str]) -> FrictionModel:
 
 def encode_model(model: FrictionModel) -> bytes:
     """The bytes of the model file."""
-    deviations = model.covariance.standard_deviations() if model.covariance else {}
+    covariance = model.covariance
+    deviations = covariance.standard_deviations() if covariance else {}
     units = model.units()
     record = _ModelRecord(
         schema=MODEL_SCHEMA,
@@ -112,8 +114,8 @@ def encode_model(model: FrictionModel) -> bytes:
         validity=model.validity,
         provenance=model.provenance,
         covariance=None
-        if model.covariance is None
-        else _CovarianceRecord(model.covariance.names, model.covariance.matrix.tolist()),
+        if covariance is None
+        else _CovarianceRecord(covariance.names, covariance.matrix.tolist(), covariance.degrees_of_freedom),
     )
     return msgspec.json.format(msgspec.json.encode(record), indent=2) + b"\n"
 
@@ -164,7 +166,9 @@ def _model(record: _ModelRecord) -> FrictionModel:
         motion=record.motion,
         torque_unit=record.torque_unit,
         validity=record.validity,
-        covariance=None if covariance is None else Covariance(covariance.names, np.array(covariance.matrix)),
+        covariance=None
+        if covariance is None
+        else Covariance(covariance.names, np.array(covariance.matrix), covariance.degrees_of_freedom),
         provenance=record.provenance,
     )
 

@@ -23,13 +23,16 @@ class Covariance:
     Attributes:
         names: Dotted parameter names, in the order of the rows.
         matrix: Shape (n_names, n_names), products of the parameters' units.
+        degrees_of_freedom: Of the residual that its size was estimated from; None where the size is known.
 
     Raises:
-        ParameterError: The matrix is not finite, symmetric, of that shape, or has a negative variance.
+        ParameterError: The matrix is not finite, symmetric, of that shape, or has a negative variance; or the degrees
+            of freedom are not positive.
     """
 
     names: tuple[str, ...]
     matrix: FloatArray
+    degrees_of_freedom: float | None = None
 
     def __post_init__(self) -> None:
         matrix = np.array(self.matrix, dtype=np.float64)
@@ -38,6 +41,8 @@ class Covariance:
             raise ParameterError(f"covariance of {n} parameters must be a finite {n} x {n} matrix, got {matrix.shape}")
         if np.any(np.diag(matrix) < 0.0) or not np.allclose(matrix, matrix.T, rtol=1e-6, atol=0.0):
             raise ParameterError("a covariance must be symmetric with variances that are not negative")
+        if self.degrees_of_freedom is not None and not 0.0 < self.degrees_of_freedom < np.inf:
+            raise ParameterError(f"degrees of freedom must be positive and finite, got {self.degrees_of_freedom}")
         matrix.flags.writeable = False
         object.__setattr__(self, "matrix", matrix)
 

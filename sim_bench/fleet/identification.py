@@ -157,13 +157,13 @@ def _model(joint: FleetJoint, table: FrictionTable, found: BatchIdentification, 
     if table.normal_load is not None:  # the same in all rows, so that the parameters hold there
         loads = (float(table.normal_load[0]), float(table.normal_load[0]))
         law = law.replace({"stribeck.load.reference_load": loads[0]})
-    kind = str(found.noise[index])
+    names, kind = found.parameter_names, str(found.noise[index])
     noise = NoiseEstimate(kind, float(found.noise_level[index]), {kind: float(found.negative_log_likelihood[index])})
     return FrictionModel(
         law=law,
         joint=joint.joint or joint.name,
         validity=Validity(velocity=(float(points.velocity.min()), float(points.velocity.max())), normal_load=loads),
-        covariance=Covariance(found.parameter_names, found.covariance[index]),
+        covariance=Covariance(names, found.covariance[index], max(points.size - len(names), 1)),
         provenance=compute_provenance(points, noise, found.verdict(index), largest, method="least_squares"),
     )
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from fricomp.calibration import identify
 from fricomp.calibration.comparison import compare_models
 from fricomp.calibration.normal_load import at_normal_load
 from fricomp.cli.main import app
@@ -38,6 +39,20 @@ def test_an_unchanged_joint_is_called_changed_at_the_stated_rate() -> None:
     called = [compare_models(draw(rng), draw(rng)) for _ in range(1000)]
     assert 0.03 < np.mean([c.changed for c in called]) < 0.07
     assert np.mean([bool(c.significant) for c in called]) < 0.065  # Holm keeps the family-wise rate
+
+
+@pytest.mark.parametrize("speeds", [6, 8])
+def test_short_sweeps_of_an_unchanged_joint_are_called_changed_at_the_stated_rate(speeds: int) -> None:
+    side = np.geomspace(0.01, 1.0, speeds)
+    velocity = np.concatenate([-side, side])
+    exact = np.asarray(model(TRUTH).torque(velocity))
+    rng = np.random.default_rng([3, speeds])
+    called = []
+    for _ in range(60):
+        pair = [identify(velocity, exact + rng.normal(0.0, 0.01, velocity.size), method="least_squares") for _ in "ab"]
+        called.append(compare_models(pair[0].model, pair[1].model))
+    assert np.mean([c.changed for c in called]) < 0.12  # 0.05 and three standard errors
+    assert np.mean([bool(c.significant) for c in called]) < 0.12
 
 
 def test_the_parameter_that_changed_is_named() -> None:

@@ -34,7 +34,7 @@ def example() -> FrictionModel:
         joint="shoulder",
         torque_unit="A",
         validity=Validity(velocity=(-1.0, 1.2), temperature=(20.0, 41.0)),
-        covariance=Covariance(names, np.array([[4e-6, 1e-7], [1e-7, 9e-6]])),
+        covariance=Covariance(names, np.array([[4e-6, 1e-7], [1e-7, 9e-6]]), degrees_of_freedom=32),
         provenance=Provenance("pinn", "ab" * 32, "2026-01-01T00:00:00Z", "0.1.0", 7, {"noise": "relative"}),
     )
 
@@ -47,6 +47,15 @@ def test_a_model_survives_the_file_unchanged(tmp_path: Path) -> None:
     assert (back.joint, back.motion, back.torque_unit) == ("shoulder", "rotary", "A")
     assert back.covariance is not None
     np.testing.assert_array_equal(back.covariance.matrix, model.covariance.matrix)  # type: ignore[union-attr]
+    assert back.covariance.degrees_of_freedom == 32
+
+
+def test_a_file_that_does_not_say_degrees_of_freedom_is_read() -> None:
+    data = msgspec.json.decode(encode_model(example()))
+    del data["covariance"]["degrees_of_freedom"]
+    back = decode_model(msgspec.json.encode(data)).covariance
+    assert back is not None
+    assert back.degrees_of_freedom is None
 
 
 def test_a_model_equals_what_its_file_holds_and_no_other() -> None:

@@ -91,23 +91,71 @@ def test_stribeck_predicts_the_second_half_of_ur10e_joint_1_better_than_coulomb_
     assert error < 0.85 * prediction_error(fit, held_out, simple)
 
 
-def test_friction_that_differs_between_directions_is_not_taken_for_an_offset() -> None:
+_BOTH = FrictionLaw((BidirectionalStribeck(StribeckCurve(0.15, 0.6, 0.05, 0.02), StribeckCurve(0.2, 0.7, 0.05, 0.03)),))
+
+
+def _late(
+    delay: float,
+    inertia: float = 0.1,
+    swings: tuple[float, ...] = (0.8, 0.15),
+    law: FrictionLaw = _BOTH,
+    noise: float = 0.005,
+) -> Recording:
+    """Swings at 0.2 and 0.9 Hz, with a torque that comes `delay` [s] late."""
     t = np.arange(0.0, 40.0, 2e-3)
-    q = 0.8 * np.sin(0.4 * np.pi * t) + 0.15 * np.sin(1.8 * np.pi * t + 1.0)
-    v = np.gradient(q, t)
-    law = FrictionLaw(
-        (BidirectionalStribeck(StribeckCurve(0.15, 0.6, 0.05, 0.02), StribeckCurve(0.2, 0.7, 0.05, 0.03)),)
+    rates, phases = np.array([0.4, 1.8])[: len(swings), None] * np.pi, np.array([0.0, 1.0])[: len(swings), None]
+    angles, size = rates * (t - delay) + phases, np.array(swings)[:, None]
+    v, a = np.sum(size * rates * np.cos(angles), axis=0), np.sum(-size * rates**2 * np.sin(angles), axis=0)
+    torque = inertia * a + np.asarray(law.torque(v)) + np.random.default_rng(2).normal(0.0, noise, t.size)
+    return Recording(t, np.sum(size * np.sin(rates * t + phases), axis=0), torque)
+
+
+def _largest_error(found: MotionIdentification) -> float:
+    """Of the friction parameters, in standard deviations."""
+    friction, true = found.friction, _BOTH.parameters()
+    return max(
+        abs(value - true[name]) / friction.standard_deviations[name] for name, value in friction.parameters.items()
     )
-    torque = 0.1 * np.gradient(v, t) + np.asarray(law.torque(v))
-    torque = torque + np.random.default_rng(2).normal(0.0, 0.005, t.size)
-    found = identify_motion(sample_joint(Recording(t, q, torque)))
+
+
+def test_friction_that_differs_between_directions_is_not_taken_for_an_offset() -> None:
+    found = identify_motion(sample_joint(_late(0.0)))
     assert found.rigid_body.offset == 0.0
     assert found.rigid_body.inertia == pytest.approx(0.1, rel=1e-3)
-    true = {name: value for name, value in law.parameters().items() if name in found.friction.parameters}
-    for name, value in true.items():
-        assert abs(found.friction.parameters[name] - value) < 3.0 * found.friction.standard_deviations[name], name
+    assert _largest_error(found) < 3.0
+    assert abs(found.lag.value) < 3.0 * found.lag.deviation < 2e-4
     assert "cannot be told from friction" in found.friction.message
     assert found.friction.model.provenance.notes["torque_offset"].startswith("0 assumed")
+
+
+@pytest.mark.parametrize(("delay", "inertia"), [(0.003, 0.5), (-0.005, 0.1), (0.02, 0.1)])
+def test_a_torque_that_comes_late_or_early_is_shifted_and_gives_the_same_friction(delay: float, inertia: float) -> None:
+    found = identify_motion(sample_joint(_late(delay, inertia)))
+    assert abs(found.lag.value - delay) < 3.0 * found.lag.deviation < 2e-4
+    assert found.rigid_body.inertia == pytest.approx(inertia, rel=1e-3)
+    assert found.rigid_body.viscous_coefficient == pytest.approx(0.0134, abs=0.001)  # as without a delay
+    assert _largest_error(found) < 3.0
+    assert found.friction.model.provenance.notes["torque_age"].startswith(f"{found.lag.value:.3g} +- ")
+    assert ("check both time stamps" in found.lag.sentence) == (delay == 0.02)
+
+
+_PLAIN = FrictionLaw((Coulomb(0.05), Viscous(0.1)))
+
+
+def test_a_lag_that_the_motion_does_not_tell_is_in_the_deviations() -> None:
+    one_swing = _late(0.003, inertia=0.5, swings=(0.8,), law=_PLAIN, noise=0.03)  # late inertia is viscous friction
+    found = identify_motion(sample_joint(one_swing), law="coulomb_viscous")
+    assert "does not tell how late" in found.lag.sentence
+    assert found.lag.deviation == pytest.approx(0.004, rel=0.2)
+    name = "viscous.viscous_coefficient"
+    deviation = found.friction.standard_deviations[name]
+    assert abs(found.friction.parameters[name] - 0.1) < 2.0 * deviation < 0.05
+
+
+def test_a_lag_beyond_what_can_be_taken_off_is_no_convergence() -> None:
+    found = identify_motion(sample_joint(_late(0.08, law=_PLAIN)), law="coulomb_viscous")
+    assert found.friction.status == "not_converged"
+    assert "check the time stamps" in found.friction.model.provenance.message
 
 
 def test_an_offset_larger_than_friction_stays_an_offset() -> None:

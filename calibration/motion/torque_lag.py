@@ -1,0 +1,111 @@
+"""By how much a recorded torque comes later than the motion that it belongs to.
+
+A torque recorded late by the lag t_l is tau(t - t_l) = tau(t) - t_l dtau/dt + ..., which looks like viscous friction
+where a joint swings. What rigid body and friction cannot imitate of dtau/dt tells the lag.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import binary_erosion
+
+from fricomp.laws import FloatArray
+
+from ..identification.correlated_fit import solve_correlated
+
+__all__ = ["UNKNOWN_LAG", "TorqueLag", "estimate_lag"]
+
+UNKNOWN_LAG = 0.004
+"""Standard deviation of the lag before the motion is seen [s]: filters, half a period and the way over a bus make a
+measured torque some 3 ms late, and as much makes a commanded one early."""
+_LEAST = 1e-5
+"""Least standard deviation of the lag [s]: time stamps jitter by more."""
+_VAGUE = 0.5
+"""Fraction of it above which a motion has told next to nothing."""
+_LARGE = 0.01
+"""Lag that filters and a bus do not explain [s]."""
+_EDGE = 2
+"""Samples that have no say beside those that do not slide: when friction turned round between two samples of the
+recording nobody knows, and the low-pass rings of it."""
+_COLLINEAR = 1e-10
+"""Share of the slope's power that is rounding."""
+
+
+@dataclass(frozen=True)
+class TorqueLag:
+    """How late a torque was recorded.
+
+    Attributes:
+        value: Lag behind the motion, negative where the torque is ahead [s].
+        deviation: Its standard deviation [s].
+        taken_off: Lag that the samples were rid of before [s].
+        shift: What a second of it does to the parameters of the fit, up to the sign. Shape (n_parameters,).
+    """
+
+    value: float
+    deviation: float
+    taken_off: float
+    shift: FloatArray
+
+    @property
+    def settled(self) -> bool:
+        """Whether all of it was taken off."""
+        return self.step < 1.0
+
+    @property
+    def step(self) -> float:
+        """What is still to be taken off, in standard deviations."""
+        return abs(self.value - self.taken_off) / self.deviation
+
+    @property
+    def sentence(self) -> str:
+        """For people."""
+        size = f"{1e3 * abs(self.value):.3g} ± {1e3 * self.deviation:.2g} ms"
+        if self.deviation > _VAGUE * UNKNOWN_LAG:
+            size = f"{1e3 * self.value:.2g} ± {1e3 * self.deviation:.2g} ms"
+            return f"The motion does not tell how late the torque comes: {size} is taken, also in the deviations."
+        comes = f"he torque comes {size} {'before' if self.value < 0.0 else 'after'} the motion"
+        if not self.settled:
+            return f"Careful: t{comes}, more than can be taken off."
+        if abs(self.value) > _LARGE:
+            return f"Careful: t{comes}, which is taken off; filters and a bus are quicker: check both time stamps."
+        return f"T{comes}, which is taken off."
+
+    def widen(self, covariance: FloatArray) -> FloatArray:
+        """Covariance of the fit with what is unknown of the lag. Shape (n_parameters, n_parameters)."""
+        return np.asarray(covariance + self.deviation**2 * np.outer(self.shift, self.shift))
+
+
+def estimate_lag(
+    taken_off: float,
+    columns: FloatArray,
+    targets: tuple[FloatArray, FloatArray],
+    rows: np.ndarray[tuple[int], np.dtype[np.bool_]],
+    reach: int,
+) -> TorqueLag:
+    """The lag by one Gauss-Newton step, weighed with what is known of it before.
+
+    Args:
+        taken_off: Lag that the samples were rid of [s].
+        columns: What rigid body and small changes of friction multiply, at the samples that slide. Shape (n, n_fit).
+        targets: Slope of the fitted torque [N·m/s] or [N/s], and torque without friction [N·m] or [N], at them.
+            Shapes (n,).
+        rows: Which samples slide. Shape (n_samples,).
+        reach: Samples over which errors go together.
+    """
+    shift = solve_correlated(columns, targets[0], np.flatnonzero(rows), 1).solution
+    inner = binary_erosion(rows, iterations=_EDGE)
+    at, chosen = np.flatnonzero(inner), inner[rows]
+    unknown = TorqueLag(0.0, UNKNOWN_LAG, taken_off, shift)
+    if len(at) <= columns.shape[1]:
+        return unknown
+    slope, left = (solve_correlated(columns[chosen], target[chosen], at, 1).error for target in targets)
+    if slope @ slope <= _COLLINEAR * np.sum(targets[0][chosen] ** 2):
+        return unknown
+    found = solve_correlated(slope[:, None], -left, at, reach)
+    variance = float(found.covariance[0, 0])
+    weight = UNKNOWN_LAG**2 / (UNKNOWN_LAG**2 + variance)
+    value = weight * (taken_off + float(found.solution[0]))
+    return TorqueLag(value, float(np.hypot(np.sqrt(weight * variance), _LEAST)), taken_off, shift)
