@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,10 +14,20 @@ from fricomp.laws import FloatArray, FrictionLaw
 
 from ..identification.form import separable_law
 from ..identification.information import invert_information
+from ..identification.likelihood import Noise, NoiseKind
 from ..identification.observation import Observations
+from ..identification.optimum import optimum_at
 from ..identification.result import Status
-from ..identification.verdict import CLOSE_ENOUGH, Verdict, find_vague, vague_message
-from .likelihood import BatchNoise, Linearised, compute_curve, compute_information, likelihood_of, linearise
+from ..identification.verdict import BASIN_GAP, CLOSE_ENOUGH, Verdict, judge
+from .likelihood import (
+    BatchNoise,
+    Linearised,
+    compute_bounded_curve,
+    compute_curve,
+    compute_information,
+    likelihood_of,
+    linearise,
+)
 from .points import PointBatch, observe_all, stack_points
 from .projection import Basins, find_starts, scan_basins
 from .refinement import refine_all
@@ -46,6 +56,7 @@ class BatchIdentification:
         noise_level: Of the torque [1] or [N·m or N]. Shape (n_joints,).
         negative_log_likelihood: Shape (n_joints,).
         distance: From the likelihood's stationary point, in standard deviations. Shape (n_joints,).
+        rival: How much less likely the next basin is [nats]; infinite where there is none. Shape (n_joints,).
     """
 
     parameter_names: tuple[str, ...]
@@ -56,6 +67,7 @@ class BatchIdentification:
     noise_level: FloatArray
     negative_log_likelihood: FloatArray
     distance: FloatArray
+    rival: FloatArray
 
     def __post_init__(self) -> None:
         for values in vars(self).values():
@@ -77,17 +89,18 @@ class BatchIdentification:
         return [self.verdict(index).status for index in range(len(self))]
 
     def verdict(self, index: int) -> Verdict:
-        """How one joint ended, in a word and in a sentence; other basins are not compared with."""
+        """How one joint ended, in a word and in a sentence, by the same rules as alone."""
         points, distance = self.observations[index], float(self.distance[index])
         scale = points.torque_scale if self.noise[index] == "absolute" else 1.0
-        known = zip(self.values[index].tolist(), self.standard_deviations[index].tolist(), strict=True)
-        vague = find_vague(dict(zip(self.parameter_names, known, strict=True)), points)
-        if vague:
-            return Verdict(Status.NOT_IDENTIFIABLE, vague_message(vague, points), distance)
-        if distance > CLOSE_ENOUGH and self.noise_level[index] > _EXACT * scale:
+        kind = cast(NoiseKind, str(self.noise[index]))
+        found = optimum_at(np.log(self.values[index]), _FORM, points, Noise(kind))
+        found = replace(found, other_basins=(found.negative_log_likelihood + float(self.rival[index]),))
+        verdict = judge(found, found, self.covariance[index], _FORM, points)
+        stopped = distance > CLOSE_ENOUGH and self.noise_level[index] > _EXACT * scale
+        if stopped and verdict.status is not Status.NOT_IDENTIFIABLE:
             message = f"the search stopped {distance:.2g} standard deviations from the optimum"
             return Verdict(Status.NOT_CONVERGED, message, distance)
-        return Verdict(Status.CONVERGED, "converged to the likelihood optimum", distance)
+        return verdict._replace(distance=distance)
 
     def law(self, index: int) -> FrictionLaw:
         """The friction law of one joint."""
@@ -141,6 +154,7 @@ class _Fit(NamedTuple):
 
     logs: torch.Tensor
     likelihood: torch.Tensor
+    rival: torch.Tensor
 
 
 def _identify(points: PointBatch, kinds: tuple[BatchNoise, ...]) -> list[np.ndarray]:
@@ -169,11 +183,14 @@ def _fit(points: PointBatch, plain: Basins, noise: BatchNoise) -> _Fit:
     lowest = lowest.scatter_reduce(0, starts.joint, likelihood, "amin")
     winners = order[likelihood[order] == lowest[starts.joint[order]]]
     row[starts.joint[winners]] = winners
-    return _Fit(logs[row], likelihood[row])
+    behind = likelihood - lowest[starts.joint]
+    other = torch.where(behind > BASIN_GAP, behind, torch.inf)
+    rival = torch.full_like(lowest, torch.inf).scatter_reduce(0, starts.joint, other, "amin")
+    return _Fit(logs[row], likelihood[row], rival)
 
 
 def _describe(fit: _Fit, points: PointBatch, noise: BatchNoise) -> list[np.ndarray]:
-    """Values, covariance, noise, its level, likelihood and distance, as columns."""
+    """Values, covariance, noise, its level, likelihood, distance and rival, as columns."""
     import torch
 
     curve = compute_curve(fit.logs, points)
@@ -183,9 +200,10 @@ def _describe(fit: _Fit, points: PointBatch, noise: BatchNoise) -> list[np.ndarr
     level = ((error**2).sum(dim=(1, 2)) / freedom).sqrt()
     inverse = _invert(compute_information(curve, level, points, noise))
     covariance = inverse * values[:, :, None] * values[:, None, :]
-    distance = _distance(linearise(curve, points, noise), freedom)
-    v, c, s, nll, d = (x.cpu().numpy() for x in (values, covariance, level, fit.likelihood, distance))
-    return [v, c, np.full(len(v), noise), s, nll, d]
+    distance = _distance(linearise(compute_bounded_curve(fit.logs, points), points, noise), freedom)
+    columns = (values, covariance, level, fit.likelihood, distance, fit.rival)
+    v, c, s, nll, d, rival = (x.cpu().numpy() for x in columns)
+    return [v, c, np.full(len(v), noise), s, nll, d, rival]
 
 
 def _invert(information: torch.Tensor) -> torch.Tensor:

@@ -18,7 +18,16 @@ from .points import BRANCH, PointBatch
 if TYPE_CHECKING:
     import torch
 
-__all__ = ["BatchNoise", "Curve", "Linearised", "compute_curve", "compute_information", "likelihood_of", "linearise"]
+__all__ = [
+    "BatchNoise",
+    "Curve",
+    "Linearised",
+    "compute_bounded_curve",
+    "compute_curve",
+    "compute_information",
+    "likelihood_of",
+    "linearise",
+]
 
 BatchNoise = Literal["relative", "absolute"]
 _LEAST_SPREAD = 1e-14
@@ -62,6 +71,15 @@ def compute_curve(logs: torch.Tensor, points: PointBatch) -> Curve:
     slopes = torch.stack([*columns, viscous * points.speed * points.given], dim=2)
     magnitude = slopes[:, :, 0] + slopes[:, :, 1] + slopes[:, :, 3] + (1.0 - points.given)
     return Curve(magnitude, slopes)
+
+
+def compute_bounded_curve(logs: torch.Tensor, points: PointBatch) -> Curve:
+    """`compute_curve` with dry friction held at its upper bound, beyond which a parameter changes nothing."""
+    import torch
+
+    upper = points.upper_logs
+    curve = compute_curve(torch.minimum(logs, upper), points)
+    return curve._replace(slopes=curve.slopes * (logs < upper).view(-1, 2, BRANCH, 1))
 
 
 def linearise(curve: Curve, points: PointBatch, noise: BatchNoise) -> Linearised:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from fricomp.errors import IdentificationError, MissingExtraError
 
+from ..identification.form import LARGEST_DRY
 from ..identification.observation import Observations, observe
 
 if TYPE_CHECKING:
@@ -45,6 +46,15 @@ class PointBatch:
     def torque_scale(self) -> torch.Tensor:
         """Largest friction torque of each joint [N·m] or [N]. Shape (n_joints,)."""
         return self.magnitude.abs().amax(dim=(1, 2))
+
+    @property
+    def upper_logs(self) -> torch.Tensor:
+        """Largest logarithms of the parameters, those of `SeparableLaw.upper_logs`. Shape (n_joints, 8)."""
+        import torch
+
+        most = torch.log(LARGEST_DRY * self.torque_scale.clamp(min=1e-300))
+        free = torch.full_like(most, torch.inf)
+        return torch.stack([most, most, free, free] * 2, dim=1)
 
     def select(self, index: torch.Tensor) -> PointBatch:
         """The joints at these positions, as often as they are given."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from .likelihood import BatchNoise, Linearised, compute_curve, linearise
+from .likelihood import BatchNoise, Linearised, compute_bounded_curve, linearise
 from .points import PointBatch
 
 if TYPE_CHECKING:
@@ -16,6 +16,7 @@ __all__ = ["refine_all"]
 _ITERATIONS = 300
 _STEP = 1e-10  # of a logarithm: smaller ones end a search
 _DROP = 1e-13  # relative fall of the cost that counts as none
+_VANISHED = 10.0  # a parameter whose logarithm falls by more than this is gone
 _LARGEST_LOG = 60.0  # no friction parameter lies beyond e^60
 _FIRST_DAMPING, _LARGEST_DAMPING = 1e-3, 1e10
 
@@ -43,8 +44,20 @@ def refine_all(logs: torch.Tensor, points: PointBatch, noise: BatchNoise) -> tor
         noise: Noise model.
 
     Returns:
-        Logarithms at the optima. Shape (n_starts, 8).
+        Logarithms at the optima, within their bounds. Shape (n_starts, 8).
     """
+    import torch
+
+    found = _descend(logs, points, noise)
+    vanished = found < logs - _VANISHED
+    again = torch.nonzero(vanished.any(dim=1))[:, 0]
+    if len(again):
+        # A long step may have taken it so far, and the logarithm of nothing has no slope to come back by.
+        found[again] = _descend(torch.where(vanished, logs, found)[again], points.select(again), noise)
+    return torch.minimum(found, points.upper_logs)
+
+
+def _descend(logs: torch.Tensor, points: PointBatch, noise: BatchNoise) -> torch.Tensor:
     import torch
 
     found = logs.clone()
@@ -69,7 +82,7 @@ def _diagonal(normal: torch.Tensor) -> torch.Tensor:
 def _begin(logs: torch.Tensor, points: PointBatch, noise: BatchNoise) -> _State:
     import torch
 
-    at = linearise(compute_curve(logs, points), points, noise)
+    at = linearise(compute_bounded_curve(logs, points), points, noise)
     return _State(logs, at, torch.full_like(at.cost, _FIRST_DAMPING), _diagonal(at.normal))
 
 
@@ -83,7 +96,7 @@ def _step(state: _State, points: PointBatch, noise: BatchNoise) -> tuple[_State,
     solution, info = torch.linalg.solve_ex(damped, -before.gradient / state.scale)
     change = torch.nan_to_num(solution / state.scale, nan=0.0, posinf=0.0, neginf=0.0)
     logs = (state.logs + change).clamp(-_LARGEST_LOG, _LARGEST_LOG)
-    there = linearise(compute_curve(logs, points), points, noise)
+    there = linearise(compute_bounded_curve(logs, points), points, noise)
     better = (there.cost < before.cost) & (info == 0)
     still = (change.abs().amax(dim=1) < _STEP) | (better & (before.cost - there.cost <= _DROP * before.cost))
     vector, matrix = better[:, None], better[:, None, None]

@@ -114,13 +114,29 @@ _LOADS = (
 _CLOSING = """
 ## Other laws, uncertainty, design
 
-**What the data do not determine** is `not_identifiable`, told before anything on convergence, with the speeds to add. A
-parameter that no point depends on, or that only acts together with another, has an infinite standard deviation; in
-model files it is a million times the value, because JSON has no infinity, and `compare` and the gain give it no weight.
-Coulomb and static torque are at most ten times the largest torque measured. The model file keeps the status, its
-sentence, the largest friction of the data and the slowest speeds; `Compensator` and the exports refuse a model whose
-status is neither `converged` nor `wrong_basin_suspected` unless `any_status=True`. A viscous coefficient near zero
-counts as known where it is worth less than 5 % of the largest torque at the fastest speed.
+**Where the joint does not follow the law** within the scatter of its points, the status is `lack_of_fit`, told ahead of
+`converged` and `wrong_basin_suspected`: what is left is compared, by an F-test at 0.1 %, with cosines over the
+logarithm of speed in each direction. The model stays usable at the speeds measured; its intervals do not, for they
+hold, like every coverage on this page, for a joint that follows the law, with the Stribeck exponent 2. An exponent of 1
+(40 speeds a direction, noise 0.01 N·m) moves the static torque by a sixth and is told in 60 of 60 data sets, in 53 of
+60 with 20 speeds, and in 1 of 60 with 8: few points do not show it. Of joints that follow the law one in a thousand is
+doubted. It is not looked for in samples of one motion or in half differences of a sweep, whose errors are shared. The
+report shows F_c, F_s and v_s by profile likelihood too. With `loss="robust"` deviations allow for outliers that are
+only guessed: of the 95 % intervals of converged draws with a tenth of outliers, 95.5 % (relative noise) and 93.5 %
+(absolute) hold the truth, in 100 draws each. (`pytest tests/calibration/identification/test_adequacy.py`)
+
+**What the data do not determine** is `not_identifiable`, told before anything on convergence, with the speeds to add.
+So is a Stribeck velocity whose 95 % profile is open towards zero or infinity, whatever the standard deviation says; and
+a direction in which no Stribeck effect shows (by a search over its velocity, at 1 % a direction), with the advice to
+take a law without one. Friction whose sign would drive the joint in one direction at a quarter of the speeds is an
+offset or gravity in the table, and is called so; a smaller offset passes for a difference between the directions, and
+the command notes how large it would be. A parameter that no point depends on, or that only acts together with another,
+has an infinite standard deviation; in model files it is a million times the value, because JSON has no infinity, and
+`compare` and the gain give it no weight. Coulomb and static torque are at most ten times the largest torque measured.
+The model file keeps the status, its sentence, the largest friction of the data and the slowest speeds; `Compensator`
+and the exports refuse a model whose status is not `converged`, `lack_of_fit` or `wrong_basin_suspected` unless
+`any_status=True`. A viscous coefficient near zero counts as known where it is worth less than 5 % of the largest torque
+at the fastest speed.
 
 **A recorded motion** cannot tell a constant torque offset from friction that differs between the directions. The
 bidirectional law takes the whole of it and the message says how large the offset would be with the same friction in

@@ -33,7 +33,7 @@ def with_covariance(result: IdentificationResult, covariance: FloatArray) -> Ide
     deviations = np.sqrt(np.diag(covariance)).tolist()
     known = zip(result.parameters.items(), deviations, strict=True)
     vague = find_vague({name: (value, deviation) for (name, value), deviation in known}, result.observations)
-    if result.status is not Status.CONVERGED or not vague:
+    if result.status in (Status.NOT_CONVERGED, Status.NOT_IDENTIFIABLE) or not vague:
         return result
     return doubted(result, Status.NOT_IDENTIFIABLE, vague_message(vague, result.observations))
 

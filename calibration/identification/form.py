@@ -24,7 +24,7 @@ from fricomp.laws import (
 
 from .observation import Observations
 
-__all__ = ["Basis", "SeparableLaw", "separable_law", "separable_law_names"]
+__all__ = ["LARGEST_DRY", "Basis", "SeparableLaw", "separable_law", "separable_law_names"]
 
 
 class Basis(ABC):
@@ -180,7 +180,7 @@ class SeparableLaw:
         """
         load = observations.normal_load
         unloaded = 1.0 if load is None else max(1.0, self.reference_load / float(load.min()))
-        most = np.log(_LARGEST_DRY * unloaded * max(observations.torque_scale, 1e-300))
+        most = np.log(LARGEST_DRY * unloaded * max(observations.torque_scale, 1e-300))
         return np.array([most if name.endswith(_DRY) else np.inf for name in self.names])
 
     def law(self, values: Mapping[str, float]) -> FrictionLaw:
@@ -188,7 +188,7 @@ class SeparableLaw:
         return self.template.replace(dict(values))
 
 
-_LARGEST_DRY = 10.0
+LARGEST_DRY = 10.0
 """Coulomb and static torque are at most this multiple of the largest torque measured [1]."""
 _DRY = ("coulomb_torque", "static_torque")
 _CURVE = ("coulomb_torque", "static_torque", "stribeck_velocity", "viscous_coefficient")

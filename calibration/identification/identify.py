@@ -44,6 +44,8 @@ class IdentificationOptions:
         joint: Name of the joint.
         motion: `rotary` or `linear`.
         torque_unit: Unit of the torque.
+        independent: Whether the errors of the points are. Those of one motion's samples are not: what they share would
+            pass for a misfit of the law, which is not looked for then.
     """
 
     start: Mapping[str, float] | None = None
@@ -51,6 +53,7 @@ class IdentificationOptions:
     joint: str = "joint"
     motion: Motion = "rotary"
     torque_unit: str = "N·m"
+    independent: bool = True
 
 
 _DEFAULTS = IdentificationOptions()
@@ -124,7 +127,7 @@ def identify(
     trained = _train(form, points, reference, options, seed) if method == "pinn" else None
     found = trained.optimum if trained else reference
     covariance = covariance_of(found)
-    verdict = judge(found, reference, covariance, form.names, points)
+    verdict = judge(found, reference, covariance, form, points, independent=options.independent)
     estimate = NoiseEstimate(
         kind, _noise_level(kind, found, points), {k: fit.negative_log_likelihood for k, fit in fits.items()}
     )

@@ -51,6 +51,22 @@ class Observations:
         """Largest friction torque [N·m] or [N]."""
         return float(np.max(np.abs(self.magnitude)))
 
+    def compute_asymmetry(self) -> float | None:
+        """Half of what friction is larger forward than in reverse, over the speeds of both; None if these are apart.
+
+        A constant torque offset of this size [N·m] or [N] looks the same.
+        """
+        order = np.argsort(self.speed, kind="stable")
+        ahead, back = order[self.forward[order]], order[~self.forward[order]]
+        if not len(ahead) or not len(back):
+            return None
+        low, high = np.maximum(*self.speed[[ahead[0], back[0]]]), np.minimum(*self.speed[[ahead[-1], back[-1]]])
+        if low > high:
+            return None
+        speed = np.unique(np.clip(self.speed, low, high))
+        sides = [np.interp(speed, self.speed[side], self.magnitude[side]) for side in (ahead, back)]
+        return float(np.mean(sides[0] - sides[1])) / 2.0
+
     def select(self, index: np.ndarray[tuple[int], np.dtype[np.intp]]) -> Observations:
         """The points at the positions `index`, or where a mask is true."""
         load = None if self.normal_load is None else self.normal_load[index]

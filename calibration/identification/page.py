@@ -7,14 +7,33 @@ from pathlib import Path
 
 import numpy as np
 
+from fricomp.control import find_doubt_in_status
 from fricomp.laws import FloatArray
-from fricomp.report import Band, Chart, Check, Line, Panel, Points, ReportPage, Section, Table, draw_png, write_report
+from fricomp.report import (
+    Band,
+    Chart,
+    Check,
+    Line,
+    Outcome,
+    Panel,
+    Points,
+    ReportPage,
+    Section,
+    Table,
+    draw_png,
+    write_report,
+)
 
 from .chart import REACH, network_note, training_chart
 from .result import IdentificationResult, Status
 from .uncertainty import profile_interval
 
 __all__ = ["identification_charts", "parameter_rows", "write_identification_report"]
+
+_BENT = ("coulomb_torque", "static_torque", "velocity")
+"""Parameters of a curve that bends, whose likelihood need not be quadratic."""
+_SEES_STATIC = 0.5
+"""Slowest speed over Stribeck velocity up to which points show the static torque: exp(-1/4) = 78 % of what it adds."""
 
 
 def write_identification_report(
@@ -31,7 +50,8 @@ def write_identification_report(
     charts = identification_charts(result)
     for chart in charts:
         draw_png(chart, folder / f"{chart.name}.png")
-    heads = ("parameter", "value", "95 % interval", "by profile likelihood", "unit")
+    interval = "95 % interval, if the law held" if result.status is Status.LACK_OF_FIT else "95 % interval"
+    heads = ("parameter", "value", interval, "by profile likelihood", "unit")
     sections = (
         Section("Friction curve", (charts[0],)),
         Section("Parameters", (Table(heads, parameter_rows(result)),)),
@@ -52,15 +72,18 @@ def write_identification_report(
 def parameter_rows(result: IdentificationResult) -> tuple[tuple[str, ...], ...]:
     """Name, value, interval from the covariance, interval from the profile where it differs in kind, unit."""
     units, rows = result.model.units(), []
+    bent = _BENT if result.form.basis.shape_index is not None else ()
     for name in result.parameter_names:
         plain = result.interval(name)
-        profile = "" if not name.endswith("velocity") else _between(*vars(profile_interval(result, name)).values())
+        profile = _between(*vars(profile_interval(result, name)).values()) if name.endswith(bent) else ""
         rows.append((name, f"{result.parameters[name]:.5g}", _between(plain.lower, plain.upper), profile, units[name]))
     return tuple(rows)
 
 
 def _between(lower: float, upper: float) -> str:
-    return f"{lower:.5g} to {upper:.5g}" if np.isfinite(upper - lower) else "cannot be determined"
+    if np.isfinite(upper - lower):
+        return f"{lower:.5g} to {upper:.5g}"
+    return f"at least {lower:.5g}" if lower > 0.0 else "cannot be determined"
 
 
 def identification_charts(result: IdentificationResult) -> list[Chart]:
@@ -107,7 +130,9 @@ def _residuals(result: IdentificationResult) -> Chart:
 
 
 def _checks(result: IdentificationResult) -> tuple[Check, ...]:
-    good = result.status is Status.CONVERGED
+    status: Outcome = "passed" if result.status is Status.CONVERGED else "warning"
+    if find_doubt_in_status(result.status, "") is not None:
+        status = "failed"
     choice = (
         f"{result.noise.kind} noise, level {result.noise.level:.4g}; the next best noise model is less likely by "
         f"{result.noise.evidence:.2g} nats"
@@ -115,7 +140,8 @@ def _checks(result: IdentificationResult) -> tuple[Check, ...]:
     error = result.distillation.largest_error
     exported = f"the exported network is within {error:.2g} of the largest torque of the closed form"
     return (
-        Check("Status", "passed" if good else "failed", result.message),
+        Check("Status", status, result.message),
+        *_slowest_speed(result),
         Check(
             "Likelihood optimum",
             "passed" if result.distance_to_optimum < 0.1 else "warning",
@@ -124,6 +150,18 @@ def _checks(result: IdentificationResult) -> tuple[Check, ...]:
         Check("Noise", "note", choice),
         Check("Network", "passed" if result.distillation.largest_error < 0.01 else "warning", exported),
     )
+
+
+def _slowest_speed(result: IdentificationResult) -> tuple[Check, ...]:
+    """Whether the static torque was seen, or extrapolated from the bend above it."""
+    bends = [value for name, value in result.parameters.items() if name.endswith("stribeck_velocity")]
+    if not bends:
+        return ()
+    slowest, unit = float(result.observations.speed.min()), _units(result)[0]
+    far = slowest > _SEES_STATIC * min(bends)
+    said = f"{slowest:.3g} {unit}, with the Stribeck velocity at {min(bends):.3g} {unit}"
+    more = f": the static torque is extrapolated; measure below {_SEES_STATIC * min(bends):.2g} {unit}" if far else ""
+    return (Check("Slowest speed", "warning" if far else "passed", said + more),)
 
 
 def _units(result: IdentificationResult) -> tuple[str, str]:

@@ -17,7 +17,7 @@ from fricomp.laws import FloatArray
 from .form import SeparableLaw
 from .likelihood import Noise, Whitened
 from .observation import Observations
-from .optimum import Optimum, refine
+from .optimum import Optimum, optimum_at, refine
 from .start import project, starting_points, with_sensitivity
 
 __all__ = ["fit_robust"]
@@ -69,7 +69,26 @@ def fit_robust(law: SeparableLaw, observations: Observations, noise: Noise) -> O
     )
     best = _maximise(fits[0].logs, law, observations, noise, 1e-7)
     rivals = [f for f in fits[1:] if np.max(np.abs(f.magnitude - best.magnitude) / deviation) > 1.0]
-    return replace(best, other_basins=tuple(fit.negative_log_likelihood for fit in rivals))
+    wider = _widen(best, law, observations, noise)
+    return replace(
+        wider,
+        negative_log_likelihood=best.negative_log_likelihood,
+        other_basins=tuple(fit.negative_log_likelihood for fit in rivals),
+    )
+
+
+def _widen(best: Optimum, law: SeparableLaw, observations: Observations, noise: Noise) -> Optimum:
+    """`best` with all deviations larger by one factor, since which points are outliers comes from the points too.
+
+    Weights that are held promise the information of their mean; that of the mixture is the mean square of its score,
+    which is a residual times its weight [maronna2019robust].
+    """
+    assert best.noise.deviation is not None
+    precision = (best.noise.deviation * _whiten(best.logs, law, observations, noise).weight) ** -2.0
+    score = float(np.sum(precision * best.whitened.residual**2))
+    freedom = max(observations.size - len(best.logs), 1)
+    factor = np.sqrt(max(float(np.sum(precision)) / max(score, 1e-300), 1.0) * observations.size / freedom)
+    return optimum_at(best.logs, law, observations, Noise("given", factor * best.noise.deviation))
 
 
 def _whiten(logs: FloatArray, law: SeparableLaw, observations: Observations, noise: Noise) -> Whitened:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq, least_squares
-from scipy.stats import chi2
+from scipy.stats import f as fisher
 
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
@@ -59,15 +59,19 @@ def profile_likelihood(result: IdentificationResult, name: str, values: FloatArr
 
 
 def profile_interval(result: IdentificationResult, name: str, level: float = 0.95) -> Interval:
-    """Where the profile rises by half the quantile of chi-square; it need not be symmetric.
+    """Where the profile rises as far as the interval from the covariance would let it, were it quadratic.
 
+    That is by half the quantile of F with the freedom the points leave [seber2003nonlinear]. It need not be symmetric.
     An end that the data do not bound is 0 or infinite.
 
     Raises:
         IdentificationError: The law has no such parameter.
     """
     index = _index(result, name)
-    rise = 0.5 * float(chi2.ppf(level, 1))
+    freedom = max(result.observations.size - len(result.parameter_names), 1)
+    rise = 0.5 * float(fisher.ppf(level, 1, freedom))
+    if result.optimum.noise.deviation is None:  # the level of the noise, at its optimum, grows with the misfit
+        rise = 0.5 * result.observations.size * float(np.log1p(2.0 * rise / freedom))
     centre = float(result.optimum.logs[index])
     step = min(result.standard_deviations[name] / result.parameters[name], 1.0)
 

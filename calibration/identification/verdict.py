@@ -8,6 +8,8 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
+from .adequacy import OpenBend, compute_misfit_p_value, find_driven_directions, find_open_bends
+from .form import SeparableLaw
 from .information import invert_information
 from .observation import Observations
 from .optimum import Optimum
@@ -35,6 +37,12 @@ _UNKNOWN = 1.0
 """Relative standard deviation from which a positive parameter is not identified."""
 _NEGLIGIBLE = 0.05
 """Share of the largest torque, at the fastest speed, within which a viscous coefficient may be unknown."""
+_MISFIT = 1e-3
+"""Chance below which what the law leaves is no scatter; 1 of 1000 identifications that follow it is doubted."""
+_MISFIT_MESSAGE = (
+    "the points depart from the law, beyond their scatter, in a way that goes on over speed (chance {:.1g}): intervals "
+    "hold only where the law does; look at the residuals, compare laws (--law auto), or let a network depart (--depart)"
+)
 
 
 class Verdict(NamedTuple):
@@ -62,12 +70,26 @@ def covariance_of(found: Optimum) -> FloatArray:
 
 
 def judge(
-    found: Optimum, reference: Optimum, covariance: FloatArray, names: tuple[str, ...], points: Observations
+    found: Optimum,
+    reference: Optimum,
+    covariance: FloatArray,
+    form: SeparableLaw,
+    points: Observations,
+    *,
+    independent: bool = True,
 ) -> Verdict:
-    """Compare what was found with the best basin of variable projection and least squares.
+    """Compare what was found with the best basin of variable projection and least squares, and with the points.
 
     What the data do not determine comes before convergence: along such a direction the likelihood is flat, and where
     training stopped on it says nothing.
+
+    Args:
+        found: Where the fit ended.
+        reference: The best basin.
+        covariance: Of the parameters. Shape (n_parameters, n_parameters).
+        form: The law.
+        points: The data.
+        independent: Whether their errors are; what shows as a misfit of the law may else be what errors share.
     """
     deviation = np.sqrt(np.diag(covariance))
     values, best = np.exp(found.logs), np.exp(reference.logs)
@@ -75,25 +97,78 @@ def judge(
     distance = float(np.max(np.abs(values - best) / (deviation + rounding)))
     gap = found.negative_log_likelihood - reference.negative_log_likelihood
     exact = found.spread() <= 1e-8 * float(np.max(found.magnitude * found.whitened.weight))
-    vague = find_vague(dict(zip(names, zip(values, deviation, strict=True), strict=True)), points)
-    rival = nearest_rival(reference)
     if not exact and gap > BASIN_GAP and distance > 1.0:
         return Verdict(
             Status.NOT_CONVERGED,  # not merely suspected: such a model is refused wherever one is used
             f"another basin is more likely by {gap:.3g} nats; do not use these parameters",
             distance,
         )
-    if vague:
-        return Verdict(Status.NOT_IDENTIFIABLE, vague_message(vague, points), distance)
+    unknown = _find_unknown(found, deviation, form, points, exact=exact, independent=independent)
+    if unknown:
+        return Verdict(Status.NOT_IDENTIFIABLE, unknown, distance)
     if not exact and distance > CLOSE_ENOUGH:
         return Verdict(
             Status.NOT_CONVERGED, f"training stopped {distance:.2g} standard deviations from the optimum", distance
         )
+    chance = 1.0 if exact or not independent else compute_misfit_p_value(found, points)
+    if chance < _MISFIT:
+        return Verdict(Status.LACK_OF_FIT, _MISFIT_MESSAGE.format(chance), distance)
+    rival = nearest_rival(reference)
     if not exact and rival < RIVAL:
         return Verdict(
             Status.WRONG_BASIN_SUSPECTED, f"a second basin is less likely by only {rival:.2g} nats", distance
         )
     return Verdict(Status.CONVERGED, "converged to the likelihood optimum", distance)
+
+
+def _find_unknown(
+    found: Optimum, deviation: FloatArray, form: SeparableLaw, points: Observations, *, exact: bool, independent: bool
+) -> str:
+    """What the points do not determine, in a sentence; empty where they determine everything."""
+    driven = find_driven_directions(points) if independent else []
+    if driven:
+        return _driven_message(driven, points)
+    bends = [] if exact else find_open_bends(found, form, points)
+    flat = [bend.branch for bend in bends if bend.side == "none"]
+    if flat:
+        return _flat_message(flat, form, points)
+    known = zip(np.exp(found.logs).tolist(), deviation.tolist(), strict=True)
+    vague = find_vague(dict(zip(form.names, known, strict=True)), points)
+    if bends:
+        return _open_message(bends, vague, form, points)
+    return vague_message(vague, points) if vague else ""
+
+
+def _driven_message(driven: list[str], points: Observations) -> str:
+    offset = points.compute_asymmetry()
+    size = "" if offset is None else f", of {offset:.3g} if friction is the same in both directions"
+    return (
+        f"friction in {' and '.join(driven)} has the sign that drives the joint: the torque holds an offset or "
+        f"gravity{size}; take it off first, or identify a recorded motion, with gravity where it acts"
+    )
+
+
+def _flat_message(branches: list[int], form: SeparableLaw, points: Observations) -> str:
+    sides = " and ".join(("forward", "reverse")[branch] for branch in branches)
+    where = f" in {sides} direction" if form.bidirectional else ""
+    low, high = float(points.speed.min()), float(points.speed.max())
+    return (
+        f"no Stribeck effect shows{where} between {low:.3g} and {high:.3g}: take a law without one (coulomb_viscous or "
+        f"auto), or add speeds below {low:.3g} where one is expected there"
+    )
+
+
+def _open_message(bends: list[OpenBend], vague: list[str], form: SeparableLaw, points: Observations) -> str:
+    low, high = float(points.speed.min()), float(points.speed.max())
+    names, cures = list(vague), []
+    for branch, side in bends:
+        of_branch = form.names[branch * form.branch_size : (branch + 1) * form.branch_size]
+        names += [name for name in of_branch if name.endswith(_ABOVE if side == "above" else _BELOW)]
+        cures.append(f"above {high:.3g}" if side == "above" else f"below {low:.3g}")
+    return (
+        f"the data do not determine {', '.join(dict.fromkeys(names))}: they fit as well with a bend far from the "
+        f"speeds measured; add speeds {' and '.join(dict.fromkeys(cures))}, or take a law without them"
+    )
 
 
 def nearest_rival(optimum: Optimum) -> float:
@@ -104,6 +179,8 @@ def nearest_rival(optimum: Optimum) -> float:
 
 _BELOW = ("static_torque", "stribeck_velocity", "smoothing_velocity")
 """Parameters that show at low speeds."""
+_ABOVE = ("coulomb_torque", "stribeck_velocity", "smoothing_velocity")
+"""Parameters that only show where the curve has bent."""
 
 
 def find_vague(found: dict[str, tuple[float, float]], points: Observations) -> list[str]:

@@ -140,7 +140,7 @@ def identify_motion(
     Raises:
         IdentificationError: The motion does not tell the parts apart.
     """
-    chosen = options or IdentificationOptions()
+    chosen = replace(options or IdentificationOptions(), independent=False)
     fit = _fit_aligned(samples, settings, _sliding(samples, settings.slowest), law, chosen)
     presliding = _SETTLED * _find_presliding(settings, fit)
     if presliding > 0.0:

@@ -6,6 +6,7 @@ from collections import Counter
 
 import numpy as np
 
+from fricomp.control import find_doubt_in_status
 from fricomp.report import Check, Outcome
 
 from ..identification import Status
@@ -184,7 +185,9 @@ def _unit(analysis: SweepAnalysis) -> Check | None:
 
 def _convergence(calibration: Calibration) -> Check:
     result = calibration.estimate.result
-    outcome: Outcome = "passed" if result.status == Status.CONVERGED else "failed"
+    outcome: Outcome = "passed" if result.status == Status.CONVERGED else "warning"
+    if find_doubt_in_status(result.status, "") is not None:
+        outcome = "failed"
     said = f"{result.message}; {result.distance_to_optimum:.2g} standard deviations from the likelihood optimum"
     return Check("Identification", outcome, said)
 

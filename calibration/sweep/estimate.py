@@ -132,6 +132,7 @@ def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings)
             joint=metadata.joint,
             motion=metadata.motion,
             torque_unit=metadata.torque_unit,
+            independent=not both_alike,  # the two points of a pair are one measurement
         ),
     )
     statistical = result.standard_deviations

@@ -38,8 +38,9 @@ _MASS = {"N·m": "kg·m²", "N": "kg"}  # unit of the inertia beside that of the
     "fricomp identify points.csv --depart --out runs/joint_1\n\n"
     "fricomp identify 'fleet/*.csv' --resume --out runs/fleet\n\n"
     "fricomp identify 'fleet/*.csv' --batch --out runs/fleet\n\n"
-    "Exit status of one file: 0 where it has converged or a network departs, 1 where the files are written and the "
-    "model is not usable (such as not_identifiable), 2 where nothing could be done. A fleet says it in its table and "
+    "Exit status of one file: 0 where the model is usable (converged, or with care lack_of_fit and "
+    "wrong_basin_suspected) or a network departs, 1 where the files are written and the model is not usable (such as "
+    "not_identifiable), 2 where nothing could be done. A fleet says it in its table and "
     "ends with 0."
 )
 def identify(
@@ -140,6 +141,7 @@ def _identify_file(file: Path, out: Path, settings: _Settings) -> _Identified:
         result = identify_points(
             table.velocity, table.torque, table.normal_load, method, noise, seed, law=law, loss=loss
         )  # fmt: skip
+        notes += _offset_note(result)
     else:
         _refuse_point_options(file, settings)
         motion = _identify_recording(file, settings.gravity, settings.law, notes)
@@ -150,6 +152,17 @@ def _identify_file(file: Path, out: Path, settings: _Settings) -> _Identified:
     notes += [f"Law or network: {free.message}."] if free else []
     write_identification_report(result, out, notes, {"file": file.name, "seed": str(seed), "loss": loss})
     return _Identified(result, free, notes)
+
+
+def _offset_note(result: IdentificationResult) -> list[str]:
+    """What a table cannot tell, where the law has a curve for each direction."""
+    offset = result.observations.compute_asymmetry() if result.form.bidirectional else None
+    if offset is None:
+        return []
+    return [
+        "A constant torque offset in the table counts as friction that differs between the directions; with the same "
+        f"friction in both it would be {offset:.4g} {result.model.torque_unit}."
+    ]
 
 
 def _is_fleet(files: Sequence[str]) -> bool:

@@ -38,8 +38,9 @@ __all__ = [
 LARGEST_EXTRAPOLATION = 2.0
 """Friction at speeds that were not measured is at most this multiple of the largest that was [1]. With table I of
 [luo2024pinn], a sweep that starts at the Stribeck velocity itself has to extrapolate by 1.9."""
-# Another basin that is nearly as likely has other parameters, but much the same curve where speeds were measured.
-_USABLE = ("", "converged", "wrong_basin_suspected")
+# Another basin that is nearly as likely has other parameters, but much the same curve where speeds were measured. A law
+# that the points depart from is still the nearest of its kind to them there.
+_USABLE = ("", "converged", "lack_of_fit", "wrong_basin_suspected")
 
 
 def find_doubt(model: FrictionModel) -> str | None:

@@ -74,6 +74,20 @@ def test_a_second_basin_nearly_as_likely_is_a_warning(tmp_path: Path, monkeypatc
     assert "Careful, wrong_basin_suspected: a second basin is near" in done.output
 
 
+def test_points_that_depart_from_the_law_are_a_warning_and_an_offset_a_note(tmp_path: Path) -> None:
+    v = np.concatenate([-np.geomspace(0.01, 1.0, 40), np.geomspace(0.01, 1.0, 40)])
+    torque = np.sign(v) * (0.2 + 0.5 * np.exp(-np.abs(v) / 0.05)) + 0.02 * v + 0.03
+    table, out = tmp_path / "points.csv", tmp_path / "out"
+    torque = torque + np.random.default_rng(0).normal(0.0, 0.01, v.size)
+    np.savetxt(table, np.column_stack([v, torque]), delimiter=",", header="velocity,torque", comments="")
+    call = [str(table), "--method", "least_squares", "--out", str(out)]
+    done = CliRunner().invoke(app, call, env={"COLUMNS": "300"})
+    assert done.exit_code == 0, done.output
+    assert "Careful, lack_of_fit: the points depart from the law" in done.output
+    assert "with the same friction in both it would be 0.03" in done.output
+    assert "95 % interval, if the law held" in (out / "report.html").read_text()
+
+
 def test_a_network_departs_where_held_out_points_ask_for_it(tmp_path: Path) -> None:
     side = np.linspace(0.02, 1.0, 30)
     speed, sign = np.concatenate([side, side]), np.repeat([1.0, -1.0], len(side))

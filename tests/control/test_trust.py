@@ -113,7 +113,7 @@ def test_a_network_of_an_unusable_model_is_refused_and_any_is_bounded(tmp_path: 
         stack_networks([tmp_path / "a.onnx"])
 
 
-@pytest.mark.parametrize("status", ["", "converged", "wrong_basin_suspected"])
+@pytest.mark.parametrize("status", ["", "converged", "lack_of_fit", "wrong_basin_suspected"])
 def test_models_and_networks_are_usable_by_one_list(status: str, tmp_path: Path) -> None:
     pytest.importorskip("onnxruntime")
     require_usable(make_model(status=status))

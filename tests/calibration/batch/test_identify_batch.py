@@ -104,3 +104,33 @@ def test_a_joint_ends_as_it_would_alone_without_viscous_friction_and_without_noi
     alone = [identify(velocity, torque, method="least_squares") for torque in (noisy, exact)]
     assert found.status == [one.status for one in alone] == [Status.CONVERGED] * 2
     assert found.verdict(0).message == alone[0].message
+
+
+def _sweeps(low: float, rise: float, exponent: float = 2.0) -> tuple[list[FloatArray], list[FloatArray]]:
+    """Sweeps from the slowest speed `low`; friction falls by `rise` over 0.05 rad/s."""
+    speed = np.geomspace(low, 1.0, 20)
+    velocity, torques = np.concatenate([speed, -speed]), []
+    for seed in range(10):
+        clean = 0.3 + rise * np.exp(-((np.abs(velocity) / 0.05) ** exponent)) + 0.1 * np.abs(velocity)
+        torques.append(np.sign(velocity) * (clean + 0.01 * np.random.default_rng(seed).standard_normal(40)))
+    return [velocity] * 10, torques
+
+
+@pytest.mark.parametrize(
+    ("low", "rise", "exponent"), [(0.01, 0.4, 2.0), (0.01, 0.4, 1.0), (0.01, 0.0, 2.0), (0.3, 0.4, 2.0)]
+)
+def test_a_joint_is_judged_as_it_is_alone_and_within_the_same_bounds(low: float, rise: float, exponent: float) -> None:
+    velocity, torque = _sweeps(low, rise, exponent)
+    found = identify_batch(velocity, torque)
+    for index, (v, tau) in enumerate(zip(velocity, torque, strict=True)):
+        alone, verdict = identify(v, tau, method="least_squares"), found.verdict(index)
+        assert (verdict.status, verdict.message) == (alone.status, alone.message)
+        assert np.max(found.values[index, [0, 1, 4, 5]]) <= 10.0 * np.max(np.abs(tau)) * (1.0 + 1e-9)
+
+
+def test_a_second_basin_is_seen_as_it_is_alone() -> None:
+    velocity, torque = draw_joints(40, seed=5, noise=0.3)
+    found = identify_batch(velocity, torque, "relative")
+    alone = [identify(v, t, method="least_squares", noise="relative") for v, t in zip(velocity, torque, strict=True)]
+    assert found.status == [one.status for one in alone]
+    assert np.any(np.isfinite(found.rival))

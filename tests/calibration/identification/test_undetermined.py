@@ -128,7 +128,7 @@ def test_convergence_is_judged_by_the_distance_to_the_optimum(step: float, statu
     covariance = covariance_of(best)
     away = step * np.sqrt(covariance[0, 0]) / np.exp(best.logs[0])
     found = optimum_at(best.logs + away * np.eye(8)[0], form, points, noise)
-    assert judge(found, best, covariance, form.names, points).status is status
+    assert judge(found, best, covariance, form, points).status is status
 
 
 def test_parameters_of_a_less_likely_basin_are_not_usable() -> None:
@@ -136,7 +136,7 @@ def test_parameters_of_a_less_likely_basin_are_not_usable() -> None:
     points, form, noise = observe(draw.velocity, draw.torque), separable_law("stribeck"), Noise("absolute")
     best = fit_likelihood(form, points, noise)
     found = optimum_at(best.logs + 0.3, form, points, noise)
-    verdict = judge(found, best, covariance_of(best), form.names, points)
+    verdict = judge(found, best, covariance_of(best), form, points)
     assert "another basin is more likely" in verdict.message
     assert find_doubt_in_status(verdict.status, verdict.message) is not None
 

@@ -7,9 +7,11 @@ import pytest
 from numpy.typing import ArrayLike
 
 from fricomp.calibration.identification import Status
-from fricomp.calibration.sweep.analysis import HALF_DIFFERENCE, SweepAnalysis, measure_offset
+from fricomp.calibration.sweep.analysis import HALF_DIFFERENCE, SweepAnalysis, TorqueSource, measure_offset
 from fricomp.calibration.sweep.block import BlockLabel, SweepData
 from fricomp.calibration.sweep.breakaway import Breakaway, half_differences_at_rest, measure_breakaway
+from fricomp.calibration.sweep.calibrate import Calibration
+from fricomp.calibration.sweep.check import calibration_checks
 from fricomp.calibration.sweep.estimate import IdentificationSettings, estimate_friction
 from fricomp.calibration.sweep.gravity_fit import LAG_PRIOR, fit_gravity
 from fricomp.calibration.sweep.point import FrictionPoint, SettledPart, half_differences
@@ -308,6 +310,26 @@ def test_a_zero_of_the_torque_that_nobody_knows_leaves_friction_undetermined(dev
     result = estimate_friction(analysis, IdentificationSettings(method="least_squares", noise="absolute")).result
     assert result.status is status
     assert result.model.provenance.status == str(status)
+
+
+@pytest.mark.parametrize(
+    ("source", "status", "outcome"),
+    [("measured torque", Status.LACK_OF_FIT, "warning"), (HALF_DIFFERENCE, Status.CONVERGED, "passed")],
+)
+def test_a_sweep_that_departs_from_the_law_is_a_warning_where_its_points_are_independent(
+    source: TorqueSource, status: Status, outcome: str
+) -> None:
+    generator, points = np.random.default_rng(0), []
+    for number, speed in enumerate(np.geomspace(0.01, 3.0, 40)):
+        friction = 0.15 + 0.45 * np.exp(-speed / 0.05) + 0.02 * speed + 0.005 * generator.normal()
+        for side in (1, -1):
+            torque = side * (friction if source == HALF_DIFFERENCE else friction + 0.005 * generator.normal())
+            points.append(FrictionPoint(2 * number + (side < 0), 0.0, side * speed, torque, 0.005, 1.0, "steady"))
+    analysis = replace(_counted([]), points=tuple(points), torque_source=source)
+    estimate = estimate_friction(analysis, IdentificationSettings(method="least_squares", noise="absolute"))
+    assert estimate.result.status is status
+    checked = calibration_checks(Calibration(SweepData(()), analysis, estimate, 0, None))
+    assert next(check for check in checked if check.name == "Identification").outcome == outcome
 
 
 def test_without_a_model_there_is_no_lag() -> None:
