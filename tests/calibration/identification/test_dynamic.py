@@ -34,7 +34,7 @@ def test_simulation_of_many_sets_is_the_law_in_fine_steps() -> None:
 
 
 def test_recovers_lugre_of_a_joint_solved_by_another_rule_and_seen_through_an_encoder() -> None:
-    record = record_lugre(tuple(TRUE), 16.0, 0)
+    record = record_lugre(tuple(TRUE.tolist()), 16.0, 0)
     result = identify(record.velocity, record.torque, law="lugre", time=record.time)
     error = np.array(list(result.parameters.values())) / [*TRUE, *BRISTLE] - 1.0
     assert result.status == "converged"
