@@ -15,6 +15,7 @@ from .printed import NOISE_FREE
 from .problem import NOISE_READINGS, PARAMETERS, PaperProblem, Reading
 from .rival_summary import best_adam, name_of
 from .rivals import PAPER_LENGTH
+from .study import SPREADS
 
 __all__ = ["benchmark_charts"]
 
@@ -35,7 +36,7 @@ def benchmark_charts(ledger: Ledger) -> list[Chart]:
     rows += [row for reading in _READINGS for row in best_adam(ledger, reading)]
     known = [reading for reading in NOISE_READINGS if ledger.rows(study="statistics", reading=reading)]
     noise_free = [row for row in rows if row["method"] != "Adam" and row["reading"] == "none"]
-    noise_free += ledger.rows(study="adam", reading="none", iterations=PAPER_LENGTH)
+    noise_free += _median_and_best(ledger.rows(study="adam", reading="none", iterations=PAPER_LENGTH))
     return [
         _data(),
         *([_convergence(noise_free)] if noise_free else []),
@@ -60,15 +61,26 @@ def _convergence(rows: list[dict[str, Any]]) -> Chart:
     panels = []
     for title, methods, named, low in (
         ("searches", ("PSO", "GA"), ("PSO", "GA"), 1e-14),
-        ("training by Adam", ("Adam",), ("PINN",), 1e-6),
+        ("training by Adam, by the factor within which it starts", ("Adam",), ("PINN",), 1e-6),
     ):
-        lines = [Line(*_mean_error(row), name_of(row)) for row in rows if row["method"] in methods]
+        lines = [Line(*_mean_error(row), row.get("place", name_of(row))) for row in rows if row["method"] in methods]
         rules = [Rule(printed[name], label=f"{name} as printed", color=k) for k, name in enumerate(named)]
         if lines:
             marks: tuple[Line | Rule, ...] = (*lines, *rules)
             panels.append(Panel(marks, _ITERATION, "mean |error| [%]", title, y_scale="log", y_range=(low, 1e4)))
     title = "Without noise the methods differ in how far they have converged"
     return Chart("convergence-none", title, tuple(panels), columns=2, panel_height=380)
+
+
+def _median_and_best(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Of each spread of the starts the median training and the best, by where they end."""
+    chosen = []
+    for spread in SPREADS:
+        started = [row for row in rows if row["spread"] == spread]
+        ranked = sorted(started, key=lambda row: float(_mean_error(row)[1][-1]))
+        places = (("median", len(ranked) // 2), ("best", 0)) if ranked else ()
+        chosen += [ranked[k] | {"place": f"{name}, factor {spread:g}"} for name, k in places]
+    return chosen
 
 
 def _mean_error(row: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
@@ -78,10 +90,8 @@ def _mean_error(row: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
 
 
 def _parameters(row: dict[str, Any]) -> FloatArray:
-    """Course of the parameters. Shape (n, 8). Adam may change the sign of v_s, which enters squared."""
-    course = np.array(row["course"])
-    course[:, [2, 6]] = np.abs(course[:, [2, 6]])
-    return course
+    """Course of the parameters. Shape (n, 8)."""
+    return np.array(row["course"])
 
 
 def _ours(reading: Reading) -> Chart:
@@ -90,7 +100,8 @@ def _ours(reading: Reading) -> Chart:
     traces = result.traces
     assert traces is not None
     step = np.arange(1.0, len(traces.data_loss) + 1.0)
-    title = f"Our PINN from variable projection, noise: {reading} (figure {'3' if reading == 'none' else '8'})"
+    figure = "3" if reading == "none" else "8"
+    title = f"Our PINN from the start of variable projection, noise: {reading} (figure {figure})"
     losses = (Line(step, traces.data_loss, "data"), Line(step, traces.model_loss, "closed form"))
     loss = Panel(losses, "iteration", "mean squared error [(N·m)²]", "loss", y_scale="log")
     return Chart(f"pinn-{reading}", title, (loss, *_directions(step, traces.parameters, "iteration")), columns=3)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +30,7 @@ class Ledger:
         rows = [row for row in self._rows if all(row.get(k) == v for k, v in wanted.items())]
         return sorted(rows, key=lambda row: int(row["seed"]))
 
-    def missing(self, seeds: range, **wanted: object) -> Iterator[int]:
+    def missing(self, seeds: Sequence[int], **wanted: object) -> Iterator[int]:
         """The seeds without a line."""
         done = {row["seed"] for row in self.rows(**wanted)}
         return iter([seed for seed in seeds if seed not in done])

@@ -20,19 +20,27 @@ class NoiseFreeFigures:
 
     Attributes:
         method: Its name.
+        starts: Where it starts, in words.
         iterations: Its length; 0 for ours, which ends by itself.
         runs: How many, each from another start.
         converged: How many reported so; all of them where a method reports nothing.
+        below_one: Runs with a mean |error| below 1 %.
         median_error: Median over the runs of the mean |error| [%].
+        smallest_error: Smallest of these [%].
         largest_error: Largest of these [%].
+        from_start: Runs of ours that needed no other start than the one given; 0 for other methods.
     """
 
     method: str
+    starts: str
     iterations: int
     runs: int
     converged: int
+    below_one: int
     median_error: float
+    smallest_error: float
     largest_error: float
+    from_start: int
 
 
 def summarise_noise_free(ledger: Ledger) -> list[NoiseFreeFigures]:
@@ -40,31 +48,36 @@ def summarise_noise_free(ledger: Ledger) -> list[NoiseFreeFigures]:
     ours = ledger.rows(study="noise_free")
     if not ours:
         return []
-    rows = ledger.rows(study="search", reading="none") + ledger.rows(study="adam", reading="none")
-    kinds = sorted({_kind(row) for row in rows})
-    others = [(kind, [row for row in rows if _kind(row) == kind]) for kind in kinds]
-    return [_noise_free("fricomp", 0, ours), *(_noise_free(*kind, found) for kind, found in others)]
+    rows = [row for study in ("as_given", "adam", "search") for row in ledger.rows(study=study)]
+    rows = [row for row in rows if row.get("reading", "none") == "none"]
+    kinds = list(dict.fromkeys(_kind(row) for row in rows))
+    others = [_noise_free(*kind, [row for row in rows if _kind(row) == kind]) for kind in kinds]
+    return [_noise_free("fricomp", "a Stribeck velocity, factor 30", 0, ours), *others]
 
 
-def _kind(row: dict[str, Any]) -> tuple[str, int]:
-    return name_of(row), int(row["iterations"])
+def _kind(row: dict[str, Any]) -> tuple[str, str, int]:
+    starts = f"all eight, factor {row['spread']:g}" if "spread" in row else "anywhere within the bounds"
+    return str(row.get("method", "fricomp, this training alone")), starts, int(row.get("iterations", 0))
 
 
-def name_of(row: dict[str, Any]) -> str:
-    """The method of a row, and where it started if that was chosen."""
-    return f"{row['method']} from {row['start']}" if "start" in row else str(row["method"])
-
-
-def _noise_free(method: str, iterations: int, rows: Sequence[dict[str, Any]]) -> NoiseFreeFigures:
-    errors = [float(np.mean(PaperProblem().error_percent(np.array(row["values"])))) for row in rows]
+def _noise_free(method: str, starts: str, iterations: int, rows: Sequence[dict[str, Any]]) -> NoiseFreeFigures:
+    errors = [_mean_error(row) for row in rows]
     return NoiseFreeFigures(
         method=method,
+        starts=starts,
         iterations=iterations,
         runs=len(rows),
         converged=sum(row.get("status", "converged") == "converged" for row in rows),
+        below_one=sum(error < 1.0 for error in errors),
         median_error=float(np.median(errors)),
+        smallest_error=min(errors),
         largest_error=max(errors),
+        from_start=sum(row.get("start") == "given" for row in rows),
     )
+
+
+def _mean_error(row: dict[str, Any]) -> float:
+    return float(np.mean(PaperProblem().error_percent(np.array(row["values"]))))
 
 
 def best_adam(ledger: Ledger, reading: Reading) -> list[dict[str, Any]]:
@@ -72,7 +85,12 @@ def best_adam(ledger: Ledger, reading: Reading) -> list[dict[str, Any]]:
     rows = ledger.rows(study="adam", reading=reading)
     length = max((int(row["iterations"]) for row in rows), default=0)
     longest = [row for row in rows if row["iterations"] == length]
-    return sorted(longest, key=lambda r: float(PaperProblem().error_percent(np.array(r["values"])).mean()))[:1]
+    return sorted(longest, key=_mean_error)[:1]
+
+
+def name_of(row: dict[str, Any]) -> str:
+    """The method of a row; of the trainings by Adam only the one from the best start is shown."""
+    return "Adam from its best start" if row["method"] == "Adam" else str(row["method"])
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from .comparators import Comparison, run_cma, run_genetic, run_particle_swarm, run_robust_nls
 from .ledger import Ledger
 from .problem import NOISE_READINGS, Draw, PaperProblem
+from .study import SPREADS, random_values
 
 __all__ = [
     "CMA_EVALUATIONS",
@@ -90,26 +91,28 @@ def run_pymoo_study(ledger: Ledger, sizes: SearchSizes, progress: Progress) -> N
                     _compare(ledger, PaperProblem().draw(reading, seed), (method, iterations), progress)
 
 
-def run_adam_study(ledger: Ledger, steps: int, progress: Progress) -> None:
-    """The paper's own training without noise from every start, and from the best of them on a draw of each reading."""
-    from .adam import STARTS, run_adam
+def run_adam_study(ledger: Ledger, starts: int, steps: int, progress: Progress) -> None:
+    """The paper's own training: without noise from random starts, on a draw of each reading from the best of them."""
+    from .adam import run_adam
 
     problem = PaperProblem()
 
-    def train(draw: Draw, seed: int, start: str) -> None:
-        key = {"study": "adam", "method": "Adam", "iterations": steps, "reading": draw.reading}
-        if not ledger.rows(**key, seed=seed):
-            progress(f"Adam, {draw.reading} noise, start {start}")
-            found = run_adam(draw, start, steps)
-            course = {"fitness": found.fitness, "course": found.course}
-            ledger.append(_row(found, draw, key) | course | {"seed": seed, "start": start})
+    def train(draw: Draw, spread: float, seeds: Sequence[int]) -> None:
+        key = {"study": "adam", "method": "Adam", "iterations": steps, "reading": draw.reading, "spread": spread}
+        missing = list(ledger.missing(seeds, **key))
+        if missing:
+            progress(f"Adam, {draw.reading} noise, {len(missing)} starts within a factor of {spread:g}")
+            found = run_adam(draw, np.array([random_values(seed, spread) for seed in missing]), steps)
+            for seed, one in zip(missing, found, strict=True):
+                course = {"fitness": one.fitness, "course": one.course}
+                ledger.append(_row(one, draw, key) | course | {"seed": seed})
 
-    for number, start in enumerate(STARTS):
-        train(problem.draw("none", 0), number, start)
+    for spread in SPREADS:
+        train(problem.draw("none", 0), spread, range(starts))
     rows = ledger.rows(study="adam", reading="none", iterations=steps)
     best = min(rows, key=lambda row: float(problem.error_percent(np.array(row["values"])).mean()))
     for reading in NOISE_READINGS:
-        train(problem.draw(reading, 0), 0, best["start"])
+        train(problem.draw(reading, 0), best["spread"], [best["seed"]])
 
 
 def _compare(ledger: Ledger, draw: Draw, what: tuple[str, int], progress: Progress) -> None:

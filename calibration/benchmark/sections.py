@@ -88,16 +88,20 @@ def noise_free_section(ledger: Ledger) -> str:
         return ""
     rows = [
         [
-            f.method, f"{f.iterations:,}" if f.iterations else "", str(f.runs), f"{f.median_error:.2g}",
-            f"{f.largest_error:.2g}",
+            f.method, f.starts, f"{f.iterations:,}" if f.iterations else "", str(f.runs), str(f.below_one),
+            f"{f.median_error:.2g}", f"{f.smallest_error:.2g} to {f.largest_error:.2g}",
         ]
         for f in figures
     ]  # fmt: skip
-    heads = ["method", "length", "runs", "mean error, median [%]", "largest [%]"]
+    heads = ["method", "starts", "length", "runs", "below 1 %", "mean error, median [%]", "range [%]"]
+    ours = figures[0]
     return (
-        f"Ours starts from parameters anywhere within a factor of thirty and from random network weights; "
-        f"{figures[0].converged} of {figures[0].runs} starts report `converged`. The searches differ in their seed, "
-        "Adam in the parameters it starts from. With noise it starts from the best of these.\n\n" + _table(heads, rows)
+        f"Starts lie anywhere within the factor of the middle of the search box, F_s above F_c, network weights are "
+        f"random. fricomp takes the Stribeck velocities of such a start, brings them within the speeds measured and "
+        f"solves for the other six parameters: {ours.from_start} of {ours.runs} trainings meet the data to rounding "
+        f"from there, the others from the projection's own start; {ours.converged} report `converged`. `this training "
+        "alone` and Adam take all eight parameters as they are drawn, and nothing comes after. With noise Adam starts "
+        "from the best of its starts.\n\n" + _table(heads, rows)
     )
 
 
@@ -118,7 +122,8 @@ def statistics_section(ledger: Ledger, reading: Reading) -> str:
 def _remarks(f: StatisticsFigures) -> str:
     return (
         f"Monte-Carlo error: ± {f.rms_error:.3f} of RMS / bound, ± {100.0 * f.coverage_error:.2f} % of the coverage. "
-        f"{f.converged} of {f.draws} draws report `converged`. "
+        f"{f.from_projection} of {f.draws} trainings from the projection ended at the optimum of least squares, where "
+        f"one that does not begins anew; {f.converged} report `converged`. "
         f"Distance to the oracle's optimum, largest over all parameters and draws: {f.largest_distance:.2g} "
         f"deviations (RMS {f.typical_distance:.1g}); negative log-likelihood above the oracle's: "
         f"{f.largest_excess:.1g} at most. Mean error {f.mean_error:.2f} %, of single draws from "
@@ -155,10 +160,13 @@ def timing_section(ledger: Ledger) -> str:
             f"{f.length:,}" if f.length else "",
             f"{f.seconds:.3g}",
             f"{f.seconds / ours[f.reading]:.3g}",
+            f"{f.seconds_to_optimum:.3g}" if f.seconds_to_optimum else "",
+            f"{f.seconds_to_optimum / ours[f.reading]:.3g}" if f.seconds_to_optimum else "",
         ]
         for f in figures
     ]
-    return _table(["noise", "method", "length", "processor time [s]", "/ ours"], rows) if rows else ""
+    heads = ["noise", "method", "length", "processor time [s]", "/ ours", "until at the optimum [s]", "/ ours"]
+    return _table(heads, rows) if rows else ""
 
 
 def outlier_section(ledger: Ledger) -> str:
@@ -169,12 +177,13 @@ def outlier_section(ledger: Ledger) -> str:
         if f is not None:
             rows.append([
                 reading, str(f.draws), " ".join(f"{r:.2f}" for r in f.rms_over_bound),
-                " ".join(f"{r:.2f}" for r in f.rms_of_converged), str(f.wrong_basins), str(f.silent_wrong_basins),
-                str(f.flagged),
+                " ".join(f"{r:.2f}" for r in f.rms_of_converged), " ".join(f"{100.0 * c:.0f}" for c in f.coverage),
+                str(f.wrong_basins), str(f.silent_wrong_basins), str(f.flagged),
             ])  # fmt: skip
     heads = [
         "noise", "draws", "RMS / bound of the clean points", "the same, draws that report `converged`",
-        "errors above 5 deviations", "of them reported as `converged`", "draws not reported `converged`",
+        "coverage of their 95 % intervals [%]", "errors above 5 deviations", "of them reported as `converged`",
+        "draws not reported `converged`",
     ]  # fmt: skip
     return _table(heads, rows)
 

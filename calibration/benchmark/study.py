@@ -11,14 +11,20 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
-from ..identification import identify
+from ..identification import IdentificationOptions, IdentificationResult, identify
+from ..identification.likelihood import Noise
+from ..identification.optimum import optimum_at
+from ..identification.pinn import train_pinn
 from .ledger import Ledger
 from .oracle import find_optimum
-from .problem import NOISE_READINGS, Draw, PaperProblem, Reading
+from .problem import NOISE_READINGS, UPPER_BOUNDS, Draw, PaperProblem, Reading
 
 __all__ = [
+    "SPREADS",
     "contaminate",
     "random_start",
+    "random_values",
+    "run_as_given",
     "run_departure",
     "run_extras",
     "run_loads",
@@ -28,6 +34,8 @@ __all__ = [
 ]
 
 Progress = Callable[[str], None]
+SPREADS = (30.0, 3.0)
+"""Factors within which random starts lie."""
 
 
 def run_statistics(ledger: Ledger, draws: int, progress: Progress) -> None:
@@ -48,6 +56,7 @@ def _one_draw(draw: Draw, reading: Reading) -> dict[str, Any]:
         "reading": reading,
         "seed": draw.seed,
         "status": result.status,
+        "start": _start_of(result),
         "values": list(result.parameters.values()),
         "deviations": list(result.standard_deviations.values()),
         "nll": result.negative_log_likelihood,
@@ -59,8 +68,7 @@ def _one_draw(draw: Draw, reading: Reading) -> dict[str, Any]:
 
 def run_noise_free(ledger: Ledger, starts: int, progress: Progress) -> None:
     """The paper's 41 points without noise from random parameters and random network weights."""
-    problem = PaperProblem()
-    draw = problem.draw("none", 0)
+    draw = PaperProblem().draw("none", 0)
     for seed in ledger.missing(range(starts), study="noise_free"):
         begun = time.perf_counter()
         result = identify(draw.velocity, draw.torque, noise="absolute", seed=seed, options=random_start(seed))
@@ -69,6 +77,7 @@ def run_noise_free(ledger: Ledger, starts: int, progress: Progress) -> None:
                 "study": "noise_free",
                 "seed": seed,
                 "status": result.status,
+                "start": _start_of(result),
                 "values": list(result.parameters.values()),
                 "seconds": time.perf_counter() - begun,
             }
@@ -76,15 +85,44 @@ def run_noise_free(ledger: Ledger, starts: int, progress: Progress) -> None:
         progress(f"noise-free, start {seed + 1} of {starts}")
 
 
-def random_start(seed: int) -> Any:
-    """Parameters anywhere within a factor of thirty of the search box's middle, as options of `identify`."""
-    from ..identification import IdentificationOptions
-    from .problem import UPPER_BOUNDS
+def run_as_given(ledger: Ledger, starts: int, progress: Progress) -> None:
+    """The same training alone, all eight parameters starting as they are drawn: no projection, nothing to fall back on.
 
-    rng = np.random.default_rng([seed, 41])
-    values = UPPER_BOUNDS / 2.0 * np.exp(rng.uniform(-np.log(30.0), np.log(30.0), 8))
+    From the starts that the paper's Adam has too, of both spreads.
+    """
+    problem = PaperProblem()
+    draw, noise = problem.draw("none", 0), Noise("absolute")
+    for spread in SPREADS:
+        for seed in ledger.missing(range(starts), study="as_given", spread=spread):
+            start = optimum_at(np.log(random_values(seed, spread)), problem.form, draw.points, noise)
+            trained = train_pinn(problem.form, draw.points, start, seed=seed)
+            values = np.exp(trained.optimum.logs)
+            ledger.append({"study": "as_given", "spread": spread, "seed": seed, "values": values})
+            progress(f"noise-free, as given within a factor of {spread:g}, start {seed + 1} of {starts}")
+
+
+def _start_of(result: IdentificationResult) -> str:
+    """From where the training began that gave the result."""
+    assert result.traces is not None
+    return result.traces.start
+
+
+def random_start(seed: int) -> IdentificationOptions:
+    """`random_values` of the wider spread as options of `identify`."""
     names = PaperProblem().form.names
-    return IdentificationOptions(start=dict(zip(names, values.tolist(), strict=True)))
+    return IdentificationOptions(start=dict(zip(names, random_values(seed, SPREADS[0]).tolist(), strict=True)))
+
+
+def random_values(seed: int, spread: float) -> FloatArray:
+    """Parameters anywhere within a factor of `spread` of the search box's middle, F_s above F_c. Shape (8,).
+
+    Where both are equal no loss has a slope in the Stribeck velocity.
+    """
+    rng = np.random.default_rng([seed, 41])
+    values = UPPER_BOUNDS / 2.0 * np.exp(rng.uniform(-np.log(spread), np.log(spread), 8))
+    for dry in (slice(0, 2), slice(4, 6)):
+        values[dry] = np.sort(values[dry])
+    return np.asarray(values)
 
 
 def run_outliers(ledger: Ledger, draws: int, progress: Progress) -> None:
@@ -103,6 +141,7 @@ def run_outliers(ledger: Ledger, draws: int, progress: Progress) -> None:
                     "seed": seed,
                     "status": result.status,
                     "values": list(result.parameters.values()),
+                    "deviations": list(result.standard_deviations.values()),
                     "limit": limit,
                     "seconds": time.perf_counter() - begun,
                 }

@@ -16,6 +16,10 @@ from .problem import PaperProblem, Reading
 __all__ = ["OutlierFigures", "StatisticsFigures", "summarise_outliers", "summarise_statistics"]
 
 
+_REACH = float(student.ppf(0.975, 192))
+"""Half width of a 95 % interval in standard deviations: 200 points, eight parameters."""
+
+
 @dataclass(frozen=True)
 class StatisticsFigures:
     """Our PINN over many draws of one noise reading; lists follow the paper's order of parameters.
@@ -23,6 +27,7 @@ class StatisticsFigures:
     Attributes:
         draws: How many.
         converged: How many reported so.
+        from_projection: In how many the training from the projection ended at the optimum, with no other start.
         rms_over_bound: Root mean square error over the Cramér-Rao bound.
         rms_error: Monte-Carlo standard error of each of these.
         coverage: Share of 95 % intervals that hold the true value.
@@ -36,6 +41,7 @@ class StatisticsFigures:
 
     draws: int
     converged: int
+    from_projection: int
     rms_over_bound: list[float]
     rms_error: float
     coverage: list[float]
@@ -55,14 +61,14 @@ def summarise_statistics(ledger: Ledger, reading: Reading) -> StatisticsFigures 
     problem = PaperProblem()
     bound, true = problem.cramer_rao(reading), np.array(problem.true_values)
     values, oracle, deviations = (_column(rows, name) for name in ("values", "oracle", "deviations"))
-    reach = float(student.ppf(0.975, 192)) * deviations
-    covered = np.abs(values - true) <= reach
+    covered = np.abs(values - true) <= _REACH * deviations
     apart = np.abs(values - oracle) / bound
     percent = 100.0 * np.abs(values - true) / true
     n = len(rows)
     return StatisticsFigures(
         draws=n,
         converged=sum(row["status"] == "converged" for row in rows),
+        from_projection=sum(row["start"] == "projection" for row in rows),
         rms_over_bound=(np.sqrt(np.mean((values - true) ** 2, axis=0)) / bound).tolist(),
         rms_error=float(1.0 / np.sqrt(2.0 * n)),
         coverage=np.mean(covered, axis=0).tolist(),
@@ -88,6 +94,7 @@ class OutlierFigures:
         flagged: How many did not report `converged`.
         rms_over_bound: Root mean square error over the bound of the clean points, all draws.
         rms_of_converged: The same over the draws that reported `converged`.
+        coverage: Share of their 95 % intervals that hold the true value.
         wrong_basins: Draws with an error above five deviations.
         silent_wrong_basins: Those of them that reported `converged`.
     """
@@ -96,6 +103,7 @@ class OutlierFigures:
     flagged: int
     rms_over_bound: list[float]
     rms_of_converged: list[float]
+    coverage: list[float]
     wrong_basins: int
     silent_wrong_basins: int
 
@@ -105,7 +113,8 @@ def summarise_outliers(ledger: Ledger, reading: Reading) -> OutlierFigures | Non
     rows = ledger.rows(study="outliers", reading=reading)
     if not rows:
         return None
-    scaled = (_column(rows, "values") - np.array(PaperProblem().true_values)) / _column(rows, "limit")
+    error = _column(rows, "values") - np.array(PaperProblem().true_values)
+    scaled, covered = error / _column(rows, "limit"), np.abs(error) <= _REACH * _column(rows, "deviations")
     good = np.array([row["status"] == "converged" for row in rows])
     wrong = np.max(np.abs(scaled), axis=1) > 5.0
     return OutlierFigures(
@@ -113,6 +122,7 @@ def summarise_outliers(ledger: Ledger, reading: Reading) -> OutlierFigures | Non
         flagged=int(np.sum(~good)),
         rms_over_bound=np.sqrt(np.mean(scaled**2, axis=0)).tolist(),
         rms_of_converged=np.sqrt(np.mean(scaled[good] ** 2, axis=0)).tolist() if np.any(good) else [],
+        coverage=np.mean(covered[good], axis=0).tolist() if np.any(good) else [],
         wrong_basins=int(np.sum(wrong)),
         silent_wrong_basins=int(np.sum(wrong & good)),
     )

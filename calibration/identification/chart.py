@@ -22,6 +22,13 @@ _NAMES = {
 }
 
 
+_BEGINNINGS = {
+    "given": "from the start that was given",
+    "projection": "from a start by variable projection",
+    "least_squares": "from the optimum of least squares, because from its other starts training ended elsewhere",
+}
+
+
 def words(name: str) -> str:
     """A parameter's name in words: `stribeck.forward.coulomb_torque` is `Coulomb torque, forward`."""
     *group, last = name.split(".")
@@ -47,7 +54,7 @@ def training_chart(traces: Traces, unit: str) -> Chart:
         Panel(lines, "iteration", "parameter / final value [1]", "Parameters"),
         Panel(losses, "iteration", f"mean squared error [({unit})²]", "Losses", y_scale="log"),
     )
-    caption = "Network and parameters are trained together, from a start by variable projection."
+    caption = f"Network and parameters are trained together, {_BEGINNINGS[traces.start]}."
     return Chart("training", "Training of network and parameters", panels, caption=caption, panel_height=260)
 
 

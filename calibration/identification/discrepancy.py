@@ -2,12 +2,12 @@
 
 The network starts as the closed form and is trained on the data and, at points of its own over a wider range, on the
 closed form with a weight. A large weight gives the closed form, none a purely data-driven network; cross-validation
-chooses. Outside the data the closed form stays what holds it.
+chooses, each fold from the closed form of the points it was left. Outside the data the closed form stays what holds it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +31,9 @@ WEIGHTS = (np.inf, 100.0, 10.0, 1.0, 0.1, DATA_DRIVEN)
 _EVIDENCE = 2.0
 """Standard errors by which held-out points must be predicted better before the closed form is left."""
 _FOLDS = 4
+_LEAST_SPEEDS = 20
+_ONE_SPEED = 0.005
+"""Speeds that differ by less than about this fraction are visits to one, and are left out together."""
 _MOST_LOADS = 8
 """Up to so many distinct loads are left out one by one; of more, the random folds hold out enough."""
 _ITERATIONS = 30
@@ -79,11 +82,9 @@ def fit_discrepancy(result: IdentificationResult, *, seed: int = 0) -> Discrepan
         seed: Seed of the folds.
 
     Raises:
-        IdentificationError: Fewer than 20 points.
+        IdentificationError: Fewer than 20 different speeds, forward and reverse ones counted apart.
     """
     points = result.observations
-    if points.size < 20:
-        raise IdentificationError(f"comparing networks needs at least 20 points, got {points.size}")
     predictions = [_held_out(result, outside) for outside in _folds(points, seed)]
     rows = np.concatenate([fold.rows for fold in predictions])
     variance = _deviation(result)[rows] ** 2
@@ -104,8 +105,20 @@ class _HeldOut(NamedTuple):
 
 
 def _folds(points: Observations, seed: int) -> list[np.ndarray[tuple[int], np.dtype[np.bool_]]]:
-    """Masks of points to leave out: random quarters, and each load between others, which asks more of a network."""
-    fold = np.random.default_rng(seed).permutation(points.size) % _FOLDS
+    """Masks of points to leave out: random quarters, and each load between others, which asks more of a network.
+
+    Visits to one speed under one load stay together: beside another visit a point would not be held out.
+
+    Raises:
+        IdentificationError: Fewer than 20 speeds.
+    """
+    place = [points.sign, np.round(np.log(points.speed) / _ONE_SPEED)]
+    place += [] if points.normal_load is None else [points.normal_load]
+    different, visit = np.unique(np.stack(place), axis=1, return_inverse=True)
+    n = different.shape[1]
+    if n < _LEAST_SPEEDS:
+        raise IdentificationError(f"comparing networks needs at least {_LEAST_SPEEDS} different speeds, got {n}")
+    fold = np.random.default_rng(seed).permutation(n)[visit.ravel()] % _FOLDS
     masks = [fold == k for k in range(_FOLDS)]
     levels = np.empty(0) if points.normal_load is None else np.unique(points.normal_load)
     if 2 < len(levels) <= _MOST_LOADS:
@@ -117,10 +130,12 @@ def _held_out(result: IdentificationResult, left_out: np.ndarray[tuple[int], np.
     rows = np.flatnonzero(left_out)
     inside, outside = result.observations.select(np.flatnonzero(~left_out)), result.observations.select(rows)
     closed = fit_likelihood(result.form, inside, _noise(result, ~left_out))
+    law = result.form.law(dict(zip(result.parameter_names, np.exp(closed.logs).tolist(), strict=True)))
+    fold = replace(result, model=replace(result.model, law=law), observations=inside, optimum=closed)
     predicted, _ = result.form.evaluate(closed.logs, outside)
-    squared, network = {WEIGHTS[0]: (outside.magnitude - predicted) ** 2}, result.network
+    squared, network = {WEIGHTS[0]: (outside.magnitude - predicted) ** 2}, fold.network
     for weight in WEIGHTS[1:]:
-        network = train_towards(network, result, closed, inside, weight)
+        network = train_towards(network, fold, closed, inside, weight)
         torque = outside.sign * np.asarray(network.torque(outside.velocity, outside.normal_load))
         squared[weight] = (outside.magnitude - torque) ** 2
     return _HeldOut(rows, squared)

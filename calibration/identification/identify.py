@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal, overload
 
 import numpy as np
@@ -18,17 +18,20 @@ from .form import SeparableLaw, separable_law
 from .likelihood import Noise, parse_noise
 from .observation import Observations, observe
 from .optimum import Optimum, fit_likelihood, optimum_at
-from .pinn import TrainedPinn, train_pinn
+from .pinn import StartKind, TrainedPinn, train_pinn
 from .provenance import compute_provenance
 from .result import IdentificationResult, NoiseEstimate
 from .robust import fit_robust
-from .verdict import BASIN_GAP, covariance_of, judge
+from .start import project_start, starting_points
+from .verdict import CLOSE_ENOUGH, covariance_of, judge
 
 __all__ = ["IdentificationOptions", "Loss", "Method", "identify", "require_choice"]
 
 Method = Literal["pinn", "least_squares"]
 Loss = Literal["gaussian", "robust"]
 DynamicLaw = Literal["lugre", "dahl"]
+_BEHIND = 0.5 * CLOSE_ENOUGH**2
+"""Likelihood [nats] that a training may end behind the optimum: it is then as close as counts as converged."""
 _SENSITIVITY_EVIDENCE = 3.84
 """Twice the gain in likelihood (95 % of chi-square) that a load sensitivity other than 1 must bring."""
 
@@ -38,7 +41,8 @@ class IdentificationOptions:
     """Rarely changed settings of `identify`.
 
     Attributes:
-        start: Parameters by dotted name from which training starts instead of variable projection.
+        start: Parameters by dotted name from which training starts first. Of them the Stribeck or smoothing velocity
+            counts, within the speeds measured; at it the others have a best value, which is solved for.
         reference_load: Normal load at which the parameters hold, in the unit of the loads; their mean by default.
             Where no load is known later on, such as in a compensator, this is the load that is assumed.
         joint: Name of the joint.
@@ -186,16 +190,30 @@ def _least(fits: Mapping[str, Optimum]) -> float:
 def _train(
     form: SeparableLaw, points: Observations, reference: Optimum, options: IdentificationOptions, seed: int
 ) -> TrainedPinn:
-    """Train from the start that was given, and once more from the projection if that ends in a worse basin."""
-    if options.start is None:
-        return train_pinn(form, points, reference, seed=seed)
-    unknown = sorted(set(form.names) ^ set(options.start))
-    if unknown or min(options.start.values()) <= 0.0:
-        raise IdentificationError(f"start must give a positive value for each of {', '.join(form.names)}")
-    logs = np.log([options.start[name] for name in form.names])
-    trained = train_pinn(form, points, optimum_at(logs, form, points, reference.noise), seed=seed)
-    gap = trained.optimum.negative_log_likelihood - reference.negative_log_likelihood
-    return trained if trained.converged and gap < BASIN_GAP else train_pinn(form, points, reference, seed=seed)
+    """Train from the start that was given, then from those of the projection, until one ends at the optimum.
+
+    Where none does, training starts at the optimum of least squares; the traces say so.
+    """
+    best = optimum_at(reference.logs, form, points, reference.noise)  # a robust fit's likelihood is another
+    for kind, logs in _starts(form, points, reference.noise, options.start):
+        start = optimum_at(np.minimum(logs, form.upper_logs(points)), form, points, reference.noise)
+        trained = train_pinn(form, points, start, seed=seed)
+        behind = trained.optimum.negative_log_likelihood - best.negative_log_likelihood
+        if trained.optimum.is_exact() or (trained.converged and behind < _BEHIND):
+            return trained._replace(traces=replace(trained.traces, start=kind))
+    trained = train_pinn(form, points, best, seed=seed)
+    return trained._replace(traces=replace(trained.traces, start="least_squares"))
+
+
+def _starts(
+    form: SeparableLaw, points: Observations, noise: Noise, given: Mapping[str, float] | None
+) -> Iterator[tuple[StartKind, FloatArray]]:
+    if given is not None:
+        if set(form.names) ^ set(given) or min(given.values()) <= 0.0:
+            raise IdentificationError(f"start must give a positive value for each of {', '.join(form.names)}")
+        yield "given", project_start(form, points, noise, np.log([given[name] for name in form.names]))
+    for logs in starting_points(form, points, noise, robust=False):
+        yield "projection", logs
 
 
 def _noise_level(kind: str, found: Optimum, points: Observations) -> float:

@@ -17,6 +17,8 @@ from .start import starting_points
 __all__ = ["Optimum", "bounded", "fit_likelihood", "optimum_at", "refine"]
 
 _LARGEST_LOG = 60.0
+_EXACT = 1e-8
+"""Residuals below this fraction of the largest torque come from rounding."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,10 @@ class Optimum:
     def spread(self) -> float:
         """Root mean square of the whitened residuals."""
         return float(np.sqrt(np.mean(self.whitened.residual**2)))
+
+    def is_exact(self) -> bool:
+        """Whether the closed form meets the data to rounding, where likelihoods no longer compare."""
+        return self.spread() <= _EXACT * float(np.max(self.magnitude * self.whitened.weight))
 
 
 def optimum_at(logs: FloatArray, law: SeparableLaw, observations: Observations, noise: Noise) -> Optimum:

@@ -17,7 +17,7 @@ optimum where weighted least squares has it, as soon as the network can follow t
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -32,7 +32,9 @@ from .likelihood import Noise
 from .observation import Observations
 from .optimum import Optimum, optimum_at
 
-__all__ = ["Traces", "TrainedPinn", "train_pinn"]
+__all__ = ["StartKind", "Traces", "TrainedPinn", "train_pinn"]
+
+StartKind = Literal["given", "projection", "least_squares"]
 
 _ROOT2 = np.sqrt(2.0)
 _MOST_ROWS = 400
@@ -56,12 +58,15 @@ class Traces:
         parameters: Shape (n_iterations, n_parameters).
         data_loss: Mean squared error of the network to the data, in the unit of the torque squared.
         model_loss: Mean squared error of the network to the closed form, likewise.
+        start: Where the parameters started: `given` by the caller, `projection`, or `least_squares`, the likelihood's
+            optimum itself, which training then has only to keep.
     """
 
     names: tuple[str, ...]
     parameters: FloatArray
     data_loss: FloatArray
     model_loss: FloatArray
+    start: StartKind = "given"
 
 
 class TrainedPinn(NamedTuple):

@@ -19,11 +19,13 @@ from .form import SeparableLaw
 from .likelihood import Noise
 from .observation import Observations
 
-__all__ = ["project", "starting_points", "with_sensitivity"]
+__all__ = ["project", "project_start", "starting_points", "with_sensitivity"]
 
 _GRID = 48
 _BASINS = 2
 _STARTS = 3
+_FASTEST = 2.0
+"""Shapes are looked for up to this multiple of the fastest speed measured."""
 _SMALLEST = 1e-3
 """A linear parameter that projection puts at zero starts at this fraction of its column's scale."""
 
@@ -54,6 +56,22 @@ def starting_points(law: SeparableLaw, observations: Observations, noise: Noise,
     return [with_sensitivity(law, one) for one in logs]
 
 
+def project_start(law: SeparableLaw, observations: Observations, noise: Noise, logs: FloatArray) -> FloatArray:
+    """`logs` with its shape brought within the speeds measured and its linear parameters solved for.
+
+    From a shape below the slowest speed the data have no slope to follow: every point then lies on the same side of
+    the bend.
+    """
+    weight, branches = _plain_weight(observations, noise), []
+    for k, rows in enumerate(law.branches(observations)):
+        points, shape = observations.select(np.flatnonzero(rows)), 1.0
+        if law.basis.shape_index is not None:
+            given = float(np.exp(logs[k * law.branch_size + law.basis.shape_index]))
+            shape = float(np.clip(given, points.speed.min(), _FASTEST * points.speed.max()))
+        branches.append(project(law, points, weight[rows], shape, robust=False).logs)
+    return with_sensitivity(law, np.concatenate(branches))
+
+
 def _plain_weight(observations: Observations, noise: Noise) -> FloatArray:
     return np.ones(observations.size) if noise.deviation is None else 1.0 / noise.deviation
 
@@ -75,7 +93,7 @@ def _scan(
         )
     if law.basis.shape_index is None:
         return [project(law, points, weight, 1.0, robust=robust)]
-    grid = np.geomspace(points.speed.min() / 3.0, points.speed.max() * 2.0, _GRID)
+    grid = np.geomspace(points.speed.min() / 3.0, points.speed.max() * _FASTEST, _GRID)
     candidates = [project(law, points, weight, shape, robust=robust) for shape in grid]
     costs = np.array([candidate.cost for candidate in candidates])
     padded = np.concatenate([[np.inf], costs, [np.inf]])

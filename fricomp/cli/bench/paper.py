@@ -20,21 +20,21 @@ app = typer.Typer(add_completion=False)
 
 @dataclass(frozen=True)
 class _Sizes:
-    """How many draws of everything."""
+    """How many draws of everything; of Adam, starts of each spread and steps."""
 
     noise_free: int
     pinn: int
     outliers: int
     searches: tuple[int, int, int, int] | None
-    adam_steps: int
+    adam: tuple[int, int]
     departure: int
     loads: int
     sweeps: int
     lugre: int
 
 
-_QUICK = _Sizes(5, 20, 5, (0, 2, 0, 0), 500, 1, 1, 20, 1)
-_FULL = _Sizes(100, 2000, 200, None, 50_000, 5, 3, 300, 5)
+_QUICK = _Sizes(5, 20, 5, (0, 2, 0, 0), (2, 500), 1, 1, 20, 1)
+_FULL = _Sizes(100, 2000, 200, None, (20, 50_000), 5, 3, 300, 5)
 
 
 @app.command(
@@ -78,9 +78,10 @@ def _run(ledger: Ledger, sizes: _Sizes, report: Callable[[str], None]) -> None:
 
     searches = rivals.SearchSizes(*sizes.searches) if sizes.searches else rivals.FULL_SIZES
     study.run_noise_free(ledger, sizes.noise_free, report)
+    study.run_as_given(ledger, sizes.noise_free, report)
     study.run_statistics(ledger, sizes.pinn, report)
-    rivals.run_adam_study(ledger, sizes.adam_steps, report)
-    timing.run_timing(ledger, sizes.adam_steps, report)
+    rivals.run_adam_study(ledger, *sizes.adam, report)
+    timing.run_timing(ledger, sizes.adam[1], report)
     study.run_outliers(ledger, sizes.outliers, report)
     study.run_departure(ledger, sizes.departure, report)
     study.run_extras(ledger, sizes.sweeps, sizes.lugre, report)

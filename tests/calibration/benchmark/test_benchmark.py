@@ -8,9 +8,17 @@ import pytest
 from fricomp.calibration.benchmark.ledger import Ledger
 from fricomp.calibration.benchmark.oracle import find_optimum
 from fricomp.calibration.benchmark.printed import NOISE_FREE, NOISY
-from fricomp.calibration.benchmark.problem import PaperProblem
-from fricomp.calibration.benchmark.study import run_noise_free, run_outliers, run_statistics
-from fricomp.calibration.benchmark.summary import summarise_statistics
+from fricomp.calibration.benchmark.problem import NOISE_READINGS, PaperProblem
+from fricomp.calibration.benchmark.rival_summary import summarise_noise_free
+from fricomp.calibration.benchmark.study import (
+    SPREADS,
+    random_values,
+    run_as_given,
+    run_noise_free,
+    run_outliers,
+    run_statistics,
+)
+from fricomp.calibration.benchmark.summary import summarise_outliers, summarise_statistics
 
 
 def test_two_printed_averages_do_not_follow_from_the_printed_values() -> None:
@@ -29,7 +37,7 @@ def test_a_study_goes_on_where_it_stopped(tmp_path: Path) -> None:
     assert len(said) == 2
     figures = summarise_statistics(ledger, "absolute")
     assert figures is not None
-    assert figures.draws == figures.converged == 1
+    assert figures.draws == figures.converged == figures.from_projection == 1
     assert figures.largest_distance < 0.02
     assert figures.largest_excess < 1e-3
 
@@ -59,6 +67,43 @@ def test_page_figures_and_pictures_come_from_the_ledger(tmp_path: Path) -> None:
     assert sorted(pictures) == sorted(f"page/{path.name}" for path in (tmp_path / "page").glob("*.png"))
     distance = next(target for target in figures["targets"] if "oracle" in target["what"])
     assert distance["reached"] is True
+
+
+def test_a_training_alone_reaches_the_parameters_from_starts_within_a_factor_of_three(tmp_path: Path) -> None:
+    ledger = Ledger(tmp_path / "ledger.jsonl")
+    run_noise_free(ledger, 1, lambda _: None)
+    run_as_given(ledger, 3, lambda _: None)
+    ours = {f.starts: f for f in summarise_noise_free(ledger)}
+    assert ours["all eight, factor 3"].runs == ours["all eight, factor 3"].below_one == 3
+    assert ours["all eight, factor 3"].largest_error < 1e-3
+    assert ours["all eight, factor 30"].runs == 3
+    assert ours["a Stribeck velocity, factor 30"].from_start == 1
+
+
+def test_random_starts_leave_a_slope_in_the_stribeck_velocity() -> None:
+    starts = np.array([random_values(seed, spread) for seed in range(20) for spread in SPREADS])
+    assert np.all(starts[:, [1, 5]] > starts[:, [0, 4]])
+
+
+def test_trainings_by_adam_from_several_starts_share_nothing() -> None:
+    pytest.importorskip("torch")
+    from fricomp.calibration.benchmark.adam import run_adam
+
+    draw, starts = PaperProblem().draw("none", 0), np.array([random_values(seed, 3.0) for seed in range(3)])
+    once, again = run_adam(draw, starts[[0, 1]], 20), run_adam(draw, starts[[0, 2]], 20)
+    np.testing.assert_allclose(once[0].course, again[0].course, rtol=1e-12)
+    assert once[0].fitness[-1, 1] < once[0].fitness[0, 1]
+    assert np.max(np.abs(once[1].values - again[1].values)) > 0.01
+
+
+@pytest.mark.slow
+def test_intervals_of_the_robust_fit_cover_the_truth(tmp_path: Path) -> None:
+    ledger = Ledger(tmp_path / "ledger.jsonl")
+    run_outliers(ledger, 100, lambda _: None)
+    for reading in NOISE_READINGS:
+        figures = summarise_outliers(ledger, reading)
+        assert figures is not None
+        assert np.all(np.abs(np.array(figures.coverage) - 0.95) < 4.0 * np.sqrt(0.95 * 0.05 / 100))
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ from fricomp.calibration import IdentificationOptions, identify
 from fricomp.calibration.benchmark.oracle import find_optimum
 from fricomp.calibration.benchmark.study import contaminate, random_start
 from fricomp.calibration.identification import Status
+from fricomp.calibration.identification.start import starting_points
 from fricomp.errors import IdentificationError
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, LoadScaling, StribeckCurve
 
@@ -16,7 +17,32 @@ def test_recovers_noise_free_parameters_from_random_starts(seed: int) -> None:
     draw = PROBLEM.draw("none", 0)
     result = identify(draw.velocity, draw.torque, noise="absolute", seed=seed, options=random_start(seed))
     assert result.status is Status.CONVERGED
+    assert result.traces is not None
+    assert result.traces.start == "given"
     assert np.mean(PROBLEM.error_percent(values_of(result))) < 1e-3
+
+
+@pytest.mark.parametrize("reading", ["relative", "absolute"])
+def test_training_begins_away_from_the_optimum_that_it_reaches(reading: str) -> None:
+    draw = noisy(reading, 7)
+    result = identify(draw.velocity, draw.torque, noise=reading)
+    assert result.traces is not None
+    assert result.traces.start == "projection"
+    points, noise = result.observations, result.optimum.noise
+    start = np.exp(starting_points(result.form, points, noise, robust=False)[0])
+    limit = PROBLEM.cramer_rao(draw.reading)
+    assert np.max(np.abs(start - find_optimum(draw).values) / limit) > 1.0
+    assert np.max(np.abs(values_of(result) - find_optimum(draw).values) / limit) < 0.02
+
+
+def test_a_training_that_only_keeps_the_optimum_of_least_squares_says_so() -> None:
+    # At these speeds nothing shows of the Stribeck effect, and training gets lost along what is left open.
+    velocity = np.concatenate([-np.linspace(0.3, 1.0, 20), np.linspace(0.3, 1.0, 20)])
+    noise = 0.01 * np.random.default_rng([0, 7]).normal(size=40)
+    result = identify(velocity, np.asarray(PROBLEM.law.torque(velocity)) + noise, noise="absolute")
+    assert result.status is Status.NOT_IDENTIFIABLE
+    assert result.traces is not None
+    assert result.traces.start == "least_squares"
 
 
 @pytest.mark.parametrize("reading", ["relative", "absolute"])

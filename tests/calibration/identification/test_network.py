@@ -2,9 +2,15 @@ import numpy as np
 import pytest
 
 from fricomp.calibration import identify
-from fricomp.calibration.identification import fit_discrepancy, save_identification
+from fricomp.calibration.identification import (
+    IdentificationResult,
+    discrepancy,
+    fit_discrepancy,
+    save_identification,
+)
 from fricomp.calibration.network import LAYER_SIZES, TanhNetwork, distil, forward_with_jacobian
 from fricomp.calibration.network.training import initial_layers
+from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 from fricomp.model import load_model
 
@@ -85,6 +91,52 @@ def test_training_holds_linear_algebra_to_one_thread_and_gives_it_back() -> None
     with one_blas_thread():
         assert set(threads()) <= {1}
     assert threads() == before
+
+
+def _repeated(speeds: int, visits: int) -> IdentificationResult:
+    """Each speed visited several times, not quite the same every time."""
+    side = np.repeat(np.geomspace(0.01, 1.0, speeds), visits)
+    rng = np.random.default_rng(0)
+    velocity = np.concatenate([-side, side]) * (1.0 + 1e-6 * rng.normal(size=2 * len(side)))
+    torque = np.asarray(PROBLEM.law.torque(velocity)) + 0.01 * rng.normal(size=len(velocity))
+    return identify(velocity, torque, method="least_squares", noise="absolute")
+
+
+def test_visits_to_one_speed_are_held_out_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    outside: list[FloatArray] = []
+    inside: list[FloatArray] = []
+
+    def record(result: IdentificationResult, left_out: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> object:
+        outside.append(result.observations.velocity[left_out])
+        inside.append(result.observations.velocity[~left_out])
+        return original(result, left_out)
+
+    original = discrepancy._held_out
+    monkeypatch.setattr(discrepancy, "_held_out", record)
+    monkeypatch.setattr(discrepancy, "train_towards", lambda network, *_: network)
+    fit_discrepancy(_repeated(speeds=12, visits=3))
+    assert sum(len(velocity) for velocity in outside) == 72
+    for out, kept in zip(outside, inside, strict=True):
+        assert np.min(np.abs(out[:, None] / kept[None, :] - 1.0)) > 0.1
+
+
+def test_a_fold_begins_from_the_closed_form_without_its_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    result = _repeated(speeds=12, visits=1)
+    begun: list[TanhNetwork] = []
+
+    def record(network: TanhNetwork, *_: object) -> TanhNetwork:
+        begun.append(network)
+        return network
+
+    monkeypatch.setattr(discrepancy, "train_towards", record)
+    fit_discrepancy(result)
+    firsts = begun[:: len(discrepancy.WEIGHTS) - 1]
+    assert len({float(network.torque(0.01)) for network in [*firsts, result.network]}) == 5
+
+
+def test_a_network_is_not_chosen_from_few_speeds_however_often_each_was_visited() -> None:
+    with pytest.raises(IdentificationError, match="at least 20 different speeds, got 16"):
+        fit_discrepancy(_repeated(speeds=8, visits=5))
 
 
 @pytest.mark.slow
