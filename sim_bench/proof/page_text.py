@@ -111,6 +111,7 @@ LIMITS = """## What the words mean
   the best-fitting value on noise-free data is known; counts, such as an order, have none. Of normal errors behind
   right intervals, 1 of 10,000 would miss by two half widths.
 - Pairs are wanted at ENR 0.5 to 8 together; the row tells how strong the weaker one is.
+- Time is that on the wall, of two cases side by side on two cores, which had other work for part of the run.
 
 ## What is not proved here
 
@@ -132,5 +133,6 @@ LIMITS = """## What the words mean
   the bristle's stiffness sees less of it. The torque of `velocity_filter_lag` is that of a simulation driven by the
   late velocity; the recording holds none of it.
 - How much of the held-out gap is closed, of what the right structure could close, takes a second diagnosis without
-  the concealed torque: `--gap N` measures it on N cases of development seeds, above.
+  the concealed torque: `--gap N` measures it on N cases of development seeds, and says of which
+  diagnosis.
 """
