@@ -61,7 +61,7 @@ def _convergence(rows: list[dict[str, Any]]) -> Chart:
     panels = []
     for title, methods, named, low in (
         ("searches", ("PSO", "GA"), ("PSO", "GA"), 1e-14),
-        ("training by Adam, by the factor within which it starts", ("Adam",), ("PINN",), 1e-6),
+        ("Adam (factor of its starts)", ("Adam",), ("PINN",), 1e-6),
     ):
         lines = [Line(*_mean_error(row), row.get("place", name_of(row))) for row in rows if row["method"] in methods]
         rules = [Rule(printed[name], label=f"{name} as printed", color=k) for k, name in enumerate(named)]
@@ -79,7 +79,7 @@ def _median_and_best(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
         started = [row for row in rows if row["spread"] == spread]
         ranked = sorted(started, key=lambda row: float(_mean_error(row)[1][-1]))
         places = (("median", len(ranked) // 2), ("best", 0)) if ranked else ()
-        chosen += [ranked[k] | {"place": f"{name}, factor {spread:g}"} for name, k in places]
+        chosen += [ranked[k] | {"place": f"{name} ({spread:g})"} for name, k in places]
     return chosen
 
 

@@ -105,8 +105,8 @@ _OUTLIERS = (
     'One point in ten is off by ten standard deviations, either way, `loss="robust"`; the PINN weighs the points as '
     "the robust fit beside it does. Where two of the three slowest points of a direction are hit, two basins can "
     "explain the data about equally well, and no method without further knowledge tells them apart; such draws are "
-    "reported as `wrong_basin_suspected`. RMS and coverage are given for the eight parameters in the order of the "
-    "tables above.\n"
+    "reported as `wrong_basin_suspected`. The intervals take it as known which points are off, and are somewhat too "
+    "narrow. RMS and coverage are given for the eight parameters in the order of the tables above.\n"
 )
 
 _DEPARTURE = (

@@ -97,22 +97,23 @@ def run_adam_study(ledger: Ledger, starts: int, steps: int, progress: Progress) 
 
     problem = PaperProblem()
 
-    def train(draw: Draw, spread: float, seeds: Sequence[int]) -> None:
+    def train(draw: Draw, spread: float, seeds: Sequence[int]) -> list[dict[str, Any]]:
+        """Rows of the trainings from these starts; without noise, where there is one draw, the seed is the start's."""
         key = {"study": "adam", "method": "Adam", "iterations": steps, "reading": draw.reading, "spread": spread}
-        missing = list(ledger.missing(seeds, **key))
-        if missing:
-            progress(f"Adam, {draw.reading} noise, {len(missing)} starts within a factor of {spread:g}")
-            found = run_adam(draw, np.array([random_values(seed, spread) for seed in missing]), steps)
-            for seed, one in zip(missing, found, strict=True):
-                course = {"fitness": one.fitness, "course": one.course}
-                ledger.append(_row(one, draw, key) | course | {"seed": seed})
+        progress(f"Adam, {draw.reading} noise, {len(seeds)} starts within a factor of {spread:g}")
+        found = run_adam(draw, np.array([random_values(seed, spread) for seed in seeds]), steps)
+        return [_row(one, draw, key) | {"fitness": one.fitness, "course": one.course} for one in found]
 
+    known = {"study": "adam", "iterations": steps}
     for spread in SPREADS:
-        train(problem.draw("none", 0), spread, range(starts))
-    rows = ledger.rows(study="adam", reading="none", iterations=steps)
+        missing = list(ledger.missing(range(starts), **known, reading="none", spread=spread))
+        for seed, row in zip(missing, train(problem.draw("none", 0), spread, missing) if missing else [], strict=True):
+            ledger.append(row | {"seed": seed})
+    rows = ledger.rows(**known, reading="none")
     best = min(rows, key=lambda row: float(problem.error_percent(np.array(row["values"])).mean()))
     for reading in NOISE_READINGS:
-        train(problem.draw(reading, 0), best["spread"], [best["seed"]])
+        if not ledger.rows(**known, reading=reading):
+            ledger.append(*train(problem.draw(reading, 0), best["spread"], [best["seed"]]))
 
 
 def _compare(ledger: Ledger, draw: Draw, what: tuple[str, int], progress: Progress) -> None:
