@@ -42,7 +42,7 @@ def _read(path: Path) -> str:
 
 
 def _title(settings: RunSettings, count: int, planned: int) -> str:
-    cases = f"{count} cases" if count >= planned else f"the first {count} of {planned} cases"
+    cases = f"{count} cases" if count >= planned else f"{count} of {planned} cases, in the order of the plan"
     if settings.scored:
         kind = "Replay of scored" if settings.replayed else "Scored"
         return f"{kind} run {settings.run} of the diagnosis with tree {settings.tree[:12]}: {cases}."

@@ -106,7 +106,7 @@ def test_a_scored_run_goes_in_pieces_and_its_log_tells(tmp_path: Path, monkeypat
     monkeypatch.setattr(proof, "watch", lambda *_: iter([True, True, False]).__next__)
     first = CliRunner().invoke(mismatch.app, [*options, "--minutes", "1"], catch_exceptions=False)
     assert "1 of 3 cases are left: --resume goes on" in first.stdout
-    assert "the first 2 of 3 cases" in (tmp_path / "docs" / "proof.md").read_text()
+    assert "2 of 3 cases, in the order of the plan" in (tmp_path / "docs" / "proof.md").read_text()
     monkeypatch.setattr(proof, "watch", lambda *_: lambda: True)
     CliRunner().invoke(mismatch.app, options, catch_exceptions=False)
     log = proof.read_entries(tmp_path / "docs" / "proof" / "runs.jsonl")
