@@ -167,7 +167,8 @@ def _run(
     settings: StandInSettings, model: FrictionModel | None, bandwidth: float, reference: Reference, duration: float
 ) -> _Run:
     _, loop = loop_of(bandwidth, settings.joints[0].sensor, _PERIOD)
-    compensator = None if model is None else Compensator(model, period=_PERIOD, loop=loop)
+    # Of any status: what is concealed may hide a Stribeck effect, and the curve is still what was measured.
+    compensator = None if model is None else Compensator(model, period=_PERIOD, loop=loop, any_status=True)
     with SimulatedJointAdapter(settings) as adapter:
         controller = _controller(settings, bandwidth)
         witness = Witness(controller, adapter)
