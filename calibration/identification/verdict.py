@@ -96,7 +96,7 @@ def judge(
     rounding = 1e-9 * best
     distance = float(np.max(np.abs(values - best) / (deviation + rounding)))
     gap = found.negative_log_likelihood - reference.negative_log_likelihood
-    exact = found.spread() <= 1e-8 * float(np.max(found.magnitude * found.whitened.weight))
+    exact = found.is_exact()
     if not exact and gap > BASIN_GAP and distance > 1.0:
         return Verdict(
             Status.NOT_CONVERGED,  # not merely suspected: such a model is refused wherever one is used

@@ -17,6 +17,7 @@ __all__ = [
     "nameable",
     "names_another",
     "rightly_named",
+    "unnameable",
 ]
 
 _UNLOGGED = "neighbour_coupling"
@@ -26,6 +27,11 @@ _UNLOGGED = "neighbour_coupling"
 def nameable(scores: Sequence[Score]) -> list[Score]:
     """Single effects that can be named."""
     return where(scores, lambda s: s.group == "single" and s.truth != _UNLOGGED)
+
+
+def unnameable(scores: Sequence[Score]) -> list[Score]:
+    """Single effects that nobody can name."""
+    return where(scores, lambda s: s.group == "single" and s.truth == _UNLOGGED)
 
 
 def rightly_named(score: Score) -> set[str]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from .figure import WEAK, Figure, at_least, at_most, count_share, coverage, mean, median, where
 from .intervals import SIMULATION, KnownInterval
-from .judging import count_for_names, count_for_pairs, holds, nameable, names_another, rightly_named
+from .judging import count_for_names, count_for_pairs, holds, names_another, rightly_named, unnameable
 from .plan import NULLS
 from .score import Score
 from .splits import everywhere
@@ -59,9 +59,7 @@ def _figure_of_pairs(pairs: Sequence[Score]) -> Figure:
 def _figures_of_unlogged(scores: Sequence[Score]) -> list[Figure]:
     """What can hardly be named, as a channel is missing for it."""
     hidden = where(scores, lambda s: s.group == "hidden")
-    neighbours = where(
-        where(scores, lambda s: s.group == "single"), lambda s: s.enr >= 0.5 * WEAK and not nameable([s])
-    )
+    neighbours = where(unnameable(scores), lambda s: s.enr >= 0.5 * WEAK)
     what = {
         "load or temperature not logged: right name or unknown, and no false name": hidden,
         "motion of a neighbour not logged, ENR ≥ 0.5: called unknown or external, and no false name": neighbours,
