@@ -32,9 +32,9 @@ own.
 **In pieces.** `--minutes M` starts no case after M minutes, finishes those under way and writes the pages, `--resume`
 goes on, in another checkout from the data beside the page. Groups, effects and strengths are interleaved, so that any
 beginning is a fair sample of the whole; every scored run has an order of its own. A scored run refuses to go on with
-another diagnosis or generator than it began with. `--replay N` diagnoses the cases of run N anew; with `--verify` it
-makes their answers again and holds them against the seals without diagnosing. `--close "reason"` ends a run, whose
-data moves to `run-N`.
+another diagnosis or generator than it began with. `fricomp bench mismatch-replay N` diagnoses the cases of run N anew;
+with `--verify` it makes their answers again and holds them against the seals without diagnosing. `fricomp bench
+mismatch-close "reason"` ends a run, whose data moves to `run-N`.
 
 **Strength.** Five effects would vanish in the refit and are measured against what the user states: errors of gain,
 inertia and payload after a refit of friction alone, an offset and a difference between directions after none.
@@ -44,8 +44,9 @@ and length, with 2 % false alarms over all effects together. It counts three qua
 since they overlap by half. That is too few for effects that change quickly, and too many under coloured noise.
 
 **Other calls.** `--nulls` runs joints with nothing missing alone, `--clear` every effect once ([page](../clear.md)),
-`--baselines N` compares other methods on the first N cases, `--gap N` measures how much of the held-out error is
-closed, `--speed-up N` times N cases with one worker and with two, and [executors](../fleet.md) are those of fleets.
+`--baselines N` compares other methods on the first N cases. `fricomp bench mismatch-gap` measures how much of the
+held-out error is closed, `mismatch-speed-up` times cases with one worker and with two, and
+[executors](../fleet.md) are those of fleets.
 """
 INJECTED = """# Effects injected into real recordings
 
@@ -133,6 +134,6 @@ LIMITS = """## What the words mean
   the bristle's stiffness sees less of it. The torque of `velocity_filter_lag` is that of a simulation driven by the
   late velocity; the recording holds none of it.
 - How much of the held-out gap is closed, of what the right structure could close, takes a second diagnosis without
-  the concealed torque: `--gap N` measures it on N cases of development seeds, and says of which
+  the concealed torque: `fricomp bench mismatch-gap` measures it on cases of development seeds, and says of which
   diagnosis.
 """

@@ -15,6 +15,10 @@ BENCHMARKS = {
     "adapters": "Every adapter against its twin and an independent peer.",
     "fleet": "Joints a second, identified in one call and one by one.",
     "mismatch": "Named physics in concealed cases.",
+    "mismatch-gap": "How much of the held-out error a diagnosis closes.",
+    "mismatch-speed-up": "How much faster two workers diagnose than one.",
+    "mismatch-replay": "A scored run made again, or its seals checked.",
+    "mismatch-close": "End a scored run before its last case.",
     "second-generator": "Named physics in joints that MuJoCo makes.",
     "real": "Diagnosis on public recordings of real joints.",
 }

@@ -52,7 +52,7 @@ def _title(settings: RunSettings, count: int, planned: int) -> str:
 
 def _reproduce(settings: RunSettings, count: int, out: Path, page: Path) -> str:
     if settings.scored:
-        return f"fricomp bench mismatch --replay {settings.run} --cases {count} --out runs/replay"
+        return f"fricomp bench mismatch-replay {settings.run} --cases {count} --out runs/replay"
     seeds = f"--first-seed {settings.first_seed}"
     kind = "".join(f"--{name} " for name in ("quick", "clear", "nulls", "injected") if getattr(settings, name))
     return (

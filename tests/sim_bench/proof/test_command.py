@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from fricomp.cli.bench import mismatch
+from fricomp.cli.bench import mismatch, mismatch_speed_up
 from fricomp.cli.cases import app as cases_app
 from fricomp.errors import DiagnosisError
 from fricomp.sim_bench import proof
@@ -51,8 +51,8 @@ def test_a_run_writes_scores_failures_and_page_and_can_be_resumed(tmp_path: Path
 def test_the_speed_up_is_printed_with_the_load_and_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found = proof.SpeedUp(2, (120.0, 60.0, 50.0), (64.0, 30.0, 50.0), (1.9, 1.95, 2.0), 0.3, 2)
     monkeypatch.setattr(proof, "measure_speed_up", lambda planned, progress: found)
-    options = ["--quick", "--speed-up", "4", "--out", str(tmp_path / "speed")]
-    done = CliRunner().invoke(mismatch.app, options, catch_exceptions=False)
+    options = ["--cases", "4", "--out", str(tmp_path / "speed")]
+    done = CliRunner().invoke(mismatch_speed_up.app, options, catch_exceptions=False)
     assert "2 workers are 1.88 times as fast as one" in done.stdout
     assert "load average of 0.30 before" in done.stdout
     assert "plain loops that share nothing are 1.95 times as fast" in done.stdout

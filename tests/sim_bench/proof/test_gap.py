@@ -12,8 +12,7 @@ import pytest
 from pyarrow import parquet
 from typer.testing import CliRunner
 
-from fricomp.cli.bench import mismatch
-from fricomp.errors import DiagnosisError
+from fricomp.cli.bench import mismatch_gap
 from fricomp.sim_bench.concealed import CATALOGUE, CaseSpec, generate
 from fricomp.sim_bench.diagnosis import HeldOut
 from fricomp.sim_bench.fleet import SerialExecutor
@@ -121,9 +120,9 @@ def test_the_command_writes_the_table_beside_the_page(tmp_path: Path, monkeypatc
     from fricomp.sim_bench import proof
 
     monkeypatch.setattr(proof, "measure_gaps", lambda planned, *_, **__: [_gap(0.4, 0.2, 0.1)] * len(planned))
-    options = ["--gap", "3", "--quick", "--executor", "serial", "--out", str(tmp_path / "run")]
-    told = CliRunner().invoke(mismatch.app, [*options, "--page", str(tmp_path / "proof.md")], catch_exceptions=False)
-    assert "fricomp bench mismatch --gap 3 --quick --first-seed 0 --out runs/run" in told.stdout
+    options = ["--cases", "3", "--quick", "--executor", "serial", "--out", str(tmp_path / "run")]
+    told = CliRunner().invoke(
+        mismatch_gap.app, [*options, "--page", str(tmp_path / "proof.md")], catch_exceptions=False
+    )
+    assert "fricomp bench mismatch-gap --cases 3 --quick --first-seed 0 --out runs/run" in told.stdout
     assert "3 cases" in (tmp_path / "proof" / GAP).read_text()
-    with pytest.raises(DiagnosisError, match="cases of its own"):
-        CliRunner().invoke(mismatch.app, [*options, "--scored"], catch_exceptions=False)

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import msgspec
 import pytest
+import typer
 from typer.testing import CliRunner
 
-from fricomp.cli.bench import mismatch
+from fricomp.cli.bench import mismatch, mismatch_close, mismatch_replay
 from fricomp.errors import DiagnosisError
 from fricomp.sim_bench import proof
 from fricomp.sim_bench.concealed import CaseSpec
@@ -65,7 +66,19 @@ def _enter(folder: Path, patch: pytest.MonkeyPatch) -> None:
 
 
 def _call(*options: str) -> str:
-    result = CliRunner().invoke(mismatch.app, [*options, "--executor", "serial"], catch_exceptions=False)
+    return _invoke(mismatch.app, *options, "--executor", "serial")
+
+
+def _replay(*options: str) -> str:
+    return _invoke(mismatch_replay.app, *options, "--executor", "serial")
+
+
+def _close(reason: str) -> str:
+    return _invoke(mismatch_close.app, reason)
+
+
+def _invoke(app: typer.Typer, *options: str) -> str:
+    result = CliRunner().invoke(app, options, catch_exceptions=False)
     assert result.exit_code == 0
     return result.stdout
 
@@ -81,7 +94,7 @@ def test_a_scored_run_keeps_which_code_made_it(checkout: Path) -> None:
 
 
 def test_answers_made_again_have_the_hash_that_was_sealed(checkout: Path) -> None:
-    assert "2 answers made again have the hash that was sealed" in _call("--replay", "1", "--verify")
+    assert "2 answers made again have the hash that was sealed" in _replay("1", "--verify")
     assert _log(checkout) == ["started", "finished"]
 
 
@@ -90,7 +103,7 @@ def test_an_answer_that_was_sealed_with_another_hash_is_told(checkout: Path) -> 
     first, second = map(json.loads, seals.read_text().splitlines())
     seals.write_text("\n".join(map(json.dumps, (first | {"sha256": second["sha256"]}, second))) + "\n")
     with pytest.raises(DiagnosisError, match=f"1 have another hash, {first['case']} first"):
-        _call("--replay", "1", "--verify")
+        _replay("1", "--verify")
 
 
 def test_a_seal_that_the_plan_does_not_lead_to_is_told(checkout: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -104,26 +117,24 @@ def test_another_generator_does_not_replay_a_run(checkout: Path) -> None:
     _git(checkout, "commit", "-q", "-a", "-m", "another generator")
     for options in (("--verify",), ("--out", "again")):
         with pytest.raises(DiagnosisError, match="check out commit"):
-            _call("--replay", "1", *options)
+            _replay("1", *options)
     assert not (checkout / "again").exists()
 
 
 def test_a_replay_has_the_cases_and_the_salt_of_its_run_and_no_entry_in_the_log(checkout: Path) -> None:
-    _call("--replay", "1", "--out", "again")
+    _replay("1", "--out", "again")
     first, again = (set((checkout / run / "seals.jsonl").read_text().splitlines()) for run in ("run", "again"))
     assert first == again
     assert _log(checkout) == ["started", "finished"]
     assert json.loads((checkout / "again/run.json").read_text())["replayed"]
     with pytest.raises(DiagnosisError, match="of its own"):
-        _call("--replay", "1", "--out", "again", "--page", "docs/proof.md")
+        _replay("1", "--out", "again", "--page", "docs/proof.md")
     with pytest.raises(DiagnosisError, match="scored run 7 is kept"):
-        _call("--replay", "7", "--out", "other")
-    with pytest.raises(DiagnosisError, match="give --replay N"):
-        _call("--verify")
+        _replay("7", "--out", "other")
 
 
 def test_a_closed_run_has_its_reason_in_the_log_and_its_data_in_a_folder_of_its_own(checkout: Path) -> None:
-    assert "scored run 1 is closed" in _call("--close", "one core only")
+    assert "scored run 1 is closed" in _close("one core only")
     folder = checkout / "docs/proof"
     assert read_entries(folder / "runs.jsonl")[-1] | {"tree": ""} == {
         "run": 1, "tree": "", "event": "closed", "reason": "one core only",
@@ -131,7 +142,7 @@ def test_a_closed_run_has_its_reason_in_the_log_and_its_data_in_a_folder_of_its_
     kept = {path.name for path in (folder / "run-1").iterdir()}
     assert kept == {"run.json", "scores.parquet", "answers.parquet", "seals.jsonl"}
     assert not (folder / "run.json").exists()
-    assert "2 answers made again" in _call("--replay", "1", "--verify")  # from its new place
+    assert "2 answers made again" in _replay("1", "--verify")  # from its new place
     _call("--scored", "--cases", "1", "--resume", "--out", "next", "--page", "docs/proof.md")
     assert msgspec.json.decode((folder / "run.json").read_bytes())["run"] == 2  # nothing was resumed
     assert "one core only" in (checkout / "docs/proof.md").read_text()
@@ -139,8 +150,8 @@ def test_a_closed_run_has_its_reason_in_the_log_and_its_data_in_a_folder_of_its_
 
 def test_a_run_is_closed_once_and_with_a_reason(checkout: Path) -> None:
     with pytest.raises(DiagnosisError, match="with a reason"):
-        _call("--close", " ")
-    _call("--close", "over")
+        _close(" ")
+    _close("over")
     with pytest.raises(DiagnosisError, match="nothing to close"):
-        _call("--close", "again")
+        _close("again")
     assert _log(checkout) == ["started", "finished", "closed"]

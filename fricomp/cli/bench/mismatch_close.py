@@ -1,0 +1,25 @@
+"""`fricomp bench mismatch-close`: a scored run ends with a reason before all of its cases were diagnosed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(add_completion=False)
+
+_LOG = Path("docs/proof/runs.jsonl")
+
+
+@app.command(epilog='fricomp bench mismatch-close "the diagnosis was changed"')
+def mismatch_close(
+    reason: Annotated[str, typer.Argument(help="Why it ends; kept in the log.")],
+    log: Annotated[Path, typer.Option(help="Log of the scored runs, their data beside it.")] = _LOG,
+) -> None:
+    """End the scored run that is kept beside the log, and put its data into a folder of its own."""
+    from fricomp.cli.terminal import console
+    from fricomp.sim_bench.proof import close_run
+
+    run = close_run(reason, log)
+    console().print(f"scored run {run} is closed; its data is in {log.parent / f'run-{run}'}", soft_wrap=True)
