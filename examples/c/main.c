@@ -11,7 +11,7 @@
 int main(void)
 {
     joint_statef_t state;
-    joint_inputf_t input = {.load = 1.0F}; /* an extended model has more inputs: what is left out is 0 */
+    joint_inputf_t input = {.normal_load = 1.0F}; /* an extended model has more inputs: what is left out is 0 */
     float position = 0.0F;
     float velocity = 0.4F;
 

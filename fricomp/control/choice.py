@@ -65,7 +65,7 @@ def choose_settings(
         velocity_range=velocity_range,
         fade_width=0.5 * top,
         dead_band=1.5 * velocity_quantum if is_measured else 0.0,
-        load_range=model.validity.normal_load,
+        normal_load_range=model.validity.normal_load,
         load_torque_range=model.validity.load_torque,
         temperature_range=find_temperature_range(model, curves),
         acceleration_range=find_acceleration_range(model, curves, velocity_range),

@@ -134,7 +134,7 @@ class ArmCompensator:
         velocity_reference: Sequence[float],
         velocity: Sequence[float] | None = None,
         position_error: Sequence[float] | None = None,
-        load: Sequence[float] | None = None,
+        normal_load: Sequence[float] | None = None,
     ) -> None:
         """Fill `out` with the compensation of each joint; the inputs are those of `TorqueFunction`, one a joint.
 
@@ -144,7 +144,7 @@ class ArmCompensator:
         torques, unknown = self._torques, self._unknown
         v = unknown if velocity is None else velocity
         e = unknown if position_error is None else position_error
-        n = unknown if load is None else load
+        n = unknown if normal_load is None else normal_load
         if not len(out) == len(torques) == len(velocity_reference) == len(v) == len(e) == len(n):
             given = [len(values) for values in (out, velocity_reference, v, e, n)]
             raise ParameterError(f"{given} values given for {len(torques)} joints")

@@ -17,13 +17,15 @@ _POINTS = 40
 _NORMAL_95 = 1.645  # one-sided 95 % quantile of the normal distribution
 
 
-def compute_friction_deviation(model: FrictionModel, velocity: FloatArray, load: float | None = None) -> FloatArray:
+def compute_friction_deviation(
+    model: FrictionModel, velocity: FloatArray, normal_load: float | None = None
+) -> FloatArray:
     """Standard deviation of the modelled friction, from the parameters' covariance to first order.
 
     Args:
         model: With a covariance.
         velocity: Shape (n,) [rad/s] or [m/s].
-        load: Normal load, or None.
+        normal_load: Normal load, or None.
 
     Returns:
         Shape (n,), in the model's torque unit.
@@ -34,12 +36,12 @@ def compute_friction_deviation(model: FrictionModel, velocity: FloatArray, load:
     if model.covariance is None:
         raise ParameterError(f"the model of joint {model.joint!r} has no covariance")
     law, values = model.law, model.law.parameters()
-    base = np.asarray(law.torque(velocity, normal_load=load))
+    base = np.asarray(law.torque(velocity, normal_load=normal_load))
     columns = []
     for name in model.covariance.names:
         step = 1e-6 * max(abs(values[name]), 1e-9)
         moved = law.replace({name: values[name] + step})
-        columns.append((np.asarray(moved.torque(velocity, normal_load=load)) - base) / step)
+        columns.append((np.asarray(moved.torque(velocity, normal_load=normal_load)) - base) / step)
     jacobian = np.column_stack(columns)
     variance: FloatArray = np.einsum("ij,jk,ik->i", jacobian, model.covariance.matrix, jacobian)
     return np.sqrt(np.maximum(variance, 0.0))

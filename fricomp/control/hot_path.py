@@ -27,7 +27,7 @@ class TorqueFunction(Protocol):
         velocity_reference: float,
         velocity: float | None = None,
         position_error: float | None = None,
-        load: float | None = None,
+        normal_load: float | None = None,
         position: float | None = None,
         load_torque: float | None = None,
         temperature: float | None = None,
@@ -42,7 +42,7 @@ class TorqueFunction(Protocol):
             velocity_reference: [rad/s] or [m/s].
             velocity: Measured [rad/s] or [m/s]; None where it is not measured.
             position_error: Reference minus measured position [rad] or [m].
-            load: Normal load, in the unit of the law's reference load.
+            normal_load: Normal load, in the unit of the law's reference load.
             position: [rad] or [m]; used by terms over position.
             load_torque: Torque the joint transmits to its load; used by terms over load torque.
             temperature: [°C]; used by terms over temperature.
@@ -98,7 +98,7 @@ def build_hot_path(  # noqa: C901
     error_rate = settings.error_rate
     # Both ends of every range, because a sign costs as much as a comparison.
     low, high = settings.velocity_range
-    low_load, high_load = settings.load_range or (-inf, inf)
+    low_load, high_load = settings.normal_load_range or (-inf, inf)
     if per_load > 0.0:  # below this load dry friction would drive
         low_load = max(low_load, -insensitive / per_load)
     low_band, high_band = -settings.dead_band, settings.dead_band
@@ -118,7 +118,7 @@ def build_hot_path(  # noqa: C901
         velocity_reference: float,
         velocity: float | None = None,
         position_error: float | None = None,
-        load: float | None = None,
+        normal_load: float | None = None,
         position: float | None = None,
         load_torque: float | None = None,
         temperature: float | None = None,
@@ -140,10 +140,10 @@ def build_hot_path(  # noqa: C901
                     direction += error_rate * (position_error - high_error)
                 elif position_error < low_error:
                     direction += error_rate * (position_error - low_error)
-            if load is not None:
-                total += load
+            if normal_load is not None:
+                total += normal_load
                 factor = insensitive + per_load * (
-                    high_load if load > high_load else low_load if load < low_load else load
+                    high_load if normal_load > high_load else low_load if normal_load < low_load else normal_load
                 )
             if extra is not None:
                 q = no_position if position is None else position

@@ -91,8 +91,8 @@ class ControlLoop:
         reference: The motion.
         controller: The user's controller; None in a mode where the drive closes the loop itself.
         compensators: One a joint, or None for none.
-        load: Knows the torque that the joints carry, for models that depend on it and for adaptation; without it the
-            controller is asked where it has `load_into`, else the torque that the drives report serves.
+        load_model: Knows the torque that the joints carry, for models that depend on it and for adaptation; without
+            it the controller is asked where it has `load_into`, else the torque that the drives report serves.
         adaptation: Lets the compensators follow slow changes of the friction; off unless given.
         period: Control period [s].
         mode: `torque`, or `velocity` or `position` with the compensation as torque feed-forward.
@@ -111,7 +111,7 @@ class ControlLoop:
         controller: Controller | None,
         *,
         compensators: Sequence[Compensator] | None = None,
-        load: LoadModel | None = None,
+        load_model: LoadModel | None = None,
         adaptation: AdaptationSettings | None = None,
         period: float = 1e-3,
         mode: CommandMode = "torque",
@@ -130,9 +130,11 @@ class ControlLoop:
         if compensators and mode != "torque" and not adapter.capabilities.feed_forward:
             raise ParameterError(f"these drives take no torque in {mode} mode: compensate in torque mode")
         self.adapter, self.reference, self.controller = adapter, reference, controller
-        if load is None and isinstance(controller, LoadModel):
-            load = controller
-        self.compensation = LoopCompensation(compensators or (), len(joints), period, load=load, adaptation=adaptation)
+        if load_model is None and isinstance(controller, LoadModel):
+            load_model = controller
+        self.compensation = LoopCompensation(
+            compensators or (), len(joints), period, load_model=load_model, adaptation=adaptation
+        )
         self.period, self.mode = period, mode
         self.options = options or RealTimeOptions(freeze_garbage=False)
         self.most_skipped = most_skipped

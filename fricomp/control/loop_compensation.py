@@ -17,8 +17,8 @@ __all__ = ["LoopCompensation"]
 class LoopCompensation:
     """Compensators, what they are told each cycle, and their adaptation.
 
-    Position and temperature come from the feedback, the acceleration from the reference; the load from `load`, or from
-    the torque that the drives report where a model depends on it and nobody else knows it.
+    Position and temperature come from the feedback, the acceleration from the reference; the load from `load_model`, or
+    from the torque that the drives report where a model depends on it and nobody else knows it.
 
     Attributes:
         torque: Compensation of each joint in the last cycle.
@@ -28,7 +28,7 @@ class LoopCompensation:
         compensators: One a joint, or none at all.
         n_joints: Number of joints.
         period: Control period [s].
-        load: Who knows the load of the joints.
+        load_model: Who knows the load of the joints.
         adaptation: How the compensators adapt; None for not at all.
 
     Raises:
@@ -41,18 +41,18 @@ class LoopCompensation:
         n_joints: int,
         period: float,
         *,
-        load: LoadModel | None = None,
+        load_model: LoadModel | None = None,
         adaptation: AdaptationSettings | None = None,
     ) -> None:
-        if adaptation is not None and load is None:
+        if adaptation is not None and load_model is None:
             raise ParameterError(
-                "adaptation needs the torque of the rigid body to tell friction from: give load=, or a controller "
-                "with load_into"
+                "adaptation needs the torque of the rigid body to tell friction from: give load_model=, or a "
+                "controller with load_into"
             )
         self.compensators = tuple(compensators)
         self.torque = [0.0] * n_joints
         self.adaptations = tuple(OnlineAdaptation(c, adaptation) for c in compensators) if adaptation else ()
-        self._period, self._given_load = period, load
+        self._period, self._given_load = period, load_model
         self._torques = [compensator.torque for compensator in compensators]
         inputs = [compensator.inputs for compensator in compensators]
         self._plain = [j for j, needs in enumerate(inputs) if not needs]

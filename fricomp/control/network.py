@@ -95,20 +95,23 @@ class NetworkCompensator:
             )
 
     def torque_into(
-        self, out: MutableSequence[float], velocity_reference: Sequence[float], load: Sequence[float] | None = None
+        self,
+        out: MutableSequence[float],
+        velocity_reference: Sequence[float],
+        normal_load: Sequence[float] | None = None,
     ) -> None:
         """Fill `out` with the compensation of each joint.
 
         Args:
             out: One entry a joint, in the models' torque units.
             velocity_reference: [rad/s] or [m/s].
-            load: Normal loads; those of the last call where None, at first the reference load that the file states,
-                else the middle of its range, else 1.
+            normal_load: Those of the last call where None, at first the reference load that the file states, else the
+                middle of its range, else 1.
         """
         try:
-            usable = _fits(velocity_reference) and (load is None or _fits(load))
+            usable = _fits(velocity_reference) and (normal_load is None or _fits(normal_load))
             if usable:
-                self._set_state(velocity_reference, load)
+                self._set_state(velocity_reference, normal_load)
         except (TypeError, ValueError, OverflowError):
             usable = False
         if not usable:
@@ -127,23 +130,23 @@ class NetworkCompensator:
             limit = authority[j]
             out[j] = limit if value > limit else -limit if value < -limit else value if value == value else 0.0
 
-    def _set_state(self, velocity_reference: Sequence[float], load: Sequence[float] | None) -> None:
+    def _set_state(self, velocity_reference: Sequence[float], normal_load: Sequence[float] | None) -> None:
         """Velocities, no closer to rest than the smoothing, and loads.
 
         Raises:
             ValueError: They are those of another number of joints.
         """
         state, smoothing = self._states, self._smoothing
-        if len(velocity_reference) != self.n_joints or (load is not None and len(load) != self.n_joints):
+        if len(velocity_reference) != self.n_joints or (normal_load is not None and len(normal_load) != self.n_joints):
             raise ValueError
         for j in self._indices:
             v = velocity_reference[j]
             if -smoothing <= v <= smoothing:
                 v = smoothing if v >= 0.0 else -smoothing
             state[2 * j] = v
-            if load is not None:
+            if normal_load is not None:
                 low, high, _ = self._loads[j]
-                state[2 * j + 1] = min(max(load[j], low), high)
+                state[2 * j + 1] = min(max(normal_load[j], low), high)
 
     def run_graph(self) -> None:
         """Run the graph on the inputs of the last call."""

@@ -94,7 +94,7 @@ class CompensationSettings:
         error_band: Position error that gives none [rad] or [m].
         velocity_range: Range of validity; outside it the compensation fades [rad/s] or [m/s].
         fade_width: Width over which it fades to zero [rad/s] or [m/s].
-        load_range: Normal loads beyond it count as its ends; None for no bound.
+        normal_load_range: Normal loads beyond it count as its ends; None for no bound.
         load_torque_range: The same for the torque that the joint transmits to its load.
         temperature_range: The same for the temperature [°C].
         acceleration_range: The same for the acceleration of the reference [rad/s²] or [m/s²].
@@ -116,7 +116,7 @@ class CompensationSettings:
     rest_velocity: float = 0.0
     error_rate: float = 0.0
     error_band: float = 0.0
-    load_range: tuple[float, float] | None = None
+    normal_load_range: tuple[float, float] | None = None
     load_torque_range: tuple[float, float] | None = None
     temperature_range: tuple[float, float] | None = None
     acceleration_range: tuple[float, float] | None = None
@@ -141,7 +141,7 @@ class CompensationSettings:
         self._require_ranges()
 
     def _require_ranges(self) -> None:
-        for name in ("velocity_range", "load_range", "load_torque_range", "temperature_range", "acceleration_range"):
-            bounds = getattr(self, name)
+        for name in ("velocity", "normal_load", "load_torque", "temperature", "acceleration"):
+            bounds = getattr(self, f"{name}_range")
             if bounds is not None and not (len(bounds) == 2 and bounds[0] <= bounds[1]):  # NaN is not ordered either
-                raise ParameterError(f"{name} must be (lowest, highest), got {bounds!r}")
+                raise ParameterError(f"{name}_range must be (lowest, highest), got {bounds!r}")

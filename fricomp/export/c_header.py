@@ -165,10 +165,10 @@ def _numbers(curves: FrictionCurves, settings: CompensationSettings) -> dict[str
 
 
 def _load_bounds(settings: CompensationSettings, literal: Literal) -> str:
-    if settings.load_range is None:
+    if settings.normal_load_range is None:
         return ""
-    low, high = (literal(edge) for edge in settings.load_range)
-    return f"        load = (load < {low}) ? {low} : ((load > {high}) ? {high} : load);\n"
+    low, high = (literal(edge) for edge in settings.normal_load_range)
+    return f"        normal_load = (normal_load < {low}) ? {low} : ((normal_load > {high}) ? {high} : normal_load);\n"
 
 
 def _measured(settings: CompensationSettings, literal: Literal) -> str:

@@ -47,10 +47,10 @@ typedef struct {
     $real velocity_reference; /* [$position_unit/s] */
     $real velocity;           /* measured [$position_unit/s] */
     $real position_error;     /* reference minus measured position [$position_unit] */
-    $real load;               /* normal load, in the unit of the model's reference load */
+    $real normal_load;        /* normal load, in the unit of the model's reference load */
     bool has_velocity;
     bool has_position_error;
-    bool has_load;
+    bool has_normal_load;
 $extra_fields} ${prefix}_input${f}_t;
 
 typedef struct {
@@ -71,16 +71,16 @@ static inline bool ${prefix}_is_usable${f}(const ${prefix}_input${f}_t *input)
     bool usable = (isfinite(input->velocity_reference) != 0);
     usable = usable && ((!input->has_velocity) || (isfinite(input->velocity) != 0));
     usable = usable && ((!input->has_position_error) || (isfinite(input->position_error) != 0));
-    usable = usable && ((!input->has_load) || (isfinite(input->load) != 0));
+    usable = usable && ((!input->has_normal_load) || (isfinite(input->normal_load) != 0));
 $extra_checks    return usable;
 }
 
 static inline $real ${prefix}_factor${f}(const ${prefix}_input${f}_t *input)
 {
     $real factor = $one;
-    if (input->has_load) {
-        $real load = input->load;
-$load_bounds        factor = $one + ($load_sensitivity * ((load / $reference_load) - $one));
+    if (input->has_normal_load) {
+        $real normal_load = input->normal_load;
+$load_bounds        factor = $one + ($load_sensitivity * ((normal_load / $reference_load) - $one));
         if (factor < $zero) {
             factor = $zero;
         }

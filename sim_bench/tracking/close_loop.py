@@ -177,7 +177,7 @@ def _run(
             reference,
             witness,
             compensators=None if compensator is None else [compensator],
-            load=controller,
+            load_model=controller,
             period=_PERIOD,
         ).run(duration)
     result.raise_if_tripped()

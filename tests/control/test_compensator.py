@@ -56,22 +56,22 @@ def test_at_rest_it_is_zero() -> None:
 def test_load_scales_the_dry_part_within_the_identified_range() -> None:
     model = make_model()
     compensator = Compensator(model, source="reference", gain=1.0, authority=5.0)
-    assert compensator.torque(0.3, load=1.5) == pytest.approx(float(model.torque(0.3, normal_load=1.5)))
-    assert compensator.torque(0.3, load=50.0) == pytest.approx(float(model.torque(0.3, normal_load=2.0)))
+    assert compensator.torque(0.3, normal_load=1.5) == pytest.approx(float(model.torque(0.3, normal_load=1.5)))
+    assert compensator.torque(0.3, normal_load=50.0) == pytest.approx(float(model.torque(0.3, normal_load=2.0)))
 
 
 @pytest.mark.parametrize("load", [0.0, 1.0, 50.0])
 def test_a_normal_load_that_nobody_measured_changes_nothing(load: float) -> None:
     model = replace(make_model(), validity=Validity(velocity=(-1.0, 1.0)))
     compensator = Compensator(model, source="reference", gain=1.0)
-    assert compensator.torque(0.3, load=load) == compensator.torque(0.3) > 0.1
+    assert compensator.torque(0.3, normal_load=load) == compensator.torque(0.3) > 0.1
 
 
 def test_a_scaling_that_the_law_states_itself_holds_without_measured_loads() -> None:
     law = FrictionLaw((BidirectionalStribeck(FORWARD, REVERSE, LoadScaling(0.5, 2.0)),))
     model = FrictionModel(law, validity=Validity(velocity=(-1.0, 1.0)))
     compensator = Compensator(model, source="reference", gain=1.0, authority=5.0)
-    assert compensator.torque(0.3, load=1.0) == pytest.approx(float(model.torque(0.3, normal_load=1.0)))
+    assert compensator.torque(0.3, normal_load=1.0) == pytest.approx(float(model.torque(0.3, normal_load=1.0)))
 
 
 def test_compensation_fades_outside_the_identified_velocities() -> None:
@@ -251,7 +251,7 @@ def test_arm_hands_on_every_input() -> None:
         ({"authority": math.nan}, "authority"),
         ({"velocity_range": (2.0, -2.0)}, "velocity_range"),
         ({"velocity_range": (math.nan, 1.0)}, "velocity_range"),
-        ({"load_range": (5.0, 1.0)}, "load_range"),
+        ({"normal_load_range": (5.0, 1.0)}, "normal_load_range"),
         ({"load_torque_range": (0.0, math.nan)}, "load_torque_range"),
         ({"temperature_range": (40.0, 20.0)}, "temperature_range"),
         ({"acceleration_range": (1.0, -1.0)}, "acceleration_range"),

@@ -59,7 +59,7 @@ def moving(velocity: float = 0.5, temperature: float = math.nan) -> tuple[JointF
 @pytest.mark.parametrize(("hot", "temperature"), [(math.nan, None), (45.0, 45.0)])
 def test_extended_model_gets_position_load_and_temperature(hot: float, temperature: float | None) -> None:
     compensators = [Compensator(PLAIN, gain=1.0), Compensator(EXTENDED, gain=1.0)]
-    compensation = LoopCompensation(compensators, 2, 1e-3, load=Carrier())
+    compensation = LoopCompensation(compensators, 2, 1e-3, load_model=Carrier())
     feedback, reference = moving(temperature=hot)
     plain, extended = compensation.update(feedback, reference, reference)
     assert plain == pytest.approx(float(PLAIN.torque(0.5)))
@@ -80,7 +80,9 @@ def test_terms_over_acceleration_get_that_of_the_reference() -> None:
 def test_transmitted_normal_load_is_the_size_of_the_load() -> None:
     law = FrictionLaw((Coulomb(0.2, LoadScaling(0.5, 1.0)),))
     model = replace(PLAIN, law=law, provenance=Provenance(notes={"normal_load": "the model's transmitted torque"}))
-    compensation = LoopCompensation([Compensator(model, gain=1.0, authority=9.0)] * 2, 2, 1e-3, load=Carrier(-3.0))
+    compensation = LoopCompensation(
+        [Compensator(model, gain=1.0, authority=9.0)] * 2, 2, 1e-3, load_model=Carrier(-3.0)
+    )
     feedback, reference = moving()
     assert compensation.update(feedback, reference, reference)[0] == pytest.approx(0.2 * (1.0 + 0.5 * 2.0))
 
@@ -110,7 +112,11 @@ def test_loop_asks_a_controller_that_knows_the_load() -> None:
     compensators = [Compensator(EXTENDED, gain=1.0), Compensator(EXTENDED, gain=1.0)]
     reference = SineReference([0.1] * 2, 1.0, [0.0] * 2)
     asked = ControlLoop(joints, reference, Carrier(), compensators=compensators).run(0.25).log
-    other = ControlLoop(IdealJoints(), reference, Carrier(), compensators=compensators, load=Carrier(0.0)).run(0.25).log
+    other = (
+        ControlLoop(IdealJoints(), reference, Carrier(), compensators=compensators, load_model=Carrier(0.0))
+        .run(0.25)
+        .log
+    )
     difference = asked.signal("compensation")[-1] - other.signal("compensation")[-1]
     assert difference == pytest.approx([0.2, 0.2], rel=1e-3)
 
@@ -129,7 +135,7 @@ def test_loop_adapts_to_friction_that_has_grown(model: FrictionModel) -> None:
         time_constant=0.5, dry_bounds=(0.5, 2.0), viscous_bounds=(1.0, 1.0), sliding_velocity=0.1
     )
     compensators = [Compensator(model, gain=1.0, authority=9.0) for _ in range(2)]
-    compensation = LoopCompensation(compensators, 2, 1e-3, load=Carrier(), adaptation=settings)
+    compensation = LoopCompensation(compensators, 2, 1e-3, load_model=Carrier(), adaptation=settings)
     inputs = {"position": 0.3, "load_torque": 2.0}
     held = 0.05 * math.sin(0.9 * 3.0) if model is EXTENDED else 0.0
     viscous = 0.05 if model is PLAIN else 0.15

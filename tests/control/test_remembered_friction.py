@@ -114,8 +114,8 @@ def test_under_a_load_beyond_all_bending_the_direction_changes_without_a_jump(te
     late = {"lag": 8e-3} if term is LaggedLuGre else {}
     law = term(FORWARD, REVERSE, 6000.0, 1.0, load=LoadScaling(1.0, 0.01), **late)
     compensator = Compensator(make_model(law))
-    assert [compensator.torque(v, load=20.0) for v in (0.0, 1e-12, -1e-12)] == pytest.approx([0.0] * 3, abs=1e-6)
-    assert compensator.torque(0.3, load=20.0) == compensator.settings.authority
+    assert [compensator.torque(v, normal_load=20.0) for v in (0.0, 1e-12, -1e-12)] == pytest.approx([0.0] * 3, abs=1e-6)
+    assert compensator.torque(0.3, normal_load=20.0) == compensator.settings.authority
 
 
 @pytest.mark.parametrize("name", ["lagged", "lagged bristle"])
@@ -137,9 +137,9 @@ def test_a_wrong_load_bends_no_bristle_for_longer_than_it_lasts(term: type[LuGre
     late = {"lag": 8e-3} if term is LaggedLuGre else {}
     law = term(FORWARD, REVERSE, 6000.0, 1.0, load=LoadScaling(1.0, 0.5), **late)
     hurt, sound = Compensator(make_model(law)), Compensator(make_model(law))
-    assert hurt.torque(0.3, load=wrong) in (0.0, hurt.settings.authority)
+    assert hurt.torque(0.3, normal_load=wrong) in (0.0, hurt.settings.authority)
     for _ in range(300):
-        after, expected = (c.torque(0.3, load=0.5) for c in (hurt, sound))
+        after, expected = (c.torque(0.3, normal_load=0.5) for c in (hurt, sound))
     assert after == pytest.approx(expected, rel=1e-9)
     assert expected > 0.1
 

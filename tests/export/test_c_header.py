@@ -103,7 +103,7 @@ CASES: dict[str, tuple[FrictionModel, dict[str, Any]]] = {
     "never fades": (make_model(), {"fade_width": math.inf}),
     "no range": (
         make_model(LaggedStribeck(FORWARD, REVERSE, lag=4e-3)),
-        {"velocity_range": (-math.inf, 1e300), "load_range": (-math.inf, math.inf)},
+        {"velocity_range": (-math.inf, 1e300), "normal_load_range": (-math.inf, math.inf)},
     ),
     "lugre under loads beyond all bending": (make_heavy_lugre(), {"authority": 5e3}),
     "no normal load known": (replace(make_model(), validity=Validity(velocity=(-1.0, 1.0))), {}),
@@ -288,7 +288,7 @@ def test_a_wrong_load_bends_no_bristle_for_longer_than_it_lasts(tmp_path: Path) 
         render_c_header(model, compensator.settings, prefix="joint"),
         [[0.3, 0.0, 0.0, n, 0.0, 0.0, 1.0] for n in loads],
     )
-    np.testing.assert_allclose(found[:, 0], [compensator.torque(0.3, load=n) for n in loads], rtol=1e-12)
+    np.testing.assert_allclose(found[:, 0], [compensator.torque(0.3, normal_load=n) for n in loads], rtol=1e-12)
     assert found[56, 0] == found[-1, 0] > 0.1
     assert found[-1, 1] == pytest.approx(found[-1, 0], rel=1e-6)
     assert found[-1, 2] == compensator.rejected == 2

@@ -67,7 +67,7 @@ def test_far_below_the_reference_load_friction_ends_and_does_not_drive(load: flo
     viscous = FORWARD.viscous_coefficient * 0.5
     assert run(tmp_path / "a.onnx", [[0.5, load]])[0] == pytest.approx(viscous, rel=1e-5)
     compensator = Compensator(model, gain=1.0, smoothing=1e-6, source="reference", authority=1e3)
-    assert compensator.torque(0.5, load=load) == pytest.approx(viscous, rel=1e-5)
+    assert compensator.torque(0.5, normal_load=load) == pytest.approx(viscous, rel=1e-5)
 
 
 def test_several_joints_share_one_graph(tmp_path: Path) -> None:
@@ -151,7 +151,7 @@ def test_a_normal_load_that_nobody_measured_changes_nothing(load: float, tmp_pat
     expected = float(np.asarray(model.torque(0.5, load_torque=1.5)))
     assert run(tmp_path / "a.onnx", state[:1])[0] == pytest.approx(expected, rel=2e-6)
     compensator = Compensator(model, gain=1.0, smoothing=1e-6, source="reference", authority=1e3)
-    assert compensator.torque(0.5, load=load, load_torque=1.5) == pytest.approx(expected, rel=1e-6)
+    assert compensator.torque(0.5, normal_load=load, load_torque=1.5) == pytest.approx(expected, rel=1e-6)
     save_graph(closed_form_graph([model, loaded]), tmp_path / "arm.onnx")
     beside = [expected, float(evaluate(loaded, np.append(state[1:], [[0.0]], axis=1))[0])]
     assert run(tmp_path / "arm.onnx", state) == pytest.approx(beside, rel=2e-6)
