@@ -44,6 +44,9 @@ def draw_confusion(table: Mapping[str, Counter[str]]) -> Chart:
     texts = tuple(tuple(str(count or "") for count in row) for row in counts[::-1])
     names = tuple(f"{name} ({sum(row.values())})" for name, row in table.items())[::-1]
     x, y = (np.arange(n, dtype=np.float64) for n in shares.shape[::-1])
-    heat = HeatMap(x, y, shares[::-1], "share of cases", x_names=tuple(answers), y_names=names, texts=texts)
+    heat = HeatMap(
+        x, y, shares[::-1], "share of cases",
+        x_names=tuple(answers), y_names=names, limits=(0.0, 1.0), texts=texts,
+    )  # fmt: skip
     panel = Panel((heat,), "answer", "concealed (cases)")
     return Chart("confusion", "Which answer came first", (panel,), panel_height=200 + 18 * len(names))

@@ -27,6 +27,7 @@ DETAILS = "details.md"
 """Second page of a proof, in the folder beside the first."""
 
 _NO_CASE = "–"  # begins the value of a figure without one
+_FEWEST = 2  # strengths, or effects, that make a chart
 
 
 def write_page(
@@ -61,7 +62,8 @@ def write_page(
     main = [
         INTRODUCTION if whole else INJECTED if injected else NULLS if only_nulls else CLEAR,
         f"## Figures\n\n{title}\n\n    {reproduce}\n\n{_figure_table(figures)}",
-        *_charts(scores, folder),
+        *([] if clear else _power(scores, folder)),
+        *_confusion(scores, folder),
         format_causes(figures, read_causes(folder)),
         gaps,
         baselines,
@@ -88,18 +90,23 @@ def _write(page: Path, sections: Sequence[str]) -> None:
     page.write_text("\n\n".join(part for each in sections if (part := each.strip())) + "\n", encoding="utf-8")
 
 
-def _charts(scores: Sequence[Score], folder: Path) -> list[str]:
-    """Sections with the charts, which are drawn in the folder beside the page; none of what is one point or row."""
-    sections, power, confusion = [], compute_power(scores), compute_confusion(scores)
-    if len(power) > 1:
-        draw_png(draw_power(power), folder / "power.png")
-        link = f"![Power against strength]({folder.name}/power.png)"
-        sections.append(f"## Power\n\n{link}\n\n{_power_table(power)}")
-    if len(confusion) > 1:
-        draw_png(draw_confusion(confusion), folder / "confusion.png")
-        link = f"![Confusion matrix]({folder.name}/confusion.png)"
-        sections.append(f"## Which answer came first, from ENR 0.5\n\n{link}")
-    return sections
+def _power(scores: Sequence[Score], folder: Path) -> list[str]:
+    """The section on power, whose chart is drawn beside the page; none of one strength."""
+    power = compute_power(scores)
+    if len(power) < _FEWEST:
+        return []
+    draw_png(draw_power(power), folder / "power.png")
+    return [f"## Power\n\n![Power against strength]({folder.name}/power.png)\n\n{_power_table(power)}"]
+
+
+def _confusion(scores: Sequence[Score], folder: Path) -> list[str]:
+    """The section with the confusion matrix, which is drawn beside the page; none of one row."""
+    confusion = compute_confusion(scores)
+    if len(confusion) < _FEWEST:
+        return []
+    draw_png(draw_confusion(confusion), folder / "confusion.png")
+    link = f"![Confusion matrix]({folder.name}/confusion.png)"
+    return [f"## Which answer came first, from ENR 0.5\n\n{link}"]
 
 
 def _figure_table(figures: Sequence[Figure]) -> str:
