@@ -16,7 +16,16 @@ from .run import count_open, read_refused, read_scores, run_proof
 from .run_log import append_entry, next_run, read_entries
 from .score import Score
 from .seeds import development_seeds, diagnosis_tree, scored_seeds
-from .settings import RunSettings, check_diagnosis, load_or_start, log_outcome, plan_run, seeds_of, watch
+from .settings import (
+    QUICK_DURATION,
+    RunSettings,
+    check_diagnosis,
+    load_or_start,
+    log_outcome,
+    plan_run,
+    seeds_of,
+    watch,
+)
 from .speed_up import SpeedUp, measure_speed_up
 from .stamp import format_stamp
 from .summary import compute_figures
@@ -25,6 +34,7 @@ __all__ = [
     "BASELINES",
     "GAP",
     "GROUPS",
+    "QUICK_DURATION",
     "Figure",
     "GapScore",
     "PlannedCase",

@@ -20,6 +20,7 @@ from .seeds import current_commit, development_seeds, diagnosis_tree, folder_tre
 
 __all__ = [
     "GENERATOR",
+    "QUICK_DURATION",
     "SCORER",
     "SETTINGS",
     "RunSettings",
@@ -40,7 +41,8 @@ SETTINGS = "run.json"
 GENERATOR, SCORER = "sim_bench/concealed", "sim_bench/proof"
 """Folders that, with the diagnosis, decide what a scored run measures."""
 
-_QUICK = 30.0  # [s] of a recording
+QUICK_DURATION = 30.0
+"""Of the recordings of a quick run [s]."""
 
 
 class RunSettings(msgspec.Struct, frozen=True):
@@ -148,7 +150,7 @@ def plan_run(settings: RunSettings) -> Sequence[PlannedCase]:
     if settings.clear:
         return plan_clear_cases(seeds_of(settings))[: settings.cases]
     groups = NULLS if settings.nulls else tuple(GROUPS)
-    duration = _QUICK if settings.quick else None
+    duration = QUICK_DURATION if settings.quick else None
     return plan_cases(settings.cases, seeds_of(settings), duration, groups, settings.order)
 
 

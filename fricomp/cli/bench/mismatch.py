@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from .options import LOG, ExecutorOption, LogOption, WorkersOption
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -25,7 +27,6 @@ fricomp bench mismatch --nulls --cases 300 --first-seed 50000 --out runs/nulls
 fricomp bench mismatch --injected --page docs/injected.md --out runs/injected"""
 _QUICK, _FULL = 12, 2000
 _OUT = Path("runs/mismatch")
-_LOG = Path("docs/proof/runs.jsonl")
 
 
 @app.command(epilog=_EPILOG)
@@ -40,10 +41,10 @@ def mismatch(
     resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in OUT, else beside PAGE.")] = False,
     scored: Annotated[bool, typer.Option("--scored", help="Seeds that follow from the committed diagnosis.")] = False,
     first_seed: Annotated[int, typer.Option(help="First development seed.")] = 0,
-    executor: Annotated[str, typer.Option(help="processes://N, serial or dask://host:port.")] = "processes",
-    workers: Annotated[int | None, typer.Option(min=1, help="Processes; one a core by default.")] = None,
+    executor: ExecutorOption = "processes",
+    workers: WorkersOption = None,
     baselines: Annotated[int, typer.Option(min=0, help="Try the other methods on this many of the cases.")] = 0,
-    log: Annotated[Path, typer.Option(help="Log of the scored runs, their data beside it.")] = _LOG,
+    log: LogOption = LOG,
     page: Annotated[Path | None, typer.Option(help="Write this page, such as docs/proof.md.")] = None,
 ) -> None:
     """Conceal physics in joints, diagnose them blind, and score the answers.

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-app = typer.Typer(add_completion=False)
+from .options import LOG, LogOption
 
-_LOG = Path("docs/proof/runs.jsonl")
+app = typer.Typer(add_completion=False)
 
 
 @app.command(epilog='fricomp bench mismatch-close "the diagnosis was changed"')
 def mismatch_close(
     reason: Annotated[str, typer.Argument(help="Why it ends; kept in the log.")],
-    log: Annotated[Path, typer.Option(help="Log of the scored runs, their data beside it.")] = _LOG,
+    log: LogOption = LOG,
 ) -> None:
     """End the scored run that is kept beside the log, and put its data into a folder of its own."""
     from fricomp.cli.terminal import console

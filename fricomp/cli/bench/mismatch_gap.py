@@ -7,23 +7,24 @@ from typing import Annotated
 
 import typer
 
+from .options import ExecutorOption, WorkersOption
+
 app = typer.Typer(add_completion=False)
 
 _EPILOG = """fricomp bench mismatch-gap --cases 24 --first-seed 810000 --page docs/proof.md --out runs/gap
 
 fricomp bench mismatch-gap --quick --cases 4 --out runs/gap"""
 _OUT = Path("runs/gap")
-_SHORT = 30.0  # [s] of the recordings of --quick
 
 
 @app.command(epilog=_EPILOG)
 def mismatch_gap(
     out: Annotated[Path, typer.Option(help="Folder for the cases and the table; the same command goes on.")] = _OUT,
     cases: Annotated[int, typer.Option(min=1, help="How many.")] = 24,
-    quick: Annotated[bool, typer.Option("--quick", help=f"Cases of {_SHORT:g} s.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Cases of 30 s.")] = False,
     first_seed: Annotated[int, typer.Option(help="First development seed.")] = 0,
-    executor: Annotated[str, typer.Option(help="processes://N, serial or dask://host:port.")] = "processes",
-    workers: Annotated[int | None, typer.Option(min=1, help="Processes; one a core by default.")] = None,
+    executor: ExecutorOption = "processes",
+    workers: WorkersOption = None,
     page: Annotated[
         Path | None, typer.Option(help="Page of `bench mismatch` that shows the table from now on.")
     ] = None,
@@ -33,9 +34,18 @@ def mismatch_gap(
 
     from fricomp.cli.terminal import console, progress, resumable
     from fricomp.sim_bench.fleet import open_executor
-    from fricomp.sim_bench.proof import GAP, RunSettings, format_gaps, format_stamp, measure_gaps, plan_gaps, seeds_of
+    from fricomp.sim_bench.proof import (
+        GAP,
+        QUICK_DURATION,
+        RunSettings,
+        format_gaps,
+        format_stamp,
+        measure_gaps,
+        plan_gaps,
+        seeds_of,
+    )
 
-    planned = plan_gaps(cases, seeds_of(RunSettings(cases, first_seed=first_seed)), _SHORT if quick else None)
+    planned = plan_gaps(cases, seeds_of(RunSettings(cases, first_seed=first_seed)), QUICK_DURATION if quick else None)
     again = resumable(out, "the same command goes on")
     with again, progress() as bar, open_executor(executor, workers) as pool:
         task = bar.add_task("diagnosed twice", total=cases)

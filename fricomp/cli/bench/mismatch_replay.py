@@ -7,13 +7,14 @@ from typing import Annotated
 
 import typer
 
+from .options import LOG, ExecutorOption, LogOption, WorkersOption
+
 app = typer.Typer(add_completion=False)
 
 _EPILOG = """fricomp bench mismatch-replay 27 --cases 20 --out runs/replay
 
 fricomp bench mismatch-replay 27 --verify"""
 _OUT = Path("runs/replay")
-_LOG = Path("docs/proof/runs.jsonl")
 
 
 @app.command(epilog=_EPILOG)
@@ -25,9 +26,9 @@ def mismatch_replay(
     cases: Annotated[int | None, typer.Option(min=1, help="How many; all of the run by default.")] = None,
     verify: Annotated[bool, typer.Option("--verify", help="Only make the answers, and check their seals.")] = False,
     minutes: Annotated[float | None, typer.Option(min=0.0, help="Start no case after this.")] = None,
-    executor: Annotated[str, typer.Option(help="processes://N, serial or dask://host:port.")] = "processes",
-    workers: Annotated[int | None, typer.Option(min=1, help="Processes; one a core by default.")] = None,
-    log: Annotated[Path, typer.Option(help="Log of the scored runs, their data beside it.")] = _LOG,
+    executor: ExecutorOption = "processes",
+    workers: WorkersOption = None,
+    log: LogOption = LOG,
     page: Annotated[Path | None, typer.Option(help="Write a page of the replay.")] = None,
 ) -> None:
     """Diagnose the cases of a scored run anew, by the diagnosis and generator it had; no log knows of it."""

@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from .options import ExecutorOption
+
 app = typer.Typer(add_completion=False)
 
 _EPILOG = """fricomp bench real --page docs/real.md --out runs/real
@@ -20,7 +22,7 @@ def real(
     out: Annotated[Path, typer.Option(help="Folder for the diagnoses, one each.")],
     only: Annotated[list[str] | None, typer.Option(help="Name of a case; all without it.")] = None,
     page: Annotated[Path | None, typer.Option(help="Write this page, such as docs/real.md.")] = None,
-    executor: Annotated[str, typer.Option(help="processes://N, serial or dask://host:port.")] = "processes",
+    executor: ExecutorOption = "processes",
     seed: Annotated[int, typer.Option(help="Of the diagnoses.")] = 0,
     resume: Annotated[bool, typer.Option("--resume", help="Keep the cases that are in OUT already.")] = False,
 ) -> None:

@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from .options import ExecutorOption
+
 app = typer.Typer(add_completion=False)
 
 _EPILOG = """fricomp bench second-generator --page docs/second_generator.md --out runs/second
@@ -21,7 +23,7 @@ def second_generator(
     only: Annotated[list[str] | None, typer.Option(help="Name of a case or an effect; all without it.")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="20 s of each recording in place of 60.")] = False,
     page: Annotated[Path | None, typer.Option(help="Write this page, such as docs/second_generator.md.")] = None,
-    executor: Annotated[str, typer.Option(help="processes://N, serial or dask://host:port.")] = "processes",
+    executor: ExecutorOption = "processes",
     resume: Annotated[bool, typer.Option("--resume", help="Keep the cases that are in OUT already.")] = False,
 ) -> None:
     """Diagnose joints whose left-out physics is MuJoCo's own, and compare with what is known about them."""
