@@ -13,7 +13,7 @@ from .run import ANSWERS, DIAGNOSES, FOLLOW_UPS, REFUSED, SEALS, read_opened, re
 from .score import brief_diagnosis
 from .settings import SETTINGS, read_settings
 
-__all__ = ["BASELINES", "KEPT", "find_kept", "keep_data", "restore_data"]
+__all__ = ["BASELINES", "KEPT", "find_kept", "keep_data", "read_kept_answers", "restore_data"]
 
 BASELINES = "baselines.md"
 """File of a run that holds the table of the other methods."""
@@ -75,6 +75,16 @@ def restore_data(folder: Path, out: Path) -> None:
         for column in row.keys() & _FOLDERS.keys():
             (out / _FOLDERS[column] / f"{row['case']}.json").write_bytes(row[column])
     _copy(folder, out)
+
+
+def read_kept_answers(folder: Path) -> dict[str, bytes]:
+    """Opened answers by case, as they were sealed; none where a run of an earlier version kept none."""
+    from pyarrow import parquet
+
+    if not (folder / _OPENED).exists():
+        return {}
+    table = parquet.read_table(folder / _OPENED, columns=["case", "answer"])
+    return dict(zip(table["case"].to_pylist(), table["answer"].to_pylist(), strict=True))
 
 
 def find_kept(folder: Path, run: int) -> Path:

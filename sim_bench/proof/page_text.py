@@ -36,6 +36,11 @@ another diagnosis or generator than it began with. `fricomp bench mismatch-repla
 with `--verify` it makes their answers again and holds them against the seals without diagnosing. `fricomp bench
 mismatch-close "reason"` ends a run, whose data moves to `run-N`.
 
+**On another processor.** Processors round differently, and a joint that sticks and slides lets a last digit grow, so
+that an answer made again on another kind of processor has another hash: `--verify` then asks whether the kept answer
+has the hash that was sealed and tells the same, each name and each value within 5 %. A case that a stop left without a
+diagnosis, and that is made again elsewhere, gets a second line among the seals, which counts; the first stays.
+
 **Strength.** Five effects would vanish in the refit and are measured against what the user states: errors of gain,
 inertia and payload after a refit of friction alone, an offset and a difference between directions after none.
 

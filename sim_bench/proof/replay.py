@@ -13,9 +13,10 @@ from fricomp.errors import DiagnosisError
 
 from ..fleet import stream
 from .blind import Prepared, prepare
-from .kept import find_kept
+from .kept import find_kept, read_kept_answers
 from .making import name_of
 from .run import SEALS, read_refused, salt_of
+from .same_answer import same_answer
 from .seal import SealBook
 from .settings import SETTINGS, RunSettings, check_diagnosis, check_generator, plan_run, read_settings, write_settings
 
@@ -27,13 +28,15 @@ class SealCheck(NamedTuple):
 
     Attributes:
         agree: Answers with the sealed hash.
-        differ: Cases whose answer has another hash, or that cannot be made though they are sealed.
+        near: Answers with another hash that tell the same as the kept one, which has it: made on another processor.
+        differ: Cases whose answer tells something else, or that cannot be made though they are sealed.
         unplanned: Sealed cases that the settings do not lead to.
         unmade: Cases that could not be made, then or now.
         unexpected: Cases that can be made now and could not be then.
     """
 
     agree: int
+    near: int
     differ: tuple[str, ...]
     unplanned: tuple[str, ...]
     unmade: int
@@ -89,20 +92,35 @@ def verify_seals(
     kept = find_kept(log.parent, run)
     settings = read_settings(kept / SETTINGS)
     check_generator(settings, repository)
-    book, refused = SealBook(kept / SEALS), read_refused(kept)
+    book, refused, opened = SealBook(kept / SEALS), read_refused(kept), read_kept_answers(kept)
     settings = msgspec.structs.replace(settings, cases=max(settings.cases, len(book.cases) + len(refused)))
     planned = {name_of(each.spec): each.spec for each in plan_run(settings)}
     todo = [name for name in planned if name in book.cases or name in refused]
-    agree, unmade, differ, unexpected = 0, 0, [], []
     calls = ((name, (planned[name], salt_of(settings.salt, name))) for name in todo)
+    found: dict[str, list[str]] = {each: [] for each in ("agree", "near", "differ", "unmade", "unexpected")}
     for name, future in stream(calls, prepare, executor):
         made: Prepared = future.result()
         if name in refused:
-            unmade += bool(made.refused)
-            unexpected += [] if made.refused else [name]
-        elif not made.refused and book.matches(name, made.answer):
-            agree += 1
+            found["unmade" if made.refused else "unexpected"].append(name)
         else:
-            differ.append(name)
+            found[_compare(book, made, opened.get(name))].append(name)
         progress(len(todo))
-    return SealCheck(agree, tuple(differ), tuple(sorted(book.cases - set(planned))), unmade, tuple(unexpected))
+    return SealCheck(
+        agree=len(found["agree"]),
+        near=len(found["near"]),
+        differ=tuple(found["differ"]),
+        unplanned=tuple(sorted(book.cases - set(planned))),
+        unmade=len(found["unmade"]),
+        unexpected=tuple(found["unexpected"]),
+    )
+
+
+def _compare(book: SealBook, made: Prepared, kept: bytes | None) -> str:
+    """Which of the answers in `SealCheck` this one is; `kept` is the opened one."""
+    if made.refused:
+        return "differ"
+    if book.matches(made.case, made.answer):
+        return "agree"
+    if kept is not None and book.matches(made.case, kept) and same_answer(kept, made.answer):
+        return "near"
+    return "differ"

@@ -60,11 +60,12 @@ def _verify(run: int, log: Path, executor: tuple[str, int | None]) -> None:
         task = bar.add_task("answers made again", total=None)
         found = verify_seals(run, log, pool, Path.cwd(), lambda total: bar.update(task, total=total, advance=1))
     told = f"scored run {run}: {found.agree} answers made again have the hash that was sealed"
+    told += f", {found.near} another that tells the same, of another processor" if found.near else ""
     told += f", {found.unmade} cases could not be made then or now" if found.unmade else ""
     console().print(told, soft_wrap=True)
     if not found.holds:
         parts = {
-            "have another hash": found.differ,
+            "tell something else than was sealed": found.differ,
             "are not in the plan of this code": found.unplanned,
             "could not be made then and can now": found.unexpected,
         }

@@ -1,6 +1,7 @@
 """What is tried, on which seeds, and in which order it is sealed."""
 
 import itertools
+import json
 import subprocess
 from collections import Counter
 from collections.abc import Iterable
@@ -163,3 +164,17 @@ def test_a_changed_answer_does_not_open(tmp_path: Path) -> None:
         reopened.open("case-2", b"the answer")
     with pytest.raises(DiagnosisError, match="start a new folder"):
         reopened.seal("case-1", b"another answer")
+
+
+def test_a_case_that_was_never_opened_is_sealed_again_in_a_second_line(tmp_path: Path) -> None:
+    path = tmp_path / "seals.jsonl"
+    SealBook(path).seal("case-1", b"rounded here")
+    again = SealBook(path)
+    again.seal("case-1", b"rounded there")
+    again.seal("case-1", b"rounded there")
+    first, second = map(json.loads, path.read_text().splitlines())
+    assert first["case"] == second["case"] == "case-1"
+    assert first["sha256"] != second["sha256"]
+    SealBook(path).open("case-1", b"rounded there")
+    with pytest.raises(DiagnosisError, match="does not match its seal"):
+        SealBook(path).open("case-1", b"rounded here")

@@ -1,5 +1,6 @@
 """A scored run is made again from what is kept of it, held against its seals, and closed."""
 
+import hashlib
 import json
 import shutil
 import subprocess
@@ -9,6 +10,7 @@ from pathlib import Path
 import msgspec
 import pytest
 import typer
+from pyarrow import Table, parquet
 from typer.testing import CliRunner
 
 from fricomp.cli.bench import mismatch, mismatch_close, mismatch_replay
@@ -102,7 +104,33 @@ def test_an_answer_that_was_sealed_with_another_hash_is_told(checkout: Path) -> 
     seals = checkout / "docs/proof/seals.jsonl"
     first, second = map(json.loads, seals.read_text().splitlines())
     seals.write_text("\n".join(map(json.dumps, (first | {"sha256": second["sha256"]}, second))) + "\n")
-    with pytest.raises(DiagnosisError, match=f"1 have another hash, {first['case']} first"):
+    with pytest.raises(DiagnosisError, match=f"1 tell something else than was sealed, {first['case']} first"):
+        _replay("1", "--verify")
+
+
+def _as_if_another_processor_had_made_it(proof_folder: Path, factor: float) -> None:
+    """Change the gravity of the first opened answer, and its seal with it."""
+    rows = parquet.read_table(proof_folder / "answers.parquet").to_pylist()
+    answer = json.loads(rows[0]["answer"])
+    answer["joint"]["gravity"] *= factor
+    rows[0]["answer"] = json.dumps(answer).encode()
+    parquet.write_table(Table.from_pylist(rows), proof_folder / "answers.parquet")
+    seals = [json.loads(line) for line in (proof_folder / "seals.jsonl").read_text().splitlines()]
+    for seal in seals:
+        if seal["case"] == rows[0]["case"]:
+            seal["sha256"] = hashlib.sha256(rows[0]["answer"]).hexdigest()
+    (proof_folder / "seals.jsonl").write_text("\n".join(map(json.dumps, seals)) + "\n")
+
+
+def test_an_answer_of_another_processor_tells_the_same_with_another_hash(checkout: Path) -> None:
+    _as_if_another_processor_had_made_it(checkout / "docs/proof", factor=1.02)
+    told = _replay("1", "--verify")
+    assert "1 answers made again have the hash that was sealed, 1 another that tells the same" in told
+
+
+def test_an_answer_of_another_joint_is_told_though_its_seal_fits(checkout: Path) -> None:
+    _as_if_another_processor_had_made_it(checkout / "docs/proof", factor=1.1)
+    with pytest.raises(DiagnosisError, match="1 tell something else than was sealed"):
         _replay("1", "--verify")
 
 
