@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +30,10 @@ class SpeedUp:
 
     Attributes:
         workers: How many at once.
-        one: Time of one worker for as many copies of each case as there are workers [s].
+        one: Time of one worker for as many copies of each case as there are workers [s]. Its diagnosis has two threads,
+            so that it keeps a second core busy for part of the time.
+        one_core: The same while the worker is kept to one core [s]; what a second worker with a core of its own adds is
+            measured against this.
         several: Time of the workers for them, each with one copy [s].
         loops: The ratio of both times for plain loops that share neither memory nor files, measured after each case:
             what the cores themselves give.
@@ -39,6 +43,7 @@ class SpeedUp:
 
     workers: int
     one: tuple[float, ...]
+    one_core: tuple[float, ...]
     several: tuple[float, ...]
     loops: tuple[float, ...]
     load: float
@@ -46,21 +51,27 @@ class SpeedUp:
 
     @property
     def ratio(self) -> float:
-        """Median over the cases of one worker's time over that of several."""
-        return float(np.median(self._ratios))
+        """Median over the cases of the time of one worker with one core over that of several with as many."""
+        return float(np.median(_ratios(self.one_core, self.several)))
 
     @property
-    def _ratios(self) -> NDArray[np.float64]:
-        return np.divide(self.one, self.several)
+    def ratio_free(self) -> float:
+        """The same where one worker may use every core."""
+        return float(np.median(_ratios(self.one, self.several)))
 
     def __str__(self) -> str:
-        low, high = np.quantile(self._ratios, (0.25, 0.75))
+        low, high = np.quantile(_ratios(self.one_core, self.several), (0.25, 0.75))
         return (
-            f"{self.workers} workers are {self.ratio:.2f} times as fast as one (median of {len(self.one)} cases, "
-            f"quartiles {low:.2f} to {high:.2f}; {sum(self.one):.0f} s and {sum(self.several):.0f} s in all) on "
-            f"{self.cores} cores, with a load average of {self.load:.2f} before; plain loops that share nothing are "
-            f"{np.median(self.loops):.2f} times as fast there"
+            f"{self.workers} workers are {self.ratio:.2f} times as fast as one that has one core (median of "
+            f"{len(self.one)} cases, quartiles {low:.2f} to {high:.2f}; {sum(self.one_core):.0f} s and "
+            f"{sum(self.several):.0f} s in all), and {self.ratio_free:.2f} times as fast as one that may use all "
+            f"{self.cores} ({sum(self.one):.0f} s), with a load average of {self.load:.2f} before; plain loops that "
+            f"share nothing are {np.median(self.loops):.2f} times as fast there"
         )
+
+
+def _ratios(one: Sequence[float], several: Sequence[float]) -> NDArray[np.float64]:
+    return np.divide(one, several)
 
 
 def measure_speed_up(
@@ -72,7 +83,7 @@ def measure_speed_up(
 ) -> SpeedUp:
     """Make and diagnose each case several times, one after the other and side by side.
 
-    Both times of a case follow each other, and which is first alternates: on a machine that others share, whole runs
+    The times of a case follow each other, and which is first alternates: on a machine that others share, whole runs
     one after the other have given 1.56 and 2.05 for the same work.
 
     Args:
@@ -82,41 +93,56 @@ def measure_speed_up(
         progress: Called after each case.
     """
     load = os.getloadavg()[0]
-    one, several, loops = [], [], []
+    one, one_core, several, loops = [], [], [], []
     with open_executor(f"processes://{workers}") as (pool, _):
         list(pool.map(_loop, [1] * workers))  # they have started
         for index, each in enumerate(planned):
             if not prepare(each.spec, "speed").refused:
-                alone, together = _times(pool, workers, index % 2 == 1, _whole, each.spec, diagnose)
-                one.append(alone)
-                several.append(together)
-                alone, together = _times(pool, workers, index % 2 == 1, _loop, _TURNS)
-                loops.append(alone / together)
+                case = partial(_whole, each.spec, diagnose)
+                alone, confined = (partial(_alone, pool, workers, way) for way in (case, partial(_on_one_core, case)))
+                together = partial(_together, pool, workers, case)
+                times = _in_turn((alone, confined, together), index % 2 == 1)
+                for known, seconds in zip((one, one_core, several), times, strict=True):
+                    known.append(seconds)
+                loop = partial(_loop, _TURNS)
+                ways = partial(_alone, pool, workers, loop), partial(_together, pool, workers, loop)
+                loops.append(float(np.divide(*_in_turn(ways, index % 2 == 1))))
             progress()
-    return SpeedUp(workers, tuple(one), tuple(several), tuple(loops), load, len(os.sched_getaffinity(0)))
+    cores = len(os.sched_getaffinity(0))
+    return SpeedUp(workers, tuple(one), tuple(one_core), tuple(several), tuple(loops), load, cores)
 
 
-def _times(
-    pool: Executor, workers: int, together_first: bool, call: Callable[..., object], *arguments: object
-) -> tuple[float, float]:
-    """Time of so many calls one after the other, and side by side [s]."""
+def _in_turn(ways: Sequence[Callable[[], float]], backwards: bool) -> list[float]:
+    """What each call gives, called in this order or in the reverse one."""
+    if backwards:
+        return [way() for way in reversed(ways)][::-1]
+    return [way() for way in ways]
 
-    def alone() -> float:
-        start = time.perf_counter()
-        for _ in range(workers):
-            pool.submit(call, *arguments).result()
-        return time.perf_counter() - start
 
-    def together() -> float:
-        start = time.perf_counter()
-        for future in [pool.submit(call, *arguments) for _ in range(workers)]:
-            future.result()
-        return time.perf_counter() - start
+def _alone(pool: Executor, workers: int, call: Callable[[], object]) -> float:
+    """Time of so many calls one after the other [s]."""
+    start = time.perf_counter()
+    for _ in range(workers):
+        pool.submit(call).result()
+    return time.perf_counter() - start
 
-    if together_first:
-        second, first = together(), alone()
-        return first, second
-    return alone(), together()
+
+def _together(pool: Executor, workers: int, call: Callable[[], object]) -> float:
+    """Time of so many calls side by side [s]."""
+    start = time.perf_counter()
+    for future in [pool.submit(call) for _ in range(workers)]:
+        future.result()
+    return time.perf_counter() - start
+
+
+def _on_one_core(call: Callable[[], object]) -> None:
+    """Call with one core for this process and those that it starts."""
+    cores = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(cores)})
+    try:
+        call()
+    finally:
+        os.sched_setaffinity(0, cores)
 
 
 def _whole(spec: CaseSpec | InjectedSpec, diagnose: Diagnose) -> None:

@@ -31,6 +31,6 @@ def mismatch_speed_up(
         task = bar.add_task("one worker and two", total=len(planned))
         found = measure_speed_up(planned, progress=lambda: bar.advance(task))
     out.mkdir(parents=True, exist_ok=True)
-    figures = asdict(found) | {"ratio": found.ratio}
+    figures = asdict(found) | {"ratio": found.ratio, "ratio_free": found.ratio_free}
     (out / "speed_up.json").write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
     console().print(str(found), soft_wrap=True)

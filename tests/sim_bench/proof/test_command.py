@@ -49,11 +49,20 @@ def test_a_run_writes_scores_failures_and_page_and_can_be_resumed(tmp_path: Path
 
 @pytest.mark.usefixtures("quick_answers")
 def test_the_speed_up_is_printed_with_the_load_and_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    found = proof.SpeedUp(2, (120.0, 60.0, 50.0), (64.0, 30.0, 50.0), (1.9, 1.95, 2.0), 0.3, 2)
+    found = proof.SpeedUp(
+        workers=2,
+        one=(112.0, 51.0, 45.0),
+        one_core=(120.0, 60.0, 50.0),
+        several=(64.0, 30.0, 50.0),
+        loops=(1.9, 1.95, 2.0),
+        load=0.3,
+        cores=2,
+    )
     monkeypatch.setattr(proof, "measure_speed_up", lambda planned, progress: found)
     options = ["--cases", "4", "--out", str(tmp_path / "speed")]
     done = CliRunner().invoke(mismatch_speed_up.app, options, catch_exceptions=False)
-    assert "2 workers are 1.88 times as fast as one" in done.stdout
+    assert "2 workers are 1.88 times as fast as one that has one core" in done.stdout
+    assert "1.70 times as fast as one that may use all 2" in done.stdout
     assert "load average of 0.30 before" in done.stdout
     assert "plain loops that share nothing are 1.95 times as fast" in done.stdout
     assert json.loads((tmp_path / "speed" / "speed_up.json").read_text())["ratio"] == pytest.approx(1.875)

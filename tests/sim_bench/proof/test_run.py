@@ -1,6 +1,7 @@
 """Whole runs with diagnoses whose answers are known."""
 
 import json
+import os
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -83,8 +84,9 @@ def test_a_run_goes_on_from_the_data_beside_its_page(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_one_worker_is_timed_against_several() -> None:
     found = measure_speed_up(_PLANNED[:2], 1, diagnose=always_consistent)
-    assert len(found.one) == len(found.several) == len(found.loops) == 2
-    assert min(*found.one, *found.several, *found.loops) > 0.0
+    assert len(found.one) == len(found.one_core) == len(found.several) == len(found.loops) == 2
+    assert min(*found.one, *found.one_core, *found.several, *found.loops) > 0.0
+    assert len(os.sched_getaffinity(0)) == found.cores
     assert "times as fast as one" in str(found)
     assert "load average" in str(found)
 
