@@ -6,11 +6,13 @@ from collections.abc import Sequence, Sized
 from math import isfinite
 from typing import NoReturn
 
-from fricomp.control import JointLimits
-from fricomp.errors import AdapterConfigurationError, AdapterError, FricompError
+from fricomp.control import JointLimits, SafetyGate
+from fricomp.errors import AdapterConfigurationError, AdapterError, FricompError, ParameterError
 from fricomp.joint import Capabilities, CommandMode, JointCapabilities, Watchdog
 
-__all__ = ["check_counts", "check_limits", "check_rate", "check_watchdog", "raise_own"]
+from .options import AdapterOptions
+
+__all__ = ["check_counts", "check_limits", "check_rate", "check_watchdog", "make_gate", "raise_own"]
 
 # Limits that come from rounded data sheets may miss the drive's own value by a hair.
 ROUNDING = 1e-6
@@ -84,6 +86,24 @@ def check_watchdog(watchdog: Watchdog | None, period: float) -> None:
             f"a watchdog of {watchdog.timeout:g} s is shorter than two periods of {period:g} s: "
             f"lengthen it or raise the rate"
         )
+
+
+def make_gate(options: AdapterOptions, mode: CommandMode, period: float) -> SafetyGate:
+    """The gate for these options; its torque is watched where the drive closes a loop of its own.
+
+    Raises:
+        AdapterConfigurationError: `ramp_time` or `stale_after` is out of its domain.
+    """
+    try:
+        return SafetyGate(
+            options.limits,
+            period=period,
+            ramp_time=options.ramp_time,
+            stale_after=options.stale_after,
+            watch_torque=mode != "torque",
+        )
+    except ParameterError as error:
+        raise AdapterConfigurationError(str(error)) from error
 
 
 def raise_own(error: BaseException) -> NoReturn:

@@ -9,9 +9,9 @@ from typing import Self, final
 
 from fricomp.control import SafetyGate
 from fricomp.errors import AdapterConfigurationError, AdapterError
-from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, JointFeedback
+from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, JointFeedback, Watchdog
 
-from .acceptance import check_counts, check_limits, check_rate, check_watchdog, raise_own
+from .acceptance import check_counts, check_limits, check_rate, check_watchdog, make_gate, raise_own
 from .drive_side import DriveSide
 from .options import AdapterOptions
 from .reference import ReferenceLimiter
@@ -42,6 +42,7 @@ class JointAdapter(StoppableDriver):
         super().__init__(options, clock)
         self._asked_ns = 0  # when the drives were last asked for their state: every write asks
         self._capabilities: Capabilities | None = None
+        self._opened_watchdog: Watchdog | None = None
         self._mode: CommandMode = "torque"
         self._half_configured = False  # the last configuration failed: drives and gate may be of different ones
         self._close_failure = ""
@@ -56,6 +57,7 @@ class JointAdapter(StoppableDriver):
             AdapterConnectionError: The bus or a drive cannot be reached.
             AdapterTimeout: A drive did not answer.
             AdapterConfigurationError: The drives are not what the configuration says.
+        AdapterError: A stop is owed from before, and does not get through now either.
         """
         if self._capabilities is not None:
             raise AdapterError("the adapter is open already: close() it first")
@@ -69,9 +71,11 @@ class JointAdapter(StoppableDriver):
             check_counts(n_joints, limits=self.options.limits, transmissions=transmissions)
             joints = tuple(t.capabilities_to_joint(j) for j, t in zip(drives.joints, transmissions, strict=True))
             check_limits(joints, self.options.limits)
+            self._pay_stop()
         except BaseException as error:
             self._let_go()
             raise_own(error)
+        self._opened_watchdog = drives.watchdog
         self._drive, self._transmissions = DriveSide(drives, transmissions), transmissions
         self._nothing_new = JointFeedback(n_joints)
         self._capabilities = replace(drives, joints=joints)
@@ -94,8 +98,8 @@ class JointAdapter(StoppableDriver):
         """Set the command mode and the period [s] of the loop, write them to the drives and read them back.
 
         Raises:
-            AdapterConfigurationError: The mode is not offered, bus or watchdog do not go with this rate, or a limit is
-                beyond the drive's.
+            AdapterConfigurationError: The mode is not offered, bus or watchdog do not go with this rate, a limit is
+                beyond the drive's, or answers take longer than `stale_after`.
             AdapterError: The joints are enabled, or the gate has tripped and was not cleared.
         """
         check_rate(self.capabilities, mode, period)
@@ -107,24 +111,20 @@ class JointAdapter(StoppableDriver):
             self._latch()
             if self._gate is not None and self._gate.tripped:
                 raise AdapterError(f"the gate has tripped ({self._gate.trip_record}): call clear_faults() first")
+            gate = make_gate(wanted, mode, period)
             try:
                 self._checked_options, self._half_configured = wanted, True
                 self._configure(mode, period)
-                watchdog = self._confirmed_watchdog() or self.capabilities.watchdog
+                watchdog = self._confirmed_watchdog() or self._opened_watchdog
                 check_watchdog(watchdog, period)
+                self._check_delay(wanted.stale_after)
             except BaseException as error:
                 self._checked_options = before  # with the gate that there is
                 raise_own(error)
             self._capabilities = replace(self.capabilities, watchdog=watchdog)
             self._mode, self._half_configured = mode, False
             self._references = ReferenceLimiter(wanted.limits, period)
-            self._gate = SafetyGate(
-                wanted.limits,
-                period=period,
-                ramp_time=wanted.ramp_time,
-                stale_after=wanted.stale_after,
-                watch_torque=mode != "torque",
-            )
+            self._gate = gate
             self._latch()  # a stop that came in the meantime found another gate, or none
 
     @final
@@ -319,6 +319,13 @@ class JointAdapter(StoppableDriver):
     def _bus_health(self) -> dict[str, float | str]:
         """What the bus itself counts; adapters on one tell it."""
         return {}
+
+    def _check_delay(self, stale_after: float) -> None:
+        """Whether drives answer before their data are stale [s]; drivers over a link look.
+
+        Raises:
+            AdapterConfigurationError: They do not.
+        """
 
     def _forget_states(self) -> None:
         """Drop what has come without having been taken; drivers over a link do."""

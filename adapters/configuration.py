@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping, Sequence
+from math import inf
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -136,6 +137,10 @@ class AdapterConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fields=Tr
         for name in ("watchdog", "response_timeout"):
             if not 0.0 < getattr(self, name) <= 10.0:
                 raise ValueError(f"{name} must be above 0 and at most 10 s, got {getattr(self, name)!r}")
+        if not 0.0 <= self.ramp_time < inf:
+            raise ValueError(f"ramp_time must be finite and at least 0 s, got {self.ramp_time!r}")
+        if not 1e-9 <= self.stale_after < inf:
+            raise ValueError(f"stale_after must be finite and above 0 s, got {self.stale_after!r}")
 
 
 class CanAdapterConfiguration(AdapterConfiguration, frozen=True, forbid_unknown_fields=True, kw_only=True):

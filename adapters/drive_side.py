@@ -24,6 +24,7 @@ class DriveSide:
     def __init__(self, capabilities: Capabilities, transmissions: Sequence[Transmission]) -> None:
         n_joints = len(capabilities.joints)
         self.command = JointCommand(n_joints)
+        self._geared = JointCommand(n_joints)  # another one: entries that a mode leaves alone would turn every cycle
         self.feedback = JointFeedback(n_joints)
         self._gears = [
             (joint, t.sign / t.gear_ratio, t.zero, t.torque_gain(declared.torque_unit))
@@ -37,21 +38,22 @@ class DriveSide:
             entries[:] = [0.0] * len(entries)
 
     def command_from_joint(self) -> JointCommand:
-        """Turn the command, filled joint side, into the drives' side, in place.
+        """The command, filled joint side, on the drives' side.
 
         Raises:
             AdapterValueError: A torque is not finite after the transmission.
         """
-        command = self.command
+        command, geared = self.command, self._geared
         if not self._gears:
             return command  # as the gate has let it through
+        geared.torque[:], geared.velocity[:], geared.position[:] = command.torque, command.velocity, command.position
         for joint, gain, zero, torque_gain in self._gears:
-            command.torque[joint] /= torque_gain
-            command.velocity[joint] /= gain
-            command.position[joint] = (command.position[joint] + zero) / gain
-        if not isfinite(sum(command.torque)):
-            raise AdapterValueError(f"torque {command.torque} after the transmission is not finite")
-        return command
+            geared.torque[joint] /= torque_gain
+            geared.velocity[joint] /= gain
+            geared.position[joint] = (command.position[joint] + zero) / gain
+        if not isfinite(sum(geared.torque)):
+            raise AdapterValueError(f"torque {geared.torque} after the transmission is not finite")
+        return geared
 
     def feedback_to_joint(self, feedback: JointFeedback) -> None:
         """Fill `feedback`, joint side, with what the drives have reported."""

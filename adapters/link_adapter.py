@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Generic, Protocol, TypeVar, final
 
-from fricomp.errors import AdapterConnectionError, AdapterTimeout
+from fricomp.errors import AdapterConfigurationError, AdapterConnectionError, AdapterTimeout
 from fricomp.joint import Clock, JointFeedback
 
 from .adapter import POLL_INTERVAL_NS, JointAdapter
@@ -58,6 +58,7 @@ class LinkAdapter(JointAdapter, Generic[Configuration, Link]):
         parts: int = 1,
     ) -> None:
         super().__init__(options_of(configuration, joints), clock)
+        self._response_timeout = configuration.response_timeout
         self._open_link = open_link or partial(self._link_of, configuration)
         self._link: Link | None = None
         self._arrivals = Arrivals(parts * len(joints))
@@ -112,6 +113,20 @@ class LinkAdapter(JointAdapter, Generic[Configuration, Link]):
     def _forget_states(self) -> None:
         self._pump()
         self._arrivals.clear()
+
+    @final
+    def _check_delay(self, stale_after: float) -> None:
+        """Ask once while nothing else is under way: later an answer cannot be told from one to an earlier request."""
+        self._forget_states()
+        asked = self.clock.now_ns()
+        self._ask_state()
+        self._wait(self._arrivals.take, self._response_timeout, "not all joints answered with their state")
+        delay = (self.clock.now_ns() - asked) * 1e-9
+        if delay > stale_after:
+            raise AdapterConfigurationError(
+                f"answers take {1e3 * delay:.1f} ms on this bus, and data are stale after {1e3 * stale_after:g} ms: "
+                f"find what holds them up, or raise stale_after, knowing that the joints are controlled that late"
+            )
 
     @final
     def _discard_output(self) -> None:

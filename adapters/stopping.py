@@ -128,6 +128,16 @@ class StoppableDriver(Driver):
         """For loops of a driver that wait while enabling: raises `SafetyTrip` once somebody has stopped the joints."""
         self._configured_gate().raise_if_tripped()
 
+    def _pay_stop(self) -> None:
+        """Try a stop that is owed once more.
+
+        Raises:
+            AdapterError: It does not get through.
+        """
+        self._halt()
+        if self._stop_owed:
+            raise AdapterError(self._stop_failure)
+
     def _halt(self) -> None:
         if self._enabled or self._stop_owed:
             self._stop_drives()

@@ -16,7 +16,7 @@ __all__ = ["LARGEST_SHARE", "TrialSettings", "TrialStep", "try_drive"]
 LARGEST_SHARE = 0.05
 """Of the configured torque limit; a trial never goes beyond."""
 
-LONGEST_ENABLING_SILENCE = 3.0  # in watchdog times
+SILENCE_TRIED = 3.0  # in watchdog times
 
 
 @dataclass(frozen=True)
@@ -211,7 +211,7 @@ class _Trial:
         self.adapter.enable()
         self._collect(0.1, torque=lambda _: self._zeros())
         clock = self.adapter.clock
-        clock.sleep_until(clock.now_ns() + round(LONGEST_ENABLING_SILENCE * watchdog.timeout * 1e9))
+        clock.sleep_until(clock.now_ns() + round(SILENCE_TRIED * watchdog.timeout * 1e9))
         try:
             for _ in range(20):
                 self.adapter.read_into(self._feedback)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 from ..configuration import CanAdapterConfiguration, JointConfiguration
 
 __all__ = ["CanOpenConfiguration", "CanOpenJointConfiguration"]
@@ -17,6 +19,12 @@ class CanOpenJointConfiguration(JointConfiguration, frozen=True, forbid_unknown_
 
     counts_per_revolution: float | None = None
     velocity_count: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("counts_per_revolution", "velocity_count"):
+            value = getattr(self, name)
+            if value is not None and not 0.0 < value < inf:
+                raise ValueError(f"{name} must be finite and above 0, got {value!r}: a reversal belongs into sign")
 
 
 class CanOpenConfiguration(CanAdapterConfiguration, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Protocol
 
 from fricomp.errors import AdapterConnectionError, MissingExtraError
@@ -150,6 +152,7 @@ def _open_bus(configuration: CanBusConfiguration) -> can.BusABC:
         from ..slcan import ChunkedSlcanBus
 
         return ChunkedSlcanBus(str(configuration.channel), configuration.bitrate, **configuration.options)
+    _warn_of_another(configuration.interface)
     bus: can.BusABC = can.Bus(
         interface=configuration.interface,
         channel=configuration.channel,
@@ -157,3 +160,17 @@ def _open_bus(configuration: CanBusConfiguration) -> can.BusABC:
         **configuration.options,
     )
     return bus
+
+
+def _warn_of_another(interface: str) -> None:
+    """Any installed package may take the name of an interface of python-can, and is used in its place."""
+    from can.interfaces import BACKENDS
+
+    module = BACKENDS[interface][0] if interface in BACKENDS else "can"
+    if module.partition(".")[0] != "can" and find_spec(f"can.interfaces.{interface}") is not None:
+        warnings.warn(
+            f"CAN interface {interface!r} is that of {module}, which stands before python-can's own: uninstall its "
+            f"package if that is not intended",
+            RuntimeWarning,
+            stacklevel=2,
+        )

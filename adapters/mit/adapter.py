@@ -159,14 +159,16 @@ class MitAdapter(CanAdapter):
                     )
 
     def _set_watchdogs(self) -> Watchdog | None:
-        wanted, confirmed = self._configuration.watchdog, True
+        """Give every motor that has one its watchdog; None where one of them has none."""
+        wanted, confirmed, all_have = self._configuration.watchdog, True, True
         for joint, motor in enumerate(self._motors):
             register = motor.registers.watchdog
             if register is None:
-                return None
+                all_have = False
+                continue
             counts = max(1, round(wanted / register.count))
-            confirmed = confirmed and self._write_register(joint, register, counts) == counts
-        return Watchdog(wanted, confirmed)
+            confirmed = self._write_register(joint, register, counts) == counts and confirmed
+        return Watchdog(wanted, confirmed) if all_have else None
 
     def _confirmed_watchdog(self) -> Watchdog | None:
         return self._watchdog
@@ -191,7 +193,8 @@ class MitAdapter(CanAdapter):
     def _prepare_again(self) -> None:
         """A motor that was power cycled since it was configured has its stored mode, and as a rule no watchdog."""
         self._set_modes()
-        if self._watchdog is not None and self._watchdog.confirmed and self._set_watchdogs() != self._watchdog:
+        kept = self._set_watchdogs()
+        if self._watchdog is not None and self._watchdog.confirmed and kept != self._watchdog:
             raise AdapterError("the motors do not keep their watchdog any more: configure() them again")
 
     def _make_loops(self) -> list[MotorVelocityLoop]:

@@ -163,14 +163,14 @@ class MoteusAdapter(SerialAdapter):
             AdapterConfigurationError: They do not keep it.
         """
         wanted = {"servo.default_timeout_s": self._configuration.watchdog, "servo.timeout_mode": float(TIMEOUT_STOPS)}
-        confirmed = True
-        for joint in range(len(self._addresses)):
+        for joint, address in enumerate(self._addresses):
             for name, value in wanted.items():
                 self._converse(joint, f"conf set {name} {value:g}")
                 found = self._converse(joint, f"conf get {name}")
-                confirmed = confirmed and _is_number(found, value)
-        if not confirmed:
-            raise AdapterConfigurationError(f"the controllers do not keep {', '.join(wanted)}: read back {found!r}")
+                if not _is_number(found, value):
+                    raise AdapterConfigurationError(
+                        f"controller {address} does not keep {name} = {value:g}: read back {found!r}"
+                    )
 
     def _converse(self, joint: int, line: str) -> str:
         """Send a line to the diagnostic channel; the line it answers."""

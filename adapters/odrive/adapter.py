@@ -184,8 +184,8 @@ class OdriveAdapter(ParameterAdapter):
             self._bound_torque(joint, mode)
             self._send([controller_mode_frame(node, mode)])
             self._check_mode(joint, mode)
-            confirmed = confirmed and self._set_watchdog(joint)
-        self._watchdog = Watchdog(self._configuration.watchdog, confirmed) if confirmed else None
+            confirmed = bool(self._endpoints) and self._set_watchdog(joint) and confirmed
+        self._watchdog = Watchdog(self._configuration.watchdog, confirmed) if self._endpoints else None
         self._await_heartbeats()
 
     def _confirmed_watchdog(self) -> Watchdog | None:
@@ -205,7 +205,8 @@ class OdriveAdapter(ParameterAdapter):
         self._raise_on_fault()
         for joint, node in enumerate(self._nodes):  # once more: it may have been power cycled since it was configured
             self._bound_torque(joint, mode)
-            if self._watchdog is not None and not self._set_watchdog(joint):
+            kept = self._watchdog is None or self._set_watchdog(joint)
+            if self._watchdog is not None and self._watchdog.confirmed and not kept:
                 raise AdapterError(f"node {node} does not keep its watchdog any more: configure() it again")
         self._raise_if_stopped()
         self._poll_all()  # where the joints are now is where they will be held

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 from ..link import CanFrame
 
 __all__ = ["decode_line", "encode_frame"]
 
 CARRIAGE_RETURN = b"\r"
+_HEX_DIGITS = re.compile(rb"[0-9A-Fa-f]+")  # `int` and `fromhex` take signs, underscores and blanks, too
 LONGEST_LINE = 1 + 8 + 1 + 16 + 4  # T, identifier, length, data, time stamp
 
 
@@ -24,7 +27,7 @@ def decode_line(line: bytes) -> CanFrame | None:
     The length must match the digits exactly, four digits of time stamp aside.
     """
     kind = line[:1]
-    if kind not in (b"t", b"T", b"r", b"R") or len(line) > LONGEST_LINE:
+    if kind not in (b"t", b"T", b"r", b"R") or len(line) > LONGEST_LINE or not _HEX_DIGITS.fullmatch(line, 1):
         return None
     extended, remote = kind in (b"T", b"R"), kind in (b"r", b"R")
     start = 10 if extended else 5
@@ -34,10 +37,7 @@ def decode_line(line: bytes) -> CanFrame | None:
     end = start + (0 if remote else 2 * int(length))
     if len(line) not in (end, end + 4):
         return None
-    try:
-        identifier, data = int(line[1 : start - 1], 16), bytes.fromhex(line[start:end].decode("ascii"))
-    except ValueError:
-        return None
+    identifier, data = int(line[1 : start - 1], 16), bytes.fromhex(line[start:end].decode("ascii"))
     if identifier > (0x1FFFFFFF if extended else 0x7FF):
         return None
     return CanFrame(identifier, data, extended, remote)

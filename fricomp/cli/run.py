@@ -185,7 +185,11 @@ class _Setup:
     def loop(
         self, motion: tuple[float, float, float], compensators: list[Compensator] | None, priority: int
     ) -> ControlLoop:
-        """The sine, from where the joints are, towards the middle of their range."""
+        """The sine, from where the joints are, towards the middle of their range.
+
+        Raises:
+            ParameterError: It would leave the range.
+        """
         from fricomp.control import ControlLoop, RealTimeOptions, SineReference
         from fricomp.joint import JointFeedback, await_feedback
 
@@ -195,8 +199,7 @@ class _Setup:
         self.adapter.configure("torque", self.period)
         await_feedback(self.adapter, feedback, self.period)
         amplitudes = [
-            -amplitude if joint.position_limits and start > sum(joint.position_limits) / 2.0 else amplitude
-            for joint, start in zip(capabilities.joints, feedback.position, strict=True)
+            _inwards(amplitude, start, facts) for facts, start in zip(self.metadata(), feedback.position, strict=True)
         ]
         return ControlLoop(
             self.adapter,
@@ -214,6 +217,26 @@ class _Setup:
 
         joints = range(len(self.adapter.capabilities.joints))
         return [recording_metadata(self.adapter, joint, "fricomp run") for joint in joints]
+
+
+def _inwards(amplitude: float, start: float, facts: RecordingMetadata) -> float:
+    """The amplitude with the sign that leads from `start` towards the middle of the joint's range.
+
+    Raises:
+        ParameterError: The motion, twice the amplitude, would leave the range.
+    """
+    from fricomp.errors import ParameterError
+
+    if facts.position_limits is None:
+        return amplitude
+    low, high = facts.position_limits
+    signed = -amplitude if start > (low + high) / 2.0 else amplitude
+    if not low < start + 2.0 * signed < high:
+        raise ParameterError(
+            f"joint {facts.joint!r} is at {start:.4g} and would be moved to {start + 2.0 * signed:.4g}, outside its "
+            f"limits {low:g} to {high:g}: lower --amplitude, or move the joint towards the middle"
+        )
+    return signed
 
 
 def _figures(result: LoopResult) -> dict[str, Any]:

@@ -25,6 +25,7 @@ _TWICE = 0.5  # [s] within which signals are one
 class EndingSignals(contextlib.AbstractContextManager["EndingSignals"]):
     """The first one ends a loop after its cycle: a handler that stopped the drives could meet a held lock.
 
+    A signal whose handler is none of Python's, set by a library in C, is left to it: Python could not give it back.
     Inside `impatient` the second does not wait for a cycle that hangs. No other raises anything: what runs in this
     context beside that, the stop of the joints above all, is not disturbed.
 
@@ -40,7 +41,8 @@ class EndingSignals(contextlib.AbstractContextManager["EndingSignals"]):
         if threading.current_thread() is threading.main_thread():
             try:
                 for number in ENDING_SIGNALS:
-                    self._before[number] = signal.signal(number, self._handle)
+                    if signal.getsignal(number) is not None:
+                        self._before[number] = signal.signal(number, self._handle)
             except BaseException:  # a signal whose handler raises came in between
                 self.__exit__()
                 raise

@@ -97,7 +97,7 @@ class ControlLoop:
         period: Control period [s].
         mode: `torque`, or `velocity` or `position` with the compensation as torque feed-forward.
         log_capacity: Rows that the log keeps.
-        options: What to ask of the system; only on a real clock.
+        options: What to ask of the system; no more than a short timer slack if None.
         most_skipped: Cycles skipped at once from which the gate trips.
 
     Raises:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -115,8 +116,13 @@ def check_loop(
         drive: Limits of the torque; none if None.
 
     Raises:
-        ParameterError: The loop has no stiffness, or the law leaves nothing to compensate.
+        ParameterError: The loop has no stiffness, the law leaves nothing to compensate, or period or quantum are out of
+            their domain.
     """
+    if not 0.0 < period < inf:
+        raise ParameterError(f"the period must be finite and above 0 s, got {period!r}")
+    if not 0.0 <= velocity_quantum < inf:
+        raise ParameterError(f"the step of the velocity must be finite and at least 0, got {velocity_quantum!r}")
     if loop.stiffness <= 0.0:
         raise ParameterError("the loop check needs a position loop: its stiffness must be positive")
     known = trusted_curves(model)

@@ -55,14 +55,17 @@ class LoopLog:
         capacity: Rows kept; 60 s at 1 kHz and seven joints take 26 MB.
 
     Raises:
-        ParameterError: The capacity is not positive.
+        ParameterError: The capacity is not positive, or beyond the memory there is.
     """
 
     def __init__(self, n_joints: int, capacity: int = 60_000) -> None:
         if capacity < 1:
             raise ParameterError(f"the capacity of a log must be positive, got {capacity!r}")
         self.n_joints = n_joints
-        self._rows = np.zeros((capacity, _HEAD + len(_SIGNALS) * n_joints))
+        try:
+            self._rows = np.zeros((capacity, _HEAD + len(_SIGNALS) * n_joints))
+        except (MemoryError, ValueError) as error:
+            raise ParameterError(f"a log of {capacity} cycles does not fit into memory: keep fewer") from error
         self._count = 0
 
     def append(self, row: list[float]) -> None:

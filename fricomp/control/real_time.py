@@ -13,6 +13,8 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from fricomp.errors import ParameterError
+
 __all__ = ["RealTimeOptions", "RealTimeReport", "real_time"]
 
 _MCL_CURRENT, _MCL_FUTURE = 1, 2  # mlockall(2)
@@ -29,12 +31,21 @@ class RealTimeOptions:
         lock_memory: Keep all pages in memory.
         freeze_garbage: Collect once, then keep the collector off: a full collection takes tens of milliseconds. What
             is frozen already stays so, and no more is added to it.
+
+    Raises:
+        ParameterError: Priority or core is out of its domain.
     """
 
     priority: int = 0
     core: int | None = None
     lock_memory: bool = False
     freeze_garbage: bool = True
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.priority <= 99:
+            raise ParameterError(f"priority must be from 0 to 99, got {self.priority!r}")
+        if self.core is not None and self.core < 0:
+            raise ParameterError(f"core must be at least 0, got {self.core!r}")
 
 
 @dataclass

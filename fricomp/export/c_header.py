@@ -87,7 +87,7 @@ def render_c_header(
 
 def _comment(text: str) -> str:
     """`text` without what would end a comment, or leave ASCII."""
-    return text.replace("·", "*").replace("*/", "").encode("ascii", "replace").decode()
+    return text.replace("·", "*").replace("*/", "* /").replace("/*", "/ *").encode("ascii", "replace").decode()
 
 
 def _functions(
