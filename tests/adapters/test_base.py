@@ -20,7 +20,7 @@ from fricomp.errors import (
     FricompError,
     SafetyTrip,
 )
-from fricomp.joint import JointCapabilities, JointFeedback, Watchdog
+from fricomp.joint import CommandMode, JointCapabilities, JointFeedback, Watchdog
 from tests.adapters.fake_driver import LIMITS, PERIOD, FakeAdapter, command, enabled_adapter, run_in_thread
 
 
@@ -283,6 +283,18 @@ def test_closing_tries_an_owed_stop_again() -> None:
     assert adapter.stop_failure == ""
 
 
+def test_a_stop_that_is_owed_is_paid_before_the_adapter_opens_again() -> None:
+    adapter = enabled_adapter()
+    adapter.fail["stop"] = AdapterConnectionError("the cable is out")
+    adapter.close()
+    assert "cable" in adapter.stop_failure
+    with pytest.raises(AdapterError, match="cable"):
+        adapter.open()
+    del adapter.fail["stop"]
+    adapter.open()
+    assert (adapter.log[-1], adapter.stop_failure) == ("stop", "")
+
+
 @pytest.mark.parametrize("from_this_thread", [True, False])
 def test_a_stop_while_the_position_is_being_read_keeps_the_drives_off(from_this_thread: bool) -> None:
     adapter = FakeAdapter()
@@ -439,6 +451,18 @@ def test_a_position_reference_passes_sign_gear_and_zero_the_other_way() -> None:
     assert adapter.references[-1][1] == pytest.approx(adapter.position)
 
 
+@pytest.mark.parametrize("mode", ["torque", "velocity", "position"])
+def test_what_a_mode_leaves_alone_does_not_turn_with_every_cycle(mode: CommandMode) -> None:
+    gear = Transmission(gear_ratio=6.0, zero=0.1)
+    options = AdapterOptions(limits=(replace(LIMITS, velocity=8.0),), transmissions=(gear,), ramp_time=0.0)
+    adapter = enabled_adapter(mode, options=options)
+    for _ in range(100):
+        adapter.manual_clock.advance(PERIOD)
+        adapter.read_into(JointFeedback(1))
+        assert adapter.write(command())
+    assert adapter.references[-1] == pytest.approx((0.0, 6.0 * 0.1))  # joint position 0 is the drive's 0.6
+
+
 def test_a_position_reference_never_leaves_the_range() -> None:
     adapter = enabled_adapter("position")
     for _ in range(400):
@@ -539,6 +563,19 @@ def test_after_a_configuration_that_failed_nothing_is_enabled_until_one_ends() -
     adapter.configure("velocity", 1e-3)
     adapter.enable()
     assert adapter.enabled
+
+
+@pytest.mark.parametrize("wrong", [{"stale_after": nan}, {"stale_after": 0.0}, {"ramp_time": -1.0}])
+def test_options_of_which_no_gate_can_be_made_are_refused_before_the_drives_hear_of_them(wrong: dict[str, Any]) -> None:
+    adapter = FakeAdapter()
+    adapter.open()
+    adapter.configure("torque", PERIOD)
+    gate, told = adapter.gate, len(adapter.log)
+    adapter.options = replace(adapter.options, **wrong)
+    with pytest.raises(AdapterConfigurationError, match=next(iter(wrong))):
+        adapter.configure("velocity", PERIOD)
+    assert adapter.gate is gate
+    assert len(adapter.log) == told
 
 
 def test_a_stop_before_configuring_is_not_forgotten() -> None:

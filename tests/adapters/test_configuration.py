@@ -144,6 +144,12 @@ def test_a_wrong_value_is_named(joint: dict[str, Any], complaint: str) -> None:
         open_adapter("mit", table(**joint))
 
 
+@pytest.mark.parametrize("wrong", [{"stale_after": 0.0}, {"ramp_time": -0.1}, {"watchdog": 0.0}])
+def test_a_wrong_time_is_named(wrong: dict[str, float]) -> None:
+    with pytest.raises(AdapterConfigurationError, match=next(iter(wrong))):
+        open_adapter("mit", table() | wrong)
+
+
 @pytest.mark.parametrize("what", ["name", "id"])
 def test_two_joints_of_one_name_or_address_are_refused(what: str) -> None:
     double = table()

@@ -11,9 +11,10 @@ import pytest
 
 from fricomp.adapters.link import PythonCanLink
 from fricomp.control import ControlLoop, PositionController, SineReference
-from fricomp.errors import AdapterConnectionError, FricompError, SafetyTrip
+from fricomp.errors import AdapterConfigurationError, AdapterConnectionError, AdapterError, FricompError, SafetyTrip
 from fricomp.joint import JointCommand, JointFeedback, await_feedback
 from fricomp.sim_bench.adapter_bench.bench import PERIOD, PROTOCOLS, TORQUE_LIMIT, AdapterBench, make_bench
+from tests.adapters import late_link
 from tests.adapters.late_link import make_late_bench
 
 CAN_PROTOCOLS = ("canopen", "mit", "odrive")
@@ -157,6 +158,19 @@ def test_a_loop_waits_for_drives_that_answer_late(protocol: str) -> None:
     loop = ControlLoop(bench.adapter, reference, PositionController.from_bandwidth([0.01], 1.0), period=PERIOD)
     result = loop.run(0.5)
     assert (result.cycles, result.trip) == (round(0.5 / PERIOD), None)
+
+
+@pytest.mark.parametrize("protocol", sorted(PROTOCOLS))
+def test_a_bus_whose_answers_are_stale_when_they_come_is_refused(
+    protocol: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(late_link, "LATENCY_NS", 43_000_000)
+    adapter = make_late_bench(protocol).adapter
+    adapter.open()
+    with pytest.raises(AdapterConfigurationError, match=r"answers take 4[34]"):
+        adapter.configure("torque", PERIOD)
+    with pytest.raises(AdapterError, match="not configured"):
+        adapter.enable()
 
 
 @pytest.mark.parametrize("protocol", ["canopen", "dynamixel", "moteus", "odrive"])

@@ -122,3 +122,19 @@ def test_a_joint_that_is_stopped_by_the_gate_leaves_its_recording(tmp_path: Path
     assert recording.duration > 0.5
     assert recording.metadata.encoder_resolution == pytest.approx(2.0 * math.pi / 2**18)
     assert recording.metadata.source == "fricomp run"
+
+
+@pytest.mark.parametrize(("limits", "words"), [((-0.3, 0.2), "moved to -0.4"), ((-0.2, 0.3), "moved to 0.4")])
+def test_a_motion_that_would_leave_the_configured_range_is_refused_before_the_joint_is_energised(
+    tmp_path: Path, model: Path, limits: tuple[float, float], words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "joint.toml"
+    joint = '[[joints]]\nname = "joint"\n[joints.limits]\ntorque = 2.0\ntorque_rate = 100.0\nvelocity = 10.0\n'
+    file.write_text(f"{joint}position = [{limits[0]}, {limits[1]}]\n")
+    enabled = []
+    monkeypatch.setattr(SimulatedJointAdapter, "_enable", enabled.append)
+    options = ["--amplitude", "0.2", "--config", str(file), "--out", str(tmp_path / "run")]
+    result = CliRunner().invoke(app, ["run", str(model), *options])
+    assert isinstance(result.exception, ParameterError), result.output
+    assert words in str(result.exception)
+    assert not enabled

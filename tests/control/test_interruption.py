@@ -11,7 +11,12 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from fricomp.control.ending import stopping_at_exit, stopping_on_error, undisturbed
-from fricomp.control.interruption import ENDING_SIGNALS, interrupt_on_ending_signals, warn_of_unheard_signals
+from fricomp.control.interruption import (
+    ENDING_SIGNALS,
+    EndingSignals,
+    interrupt_on_ending_signals,
+    warn_of_unheard_signals,
+)
 
 
 @pytest.fixture(autouse=True)
@@ -91,3 +96,13 @@ def test_outside_the_main_thread_signals_that_nobody_handles_are_named() -> None
 def test_in_the_main_thread_nothing_is_warned_of() -> None:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     warn_of_unheard_signals()
+
+
+def test_a_handler_that_python_cannot_put_back_is_left_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = signal.getsignal(signal.SIGTERM)
+    of_python = signal.getsignal
+    monkeypatch.setattr(signal, "getsignal", lambda number: None if number == signal.SIGTERM else of_python(number))
+    with EndingSignals(threading.Event()):
+        monkeypatch.undo()
+        assert signal.getsignal(signal.SIGTERM) is before
+        assert signal.getsignal(signal.SIGINT) is not signal.default_int_handler

@@ -52,6 +52,14 @@ class DamiaoRig(PeerRig):
         return golden
 
 
+class Forgetful(dict[int, Any]):
+    """Registers of a motor that does not keep its watchdog."""
+
+    def __setitem__(self, number: int, value: Any) -> None:
+        if number != 9:
+            super().__setitem__(number, value)
+
+
 class TestDamiaoConforms(AdapterConformance):
     @pytest.fixture
     def rig(self) -> AdapterRig:
@@ -125,6 +133,22 @@ def test_unknown_keys_and_models_are_refused_by_name() -> None:
     bad["joints"][0]["model"] = "damiao/DM9999"
     with pytest.raises(AdapterConfigurationError, match=r"DM9999.*DM4310"):
         open_adapter("mit", bad)
+
+
+def test_a_motor_that_keeps_no_watchdog_takes_none_from_the_others() -> None:
+    rig = opened_rig(allow_no_watchdog=True)
+    forgetful, other = rig.peers
+    assert isinstance(forgetful, DamiaoPeer)
+    assert isinstance(other, DamiaoPeer)
+    forgetful.registers = Forgetful(forgetful.registers)
+    rig.adapter.configure("torque", 0.002)
+    watchdog = rig.adapter.capabilities.watchdog
+    assert watchdog is not None
+    assert not watchdog.confirmed
+    assert struct.unpack("<I", other.registers[9])[0] == 2000
+    rig.power_cycle(1)
+    rig.adapter.enable()
+    assert struct.unpack("<I", other.registers[9])[0] == 2000
 
 
 def test_a_motor_without_watchdog_needs_the_users_word() -> None:

@@ -235,6 +235,21 @@ def test_a_drive_that_no_longer_takes_its_watchdog_is_not_energised(endpoints: P
     assert not any(rig.energised())
 
 
+def test_a_watchdog_that_a_second_configuration_does_not_confirm_is_no_confirmed_one(endpoints: Path) -> None:
+    rig = OdriveRig("0.6", endpoints)
+    rig.adapter.open()
+    rig.adapter.configure("torque", 0.002)
+    rig.axes[0].keeps.remove(183)
+    rig.axes[0].values[183] = False
+    rig.adapter.configure("torque", 0.002)
+    watchdog = rig.adapter.capabilities.watchdog
+    assert watchdog is not None
+    assert not watchdog.confirmed
+    assert rig.axes[1].values[183]  # the other one has its own all the same
+    with pytest.raises(AdapterError, match="no confirmed watchdog"):
+        rig.adapter.enable()
+
+
 @pytest.mark.parametrize(("motor", "expected"), [(40.0, 40.0), (nan, 35.0), (20.0, 35.0)])
 def test_a_motor_without_thermistor_does_not_hide_the_inverters_temperature(
     endpoints: Path, motor: float, expected: float

@@ -72,7 +72,23 @@ def test_golden_lines_of_the_lawicel_manual(frame: CanFrame, line: bytes) -> Non
 
 @pytest.mark.parametrize(
     "line",
-    [b"", b"t", b"t12", b"t1238", b"t12381122", b"t123911", b"tXYZ0", b"t8FF0", b"T200000000", b"q1230", b"t1231G1"],
+    [
+        b"",
+        b"t",
+        b"t12",
+        b"t1238",
+        b"t12381122",
+        b"t123911",
+        b"tXYZ0",
+        b"t8FF0",
+        b"T200000000",
+        b"q1230",
+        b"t1231G1",
+        b"t+1212 1",
+        b"t1_21AA",
+        b"t 121AA",
+        b"t1231 A",
+    ],
 )
 def test_damaged_and_cut_lines_are_no_frames(line: bytes) -> None:
     """Among them a length of 8 with two bytes, which python-can's own bus accepts."""
