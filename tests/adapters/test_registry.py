@@ -10,15 +10,18 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, cast
 
+import can.interfaces
 import pytest
 from typer.testing import CliRunner
 
 from fricomp import adapters
 from fricomp.adapters import JointAdapter, adapter_class, adapter_names, open_adapter, registry
+from fricomp.adapters.configuration import CanBusConfiguration
+from fricomp.adapters.link import open_can_link
 from fricomp.cli import missing
 from fricomp.cli.adapters import EXTRAS
 from fricomp.cli.main import app
-from fricomp.errors import AdapterConfigurationError
+from fricomp.errors import AdapterConfigurationError, AdapterError
 from fricomp.sim_bench.twins.backend import TwinCanOpenAdapter
 from fricomp.sim_bench.twins.can_twin import CanTwin
 from fricomp.sim_bench.twins.cia402 import Cia402Drive
@@ -133,3 +136,9 @@ def test_faults_are_cleared_from_the_command_line_and_nothing_is_energised(
 def test_what_an_adapter_is_written_from_is_exported(name: str) -> None:
     assert name in adapters.__all__
     assert isinstance(getattr(adapters, name), type)
+
+
+def test_an_interface_that_another_package_has_taken_over_is_warned_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(can.interfaces.BACKENDS, "virtual", ("another_package.bus", "Bus"))
+    with pytest.warns(RuntimeWarning, match="'virtual' is that of another_package"), pytest.raises(AdapterError):
+        open_can_link(CanBusConfiguration(interface="virtual", channel="channel"))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import nan
+
 import numpy as np
 import pytest
 
@@ -137,3 +139,11 @@ def test_limits_of_a_drive_are_positive(given: dict[str, float]) -> None:
 def test_check_needs_a_position_loop() -> None:
     with pytest.raises(ParameterError, match="stiffness"):
         check_loop(FALLING, LoopDynamics(0.1, 0.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("given", "words"), [({"period": 0.0}, "period"), ({"period": nan}, "period"), ({"velocity_quantum": -1.0}, "step")]
+)
+def test_check_refuses_times_and_steps_that_are_none(given: dict[str, float], words: str) -> None:
+    with pytest.raises(ParameterError, match=words):
+        check_loop(LINEAR, pd_loop(5.0, 0.001), **given)

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from fricomp.control import RealTimeOptions, real_time
+from fricomp.errors import ParameterError
 
 on_linux = pytest.mark.skipif(sys.platform != "linux", reason="scheduling and locked memory are Linux")
 NOTHING = RealTimeOptions(freeze_garbage=False)
@@ -98,3 +99,9 @@ def test_the_scheduling_of_the_host_comes_back(monkeypatch: pytest.MonkeyPatch) 
     with real_time(RealTimeOptions(priority=20, freeze_garbage=False)):
         assert now[-1] == (os.SCHED_FIFO, 20)
     assert now[-1] == (os.SCHED_FIFO, 10)
+
+
+@pytest.mark.parametrize("wrong", [{"core": -1}, {"priority": -1}, {"priority": 100}])
+def test_options_that_no_system_knows_are_refused(wrong: dict[str, int]) -> None:
+    with pytest.raises(ParameterError, match=next(iter(wrong))):
+        RealTimeOptions(**wrong)  # type: ignore[arg-type]

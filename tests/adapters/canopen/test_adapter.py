@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 from dataclasses import replace
-from math import tau
+from math import inf, tau
 from typing import Any
 
 import pytest
@@ -168,3 +168,12 @@ def test_a_temperature_limit_is_refused_where_no_drive_would_notice() -> None:
     bench.adapter.options = replace(bench.adapter.options, limits=(limits,))
     with pytest.raises(AdapterConfigurationError, match="does not report its temperature"):
         bench.adapter.open()
+
+
+@pytest.mark.parametrize("name", ["velocity_count", "counts_per_revolution"])
+@pytest.mark.parametrize("value", [0.0, -0.001, inf])
+def test_a_scaling_that_would_turn_or_hide_the_motion_is_refused(name: str, value: float) -> None:
+    table = configuration()
+    table["joints"][0][name] = value
+    with pytest.raises(AdapterConfigurationError, match=f"{name} must be finite and above 0"):
+        convert(table, CanOpenConfiguration)

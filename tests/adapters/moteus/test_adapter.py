@@ -277,3 +277,18 @@ def test_a_timeout_of_the_drive_stops_all_joints() -> None:
     rig.clock.advance(0.2)
     assert rig.controllers[0].mode == 11
     assert not rig.adapter.write(JointCommand(2))
+
+
+def test_a_setting_that_is_not_kept_is_named_with_its_controller(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = MoteusRig()
+    rig.adapter.open()
+    assert isinstance(rig.adapter, MoteusAdapter)
+    converse = rig.adapter._converse
+
+    def forget_the_timeout(joint: int, line: str) -> str:
+        answer = converse(joint, line)
+        return "0.5" if joint == 1 and line == "conf get servo.default_timeout_s" else answer
+
+    monkeypatch.setattr(rig.adapter, "_converse", forget_the_timeout)
+    with pytest.raises(AdapterConfigurationError, match=r"controller 2 .*default_timeout_s = 0.1: read back '0.5'"):
+        rig.adapter.configure("torque", 0.002)
