@@ -93,23 +93,23 @@ def measure_speed_up(
         progress: Called after each case.
     """
     load = os.getloadavg()[0]
-    one, one_core, several, loops = [], [], [], []
+    times: list[list[float]] = []
+    loops: list[float] = []
     with open_executor(f"processes://{workers}") as (pool, _):
         list(pool.map(_loop, [1] * workers))  # they have started
         for index, each in enumerate(planned):
             if not prepare(each.spec, "speed").refused:
                 case = partial(_whole, each.spec, diagnose)
-                alone, confined = (partial(_alone, pool, workers, way) for way in (case, partial(_on_one_core, case)))
-                together = partial(_together, pool, workers, case)
-                times = _in_turn((alone, confined, together), index % 2 == 1)
-                for known, seconds in zip((one, one_core, several), times, strict=True):
-                    known.append(seconds)
+                free, confined = (partial(_alone, pool, workers, way) for way in (case, partial(_on_one_core, case)))
+                times.append(_in_turn((free, confined, partial(_together, pool, workers, case)), index % 2 == 1))
                 loop = partial(_loop, _TURNS)
                 ways = partial(_alone, pool, workers, loop), partial(_together, pool, workers, loop)
-                loops.append(float(np.divide(*_in_turn(ways, index % 2 == 1))))
+                alone, together = _in_turn(ways, index % 2 == 1)
+                loops.append(alone / together)
             progress()
     cores = len(os.sched_getaffinity(0))
-    return SpeedUp(workers, tuple(one), tuple(one_core), tuple(several), tuple(loops), load, cores)
+    one, one_core, several = (tuple(each[way] for each in times) for way in range(3))
+    return SpeedUp(workers, one, one_core, several, tuple(loops), load, cores)
 
 
 def _in_turn(ways: Sequence[Callable[[], float]], backwards: bool) -> list[float]:

@@ -131,7 +131,7 @@ def test_a_motion_that_would_leave_the_configured_range_is_refused_before_the_jo
     file = tmp_path / "joint.toml"
     joint = '[[joints]]\nname = "joint"\n[joints.limits]\ntorque = 2.0\ntorque_rate = 100.0\nvelocity = 10.0\n'
     file.write_text(f"{joint}position = [{limits[0]}, {limits[1]}]\n")
-    enabled = []
+    enabled: list[SimulatedJointAdapter] = []
     monkeypatch.setattr(SimulatedJointAdapter, "_enable", enabled.append)
     options = ["--amplitude", "0.2", "--config", str(file), "--out", str(tmp_path / "run")]
     result = CliRunner().invoke(app, ["run", str(model), *options])

@@ -142,8 +142,8 @@ def test_check_needs_a_position_loop() -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "words"), [({"period": 0.0}, "period"), ({"period": nan}, "period"), ({"velocity_quantum": -1.0}, "step")]
+    ("period", "quantum", "words"), [(0.0, 0.0, "period"), (nan, 0.0, "period"), (1e-3, -1.0, "step")]
 )
-def test_check_refuses_times_and_steps_that_are_none(given: dict[str, float], words: str) -> None:
+def test_check_refuses_times_and_steps_that_are_none(period: float, quantum: float, words: str) -> None:
     with pytest.raises(ParameterError, match=words):
-        check_loop(LINEAR, pd_loop(5.0, 0.001), **given)
+        check_loop(LINEAR, pd_loop(5.0, 0.001), period=period, velocity_quantum=quantum)
