@@ -21,7 +21,7 @@ _MAKE = "fricomp cases make --effect cogging --strength 1 --excitation fourier -
 def make(
     out: Annotated[Path, typer.Option(help="Folder for the case; the answer goes into OUT.answers.")],
     effect: Annotated[list[str] | None, typer.Option(help=f"Repeat for several; {_NAMES}; leave out for none.")] = None,
-    seed: Annotated[int, typer.Option(help="Draws joint, motion, sensors and effect.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="Draws joint, motion, sensors and effect.")] = 1,
     strength: Annotated[
         str, typer.Option(help="Effect-to-noise ratio after a base refit: 0.1, 0.2, 0.5, 1, 2, 5 or clear.")
     ] = "clear",
@@ -43,6 +43,7 @@ def make(
 ) -> None:
     """Write recording, simulation and controller of a joint that has more physics than its simulation."""
     from fricomp.cli.terminal import console
+    from fricomp.errors import DiagnosisError
     from fricomp.sim_bench.concealed import CaseSpec, generate, write_answer, write_case
 
     spec = CaseSpec(
@@ -59,9 +60,12 @@ def make(
         hidden=hidden,
         fault=fault,
     )
+    if form is not None and not effect:
+        raise DiagnosisError("--form is one of an effect: give --effect too")
+    answers = _make_folders(out)
     case = generate(spec)
     folder = write_case(case, out)
-    answer, digest = write_answer(case, out.with_name(out.name + ".answers"))
+    answer, digest = write_answer(case, answers)
     show = console()
     show.print(f"{folder}: effect-to-noise ratio {case.enr:.3g} over {case.left.size} rows", soft_wrap=True)
     show.print(f"answer {answer}, SHA-256 {digest}", soft_wrap=True)
@@ -79,7 +83,7 @@ def inject(
     out: Annotated[Path, typer.Option(help="Folder for the case; the answer goes into OUT.answers.")],
     effect: Annotated[str, typer.Option(help="What is put into it; nothing by default.")] = "",
     strength: Annotated[str, typer.Option(help="1, 2 or 5 times what a base refit leaves of the recording.")] = "2",
-    seed: Annotated[int, typer.Option(help="Draws order and phase.")] = 1,
+    seed: Annotated[int, typer.Option(min=0, help="Draws order and phase.")] = 1,
 ) -> None:
     """Add the torque of a known effect, along the measured motion, to a real recording."""
     import json
@@ -90,10 +94,10 @@ def inject(
     from fricomp.sim_bench.real import inject as inject_effect
 
     spec = InjectedSpec(source, effect, strength if effect else "", seed)
+    answers = _make_folders(out)
     made = inject_effect(spec)
-    folder, answers = out / spec.name, out.with_name(out.name + ".answers")
-    for place in (folder, answers):
-        make_folder(place)
+    folder = out / spec.name
+    make_folder(folder)
     for name, content in made.files.items():
         (folder / name).write_bytes(content)
     (answers / f"{spec.name}.json").write_bytes(made.answer)
@@ -101,6 +105,23 @@ def inject(
     show.print(f"{folder}: strength {json.loads(made.answer)['enr']:.3g}", soft_wrap=True)
     show.print(f"answer {answers / spec.name}.json", soft_wrap=True)
     show.print(f"try: fricomp diagnose {folder} --out {out / 'diagnosis'}", soft_wrap=True)
+
+
+def _make_folders(out: Path) -> Path:
+    """Make the folder of the cases and, beside it, that of the answers, which is returned.
+
+    Raises:
+        DiagnosisError: It has no name that the other could take.
+    """
+    from fricomp.cli.out_folder import make_folder
+    from fricomp.errors import DiagnosisError
+
+    if out.name in ("", ".."):
+        raise DiagnosisError(f"--out {out} has no name: the answers go into NAME.answers beside it; give it a folder")
+    answers = out.with_name(out.name + ".answers")
+    for place in (out, answers):
+        make_folder(place)
+    return answers
 
 
 @app.command("list", epilog="fricomp cases list")

@@ -87,7 +87,7 @@ def diagnose(
     executor: Annotated[str, typer.Option(help="Of a fleet: processes, serial or dask://host:port.")] = "processes",
     workers: Annotated[int | None, typer.Option(min=1, help="Of a fleet; one a core by default.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Of a fleet: go on with the one in --out.")] = False,
-    seed: Annotated[int, typer.Option(help="Of nulls and bootstraps; the same seed gives the same answer.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Of nulls and bootstraps; the same seed gives the same answer.")] = 0,
     schema: Annotated[
         bool,
         typer.Option(
@@ -111,11 +111,25 @@ def diagnose(
     if each or any(map(is_joint_table, recordings)):
         _diagnose_fleet(recordings, out, options, given, FleetRun(executor, workers, resume))
         return
+    _refuse_fleet_options(executor, workers, resume)
     with _interruptible(out):
         run = run_diagnosis(find_recordings(recordings), out, options, given)
     _print_diagnosis(run, out)
     if run.diagnosis.verdict == "bad_data":
         raise typer.Exit(EXIT_BAD_DATA)
+
+
+def _refuse_fleet_options(executor: str, workers: int | None, resume: bool) -> None:
+    """Nothing, where one joint is diagnosed with none of a fleet's options.
+
+    Raises:
+        ParameterError: One is given.
+    """
+    from fricomp.errors import ParameterError
+
+    given = {"--executor": executor != "processes", "--workers": workers is not None, "--resume": resume}
+    for name in (name for name, is_given in given.items() if is_given):
+        raise ParameterError(f"{name} is of fleets: give --each or a table of joints too, or leave it out")
 
 
 @contextmanager

@@ -55,7 +55,7 @@ def time_chart(
         changes: Times at which the size of the residual changes [s].
     """
     noise = 1.96 * series.spread
-    marks: list[Mark] = [Band(series.time, -noise, noise, "where nothing is missing (95 %)", color=NOISE)]
+    marks: list[Mark] = [Band(series.time, -noise, noise, "noise (95 %)", color=NOISE)]
     sides = ((series.before, BEFORE), (series.after, AFTER))
     marks += [
         Line(series.time, rows, name, color=color, width=1.0)

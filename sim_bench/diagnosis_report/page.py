@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
+
+import numpy as np
 
 from fricomp.report import Chart, ReportPage, Section, Table
 
-from ..diagnosis.result import Diagnosis, NamedEffect
+from ..diagnosis.result import Diagnosis, Evidence, NamedEffect
 from .maps import map_chart, plane_chart
 from .over_time import models_of, motion_chart, time_chart
 from .tables import base_table, change_table, effect_table, error_table, forward_table, location_table
@@ -21,7 +24,8 @@ _MOST_RECORDINGS = 6  # that are drawn over time
 
 def diagnosis_charts(diagnosis: Diagnosis) -> dict[str, Chart]:
     """Every chart that the evidence allows, by name."""
-    record, evidence, units = diagnosis.record, diagnosis.evidence, Units.of(diagnosis)
+    record, units = diagnosis.record, Units.of(diagnosis)
+    evidence = _beside_the_floor(diagnosis.evidence) if record.effects else diagnosis.evidence
     models = models_of(record)
     changes = evidence.change_points or ((),) * len(evidence.series)
     found: list[Chart | None] = [
@@ -37,6 +41,24 @@ def diagnosis_charts(diagnosis: Diagnosis) -> dict[str, Chart]:
         motion_chart(diagnosis.motion, units) if diagnosis.motion else None,
     ]
     return {chart.name: chart for chart in found if chart is not None}
+
+
+def _beside_the_floor(evidence: Evidence) -> Evidence:
+    """The evidence with the noise lowered to what the named model leaves, where that is less.
+
+    A ripple too fine for the nulls is taken for noise by them; once it is named, the figures of the diagnosis stand
+    beside a noise floor without it, and so must the charts.
+    """
+    left = [one.after / one.spread for one in evidence.series]
+    scale = min(1.0, float(np.sqrt(np.mean(np.concatenate(left) ** 2)))) if left else 1.0
+    if not 0.0 < scale < 1.0:
+        return evidence
+    series = tuple(replace(one, spread=scale * one.spread) for one in evidence.series)
+    maps = {
+        name: {what: values if what == "edges" else (1.0 + values) / scale**2 - 1.0 for what, values in found.items()}
+        for name, found in evidence.maps.items()
+    }
+    return replace(evidence, series=series, maps=maps)
 
 
 def diagnosis_page(

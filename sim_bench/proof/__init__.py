@@ -23,6 +23,7 @@ from .settings import (
     load_or_start,
     log_outcome,
     plan_run,
+    require_plan,
     seeds_of,
     watch,
 )
@@ -71,6 +72,7 @@ __all__ = [
     "read_entries",
     "read_refused",
     "read_scores",
+    "require_plan",
     "restore_data",
     "run_proof",
     "scored_seeds",

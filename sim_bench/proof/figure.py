@@ -59,8 +59,18 @@ def count_share(
     """How many of the scores hit; those of one cluster, such as of one recording, are alike."""
     if cluster is None:
         return compute_share(sum(map(hit, scores)), len(scores))
-    groups = [[hit(s) for s in scores if cluster(s) == name] for name in sorted(set(map(cluster, scores)))]
-    return compute_clustered_share([sum(group) for group in groups], [len(group) for group in groups])
+    return compute_clustered_share(*count_by(scores, lambda s: (int(hit(s)), 1), cluster))
+
+
+def count_by(
+    scores: Sequence[Score], counts: Callable[[Score], tuple[int, int]], cluster: Callable[[Score], str]
+) -> tuple[list[int], list[int]]:
+    """Hits and totals of each cluster."""
+    sums: dict[str, tuple[int, int]] = {}
+    for score in scores:
+        (hits, totals), (more_hits, more) = sums.get(cluster(score), (0, 0)), counts(score)
+        sums[cluster(score)] = hits + more_hits, totals + more
+    return [hits for hits, _ in sums.values()], [totals for _, totals in sums.values()]
 
 
 def at_least(
@@ -125,9 +135,14 @@ def mean(name: str, most: float, scores: Sequence[Score], value: Callable[[Score
 
 
 def coverage(
-    name: str, scores: Sequence[Score], wanted: Callable[[KnownInterval], bool], least: float = 0.0, most: float = 0.0
+    name: str,
+    scores: Sequence[Score],
+    wanted: Callable[[KnownInterval], bool],
+    least: float = 0.0,
+    most: float = 0.0,
+    cluster: Callable[[Score], str] = lambda score: score.case,
 ) -> Figure:
-    """Share of the wanted intervals that hold the truth, those of one case taken as a cluster."""
+    """Share of the wanted intervals that hold the truth, those of one cluster, a case unless given, being alike."""
 
     def counts(score: Score) -> tuple[int, int]:
         some = [each for each in score.intervals if wanted(each)]
@@ -141,8 +156,7 @@ def coverage(
     target = f"{100.0 * least:.0f}–{100.0 * most:.0f} %" if most else "–"
     if not compared:
         return Figure(name, target, "– (no case)", None)
-    hits, totals = zip(*map(counts, compared), strict=True)
-    found = compute_clustered_share(hits, totals)
+    found = compute_clustered_share(*count_by(compared, counts, cluster))
     text = f"{found.share:.1%} ({found.hits} of {found.total} in {len(compared)} cases; "
     text += f"{found.low:.1%} to {found.high:.1%})"
     reached = least <= found.share <= most if most else None

@@ -30,7 +30,7 @@ from .making import name_of
 from .plan import PlannedCase, plan_cases
 from .run import Diagnose
 from .score import Score, read_diagnosis, score_case
-from .statistics import format_quartiles
+from .statistics import compute_median
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -215,9 +215,9 @@ def format_gaps(scores: Sequence[GapScore], reproduce: str, measured: str) -> st
         f"{len(scores) - len(known)} of them have no gap (before is not above {_OPEN:g} times what could be reached) "
         "or no held-out error. Either diagnosis weighs rows by its own estimate of their noise.",
         "",
-        "| cases | target | closed (median, quartiles) | from the diagnosis' own floor |",
+        "| cases | target | closed (95 % interval) | from the diagnosis' own floor |",
         "|---|---|---|---|",
-        _row("right name first", "median ≥ 0.95", right),
+        _row("right name first", "≥ 0.95", right),
         _row("all", "–", known),
         "",
         "| concealed | named | before [N·m] | after [N·m] | reachable [N·m] | closed |",
@@ -228,10 +228,8 @@ def format_gaps(scores: Sequence[GapScore], reproduce: str, measured: str) -> st
 
 
 def _row(name: str, target: str, scores: Sequence[GapScore]) -> str:
-    closed = [score.closed for score in scores]
-    return (
-        f"| {name} | {target} | {format_quartiles(closed)} | {format_quartiles([_closed_of_own(s) for s in scores])} |"
-    )
+    closed, of_own = ([share(score) for score in scores] for share in (lambda s: s.closed, _closed_of_own))
+    return f"| {name} | {target} | {compute_median(closed)} | {compute_median(of_own)} |"
 
 
 def _closed_of_own(score: GapScore) -> float:

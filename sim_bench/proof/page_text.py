@@ -9,7 +9,7 @@ INTRODUCTION = """# Proof on concealed cases
 `fricomp bench mismatch` makes joints with physics that their simulation leaves out, has `fricomp diagnose` look at
 recording, simulation and controller only, and compares. The generator (`sim_bench/concealed`) steps its own
 closed-loop dynamics at 20 kHz, with friction cores, effects and sensors of its own, and imports neither the friction
-laws nor the diagnosis; a test walks the imports. Every second simulation beside an effect is wrong in inertia,
+laws nor the diagnosis; a test walks the imports. Nearly every second simulation beside an effect is wrong in inertia,
 gravity (2 to 25 %) and centre of mass as well; every second case comes with the friction of the joint without the
 effect.
 
@@ -29,12 +29,17 @@ starts, so that abandoned ones show too. `docs/proof/answers.parquet` holds each
 sealed, beside what was said, first and with the motion that was proposed: anybody can score them by rules of their
 own.
 
-**In pieces.** `--minutes M` starts no case after M minutes, finishes those under way and writes the pages, `--resume`
-goes on, in another checkout from the data beside the page. Groups, effects and strengths are interleaved, so that any
-beginning is a fair sample of the whole; every scored run has an order of its own. A scored run refuses to go on with
-another diagnosis or generator than it began with. `fricomp bench mismatch-replay N` diagnoses the cases of run N anew;
-with `--verify` it makes their answers again and holds them against the seals without diagnosing. `fricomp bench
-mismatch-close "reason"` ends a run, whose data moves to `run-N`.
+**In pieces.** This page is written by
+
+    fricomp bench mismatch --scored --cases 2000 --minutes 60 --resume --page docs/proof.md --out runs/scored
+
+where `--minutes M` starts no case after M minutes, finishes those under way and writes the pages, and `--resume` goes
+on, in another checkout from the data beside the page. A scored run keeps to the number of cases that it began with,
+and refuses to go on with another diagnosis, generator or plan. Groups, effects and strengths are interleaved, so that
+any beginning is a fair sample of the whole; every scored run has an order of its own. `fricomp bench mismatch-replay
+N` diagnoses the cases of run N anew, where its `run.json` is kept; with `--verify` it makes their answers again and
+holds them against the seals without diagnosing. `fricomp bench mismatch-close "reason"` ends a run, whose data moves to
+`run-N`.
 
 **On another processor.** Processors round differently, and a joint that sticks and slides lets a last digit grow, so
 that an answer made again on another kind of processor has another hash: `--verify` then asks whether the kept answer
@@ -63,7 +68,7 @@ Strength is what a refit of a rigid joint with a Stribeck curve for each directi
 windows, over what the same refit leaves of the recording itself. Before that the recordings are diagnosed as they
 are: what is named there counts as known, is not injected, and is no false name afterwards. Recordings that come out
 complete as they are stand apart from those in which more is missing already. Cases of one recording are alike, so
-that intervals take each recording as one cluster.
+that intervals of shares take each recording as one cluster.
 """
 CLEAR = """# Every effect of the catalogue once, clear
 

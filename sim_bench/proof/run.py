@@ -143,8 +143,11 @@ def run_proof(
         for future in done:
             pending = waiting.pop(future)
             result = _result_of(future, pending)
-            if isinstance(result, Prepared):
+            if isinstance(result, Prepared) and not (result.refused and pending.first):
                 _take_prepared(run, pending, result, submit, diagnose, progress)
+            elif isinstance(result, Prepared):
+                check()
+                progress(run.score(pending.planned, pending.first or _NO_ANSWER, None))
             elif pending.first is None and asks_for_more(result):
                 first = replace(pending, first=result, making=True)
                 submit(first, prepare_follow_up, pending.planned.spec, result.motion)
@@ -184,11 +187,9 @@ def _take_prepared(
     progress: Callable[[Score | None], None],
 ) -> None:
     """Seal a case and have it diagnosed, or diagnose it again with the recording of the proposed motion."""
-    if prepared.refused and pending.first is None:
+    if prepared.refused:
         run.refuse(pending.planned, prepared.refused)
         progress(None)
-    elif prepared.refused:
-        progress(run.score(pending.planned, pending.first or _NO_ANSWER, None))
     else:
         if pending.first is None:
             run.seal(prepared)

@@ -14,8 +14,11 @@ import msgspec
 from fricomp.errors import DiagnosisError
 
 from ..diagnosis_version import imported_diagnosis
+from .making import name_of
 from .plan import GROUPS, NULLS, PlannedCase, plan_cases, plan_clear_cases
+from .run import SEALS
 from .run_log import append_entry, next_run
+from .seal import SealBook
 from .seeds import current_commit, development_seeds, diagnosis_tree, folder_tree, scored_seeds
 
 __all__ = [
@@ -30,6 +33,7 @@ __all__ = [
     "log_outcome",
     "plan_run",
     "read_settings",
+    "require_plan",
     "seeds_of",
     "watch",
     "write_settings",
@@ -87,7 +91,8 @@ class RunSettings(msgspec.Struct, frozen=True):
 def load_or_start(out: Path, wanted: RunSettings, *, resume: bool, log: Path, repository: Path) -> RunSettings:
     """The settings of the run in a folder; a new run is written down, a scored one in the log too.
 
-    A run that is resumed keeps its own settings, but for the number of cases.
+    A run that is resumed keeps its own settings, but for the number of cases; a scored one keeps that too, as a number
+    chosen in view of the answers would choose the figures.
 
     Args:
         out: Folder of the run.
@@ -97,14 +102,19 @@ def load_or_start(out: Path, wanted: RunSettings, *, resume: bool, log: Path, re
         repository: Whose diagnosis is scored.
 
     Raises:
-        DiagnosisError: There is a run and it is not to be resumed, or the diagnosis of a scored run is not committed or
-            not the one that would run, or generator or scoring are not committed.
+        DiagnosisError: There is a run and it is not to be resumed, a scored one was begun with another number of cases,
+            or its diagnosis is not committed or not the one that would run, or generator or scoring are not committed.
     """
     path = out / SETTINGS
     if path.exists():
         if not resume:
             raise DiagnosisError(f"{out} holds a run: give --resume to go on with it, or another --out")
         found = read_settings(path)
+        if found.scored and wanted.cases != found.cases:
+            raise DiagnosisError(
+                f"scored run {found.run} was begun with {found.cases} cases, and keeps to them: give "
+                f"--cases {found.cases}, and --minutes to stop before"
+            )
         return msgspec.structs.replace(found, cases=wanted.cases)
     settings = msgspec.structs.replace(wanted, salt=secrets.token_hex(16))
     if not wanted.scored:
@@ -152,6 +162,22 @@ def plan_run(settings: RunSettings) -> Sequence[PlannedCase]:
     groups = NULLS if settings.nulls else tuple(GROUPS)
     duration = QUICK_DURATION if settings.quick else None
     return plan_cases(settings.cases, seeds_of(settings), duration, groups, settings.order)
+
+
+def require_plan(planned: Sequence[PlannedCase], settings: RunSettings, out: Path) -> None:
+    """Nothing, where a scored run in `out` has sealed no case but those that are planned.
+
+    Raises:
+        DiagnosisError: It has: the plan is another than that of its beginning.
+    """
+    if not settings.scored or settings.replayed:
+        return
+    stray = SealBook(out / SEALS).cases - {name_of(each.spec) for each in planned}
+    if stray:
+        raise DiagnosisError(
+            f"{len(stray)} sealed cases of scored run {settings.run}, {min(stray)} first, are not in the plan of this "
+            f"code: check out commit {settings.commit[:12]}"
+        )
 
 
 def watch(settings: RunSettings, repository: Path, minutes: float | None = None) -> Callable[[], bool]:

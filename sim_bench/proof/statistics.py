@@ -99,9 +99,12 @@ def compute_clustered_share(hits: Sequence[int], totals: Sequence[int]) -> Share
     """The share sum(hits) / sum(totals) of what comes in clusters, with its 95 % interval [korn1998].
 
     That is the exact interval of as many independent trials as tell as much: their number is divided by how much more
-    the share varies between clusters than it would if they were independent. Where every cluster hits fully, or none
-    does, that cannot be seen, and each cluster counts as one trial.
+    the share varies between clusters than it would if they were independent, and by how much less is known of that
+    from few clusters. Where every cluster hits fully, or none does, it cannot be seen, and each cluster counts as one
+    trial.
     """
+    from scipy.stats import t
+
     of, out_of = np.asarray(hits, dtype=np.float64), np.asarray(totals, dtype=np.float64)
     known = out_of > 0.0
     of, out_of = of[known], out_of[known]
@@ -111,7 +114,8 @@ def compute_clustered_share(hits: Sequence[int], totals: Sequence[int]) -> Share
     effective = float(of.size)
     if 0.0 < share < 1.0 and of.size > 1:
         between = of.size / (of.size - 1) * float(np.sum((of - share * out_of) ** 2)) / total**2
-        effective = min(share * (1.0 - share) / max(between, 1e-30), total)
+        few = float((t.ppf(0.975, total - 1.0) / t.ppf(0.975, of.size - 1.0)) ** 2)
+        effective = min(share * (1.0 - share) / max(between, 1e-30), total) * few
     low, high = _exact_interval(share * effective, effective)
     return ShareEstimate(int(of.sum()), int(total), low, high)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -121,8 +121,8 @@ def _figures_of_injected(scores: Sequence[Score]) -> list[Figure]:
         ]
     return [
         *figures,
-        coverage("95 % interval of a parameter holds what was injected", scores, lambda each: True),
-        *_figures_of_cost(scores),
+        coverage("95 % interval of a parameter holds what was injected", scores, lambda each: True, cluster=recording),
+        *_figures_of_cost(scores, recording),
     ]
 
 
@@ -208,11 +208,12 @@ def _compares_an_effect(score: Score) -> bool:
     return any(map(_of_an_effect, score.intervals))
 
 
-def _figures_of_cost(scores: Sequence[Score]) -> list[Figure]:
+def _figures_of_cost(scores: Sequence[Score], cluster: Callable[[Score], str] | None = None) -> list[Figure]:
+    long = at_most("cases that took longer than 30 s", 1.0, scores, lambda s: s.seconds > 30.0, cluster=cluster)
     return [
         _figure_of_time(scores),
-        _without_target(at_most("cases that took longer than 30 s", 1.0, scores, lambda s: s.seconds > 30.0)),
-        at_most("no answer at all", 0.0, scores, lambda s: s.verdict == "failed"),
+        _without_target(long),
+        at_most("no answer at all", 0.0, scores, lambda s: s.verdict == "failed", cluster=cluster),
     ]
 
 

@@ -107,7 +107,7 @@ def _section(outcome: RealOutcome) -> str:
     case, lines = outcome.case, [f"## {outcome.case.name}", "", f"Known: {outcome.case.hidden}."]
     if case.published:
         lines.append(f"Others: {case.published}.")
-    if case.remark and not outcome.reached:
+    if case.remark and not outcome.reached and not (_is_listed(outcome) and outcome.found):
         lines.append(f"Why it does not come out: {case.remark}.")
     lines.append("")
     if outcome.record is None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..proof.blind import BlindAnswer
-from ..proof.score import read_diagnosis
+from ..proof.score import PARAMETERS, read_diagnosis
 from .cases import Case
 from .effect import Group
 from .record import FILTER_LAG
@@ -14,7 +14,6 @@ from .record import FILTER_LAG
 __all__ = ["KnownValue", "Score", "score_case"]
 
 _LAG = "velocity_filter_lag"
-_PARAMETERS = ("inertia_error", "payload_error", "torque_offset", "direction_asymmetry")
 _VERDICTS: dict[Group, tuple[str, ...]] = {
     "nothing": ("consistent",),
     "parameter": ("parameters",),
@@ -113,7 +112,7 @@ class Score:
     @property
     def false_beyond_parameters(self) -> tuple[str, ...]:
         """Those that are more than a parameter of the simulation, as the proof counts them."""
-        return tuple(name for name in self.false_names if name not in _PARAMETERS)
+        return tuple(name for name in self.false_names if name not in PARAMETERS)
 
     @property
     def filter_named(self) -> bool:

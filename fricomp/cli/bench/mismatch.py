@@ -76,8 +76,11 @@ def _refuse(wanted: RunSettings) -> None:
     """
     from fricomp.errors import DiagnosisError
 
-    if wanted.nulls and (wanted.clear or wanted.injected or wanted.scored):
-        raise DiagnosisError("nulls alone come from development seeds: leave out --clear, --injected and --scored")
+    kinds = [name for name in ("quick", "clear", "nulls", "injected") if getattr(wanted, name)]
+    if wanted.scored and kinds:
+        raise DiagnosisError(f"a scored run has cases of every kind, at full length: leave out --{kinds[0]}")
+    if wanted.nulls and (wanted.clear or wanted.injected):
+        raise DiagnosisError("nulls alone are simulated joints of their own: leave out --clear and --injected")
 
 
 def _compare(

@@ -53,10 +53,12 @@ def _plan(
 ) -> Sequence[PlannedCase]:
     """The cases; where effects are injected, the recordings are diagnosed as they are first."""
     from fricomp.errors import RecordingError
-    from fricomp.sim_bench.proof import count_open, plan_bare, plan_injected, plan_run, seeds_of
+    from fricomp.sim_bench.proof import count_open, plan_bare, plan_injected, plan_run, require_plan, seeds_of
 
     if not settings.injected:
-        return plan_run(settings)
+        planned = plan_run(settings)
+        require_plan(planned, settings, out)
+        return planned
     bare = plan_bare()
     if not bare:
         raise RecordingError("no public recordings are here: set FRICOMP_DATA to the folder that holds them")

@@ -23,7 +23,7 @@ def real(
     only: Annotated[list[str] | None, typer.Option(help="Name of a case; all without it.")] = None,
     page: Annotated[Path | None, typer.Option(help="Write this page, such as docs/real.md.")] = None,
     executor: ExecutorOption = "processes",
-    seed: Annotated[int, typer.Option(help="Of the diagnoses.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Of the diagnoses.")] = 0,
     resume: Annotated[bool, typer.Option("--resume", help="Keep the cases that are in OUT already.")] = False,
 ) -> None:
     """Diagnose recordings that nobody here made, and compare with what is known about them."""
@@ -37,6 +37,8 @@ def real(
     from fricomp.sim_bench.proof import format_stamp
     from fricomp.sim_bench.real import REAL_CASES, run_case, write_real_page
 
+    if only and page is not None:
+        raise DiagnosisError("a page is of all recordings: leave out --only, or --page")
     known = {case.name: case for case in REAL_CASES}
     unknown = sorted(set(only or ()) - set(known))
     if unknown:

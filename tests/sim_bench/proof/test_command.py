@@ -78,9 +78,10 @@ def test_a_scored_run_outside_the_repository_is_refused_before_anything_is_writt
     assert not (tmp_path / "docs").exists()
 
 
-def test_nulls_alone_are_no_scored_run(tmp_path: Path) -> None:
-    options = ["--nulls", "--scored", "--out", str(tmp_path / "run")]
-    with pytest.raises(DiagnosisError, match="development seeds"):
+@pytest.mark.parametrize("kind", ["--nulls", "--clear", "--quick", "--injected"])
+def test_some_kinds_of_cases_alone_are_no_scored_run(tmp_path: Path, kind: str) -> None:
+    options = [kind, "--scored", "--out", str(tmp_path / "run")]
+    with pytest.raises(DiagnosisError, match=f"leave out {kind}"):
         CliRunner().invoke(mismatch.app, options, catch_exceptions=False)
     assert not (tmp_path / "run").exists()
 

@@ -20,9 +20,12 @@ from fricomp.sim_bench.proof import (
     next_run,
     plan_run,
     read_entries,
+    require_plan,
     watch,
 )
 from fricomp.sim_bench.proof import settings as run_settings
+from fricomp.sim_bench.proof.making import name_of
+from fricomp.sim_bench.proof.seal import SealBook
 
 
 def _git(folder: Path, *arguments: str) -> None:
@@ -66,11 +69,29 @@ def test_a_scored_run_is_logged_before_it_starts_and_once_more_for_each_end(tmp_
 
 
 def test_a_resumed_run_keeps_its_seeds_and_may_grow(tmp_path: Path, repository: Path) -> None:
-    first = _start(tmp_path, repository)
-    longer = _start(tmp_path, repository, resume=True, cases=12)
-    assert list(plan_run(longer))[:8] == list(plan_run(first))
+    def start(cases: int, *, resume: bool = False) -> RunSettings:
+        wanted = RunSettings(cases, first_seed=5)
+        return load_or_start(tmp_path / "run", wanted, resume=resume, log=tmp_path / "log", repository=repository)
+
+    first = start(8)
+    assert list(plan_run(start(12, resume=True)))[:8] == list(plan_run(first))
     with pytest.raises(DiagnosisError, match="give --resume"):
-        _start(tmp_path, repository)
+        start(8)
+
+
+@pytest.mark.parametrize("cases", [7, 12])
+def test_a_scored_run_keeps_to_its_number_of_cases(tmp_path: Path, repository: Path, cases: int) -> None:
+    _start(tmp_path, repository)
+    with pytest.raises(DiagnosisError, match="begun with 8 cases"):
+        _start(tmp_path, repository, resume=True, cases=cases)
+
+
+def test_a_scored_run_does_not_go_on_by_another_plan(tmp_path: Path, repository: Path) -> None:
+    run, other = (_start(tmp_path, repository, name) for name in ("run", "another"))
+    SealBook(tmp_path / "run" / "seals.jsonl").seal(name_of(plan_run(run)[0].spec), b"answer")
+    require_plan(plan_run(run), run, tmp_path / "run")
+    with pytest.raises(DiagnosisError, match="not in the plan"):
+        require_plan(plan_run(other), run, tmp_path / "run")
 
 
 def test_two_scored_runs_do_not_begin_with_the_same_designs(tmp_path: Path, repository: Path) -> None:

@@ -41,6 +41,16 @@ def test_the_interval_of_clustered_shares_holds_the_share_as_often_as_it_says() 
     assert 0.93 <= held / 400 <= 1.0
 
 
+def test_few_clusters_widen_the_interval_as_little_is_known_of_how_they_differ() -> None:
+    """Six clusters of eight, a share of 0.6 and a third of the variance between clusters."""
+    rng = np.random.default_rng(6)
+    held = 0
+    for _ in range(400):
+        found = compute_clustered_share(rng.binomial(8, rng.beta(1.2, 0.8, 6)).tolist(), [8] * 6)
+        held += found.low <= 0.6 <= found.high
+    assert 0.95 <= held / 400 <= 1.0
+
+
 def test_the_interval_of_a_mean_is_seeded_and_holds_it() -> None:
     values = [1.0, 1.0, 2.0, 3.0] * 10
     middle, low, high = compute_mean(values)
