@@ -186,7 +186,8 @@ def _result(
     robust = solve_correlated(jacobian, residual, np.arange(len(residual)), reach).covariance
     short = np.maximum(np.diag(covariance) - np.diag(robust), 0.0)  # never surer than by independent, equal errors
     covariance = (robust + np.diag(short)) * np.outer(values, values)
-    vague = [n for n, c, x in zip(names, np.diag(covariance), values, strict=True) if c > x**2]
+    vague = [n for n, c, x in zip(names, np.diag(covariance), values, strict=True) if not c <= x**2]
+    known = bool(np.all(np.isfinite(covariance)))  # a bristle that never shows has no slope at all
     status, message = Status.CONVERGED, "converged to a least-squares optimum of the simulated torque"
     if not done:
         status, message = Status.NOT_CONVERGED, "the search stopped at its limit of evaluations"
@@ -195,7 +196,9 @@ def _result(
     model = FrictionModel(
         law=_law(values),
         validity=Validity(velocity=(float(v.min()), float(v.max()))),
-        covariance=Covariance(names, 0.5 * (covariance + covariance.T), max(len(residual) - len(names), 1)),
+        covariance=Covariance(names, 0.5 * (covariance + covariance.T), max(len(residual) - len(names), 1))
+        if known
+        else None,
         provenance=Provenance(
             method="output_error",
             status=str(status),

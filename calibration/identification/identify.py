@@ -50,6 +50,8 @@ class IdentificationOptions:
         torque_unit: Unit of the torque.
         independent: Whether the errors of the points are. Those of one motion's samples are not: what they share would
             pass for a misfit of the law, which is not looked for then.
+        measurements: How many independent measurements the points come from, such as half as many where each stands for
+            both directions; the size of a standard deviation is known from as many. As many as points if None.
     """
 
     start: Mapping[str, float] | None = None
@@ -58,6 +60,7 @@ class IdentificationOptions:
     motion: Motion = "rotary"
     torque_unit: str = "N·m"
     independent: bool = True
+    measurements: int | None = None
 
 
 _DEFAULTS = IdentificationOptions()
@@ -120,7 +123,8 @@ def identify(
     if law in ("lugre", "dahl"):
         if time is None:
             raise IdentificationError(f"{law} has a state: pass time=... and a record that reverses")
-        return identify_dynamic(time, velocity, torque, law)
+        found_dynamic = identify_dynamic(time, velocity, torque, law)
+        return replace(found_dynamic, model=_named(found_dynamic.model, options))
     require_choice("method", method, ("pinn", "least_squares"))
     require_choice("loss", loss, ("gaussian", "robust"))
     points = observe(velocity, torque, normal_load)
@@ -137,13 +141,15 @@ def identify(
     )
     largest = float(np.max(found.magnitude))
     provenance = compute_provenance(points, estimate, verdict, largest, method=method, seed=seed)
+    freedom = max((options.measurements or points.size) - len(form.names), 1)
     return IdentificationResult(
-        model=_model(form, found, covariance, points, options, provenance),
+        model=_model(form, found, Covariance(form.names, covariance, freedom), points, options, provenance),
         status=verdict.status,
         message=verdict.message,
         method=method,
         parameter_names=form.names,
         covariance=covariance,
+        freedom=freedom,
         noise=estimate,
         negative_log_likelihood=found.negative_log_likelihood,
         distance_to_optimum=verdict.distance,
@@ -227,10 +233,14 @@ def _noise_level(kind: str, found: Optimum, points: Observations) -> float:
     return float(np.sqrt(np.sum(error**2) / max(len(error) - len(found.logs), 1)))
 
 
+def _named(model: FrictionModel, options: IdentificationOptions) -> FrictionModel:
+    return replace(model, joint=options.joint, motion=options.motion, torque_unit=options.torque_unit)
+
+
 def _model(
     form: SeparableLaw,
     found: Optimum,
-    covariance: FloatArray,
+    covariance: Covariance,
     points: Observations,
     options: IdentificationOptions,
     provenance: Provenance,
@@ -245,6 +255,6 @@ def _model(
             velocity=(float(velocity.min()), float(velocity.max())),
             normal_load=None if load is None else (float(load.min()), float(load.max())),
         ),
-        covariance=Covariance(form.names, covariance, max(points.size - len(form.names), 1)),
+        covariance=covariance,
         provenance=provenance,
     )

@@ -10,7 +10,10 @@ from numpy.typing import ArrayLike
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 
-__all__ = ["Observations", "observe"]
+__all__ = ["LARGEST", "Observations", "observe"]
+
+LARGEST = 1e100
+"""Of any number [N·m, N, rad/s, m/s]: squares of it are still finite, and no joint is near it."""
 
 
 @dataclass(frozen=True)
@@ -86,8 +89,8 @@ def observe(velocity: ArrayLike, torque: ArrayLike, normal_load: ArrayLike | Non
         normal_load: One load for all points or one a point. Shape () or (n,).
 
     Raises:
-        IdentificationError: Lengths differ, a value is not finite, a load is not positive, no point is in
-            motion, or friction opposes its sign convention.
+        IdentificationError: Lengths differ, a value is not finite or beyond 1e100, a
+            load is not positive, no point is in motion, no torque is there, or friction opposes its sign convention.
     """
     v, tau = _column("velocity", velocity), _column("torque", torque)
     if len(v) != len(tau):
@@ -105,6 +108,8 @@ def observe(velocity: ArrayLike, torque: ArrayLike, normal_load: ArrayLike | Non
     if not len(kept):
         raise IdentificationError("all points are at rest; friction parameters need points in motion")
     magnitude = tau[kept] * np.sign(v[kept])
+    if np.max(np.abs(magnitude)) < 1.0 / LARGEST:
+        raise IdentificationError("all torques are zero: the column is empty, or it is not that of the torque")
     if np.mean(magnitude) < 0.0:
         raise IdentificationError(
             "friction torque must have the sign of the velocity (it is what overcomes friction); most of these "
@@ -118,4 +123,9 @@ def _column(name: str, values: ArrayLike) -> FloatArray:
     bad = np.flatnonzero(~np.isfinite(array))
     if len(bad):
         raise IdentificationError(f"{name}[{bad[0]}] is {array[bad[0]]}; remove or repair such points first")
+    wild = np.flatnonzero(np.abs(array) > LARGEST)
+    if len(wild):
+        raise IdentificationError(
+            f"{name}[{wild[0]}] is {array[wild[0]]:g}, which is no measured value: remove or repair such points first"
+        )
     return array

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cached_property
 
@@ -81,6 +81,7 @@ class IdentificationResult:
         method: `pinn` or `least_squares`.
         parameter_names: Dotted names, in the order of the covariance.
         covariance: Of the parameters, inverse of the Fisher information. Shape (n_parameters, n_parameters).
+        freedom: Degrees of freedom that its size is known from.
         noise: Noise model and level.
         negative_log_likelihood: At the parameters returned.
         distance_to_optimum: From the likelihood optimum that projection and least squares find, the largest over
@@ -99,6 +100,7 @@ class IdentificationResult:
     method: str
     parameter_names: tuple[str, ...]
     covariance: FloatArray
+    freedom: int
     noise: NoiseEstimate
     negative_log_likelihood: float
     distance_to_optimum: float
@@ -130,8 +132,7 @@ class IdentificationResult:
         """
         if name not in self.parameter_names:
             raise IdentificationError(f"unknown parameter {name!r}; estimated: {', '.join(self.parameter_names)}")
-        freedom = max(self.observations.size - len(self.parameter_names), 1)
-        reach = float(student.ppf(0.5 + level / 2.0, freedom)) * self.standard_deviations[name]
+        reach = float(student.ppf(0.5 + level / 2.0, self.freedom)) * self.standard_deviations[name]
         return Interval(self.parameters[name] - reach, self.parameters[name] + reach)
 
     def torque_deviation(self, velocity: FloatArray, normal_load: FloatArray | None = None) -> FloatArray:
@@ -166,7 +167,8 @@ class IdentificationResult:
         def torque(velocity: FloatArray, normal_load: FloatArray | None) -> FloatArray:
             return np.asarray(model.torque(velocity, normal_load=constant if loads is None else normal_load))
 
-        return distil(torque, top, loads, bend=self._bend() / top, seed=self.seed)
+        found = distil(torque, top, loads, bend=self._bend() / top, seed=self.seed)
+        return found if constant is None else found._replace(network=replace(found.network, load_offset=constant))
 
     @property
     def network(self) -> TanhNetwork:

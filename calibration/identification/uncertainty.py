@@ -68,7 +68,7 @@ def profile_interval(result: IdentificationResult, name: str, level: float = 0.9
         IdentificationError: The law has no such parameter.
     """
     index = _index(result, name)
-    freedom = max(result.observations.size - len(result.parameter_names), 1)
+    freedom = result.freedom
     rise = 0.5 * float(fisher.ppf(level, 1, freedom))
     if result.optimum.noise.deviation is None:  # the level of the noise, at its optimum, grows with the misfit
         rise = 0.5 * result.observations.size * float(np.log1p(2.0 * rise / freedom))

@@ -36,7 +36,8 @@ RIVAL = 2.0
 _UNKNOWN = 1.0
 """Relative standard deviation from which a positive parameter is not identified."""
 _NEGLIGIBLE = 0.05
-"""Share of the largest torque, at the fastest speed, within which a viscous coefficient may be unknown."""
+"""Share of the largest torque, at the fastest speed, within which a viscous coefficient may be unknown, and of the mean
+torque, over the loads, within which a sensitivity to the load may be."""
 _MISFIT = 1e-3
 """Chance below which what the law leaves is no scatter; 1 of 1000 identifications that follow it is doubted."""
 _MISFIT_MESSAGE = (
@@ -186,13 +187,17 @@ _ABOVE = ("coulomb_torque", "stribeck_velocity", "smoothing_velocity")
 def find_vague(found: dict[str, tuple[float, float]], points: Observations) -> list[str]:
     """Names of the parameters, of these values and standard deviations, that the data do not determine.
 
-    A viscous coefficient near zero is known well enough where what it adds at the fastest speed is.
+    A viscous coefficient near zero is known well enough where what it adds at the fastest speed is, and a sensitivity
+    to the load near zero where what it changes over the loads is.
     """
-    harmless = _NEGLIGIBLE * points.torque_scale / float(points.speed.max())
+    harmless = {"viscous_coefficient": _NEGLIGIBLE * points.torque_scale / float(points.speed.max())}
+    load = points.normal_load
+    if load is not None and float(np.ptp(load)) > 0.0:
+        harmless["load_sensitivity"] = _NEGLIGIBLE * float(np.mean(load) / np.ptp(load))
     return [
         name
         for name, (value, deviation) in found.items()
-        if deviation > _UNKNOWN * value and not (name.endswith("viscous_coefficient") and deviation < harmless)
+        if deviation > _UNKNOWN * value and not deviation < harmless.get(name.rpartition(".")[2], 0.0)
     ]
 
 

@@ -133,6 +133,7 @@ def estimate_friction(analysis: SweepAnalysis, settings: IdentificationSettings)
             motion=metadata.motion,
             torque_unit=metadata.torque_unit,
             independent=not both_alike,  # the two points of a pair are one measurement
+            measurements=len(used) // 2 if both_alike else None,
         ),
     )
     statistical = result.standard_deviations

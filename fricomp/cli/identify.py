@@ -84,7 +84,13 @@ def identify(
     _refuse_unknown(law)
     require_folder(out)
     settings = _Settings(method, noise, loss, law, gravity, seed, depart)
+    of_fleets = {"--executor": executor != "processes", "--workers": workers is not None, "--resume": resume}
+    if not batch:
+        _refuse({"--device": device != "cpu"}, "is for --batch")
+    if not (batch or _is_fleet(files)):
+        _refuse(of_fleets, "is of fleets; this is one file")
     if batch:
+        _refuse({name: used for name, used in of_fleets.items() if name != "--resume"}, "has no use with --batch")
         _identify_batch(files, out, settings, device, resume=resume)
     elif _is_fleet(files):
         _identify_fleet(files, out, settings, FleetRun(executor, workers, resume))
@@ -135,6 +141,7 @@ def _identify_file(file: Path, out: Path, settings: _Settings) -> _Identified:
     notes: list[str] = []
     method, noise, loss, seed = settings.method, settings.noise, settings.loss, settings.seed
     if is_friction_table(file):
+        _refuse({"--gravity": settings.gravity}, f"is for recordings; {file.name} is a table, which is friction alone")
         table = read_friction_table(file)
         notes += map(careful, suspect_degrees_per_second(float(np.max(np.abs(table.velocity)))))
         law = _choose_law(settings.law, (table.velocity, table.torque, table.normal_load), notes)
@@ -210,6 +217,8 @@ def _identify_batch(files: Sequence[str], out: Path, settings: _Settings, device
 
     if (settings.law, settings.loss, settings.depart) != ("stribeck", "gaussian", False):
         raise IdentificationError("--batch fits the Stribeck law to Gaussian noise: leave out --law, --loss, --depart")
+    others = {"--method": settings.method != "pinn", "--gravity": settings.gravity, "--seed": settings.seed != 0}
+    _refuse(others, "has no use with --batch, which fits tables by least squares")
     require("pyarrow")
     joints = list_joints(files, FleetJoint("", ()))
     _show_fleet(identify_tables(joints, out, settings.noise, device, resume=resume), out)
@@ -238,6 +247,14 @@ def _refuse_unknown(law: str) -> None:
         f"{', '.join(separable_law_names())}. In Python, fricomp.calibration.identify takes time, velocity and "
         f"friction torque of a motion with reversals for {law}"
     )
+
+
+def _refuse(options: dict[str, bool], why: str) -> None:
+    """Refuse an option that would be ignored: the first that is used, with what is said of it."""
+    from fricomp.errors import IdentificationError
+
+    for name in (name for name, used in options.items() if used):
+        raise IdentificationError(f"{name} {why}: leave it out")
 
 
 def _refuse_point_options(file: Path, settings: _Settings) -> None:

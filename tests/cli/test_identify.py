@@ -343,3 +343,22 @@ def test_a_law_is_not_chosen_for_a_recording_in_silence(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, [str(tmp_path / "motion.csv"), "--law", "auto", "--out", str(tmp_path / "out")])
     assert isinstance(done.exception, IdentificationError)
     assert "--law auto is for tables" in str(done.exception)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--gravity"], "--gravity is for recordings"),
+        (["--resume"], "--resume is of fleets"),
+        (["--workers", "2"], "--workers is of fleets"),
+        (["--device", "cuda"], "--device is for --batch"),
+        (["--batch", "--gravity"], "--gravity has no use with --batch"),
+        (["--batch", "--seed", "3"], "--seed has no use with --batch"),
+        (["--batch", "--executor", "serial"], "--executor has no use with --batch"),
+    ],
+)
+def test_an_option_that_would_be_ignored_is_refused(tmp_path: Path, options: list[str], words: str) -> None:
+    done = CliRunner().invoke(app, [str(_table(tmp_path / "points.csv")), "--out", str(tmp_path / "out"), *options])
+    assert isinstance(done.exception, IdentificationError), done.output
+    assert words in str(done.exception)
+    assert not (tmp_path / "out").exists()

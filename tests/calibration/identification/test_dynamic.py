@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
-from fricomp.calibration import identify
+from fricomp.calibration import IdentificationOptions, identify
 from fricomp.calibration.benchmark.bristle import BRISTLE, record_lugre
+from fricomp.calibration.identification import Status
 from fricomp.calibration.identification.dynamic import simulate_bristle
 from fricomp.errors import IdentificationError
 from fricomp.laws import Dahl, FloatArray, LuGre, OperatingPoint, StribeckCurve
@@ -71,3 +72,12 @@ def test_a_record_without_reversals_is_refused() -> None:
     time = DT * np.arange(500)
     with pytest.raises(IdentificationError, match="reverses"):
         identify(np.ones(500), np.ones(500), law="lugre", time=time)
+
+
+def test_a_bristle_model_knows_its_joint_and_friction_without_one_has_a_status() -> None:
+    velocity = _motion(4.0)
+    torque = 0.2 * np.tanh(velocity / 1e-4) + 1e-3 * np.random.default_rng(1).normal(size=velocity.size)
+    options = IdentificationOptions(joint="elbow", motion="linear", torque_unit="A")
+    result = identify(velocity, torque, law="dahl", time=DT * np.arange(velocity.size), options=options)
+    assert (result.model.joint, result.model.motion, result.model.torque_unit) == ("elbow", "linear", "A")
+    assert result.status in (Status.CONVERGED, Status.NOT_IDENTIFIABLE)

@@ -155,3 +155,13 @@ def test_a_network_leaves_the_law_only_where_held_out_points_ask_for_it() -> Non
     assert left.held_out[left.weight] < 0.8 * left.held_out[np.inf]
     error = np.asarray(left.network.torque(velocity)) - exact - hump
     assert np.sqrt(np.mean(error**2)) < 0.02
+
+
+def test_a_network_of_one_load_is_right_at_that_load_and_without_one() -> None:
+    draw = PROBLEM.draw("relative", 0)
+    found = identify(draw.velocity, draw.torque, 12.5, method="least_squares")
+    free = fit_discrepancy(found)
+    assert free.network.load_offset == 12.5
+    for speed in (-0.5, 0.5):
+        assert free.network.torque(speed) == free.network.torque(speed, 12.5)
+        assert free.network.torque(speed) == pytest.approx(found.model.torque(speed, normal_load=12.5), rel=0.05)

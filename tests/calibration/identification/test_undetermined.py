@@ -24,7 +24,7 @@ from fricomp.calibration.sweep import SweepSettings, assume_friction, expected_d
 from fricomp.calibration.sweep.plan import Travel
 from fricomp.control import LARGEST_EXTRAPOLATION, Compensator, choose_settings
 from fricomp.control.trust import find_doubt_in_status
-from fricomp.errors import ParameterError
+from fricomp.errors import IdentificationError, ParameterError
 from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel, load_model
 
@@ -147,3 +147,25 @@ def test_a_viscous_coefficient_near_zero_makes_no_model_unusable() -> None:
     torque = np.asarray(FrictionLaw((BidirectionalStribeck(curve, curve),)).torque(velocity))
     torque = torque + np.random.default_rng(0).normal(0.0, 0.003, velocity.size)
     assert identify(velocity, torque, method="least_squares").status is Status.CONVERGED
+
+
+@pytest.mark.parametrize("sensitivity", [0.0, 0.01, 1.0])
+def test_friction_that_does_not_depend_on_the_load_is_identified(sensitivity: float) -> None:
+    speed, load = np.repeat(np.geomspace(0.005, 1.0, 15), 4), np.tile([5.0, 10.0, 15.0, 20.0], 15)
+    magnitude = (0.15 + 0.45 * np.exp(-((speed / 0.05) ** 2))) * (
+        1.0 + sensitivity * (load / 12.5 - 1.0)
+    ) + 0.02 * speed
+    noise = 1.0 + 0.02 * np.random.default_rng(3).standard_normal((2, speed.size))
+    velocity, torque = np.concatenate([speed, -speed]), np.concatenate([magnitude, -magnitude]) * noise.ravel()
+    found = identify(velocity, torque, np.concatenate([load, load]), method="least_squares")
+    assert found.status is Status.CONVERGED, found.message
+    assert found.parameters.get("stribeck.load.load_sensitivity", 1.0) == pytest.approx(sensitivity, abs=0.03)
+
+
+@pytest.mark.parametrize(
+    ("torque", "words"), [(0.0, "all torques are zero"), (1e-200, "all torques are zero"), (1e160, "no measured value")]
+)
+def test_a_torque_that_is_none_is_refused(torque: float, words: str) -> None:
+    velocity = np.concatenate([np.linspace(0.1, 1.0, 20), -np.linspace(0.1, 1.0, 20)])
+    with pytest.raises(IdentificationError, match=words):
+        identify(velocity, np.sign(velocity) * torque)

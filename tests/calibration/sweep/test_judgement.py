@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.typing import ArrayLike
+from scipy.stats import t as student
 
 from fricomp.calibration.identification import Status
 from fricomp.calibration.sweep.analysis import HALF_DIFFERENCE, SweepAnalysis, TorqueSource, measure_offset
@@ -294,6 +295,9 @@ def test_the_intervals_of_half_differences_count_each_pair_once() -> None:
         name = "symmetric_stribeck.curve.viscous_coefficient"
         errors.append((result.parameters[name] - 0.025) / result.standard_deviations[name])
     assert 0.8 < np.median(np.abs(errors)) / 0.6745 < 1.4
+    assert result.freedom == result.model.covariance.degrees_of_freedom == 9 - 4  # pairs less parameters
+    interval, deviation = result.interval(name), result.standard_deviations[name]
+    assert interval.upper - interval.lower == pytest.approx(2.0 * student.ppf(0.975, 5) * deviation)
 
 
 @pytest.mark.parametrize(("deviation", "status"), [(0.001, Status.CONVERGED), (0.3, Status.NOT_IDENTIFIABLE)])
