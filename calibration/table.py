@@ -51,12 +51,15 @@ def read_friction_table(path: str | os.PathLike[str]) -> FrictionTable:
     """Read a table; lines that begin with # are comments.
 
     Raises:
-        RecordingError: A column is missing, a row is too short, or a cell is not a finite number.
+        RecordingError: A column is missing or there twice, a row is too short, or a cell is not a finite number.
     """
     header, *rows = _rows(path)
     missing = [name for name in _REQUIRED if name not in header]
     if missing:
         raise RecordingError(f"{path} needs the columns velocity and torque; it has {', '.join(header)}")
+    twice = [name for name in (*_REQUIRED, "normal_load") if header.count(name) > 1]
+    if twice:
+        raise RecordingError(f"{path} has the column {twice[0]} twice: remove or rename one")
     if not rows:
         raise RecordingError(f"{path} has a header and no rows")
     values = {name: _column(path, rows, header, name) for name in (*_REQUIRED, "normal_load") if name in header}

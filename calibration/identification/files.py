@@ -17,6 +17,10 @@ from .result import IdentificationResult
 __all__ = ["ModelFiles", "save_discrepancy", "save_identification"]
 
 
+DEPARTED = "friction_departed.onnx"
+"""File of the network that departs from the law."""
+
+
 class ModelFiles(NamedTuple):
     """Where an identification was written.
 
@@ -32,7 +36,7 @@ class ModelFiles(NamedTuple):
 
 
 def save_identification(result: IdentificationResult, folder: str | os.PathLike[str]) -> ModelFiles:
-    """Write the closed form and the network that agrees with it.
+    """Write the closed form and the network that agrees with it; one that departed from an earlier model there goes.
 
     Raises:
         ModelFileError: The model cannot be written.
@@ -40,6 +44,7 @@ def save_identification(result: IdentificationResult, folder: str | os.PathLike[
     """
     files = Path(folder) / "friction.json", Path(folder) / "friction.onnx"
     digest = save_model(result.model, files[0])
+    (Path(folder) / DEPARTED).unlink(missing_ok=True)
     about = {
         "largest_deviation_from_model": f"{result.distillation.largest_error:.3g} of the largest torque",
         "trained_on": "the closed form, by collocation",
@@ -51,7 +56,7 @@ def save_identification(result: IdentificationResult, folder: str | os.PathLike[
 def save_discrepancy(
     found: DiscrepancyNetwork, result: IdentificationResult, folder: str | os.PathLike[str], model_sha256: str
 ) -> Path:
-    """Write the network that departs from the closed form as `friction_departed.onnx`.
+    """Write the network that departs from the closed form as `DEPARTED`.
 
     Args:
         found: The network.
@@ -62,7 +67,7 @@ def save_discrepancy(
     Raises:
         ExportError: The network cannot be written.
     """
-    path = Path(folder) / "friction_departed.onnx"
+    path = Path(folder) / DEPARTED
     about = {
         "trained_on": f"the data, and the closed form with weight {found.weight:g}",
         "held_out_error": f"{found.held_out[found.weight]:.3g} noise deviations",

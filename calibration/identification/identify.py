@@ -82,7 +82,14 @@ def identify(
 
 
 @overload
-def identify(velocity: ArrayLike, torque: ArrayLike, *, law: DynamicLaw, time: ArrayLike) -> DynamicIdentification: ...
+def identify(
+    velocity: ArrayLike,
+    torque: ArrayLike,
+    *,
+    law: DynamicLaw,
+    time: ArrayLike,
+    options: IdentificationOptions = _DEFAULTS,
+) -> DynamicIdentification: ...
 
 
 def identify(
@@ -112,7 +119,8 @@ def identify(
         seed: Seed of the network's first weights.
         law: `stribeck` (eight parameters), `symmetric_stribeck`, `coulomb`, `coulomb_viscous`, `tanh`, `arctan`;
             or `lugre`, `dahl` from a time series with reversals. These have a state, which a network of velocity
-            and load has not: they are fitted by output error, and only `time` applies beside the data.
+            and load has not: they are fitted by output error, and only `time`, and what `options` call the joint,
+            apply beside the data.
         loss: `gaussian`, or `robust` against outliers.
         time: Evenly spaced time of the samples [s], for `lugre` and `dahl`. Shape (n,).
         options: Further settings.
@@ -178,6 +186,8 @@ def _fit_forms(
         return {noise.kind: solve(form, points, noise) for noise in candidates}
 
     known = points.normal_load
+    if reference_load is not None and not 0.0 < reference_load < np.inf:
+        raise IdentificationError(f"reference_load must be finite and above 0, got {reference_load!r}")
     reference = reference_load or (1.0 if known is None else float(np.mean(known)))
     form = separable_law(law, LoadScaling(1.0, reference))
     fits = fit(form)

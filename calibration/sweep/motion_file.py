@@ -71,7 +71,7 @@ def read_motion(path: str | os.PathLike[str]) -> MotionFile:
     """
     name = os.fspath(path)
     try:
-        table: Any = np.genfromtxt(Path(path), delimiter=",", names=True, dtype=np.float64, encoding="utf-8")
+        table: Any = np.genfromtxt(Path(path), delimiter=",", names=True, dtype=np.float64, encoding="utf-8-sig")
     except (OSError, ValueError) as error:
         raise ParameterError(f"cannot read the motion {name}: {error}") from error
     columns = {column: _column(table, column) for column in ("time", "velocity", "position")}

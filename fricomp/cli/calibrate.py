@@ -85,9 +85,7 @@ def calibrate(
         bool, typer.Option("--adaptive", help="Second pass at the speeds that tell most, until --accuracy is reached.")
     ] = False,
     accuracy: Annotated[float, typer.Option(help="Mean standard deviation at which --adaptive stops \\[%].")] = 0.5,
-    seed: Annotated[
-        int, typer.Option(min=0, help="Of the order, the network's first weights and simulated noise.")
-    ] = 0,
+    seed: Annotated[int, typer.Option(help="Of the order, the network's first weights and simulated noise.")] = 0,
     motion: Annotated[
         Path | None,
         typer.Option(help="Record this motion (CSV: time, velocity\\[, position]) instead, in SI units."),

@@ -132,10 +132,11 @@ class _Identified:
     notes: list[str]
 
 
-def _identify_file(file: Path, out: Path, settings: _Settings) -> _Identified:
-    """Identify one file and write its report."""
+def _identify_file(file: Path, out: Path, settings: _Settings, joint: str = "joint") -> _Identified:
+    """Identify one file, of this joint where it does not say so itself, and write its report."""
     import numpy as np
 
+    from fricomp.calibration import IdentificationOptions
     from fricomp.calibration import identify as identify_points
     from fricomp.calibration.identification import fit_discrepancy
     from fricomp.calibration.identification.page import write_identification_report
@@ -152,7 +153,8 @@ def _identify_file(file: Path, out: Path, settings: _Settings) -> _Identified:
         notes += map(careful, suspect_degrees_per_second(float(np.max(np.abs(table.velocity)))))
         law = _choose_law(settings.law, (table.velocity, table.torque, table.normal_load), notes)
         result = identify_points(
-            table.velocity, table.torque, table.normal_load, method, noise, seed, law=law, loss=loss
+            table.velocity, table.torque, table.normal_load, method, noise, seed, law=law, loss=loss,
+            options=IdentificationOptions(joint=joint),
         )  # fmt: skip
         notes += _offset_note(result)
     else:
@@ -208,7 +210,7 @@ def _identify_one(joint: FleetJoint, out: Path, *, settings: _Settings) -> Fleet
 
     if len(joint.recordings) > 1:
         raise IdentificationError(f"joint {joint.name} has {len(joint.recordings)} recordings: give one to identify")
-    found = _identify_file(joint.recordings[0], out, settings)
+    found = _identify_file(joint.recordings[0], out, settings, joint.name)
     written = save_identification(found.result, out)
     if found.free is not None and found.free.departs:
         save_discrepancy(found.free, found.result, out, written.model_sha256)

@@ -171,6 +171,7 @@ def test_a_fleet_of_tables_gets_models_reports_and_a_page(tmp_path: Path) -> Non
     assert done.exit_code == 0, done.output
     assert all((out / name / "report.html").exists() for name in ("left", "right"))
     assert "2 of 2: converged" in (out / "fleet.html").read_text()
+    assert load_model(out / "left" / "friction.json").joint == "left"
     again = CliRunner().invoke(app, [str(source), *options, "--resume"])
     assert again.exit_code == 0, again.output
 
@@ -343,6 +344,22 @@ def test_a_law_is_not_chosen_for_a_recording_in_silence(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, [str(tmp_path / "motion.csv"), "--law", "auto", "--out", str(tmp_path / "out")])
     assert isinstance(done.exception, IdentificationError)
     assert "--law auto is for tables" in str(done.exception)
+
+
+def test_a_column_that_is_there_twice_is_refused(tmp_path: Path) -> None:
+    table = tmp_path / "points.csv"
+    table.write_text("velocity,torque,torque\n1,2,3\n")
+    with pytest.raises(RecordingError, match="column torque twice"):
+        read_friction_table(table)
+
+
+def test_a_departed_network_of_an_earlier_model_does_not_stay_beside_a_new_one(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "friction_departed.onnx").write_bytes(b"of another model")
+    call = [str(_table(tmp_path / "points.csv")), "--out", str(out), "--method", "least_squares"]
+    assert CliRunner().invoke(app, call).exit_code == 0
+    assert not (out / "friction_departed.onnx").exists()
 
 
 @pytest.mark.parametrize(

@@ -295,6 +295,7 @@ def test_the_intervals_of_half_differences_count_each_pair_once() -> None:
         name = "symmetric_stribeck.curve.viscous_coefficient"
         errors.append((result.parameters[name] - 0.025) / result.standard_deviations[name])
     assert 0.8 < np.median(np.abs(errors)) / 0.6745 < 1.4
+    assert result.model.covariance is not None
     assert result.freedom == result.model.covariance.degrees_of_freedom == 9 - 4  # pairs less parameters
     interval, deviation = result.interval(name), result.standard_deviations[name]
     assert interval.upper - interval.lower == pytest.approx(2.0 * student.ppf(0.975, 5) * deviation)

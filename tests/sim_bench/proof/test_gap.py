@@ -110,10 +110,13 @@ def test_the_table_tells_right_names_from_all() -> None:
     scores = [_gap(0.4, 0.2, 0.1), _gap(0.4, 0.4, 0.1, right=False), _gap(0.1, 0.1, 0.1)]
     text = format_gaps(scores, "fricomp bench", "Measured on a day.")
     assert "Measured on a day. Each case is diagnosed twice" in text
-    assert "| right name first | median ≥ 0.95 | 0.80 (0.80 to 0.80; 1 cases) | 1.00 (1.00 to 1.00; 1 cases) |" in text
-    assert "| all | – | 0.40 (0.20 to 0.60; 2 cases) |" in text
+    assert (
+        "| right name first | ≥ 0.95 | median 0.8 (0.8 to 0.8, all; 1 cases) | median 1 (1 to 1, all; 1 cases) |"
+        in text
+    )
+    assert "| all | – | median 0.4 (0 to 0.8, all; 2 cases) |" in text
     assert "3 cases; 1 of them have no gap" in text
-    assert "right name first | median ≥ 0.95 | – |" in format_gaps([], "fricomp bench", "Never.")
+    assert "right name first | ≥ 0.95 | – (no case) |" in format_gaps([], "fricomp bench", "Never.")
 
 
 def test_the_command_writes_the_table_beside_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
