@@ -57,7 +57,7 @@ class JointAdapter(StoppableDriver):
             AdapterConnectionError: The bus or a drive cannot be reached.
             AdapterTimeout: A drive did not answer.
             AdapterConfigurationError: The drives are not what the configuration says.
-        AdapterError: A stop is owed from before, and does not get through now either.
+            AdapterError: A stop is owed from before, and does not get through now either.
         """
         if self._capabilities is not None:
             raise AdapterError("the adapter is open already: close() it first")
@@ -238,9 +238,7 @@ class JointAdapter(StoppableDriver):
         with self._lock:
             if self._gate is not None:
                 self._gate.disarm()
-            self._halt()
-        if self._stop_owed:
-            raise AdapterError(self._stop_failure)
+            self._pay_stop()
 
     @final
     def clear_faults(self) -> None:

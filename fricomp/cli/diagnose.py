@@ -108,10 +108,11 @@ def diagnose(
     require_folder(out)
     options = {"thorough": thorough, "seed": seed, "joint": joint, "simulation": simulation}
     given = {"friction": friction, "simulated": simulated, "controller": controller}
+    fleet = FleetRun(executor, workers, resume)
     if each or any(map(is_joint_table, recordings)):
-        _diagnose_fleet(recordings, out, options, given, FleetRun(executor, workers, resume))
+        _diagnose_fleet(recordings, out, options, given, fleet)
         return
-    _refuse_fleet_options(executor, workers, resume)
+    _refuse_fleet_options(fleet)
     with _interruptible(out):
         run = run_diagnosis(find_recordings(recordings), out, options, given)
     _print_diagnosis(run, out)
@@ -119,7 +120,7 @@ def diagnose(
         raise typer.Exit(EXIT_BAD_DATA)
 
 
-def _refuse_fleet_options(executor: str, workers: int | None, resume: bool) -> None:
+def _refuse_fleet_options(run: FleetRun) -> None:
     """Nothing, where one joint is diagnosed with none of a fleet's options.
 
     Raises:
@@ -127,8 +128,7 @@ def _refuse_fleet_options(executor: str, workers: int | None, resume: bool) -> N
     """
     from fricomp.errors import ParameterError
 
-    given = {"--executor": executor != "processes", "--workers": workers is not None, "--resume": resume}
-    for name in (name for name, is_given in given.items() if is_given):
+    for name in (name for name, is_given in run.given.items() if is_given):
         raise ParameterError(f"{name} is of fleets: give --each or a table of joints too, or leave it out")
 
 

@@ -22,6 +22,15 @@ class FleetRun:
     workers: int | None
     resume: bool
 
+    @property
+    def given(self) -> dict[str, bool]:
+        """Each option, and whether it is another than the default: of one file it would be ignored."""
+        return {
+            "--executor": self.executor != "processes",
+            "--workers": self.workers is not None,
+            "--resume": self.resume,
+        }
+
 
 def run_joints(
     joints: Sequence[FleetJoint],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -84,17 +84,16 @@ def identify(
     _refuse_unknown(law)
     require_folder(out)
     settings = _Settings(method, noise, loss, law, gravity, seed, depart)
-    of_fleets = {"--executor": executor != "processes", "--workers": workers is not None, "--resume": resume}
-    if not batch:
-        _refuse({"--device": device != "cpu"}, "is for --batch")
-    if not (batch or _is_fleet(files)):
-        _refuse(of_fleets, "is of fleets; this is one file")
+    fleet = FleetRun(executor, workers, resume)
     if batch:
-        _refuse({name: used for name, used in of_fleets.items() if name != "--resume"}, "has no use with --batch")
+        _refuse(replace(fleet, resume=False).given, "has no use with --batch")
         _identify_batch(files, out, settings, device, resume=resume)
-    elif _is_fleet(files):
-        _identify_fleet(files, out, settings, FleetRun(executor, workers, resume))
+        return
+    _refuse({"--device": device != "cpu"}, "is for --batch")
+    if _is_fleet(files):
+        _identify_fleet(files, out, settings, fleet)
     else:
+        _refuse(fleet.given, "is of fleets; this is one file")
         found = _identify_file(Path(files[0]), out, settings)
         _finish(found.result, found.free, out)
         for note in found.notes:
