@@ -26,7 +26,7 @@ from .sections import (
     timing_section,
 )
 
-__all__ = ["identification_page"]
+__all__ = ["CLOSING", "identification_page"]
 
 _INTRODUCTION = """# Identification
 
@@ -128,7 +128,7 @@ _LOADS = (
     "not measured: extrapolate loads with the closed form.\n"
 )
 
-_CLOSING = """
+CLOSING = """
 ## Other laws, uncertainty, design
 
 **Where the joint does not follow the law** within the scatter of its points, the status is `lack_of_fit`, told ahead of
@@ -153,7 +153,7 @@ has an infinite standard deviation; in model files it is a million times the val
 The model file keeps the status, its sentence, the largest friction of the data and the slowest speeds; `Compensator`
 and the exports refuse a model whose status is not `converged`, `lack_of_fit` or `wrong_basin_suspected` unless
 `any_status=True`. A viscous coefficient near zero counts as known where it is worth less than 5 % of the largest torque
-at the fastest speed.
+at the fastest speed, and a sensitivity to the load near zero where what it changes over the loads is.
 
 **A recorded motion** cannot tell a constant torque offset from friction that differs between the directions. The
 bidirectional law takes the whole of it and the message says how large the offset would be with the same friction in
@@ -169,6 +169,14 @@ low-pass is lower), with a warning above 10 ms and no convergence beyond. Where 
 millisecond of it. The low-pass is
 lowered where the encoder's noise would pass for acceleration. What stays unknown is `not_identifiable`; a recording in
 which fewer than 200 filtered samples slide is refused.
+
+**Its intervals.** The static torque shows in the few slowest samples of each stroke, which are off together: by the
+encoder, whose speed is uncertain where the curve is steepest, and by the low-pass, which rings of a reversal whose time
+is known to a sample. No variance is therefore below that of leaving out each block of a stroke in turn
+[kunsch1989bootstrap], [mackinnon2023leverage], and the likelihood is flattened by as much as that widens an interval
+over independent samples. F_c, F_s and v_s bend the curve, so their likelihood is not quadratic: where its profile is
+far from the covariance, the command prints the profile's ends, and where it is open the status is `not_identifiable`.
+`fricomp bench motion` counts which intervals hold the truth.
 
 `identify(..., law=...)` takes `coulomb`, `coulomb_viscous`, `tanh`, `arctan`, `symmetric_stribeck`, `stribeck` from
 points, and `dahl`, `lugre` from a time series with reversals (output error; a network of velocity and load has no
@@ -224,7 +232,7 @@ def identification_page(ledger: Ledger, charts: Sequence[Chart], command: str, f
         *((_LOADS, loads) if (loads := load_section(ledger)) else ()),
         "\n## Sweep chosen for information, and LuGre\n",
         extras_section(ledger),
-        _CLOSING,
+        CLOSING,
     ]
     return "\n".join(part for part in parts if part)
 

@@ -12,7 +12,7 @@ from fricomp.model import Covariance
 from .result import IdentificationResult, Status
 from .verdict import find_vague, vague_message
 
-__all__ = ["doubted", "with_covariance"]
+__all__ = ["doubted", "with_covariance", "with_open_profiles"]
 
 
 def with_covariance(result: IdentificationResult, covariance: FloatArray) -> IdentificationResult:
@@ -36,6 +36,25 @@ def with_covariance(result: IdentificationResult, covariance: FloatArray) -> Ide
     if result.status in (Status.NOT_CONVERGED, Status.NOT_IDENTIFIABLE) or not vague:
         return result
     return doubted(result, Status.NOT_IDENTIFIABLE, vague_message(vague, result.observations))
+
+
+def with_open_profiles(result: IdentificationResult) -> IdentificationResult:
+    """`result`, in doubt where a parameter of the bend has an interval without an end.
+
+    The likelihood of independent points closes an interval that correlated errors leave open: a bend below the slowest
+    speeds shows by a few samples, which are off together.
+    """
+    if result.status in (Status.NOT_CONVERGED, Status.NOT_IDENTIFIABLE):
+        return result
+    ends = result.profiles.items()
+    unknown = [name for name, interval in ends if interval.lower == 0.0 or not np.isfinite(interval.upper)]
+    if not unknown:
+        return result
+    message = (
+        f"the data do not determine {', '.join(unknown)}: with what correlated errors add, the likelihood leaves their "
+        f"intervals open; add speeds below {float(result.observations.speed.min()):.3g}, or take a law without them"
+    )
+    return doubted(result, Status.NOT_IDENTIFIABLE, message)
 
 
 def doubted(result: IdentificationResult, status: Status, message: str) -> IdentificationResult:

@@ -26,12 +26,9 @@ from fricomp.report import (
 
 from .chart import REACH, network_note, training_chart
 from .result import IdentificationResult, Status
-from .uncertainty import profile_interval
 
 __all__ = ["identification_charts", "parameter_rows", "write_identification_report"]
 
-_BENT = ("coulomb_torque", "static_torque", "velocity")
-"""Parameters of a curve that bends, whose likelihood need not be quadratic."""
 _SEES_STATIC = 0.5
 """Slowest speed over Stribeck velocity up to which points show the static torque: exp(-1/4) = 78 % of what it adds."""
 
@@ -72,10 +69,9 @@ def write_identification_report(
 def parameter_rows(result: IdentificationResult) -> tuple[tuple[str, ...], ...]:
     """Name, value, interval from the covariance, interval from the profile where it differs in kind, unit."""
     units, rows = result.model.units(), []
-    bent = _BENT if result.form.basis.shape_index is not None else ()
     for name in result.parameter_names:
         plain = result.interval(name)
-        profile = _between(*vars(profile_interval(result, name)).values()) if name.endswith(bent) else ""
+        profile = _between(*vars(result.profiles[name]).values()) if name in result.profiles else ""
         rows.append((name, f"{result.parameters[name]:.5g}", _between(plain.lower, plain.upper), profile, units[name]))
     return tuple(rows)
 

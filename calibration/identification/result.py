@@ -135,6 +135,15 @@ class IdentificationResult:
         reach = float(student.ppf(0.5 + level / 2.0, self.freedom)) * self.standard_deviations[name]
         return Interval(self.parameters[name] - reach, self.parameters[name] + reach)
 
+    @cached_property
+    def profiles(self) -> dict[str, Interval]:
+        """95 % intervals by profile likelihood of the parameters of a bend, which need not be symmetric; worked out on
+        first use. Where one is far from that of the covariance, this is the one to trust."""
+        from .uncertainty import BENT, profile_interval
+
+        bent = [name for name in self.parameter_names if name.endswith(BENT)]
+        return {name: profile_interval(self, name) for name in bent} if self.form.basis.shape_index is not None else {}
+
     def torque_deviation(self, velocity: FloatArray, normal_load: FloatArray | None = None) -> FloatArray:
         """Standard deviation of the closed form's torque [N·m] or [N] at each velocity, from the covariance."""
         from .observation import observe

@@ -13,9 +13,12 @@ from fricomp.laws import FloatArray
 
 from .optimum import bounded, refine
 from .result import IdentificationResult, Interval
+from .verdict import covariance_of
 
-__all__ = ["BootstrapSample", "block_bootstrap", "profile_interval", "profile_likelihood"]
+__all__ = ["BENT", "BootstrapSample", "block_bootstrap", "profile_interval", "profile_likelihood"]
 
+BENT = ("coulomb_torque", "static_torque", "velocity")
+"""Ends of the names of parameters of a curve that bends, whose likelihood need not be quadratic."""
 _FARTHEST = 8.0
 """Search an interval's ends up to this many standard deviations of the logarithm."""
 
@@ -61,15 +64,16 @@ def profile_likelihood(result: IdentificationResult, name: str, values: FloatArr
 def profile_interval(result: IdentificationResult, name: str, level: float = 0.95) -> Interval:
     """Where the profile rises as far as the interval from the covariance would let it, were it quadratic.
 
-    That is by half the quantile of F with the freedom the points leave [seber2003nonlinear]. It need not be symmetric.
-    An end that the data do not bound is 0 or infinite.
+    That is by half the quantile of F with the freedom the points leave [seber2003nonlinear], times what correlated or
+    shared errors add to the variance. It need not be symmetric. An end that the data do not bound is 0 or infinite.
 
     Raises:
         IdentificationError: The law has no such parameter.
     """
     index = _index(result, name)
     freedom = result.freedom
-    rise = 0.5 * float(fisher.ppf(level, 1, freedom))
+    alone = max(float(covariance_of(result.optimum)[index, index]), 1e-300)
+    rise = 0.5 * float(fisher.ppf(level, 1, freedom)) * max(1.0, float(result.covariance[index, index]) / alone)
     if result.optimum.noise.deviation is None:  # the level of the noise, at its optimum, grows with the misfit
         rise = 0.5 * result.observations.size * float(np.log1p(2.0 * rise / freedom))
     centre = float(result.optimum.logs[index])

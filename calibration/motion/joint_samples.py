@@ -62,6 +62,8 @@ _PERIODS = 20.0
 _LOWER = tuple(2.0 ** (-0.5 * step) for step in range(8))
 """Cutoffs to try, as fractions of the default ones; below the last, 4.4 Hz, few motions keep an acceleration."""
 
+_ROUNDING = 1e-6
+"""Of a rate, which comes from differences of times: a factor of 1.9999999 is 2."""
 _MIXED = 0.01
 """Share of the low-pass, by weight, that may see rest or the other direction where a sample counts as sliding. Such a
 sample is wrong by that share of twice the friction, which is about the noise of a torque sensor. The low-pass rings: a
@@ -271,7 +273,7 @@ def _filter(
     smooth = sosfiltfilt(butter(4, min(settings.position_cutoff, 0.4 * rate), fs=rate, output="sos"), position)
     velocity = np.gradient(smooth, 1.0 / rate)
     columns = np.stack([smooth, velocity, np.gradient(velocity, 1.0 / rate), np.sign(velocity), torque])
-    factor = max(1, int(rate / (5.0 * settings.torque_cutoff)))
+    factor = max(1, int(rate / (5.0 * settings.torque_cutoff) + _ROUNDING))
     skip = max(1, int(settings.margin * rate / factor))
     kept = np.arange(0, len(even), factor)[skip:-skip]
     filtered = sosfiltfilt(low_pass, columns, axis=1)

@@ -18,7 +18,7 @@ from fricomp.laws import FloatArray
 
 from ..identification import IdentificationOptions, IdentificationResult, identify
 from ..identification.correlated_fit import CorrelatedFit, solve_correlated
-from ..identification.doubt import with_covariance
+from ..identification.doubt import with_covariance, with_open_profiles
 from ..identification.form import separable_law
 from .joint_samples import FEWEST_SAMPLES, JointSamples, RegressionSettings
 from .torque_lag import TorqueLag, estimate_lag
@@ -153,7 +153,7 @@ def identify_motion(
     result = with_covariance(result, fit.lag.widen(together.covariance)[n_body:, n_body:])
     alone = _fit_together(fit.columns, fit.left, result, np.flatnonzero(fit.rows), reach=1)
     ratio = np.diag(together.covariance)[n_body:] / np.maximum(np.diag(alone.covariance)[n_body:], 1e-300)
-    result = weigh_rivals(result, fit.found, max(1.0, float(np.max(ratio))))
+    result = with_open_profiles(weigh_rivals(result, fit.found, max(1.0, float(np.max(ratio)))))
     result = with_lag_note(result, fit.lag)
     if fit.shares_offset:
         result = with_offset_note(result, fit.symmetric_offset)

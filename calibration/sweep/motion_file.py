@@ -79,8 +79,8 @@ def read_motion(path: str | os.PathLike[str]) -> MotionFile:
     if time is None or velocity is None or table.size < SHORTEST:
         missing = [column for column in ("time", "velocity") if columns[column] is None]
         raise ParameterError(
-            f"the motion {name} needs a header `time,velocity` or `time,velocity,position` and at least two rows; "
-            f"{missing[0] if missing else 'rows'} missing"
+            f"the motion {name} needs a header `time,velocity` or `time,velocity,position`, commas between columns, "
+            f"decimal points, and at least two rows; {missing[0] if missing else 'rows'} missing"
         )
     finite = all(np.all(np.isfinite(values)) for values in columns.values() if values is not None)
     if not (finite and np.all(np.diff(time) > 0.0)):

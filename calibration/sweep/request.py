@@ -46,7 +46,7 @@ class CalibrationOptions:
         if self.gravity_unknown and self.adaptive:
             raise ParameterError("an adaptive sweep needs the gravity torque: give a model, or leave out --adaptive")
         if not (self.accuracy > 0.0 and isfinite(self.accuracy)):
-            raise ParameterError(f"accuracy must be positive and finite, got {self.accuracy!r}")
+            raise ParameterError(f"accuracy must be positive and finite, got {100.0 * self.accuracy:g} %")
 
 
 @dataclass(frozen=True)

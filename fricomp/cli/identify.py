@@ -103,12 +103,6 @@ def identify(
             raise typer.Exit(EXIT_NOT_USABLE)
 
 
-_TOO_NARROW = (
-    "Careful: intervals from a recorded motion are too narrow, those of static torque and Stribeck velocity above all "
-    "(docs/identification.md); where they matter, calibrate with plateaus."
-)
-
-
 @dataclass(frozen=True)
 class _Settings:
     """Options of an identification."""
@@ -161,7 +155,6 @@ def _identify_file(file: Path, out: Path, settings: _Settings, joint: str = "joi
         motion = _identify_recording(file, settings.gravity, settings.law, notes)
         result = motion.friction
         notes.insert(0, _rigid_sentence(motion))
-        notes.append(_TOO_NARROW)
     make_folder(out)
     free = fit_discrepancy(result, seed=seed) if settings.depart else None
     notes += [f"Law or network: {free.message}."] if free else []

@@ -10,15 +10,17 @@ from fricomp.calibration.identification import IdentificationResult
 
 __all__ = ["parameter_table"]
 
+_APART = 0.25
+"""By how much of its half an interval may differ from that by profile likelihood, and still be called symmetric."""
+
 
 def parameter_table(result: IdentificationResult) -> Table:
-    """One row a parameter, one column a direction, with half of the 95 % interval."""
+    """One row a parameter, one column a direction, with half of the 95 % interval, or its ends where they lie apart."""
     sides: dict[str, dict[str, str]] = {}
     for name in result.parameter_names:
-        reach, value = result.interval(name).upper - result.parameters[name], result.parameters[name]
         *group, last = name.split(".")
         rows = sides.setdefault(group[-1] if len(group) > 1 else "value", {})
-        rows[f"{last.replace('_', ' ')} [{result.model.units()[name]}]"] = _with_reach(value, reach)
+        rows[f"{last.replace('_', ' ')} [{result.model.units()[name]}]"] = _value(result, name)
     table = Table(title=f"Friction of joint {result.model.joint}, ± 95 %", title_justify="left")
     table.add_column("parameter")
     for side in sides:
@@ -26,6 +28,15 @@ def parameter_table(result: IdentificationResult) -> Table:
     for label in dict.fromkeys(label for rows in sides.values() for label in rows):
         table.add_row(label, *(rows.get(label, "") for rows in sides.values()))
     return table
+
+
+def _value(result: IdentificationResult, name: str) -> str:
+    value, plain = result.parameters[name], result.interval(name)
+    reach = plain.upper - value
+    ends = result.profiles.get(name, plain)
+    if not isfinite(reach) or max(abs(ends.lower - plain.lower), abs(ends.upper - plain.upper)) < _APART * reach:
+        return _with_reach(value, reach)
+    return f"{value:.4g} ({ends.lower:.3g} to {ends.upper:.3g})"
 
 
 def _with_reach(value: float, reach: float) -> str:

@@ -20,9 +20,9 @@ def calibrate(
 ) -> None:
     """Calibrate the default stand-in joint once a seed: error, error in standard deviations, coverage."""
     import msgspec
-    from rich.table import Table
 
     from fricomp.calibration.sweep.benchmark import study_seeds
+    from fricomp.cli.bench.seed_table import seed_table
     from fricomp.cli.terminal import console, progress
     from fricomp.report import draw_png
     from fricomp.sim_bench.stand_in import DEFAULT_LAW, SimulatedJointAdapter, default_joint
@@ -36,16 +36,8 @@ def calibrate(
             out,
             lambda text, done: bar.update(task, description=text, completed=done),
         )
-    table = Table(title=f"{len(study.statuses)} seeds, default joint", title_justify="left")
-    for heading in ("parameter", "mean |error|", "RMS error / sd", "in 95 % interval"):
-        table.add_column(heading, justify="left" if heading == "parameter" else "right")
-    for name in study.names:
-        scores = study.of(name)
-        held = f"{sum(s.covered for s in scores)} of {len(scores)}"
-        short, spread = name.removeprefix("stribeck."), f"{study.root_mean_square(name):.2f}"
-        table.add_row(short, f"{study.mean_error(name):.3%}", spread, held)
-    console().print(table)
+    console().print(seed_table(study, f"{len(study.statuses)} seeds, default joint"))
     console().print(f"Coverage {study.coverage():.1%}; identifications: {', '.join(sorted(set(study.statuses)))}")
     record = study.to_builtins() | {"machine": platform.platform(), "python": platform.python_version()}
     (out / "bench-calibrate.json").write_bytes(msgspec.json.format(msgspec.json.encode(record), indent=2))
-    draw_png(study.chart(), out / "bench-calibrate.png")
+    draw_png(study.chart("Calibrations of the default joint, one point a seed"), out / "bench-calibrate.png")

@@ -7,6 +7,7 @@ import pytest
 
 from fricomp.calibration.benchmark.ledger import Ledger
 from fricomp.calibration.benchmark.oracle import find_optimum
+from fricomp.calibration.benchmark.page import CLOSING
 from fricomp.calibration.benchmark.printed import NOISE_FREE, NOISY
 from fricomp.calibration.benchmark.problem import NOISE_READINGS, PaperProblem
 from fricomp.calibration.benchmark.rival_summary import summarise_noise_free
@@ -134,3 +135,8 @@ def test_swarm_ends_at_the_oracle_and_never_below_it() -> None:
     for method in ("PSO", "GA"):
         found = run_compiled(method, draw, 2000, 0)
         assert -1e-6 < found.negative_log_likelihood - best < 0.1
+
+
+def test_what_the_page_says_beside_its_figures_is_what_its_source_says() -> None:
+    page = Path(__file__).parents[3] / "docs" / "identification.md"
+    assert page.read_text(encoding="utf-8").endswith(CLOSING)

@@ -9,6 +9,7 @@ from fricomp.calibration.identification import (
     profile_interval,
     profile_likelihood,
 )
+from fricomp.calibration.identification.doubt import with_covariance, with_open_profiles
 from fricomp.errors import IdentificationError
 
 from .paper import PROBLEM, noisy
@@ -25,6 +26,30 @@ def test_profile_rises_from_zero_and_agrees_with_the_covariance_where_that_is_fa
     assert min(profile[0], profile[2]) > 0.1
     interval, plain = profile_interval(result, NAME), result.interval(NAME)
     assert interval.upper - interval.lower == pytest.approx(plain.upper - plain.lower, rel=0.1)
+
+
+def test_profile_is_as_wide_as_a_covariance_that_correlated_errors_widened() -> None:
+    draw = noisy("relative", 1)
+    result = identify(draw.velocity, draw.torque, method="least_squares", noise="relative")
+    plain = profile_interval(result, NAME)
+    wide = profile_interval(with_covariance(result, 4.0 * result.covariance), NAME)
+    assert wide.upper - wide.lower == pytest.approx(2.0 * (plain.upper - plain.lower), rel=0.2)
+    assert wide.lower < plain.lower < plain.upper < wide.upper
+
+
+def test_an_interval_that_correlated_errors_leave_open_is_told() -> None:
+    draw = noisy("relative", 1)
+    fast = np.abs(draw.velocity) >= 0.06  # the bend lies below
+    result = identify(draw.velocity[fast], draw.torque[fast], method="least_squares", noise="relative")
+    assert with_open_profiles(result) is result
+    name = "stribeck.reverse.stribeck_velocity"
+    covariance, index = result.covariance.copy(), result.parameter_names.index(name)
+    covariance[index, index] *= 60.0
+    correlated = with_covariance(result, covariance)
+    assert correlated.status == "converged"
+    told = with_open_profiles(correlated)
+    assert told.status == told.model.provenance.status == "not_identifiable"
+    assert f"do not determine {name}: with what correlated errors add" in told.message
 
 
 def test_block_bootstrap_widens_with_correlated_residuals() -> None:

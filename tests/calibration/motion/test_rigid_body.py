@@ -40,6 +40,13 @@ def test_recovers_inertia_gravity_offset_and_friction() -> None:
     assert fit.offset == pytest.approx(0.1, abs=0.05)
 
 
+def test_a_rate_that_rounding_takes_below_a_whole_number_is_that_number() -> None:
+    recording = _recording().rows(slice(0, 20000, 2))
+    exact = Recording(np.arange(10000) / 500.0, recording.position, recording.torque)
+    below = Recording(exact.time * (1.0 + 1e-9), recording.position, recording.torque)
+    assert len(sample_joint(below).torque) == len(sample_joint(exact).torque)
+
+
 def test_a_motion_at_rest_is_refused() -> None:
     t = np.arange(0.0, 2.0, 1e-3)
     with pytest.raises(IdentificationError, match="several speeds"):

@@ -14,19 +14,9 @@ from fricomp.calibration.sweep import (
     benchmark,
     channels_of,
 )
-from fricomp.calibration.sweep.benchmark import Score, SeedStudy, study_seeds
+from fricomp.calibration.sweep.benchmark import study_seeds
 from fricomp.errors import SweepAborted
 from fricomp.sim_bench.stand_in import DEFAULT_LAW, SimulatedJointAdapter, default_joint
-
-
-def test_a_study_sums_up_its_seeds() -> None:
-    scores = (Score(0, "a", 0.01, 1.0, True), Score(1, "a", -0.03, -3.0, False), Score(0, "b", 0.0, 0.0, True))
-    study = SeedStudy(scores, ("converged", "converged"))
-    assert study.names == ("a", "b")
-    assert study.mean_error("a") == pytest.approx(0.02)
-    assert study.root_mean_square("a") == pytest.approx(5.0**0.5)
-    assert study.coverage() == pytest.approx(2.0 / 3.0)
-    assert study.to_builtins()["parameters"]["a"]["covered"] == 1
 
 
 def test_a_study_replaces_the_runs_of_an_earlier_one(

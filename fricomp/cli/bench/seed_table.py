@@ -1,0 +1,31 @@
+"""How the benchmarks of known joints print their scores."""
+
+from __future__ import annotations
+
+from rich.table import Table
+
+from fricomp.calibration.seed_study import SeedStudy
+
+__all__ = ["seed_table"]
+
+
+def seed_table(study: SeedStudy, title: str, *, profiles: bool = False) -> Table:
+    """One row a parameter: its error, that in standard deviations, and how many intervals hold the truth.
+
+    Args:
+        study: The scores.
+        title: Of the table.
+        profiles: Whether to count intervals by profile likelihood too.
+    """
+    table = Table(title=title, title_justify="left")
+    heads = ("parameter", "mean |error|", "RMS error / sd", "in 95 % interval")
+    for heading in (*heads, "by profile likelihood") if profiles else heads:
+        table.add_column(heading, justify="left" if heading == "parameter" else "right")
+    for name in study.names:
+        scores = study.of(name)
+        held = f"{sum(s.covered for s in scores)} of {len(scores)}"
+        short, spread = name.removeprefix("stribeck."), f"{study.root_mean_square(name):.2f}"
+        known = [s.profiled for s in scores if s.profiled is not None]
+        profile = [f"{sum(known)} of {len(known)}" if known else ""] if profiles else []
+        table.add_row(short, f"{study.mean_error(name):.3%}", spread, held, *profile)
+    return table
