@@ -176,7 +176,10 @@ is known to a sample. No variance is therefore below that of leaving out each bl
 [kunsch1989bootstrap], [mackinnon2023leverage], and the likelihood is flattened by as much as that widens an interval
 over independent samples. F_c, F_s and v_s bend the curve, so their likelihood is not quadratic: where its profile is
 far from the covariance, the command prints the profile's ends, and where it is open the status is `not_identifiable`.
-`fricomp bench motion` counts which intervals hold the truth.
+`fricomp bench motion --seeds 30` (joints drawn at random, 20 s at 500 Hz of three swings, an encoder of 18 bits, torque
+noise of 0.5 to 2 % of the static torque): 24 of 30 are usable, and 178 of their 192 intervals hold the truth (93 %), 88
+of 96 of those of static torque and Stribeck velocity; by the covariance alone it is 176 and 86, one static torque being
+off by 13 of its deviations.
 
 `identify(..., law=...)` takes `coulomb`, `coulomb_viscous`, `tanh`, `arctan`, `symmetric_stribeck`, `stribeck` from
 points, and `dahl`, `lugre` from a time series with reversals (output error; a network of velocity and load has no

@@ -8,6 +8,9 @@ from fricomp.calibration.seed_study import SeedStudy
 
 __all__ = ["seed_table"]
 
+_WIDTH = 27
+"""Of the longest parameter, in characters."""
+
 
 def seed_table(study: SeedStudy, title: str, *, profiles: bool = False) -> Table:
     """One row a parameter: its error, that in standard deviations, and how many intervals hold the truth.
@@ -20,7 +23,8 @@ def seed_table(study: SeedStudy, title: str, *, profiles: bool = False) -> Table
     table = Table(title=title, title_justify="left")
     heads = ("parameter", "mean |error|", "RMS error / sd", "in 95 % interval")
     for heading in (*heads, "by profile likelihood") if profiles else heads:
-        table.add_column(heading, justify="left" if heading == "parameter" else "right")
+        table.add_column(heading, justify="right")
+    table.columns[0].justify, table.columns[0].no_wrap, table.columns[0].min_width = "left", True, _WIDTH
     for name in study.names:
         scores = study.of(name)
         held = f"{sum(s.covered for s in scores)} of {len(scores)}"
