@@ -62,12 +62,12 @@ class MotionStudy(NamedTuple):
 def draw_joint(rng: np.random.Generator) -> KnownJoint:
     """Friction, inertia, noise and motion within what geared joints have."""
     coulomb, ratio, bend = rng.uniform(0.1, 1.0), rng.uniform(1.2, 4.0), np.exp(rng.uniform(*np.log([0.03, 0.2])))
-    curves = [
+    forward, reverse = (
         StribeckCurve(coulomb * uneven, coulomb * uneven * ratio, bend * rng.uniform(0.9, 1.1), viscous)
         for uneven, viscous in zip(rng.uniform(0.8, 1.2, 2), coulomb * rng.uniform(0.05, 0.3, 2), strict=True)
-    ]
+    )
     return KnownJoint(
-        FrictionLaw((BidirectionalStribeck(*curves),)),
+        FrictionLaw((BidirectionalStribeck(forward, reverse),)),
         inertia=float(rng.uniform(0.02, 0.2)),
         noise=float(rng.uniform(0.005, 0.02)) * coulomb * ratio,
         amplitudes=rng.uniform(0.5, 1.5) * np.array([1.0, 0.3, 0.1]),
