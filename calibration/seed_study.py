@@ -19,7 +19,7 @@ __all__ = ["Score", "SeedStudy", "score"]
 
 @dataclass(frozen=True)
 class Score:
-    """One parameter of one calibration.
+    """One parameter of one identification.
 
     Attributes:
         seed: Of noise and order.
@@ -122,12 +122,8 @@ def score(result: IdentificationResult, truth: FrictionLaw, seed: int, *, profil
     """
     values, scores = truth.parameters(), []
     for name in result.parameter_names:
-        interval, gap = result.interval(name), result.parameters[name] - values[name]
-        covered = interval.lower <= values[name] <= interval.upper
-        profiled = None
-        if profiles and name in result.profiles:
-            interval = result.profiles[name]
-            profiled = interval.lower <= values[name] <= interval.upper
-        deviation = result.standard_deviations[name]
-        scores.append(Score(seed, name, gap / values[name], gap / deviation, covered, profiled))
+        true, deviation = values[name], result.standard_deviations[name]
+        gap, covered = result.parameters[name] - true, result.interval(name).holds(true)
+        profiled = result.profiles[name].holds(true) if profiles and name in result.profiles else None
+        scores.append(Score(seed, name, gap / true, gap / deviation, covered, profiled))
     return scores

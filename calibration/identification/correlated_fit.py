@@ -8,6 +8,8 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
+from .information import with_least_variance
+
 __all__ = ["CorrelatedFit", "solve_correlated"]
 
 _Index = np.ndarray[tuple[int], np.dtype[np.intp]]
@@ -59,8 +61,7 @@ def solve_correlated(columns: FloatArray, target: FloatArray, at: _Index, reach:
     freedom = len(target) / max(len(target) - basis.shape[1], 1)
     covariance = freedom * back @ _spread(basis * error[:, None], at, reach) @ back.T
     if reach > 1:
-        jackknife = _leave_out_blocks(basis, error, back, _blocks(at, reach))
-        covariance = jackknife + np.diag(np.maximum(np.diag(covariance - jackknife), 0.0))
+        covariance = with_least_variance(_leave_out_blocks(basis, error, back, _blocks(at, reach)), covariance)
     return CorrelatedFit(back @ coordinates, covariance, error, basis.shape[1])
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from fricomp.laws import FloatArray
 from fricomp.model import Covariance
 
+from .information import with_least_variance
 from .result import IdentificationResult, Status
 from .verdict import find_vague, vague_message
 
@@ -25,8 +26,7 @@ def with_covariance(result: IdentificationResult, covariance: FloatArray) -> Ide
         result: The friction identified.
         covariance: Of its parameters. Shape (n_parameters, n_parameters).
     """
-    short = np.maximum(np.diag(result.covariance) - np.diag(covariance), 0.0)
-    covariance = covariance + np.diag(short)
+    covariance = with_least_variance(covariance, result.covariance)
     before = result.model.covariance or Covariance(result.parameter_names, covariance)
     model = replace(result.model, covariance=replace(before, matrix=covariance))
     result = replace(result, model=model, covariance=covariance)

@@ -16,7 +16,7 @@ from fricomp.model import Covariance, FrictionModel, Provenance, Validity
 
 from .correlated_fit import solve_correlated
 from .form import separable_law
-from .information import invert_information
+from .information import invert_information, with_least_variance
 from .likelihood import Noise
 from .observation import observe
 from .optimum import fit_likelihood
@@ -184,8 +184,8 @@ def _result(
     covariance = invert_information(jacobian.T @ jacobian / max(variance, 1e-300))
     reach = round(len(residual) ** (1.0 / 3.0))  # grows slower than the record, as [newey1987] asks
     robust = solve_correlated(jacobian, residual, np.arange(len(residual)), reach).covariance
-    short = np.maximum(np.diag(covariance) - np.diag(robust), 0.0)  # never surer than by independent, equal errors
-    covariance = (robust + np.diag(short)) * np.outer(values, values)
+    robust = with_least_variance(robust, covariance)  # never surer than by independent, equal errors
+    covariance = robust * np.outer(values, values)
     vague = [n for n, c, x in zip(names, np.diag(covariance), values, strict=True) if not c <= x**2]
     known = bool(np.all(np.isfinite(covariance)))  # a bristle that never shows has no slope at all
     status, message = Status.CONVERGED, "converged to a least-squares optimum of the simulated torque"

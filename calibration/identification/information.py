@@ -8,7 +8,7 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
-__all__ = ["UNDETERMINED", "compute_log_deviations", "invert_information"]
+__all__ = ["UNDETERMINED", "compute_log_deviations", "invert_information", "with_least_variance"]
 
 UNDETERMINED = 1e6
 """Least standard deviation of a logarithm that the information says nothing about. A finite number in the place of
@@ -47,6 +47,16 @@ def compute_log_deviations(information: FloatArray) -> FloatArray:
     """Standard deviations of the logarithms, infinite where nothing is known. Shape (n_parameters,)."""
     known, free = _split(information)
     return np.where(np.any(free != 0.0, axis=1), np.inf, np.linalg.norm(known, axis=1))
+
+
+def with_least_variance(covariance: FloatArray, least: FloatArray) -> FloatArray:
+    """`covariance` with variances of at least those of another, by added errors of their own. Shape (n, n).
+
+    Args:
+        covariance: Shape (n, n).
+        least: The other covariance. Shape (n, n).
+    """
+    return np.asarray(covariance + np.diag(np.maximum(np.diag(least) - np.diag(covariance), 0.0)))
 
 
 def _split(information: FloatArray) -> _Directions:

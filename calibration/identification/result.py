@@ -46,6 +46,10 @@ class Interval:
     lower: float
     upper: float
 
+    def holds(self, value: float) -> bool:
+        """Whether `value` lies within it."""
+        return self.lower <= value <= self.upper
+
 
 @dataclass(frozen=True)
 class NoiseEstimate:
@@ -137,8 +141,10 @@ class IdentificationResult:
 
     @cached_property
     def profiles(self) -> dict[str, Interval]:
-        """95 % intervals by profile likelihood of the parameters of a bend, which need not be symmetric; worked out on
-        first use. Where one is far from that of the covariance, this is the one to trust."""
+        """95 % intervals by profile likelihood, of the parameters of a bend; worked out on first use (seconds).
+
+        They need not be symmetric. Where one is far from that of the covariance, it is the one to trust.
+        """
         from .uncertainty import BENT, profile_interval
 
         bent = [name for name in self.parameter_names if name.endswith(BENT)]

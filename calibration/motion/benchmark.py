@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fricomp.control import find_doubt_in_status
 from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, StribeckCurve
 from fricomp.recording import Recording
 
@@ -21,7 +22,6 @@ _DURATION, _PERIOD = 20.0, 0.002
 _COUNT = 2.0 * np.pi / 2**18
 _FREQUENCIES = np.array([0.2, 0.53, 1.3])
 """Of the three swings [Hz]; their phases are drawn."""
-_USABLE = (Status.CONVERGED, Status.LACK_OF_FIT, Status.WRONG_BASIN_SUSPECTED)
 
 
 class KnownJoint(NamedTuple):
@@ -94,7 +94,7 @@ def study_motions(seeds: Iterable[int], report: Callable[[str, float], None] = l
         result = identify_motion(sample_joint(recording, settings), settings).friction
         scores += score(result, joint.law, seed, profiles=True)
         statuses[seed] = result.status
-    usable = {seed: status for seed, status in statuses.items() if status in _USABLE}
+    usable = {seed: status for seed, status in statuses.items() if find_doubt_in_status(status, "") is None}
     return MotionStudy(
         SeedStudy(tuple(scores), tuple(map(str, statuses.values()))),
         SeedStudy(tuple(s for s in scores if s.seed in usable), tuple(map(str, usable.values()))),

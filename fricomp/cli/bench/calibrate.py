@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import platform
 from pathlib import Path
 from typing import Annotated
 
@@ -19,12 +18,9 @@ def calibrate(
     quick: Annotated[bool, typer.Option("--quick", help="Two seeds.")] = False,
 ) -> None:
     """Calibrate the default stand-in joint once a seed: error, error in standard deviations, coverage."""
-    import msgspec
-
     from fricomp.calibration.sweep.benchmark import study_seeds
-    from fricomp.cli.bench.seed_table import seed_table
+    from fricomp.cli.bench.seed_table import save_scores, seed_table
     from fricomp.cli.terminal import console, progress
-    from fricomp.report import draw_png
     from fricomp.sim_bench.stand_in import DEFAULT_LAW, SimulatedJointAdapter, default_joint
 
     with progress() as bar:
@@ -38,6 +34,5 @@ def calibrate(
         )
     console().print(seed_table(study, f"{len(study.statuses)} seeds, default joint"))
     console().print(f"Coverage {study.coverage():.1%}; identifications: {', '.join(sorted(set(study.statuses)))}")
-    record = study.to_builtins() | {"machine": platform.platform(), "python": platform.python_version()}
-    (out / "bench-calibrate.json").write_bytes(msgspec.json.format(msgspec.json.encode(record), indent=2))
-    draw_png(study.chart("Calibrations of the default joint, one point a seed"), out / "bench-calibrate.png")
+    chart = study.chart("Calibrations of the default joint, one point a seed")
+    save_scores(study.to_builtins(), chart, out / "bench-calibrate")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import platform
 from pathlib import Path
 from typing import Annotated
 
@@ -24,13 +23,10 @@ def motion(
     static torque. What holds the truth is counted by the covariance and, for the parameters of the bend, by the
     profile likelihood, which is the interval to read there.
     """
-    import msgspec
-
     from fricomp.calibration.motion.benchmark import study_motions
-    from fricomp.cli.bench.seed_table import seed_table
+    from fricomp.cli.bench.seed_table import save_scores, seed_table
     from fricomp.cli.out_folder import make_folder
     from fricomp.cli.terminal import console, progress
-    from fricomp.report import draw_png
 
     make_folder(out)
     with progress() as bar:
@@ -49,6 +45,4 @@ def motion(
         held = f"{sum(s.held for s in part.scores)} of {len(part.scores)}"
         console().print(f"Hold the truth, by profile likelihood where there is one: {held}")
     record = {name: part.to_builtins() for name, part in study._asdict().items() if part.statuses}
-    record |= {"machine": platform.platform(), "python": platform.python_version()}
-    (out / "bench-motion.json").write_bytes(msgspec.json.format(msgspec.json.encode(record), indent=2))
-    draw_png(study.all.chart("Joints from a recorded motion, one point a recording"), out / "bench-motion.png")
+    save_scores(record, study.all.chart("Joints from a recorded motion, one point a recording"), out / "bench-motion")

@@ -1,12 +1,18 @@
-"""How the benchmarks of known joints print their scores."""
+"""How the benchmarks of known joints print and keep their scores."""
 
 from __future__ import annotations
 
+import platform
+from pathlib import Path
+from typing import Any
+
+import msgspec
 from rich.table import Table
 
 from fricomp.calibration.seed_study import SeedStudy
+from fricomp.report import Chart, draw_png
 
-__all__ = ["seed_table"]
+__all__ = ["save_scores", "seed_table"]
 
 _WIDTH = 27
 """Of the longest parameter, in characters."""
@@ -33,3 +39,10 @@ def seed_table(study: SeedStudy, title: str, *, profiles: bool = False) -> Table
         profile = [f"{sum(known)} of {len(known)}" if known else ""] if profiles else []
         table.add_row(short, f"{study.mean_error(name):.3%}", spread, held, *profile)
     return table
+
+
+def save_scores(record: dict[str, Any], chart: Chart, path: Path) -> None:
+    """Write `path`.json, with the machine that made it, and `path`.png."""
+    record = record | {"machine": platform.platform(), "python": platform.python_version()}
+    path.with_suffix(".json").write_bytes(msgspec.json.format(msgspec.json.encode(record), indent=2))
+    draw_png(chart, path.with_suffix(".png"))
