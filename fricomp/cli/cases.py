@@ -44,7 +44,7 @@ def make(
     """Write recording, simulation and controller of a joint that has more physics than its simulation."""
     from fricomp.cli.terminal import console
     from fricomp.errors import DiagnosisError
-    from fricomp.sim_bench.concealed import CaseSpec, generate, write_answer, write_case
+    from fricomp.sim_bench.cases import CaseSpec, generate, write_answer, write_case
 
     spec = CaseSpec(
         seed=seed,
@@ -90,8 +90,8 @@ def inject(
 
     from fricomp.cli.out_folder import make_folder
     from fricomp.cli.terminal import console
-    from fricomp.sim_bench.real import InjectedSpec
-    from fricomp.sim_bench.real import inject as inject_effect
+    from fricomp.sim_bench.studies.real import InjectedSpec
+    from fricomp.sim_bench.studies.real import inject as inject_effect
 
     spec = InjectedSpec(source, effect, strength if effect else "", seed)
     answers = _make_folders(out)
@@ -130,7 +130,7 @@ def list_names() -> None:
     from rich.table import Table
 
     from fricomp.cli.terminal import console
-    from fricomp.sim_bench.concealed import CHOICES, EFFECTS
+    from fricomp.sim_bench.cases import CHOICES, EFFECTS
 
     table = Table("effect", "kind", "forms")
     for effect in EFFECTS.values():

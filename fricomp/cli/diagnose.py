@@ -14,9 +14,9 @@ from fricomp.cli.fleet import FleetRun, rich_table, run_joints, show_fleet
 from fricomp.cli.missing import REPORT, require
 
 if TYPE_CHECKING:
+    from fricomp.diagnosis import Diagnosis
+    from fricomp.fleet import FleetJoint, FleetRow
     from fricomp.recording import Recording
-    from fricomp.sim_bench.diagnosis import Diagnosis
-    from fricomp.sim_bench.fleet import FleetJoint, FleetRow
 
 app = typer.Typer(add_completion=False)
 
@@ -50,7 +50,7 @@ def _print_schema(wanted: bool) -> None:
     if wanted:
         import json
 
-        from fricomp.sim_bench.diagnosis import diagnosis_json_schema
+        from fricomp.diagnosis import diagnosis_json_schema
 
         print(json.dumps(diagnosis_json_schema(), indent=2))
         raise typer.Exit
@@ -102,7 +102,7 @@ def diagnose(
     and where wanted name, simulation, joint and friction.
     """
     from fricomp.cli.out_folder import require_folder
-    from fricomp.sim_bench.fleet import find_recordings, is_joint_table
+    from fricomp.fleet import find_recordings, is_joint_table
 
     require(*REPORT, "ruptures")
     require_folder(out)
@@ -182,7 +182,7 @@ def run_diagnosis(
     from fricomp.cli.diagnosis_folder import check_folder, remove_earlier_diagnosis
     from fricomp.cli.diagnosis_warnings import diagnosis_warnings, distinct_names
     from fricomp.cli.terminal import progress
-    from fricomp.sim_bench.diagnosis_report import with_names, write_diagnosis
+    from fricomp.diagnosis.report import with_names, write_diagnosis
 
     start, inputs = perf_counter(), [path for path in (options["simulation"], *given.values()) if path is not None]
     check_folder(out, (*paths, *inputs))
@@ -233,10 +233,10 @@ def _diagnose(
     say: Callable[[str], None],
 ) -> Diagnosis:
     """Compare with the simulation that was given as a file, as its own recording, or not at all."""
+    from fricomp.diagnosis import diagnose as diagnose_joint
+    from fricomp.diagnosis import diagnose_against, read_controller
     from fricomp.errors import DiagnosisError
     from fricomp.model import load_model
-    from fricomp.sim_bench.diagnosis import diagnose as diagnose_joint
-    from fricomp.sim_bench.diagnosis import diagnose_against, read_controller
 
     settings: dict[str, Any] = {**options, "progress": say}
     settings["controller"] = read_controller(given["controller"]) if given["controller"] is not None else None
@@ -264,7 +264,7 @@ def _facts(
 
 def _print_diagnosis(run: DiagnosisRun, out: Path) -> None:
     from fricomp.cli.terminal import console
-    from fricomp.sim_bench.diagnosis_report import change_table, effect_table, error_table, forward_table, next_step
+    from fricomp.diagnosis.report import change_table, effect_table, error_table, forward_table, next_step
 
     show, record = console(), run.diagnosis.record
     for warning in run.warnings:
@@ -290,8 +290,8 @@ def _diagnose_fleet(
     from functools import partial
 
     from fricomp.cli.diagnosis_folder import check_folder
-    from fricomp.sim_bench.diagnosis_report import fleet_table, write_fleet
-    from fricomp.sim_bench.fleet import FleetJoint, list_joints
+    from fricomp.diagnosis.report import fleet_table, write_fleet
+    from fricomp.fleet import FleetJoint, list_joints
 
     require("pyarrow")
     defaults = FleetJoint("", (), options["simulation"], options["joint"], given["friction"])
@@ -324,7 +324,7 @@ def _fleet_settings(options: dict[str, Any], given: dict[str, Path | None]) -> d
 
 def _diagnose_one(joint: FleetJoint, out: Path, *, options: dict[str, Any], given: dict[str, Path | None]) -> FleetRow:
     """On a worker: diagnose one joint of a fleet."""
-    from fricomp.sim_bench.diagnosis_report import fleet_row
+    from fricomp.diagnosis.report import fleet_row
 
     options = options | {"simulation": joint.simulation, "joint": joint.joint}
     run = run_diagnosis(joint.recordings, out, options, given | {"friction": joint.friction}, quiet=True)

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from fricomp.diagnosis import DiagnosisRecord
     from fricomp.recording import Recording
-    from fricomp.sim_bench.diagnosis import DiagnosisRecord
 
 __all__ = ["diagnosis_warnings", "distinct_names"]
 

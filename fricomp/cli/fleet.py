@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from fricomp.fleet import FleetJoint, FleetRow, Work
     from fricomp.report import Table
-    from fricomp.sim_bench.fleet import FleetJoint, FleetRow, Work
 
 __all__ = ["FleetRun", "rich_table", "run_joints", "show_fleet"]
 
@@ -44,7 +44,7 @@ def run_joints(
 ) -> list[FleetRow]:
     """Do all joints under one progress bar; rows in the order of the joints."""
     from fricomp.cli.terminal import progress, resumable
-    from fricomp.sim_bench.fleet import open_executor, run_fleet
+    from fricomp.fleet import open_executor, run_fleet
 
     with resumable(out), progress() as bar, open_executor(run.executor, run.workers) as pool:
         task = bar.add_task(title, total=len(joints))

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from fricomp.calibration import IdentificationResult
     from fricomp.calibration.identification import DiscrepancyNetwork
     from fricomp.calibration.motion.rigid_body import MotionIdentification
-    from fricomp.sim_bench.fleet import FleetJoint, FleetRow
+    from fricomp.fleet import FleetJoint, FleetRow
 
 __all__ = ["app", "identify"]
 
@@ -174,7 +174,7 @@ def _offset_note(result: IdentificationResult) -> list[str]:
 
 
 def _is_fleet(files: Sequence[str]) -> bool:
-    from fricomp.sim_bench.fleet import is_joint_table
+    from fricomp.fleet import is_joint_table
 
     only = Path(files[0])
     several = len(files) > 1 or only.is_dir() or is_joint_table(files[0])
@@ -185,7 +185,7 @@ def _identify_fleet(files: Sequence[str], out: Path, settings: _Settings, run: F
     """Every joint into a folder of its own, and a page on all of them."""
     from functools import partial
 
-    from fricomp.sim_bench.fleet import FleetJoint, list_joints
+    from fricomp.fleet import FleetJoint, list_joints
 
     require("pyarrow")
     joints = list_joints(files, FleetJoint("", ()))
@@ -198,7 +198,7 @@ def _identify_one(joint: FleetJoint, out: Path, *, settings: _Settings) -> Fleet
     """On a worker: identify one joint of a fleet."""
     from fricomp.calibration.identification import save_discrepancy, save_identification
     from fricomp.errors import IdentificationError
-    from fricomp.sim_bench.fleet.identification import identification_row
+    from fricomp.fleet.identification import identification_row
 
     if len(joint.recordings) > 1:
         raise IdentificationError(f"joint {joint.name} has {len(joint.recordings)} recordings: give one to identify")
@@ -213,8 +213,8 @@ def _identify_one(joint: FleetJoint, out: Path, *, settings: _Settings) -> Fleet
 def _identify_batch(files: Sequence[str], out: Path, settings: _Settings, device: str, *, resume: bool) -> None:
     """All tables in one call: parameters and models, no reports of their own."""
     from fricomp.errors import IdentificationError
-    from fricomp.sim_bench.fleet import FleetJoint, list_joints
-    from fricomp.sim_bench.fleet.identification import identify_tables
+    from fricomp.fleet import FleetJoint, list_joints
+    from fricomp.fleet.identification import identify_tables
 
     if (settings.law, settings.loss, settings.depart) != ("stribeck", "gaussian", False):
         raise IdentificationError("--batch fits the Stribeck law to Gaussian noise: leave out --law, --loss, --depart")
@@ -226,7 +226,7 @@ def _identify_batch(files: Sequence[str], out: Path, settings: _Settings, device
 
 
 def _show_fleet(rows: Sequence[FleetRow], out: Path) -> None:
-    from fricomp.sim_bench.fleet.identification import identification_table, write_identification_fleet
+    from fricomp.fleet.identification import identification_table, write_identification_fleet
 
     show_fleet(rows, identification_table(rows), write_identification_fleet(rows, out))
 

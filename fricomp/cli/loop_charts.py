@@ -11,9 +11,9 @@ from fricomp.control import LoopCheck, LoopLog
 from fricomp.report import Band, Bars, Chart, HeatMap, Line, Panel, Rule
 
 if TYPE_CHECKING:
-    from fricomp.sim_bench.latency import Cost
-    from fricomp.sim_bench.tracking import RobustnessMap, StudyRow
-    from fricomp.sim_bench.tracking.close_loop import CloseLoopMethod, CloseLoopResult
+    from fricomp.sim_bench.studies.latency.compensator import Cost
+    from fricomp.sim_bench.studies.tracking import RobustnessMap, StudyRow
+    from fricomp.sim_bench.studies.tracking.close_loop import CloseLoopMethod, CloseLoopResult
 
 __all__ = [
     "close_loop_chart",

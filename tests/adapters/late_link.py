@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from fricomp.sim_bench.adapter_bench.bench import AdapterBench, make_bench
+from fricomp.sim_bench.studies.adapters.bench import AdapterBench, make_bench
 
 LATENCY_NS = 300_000
 

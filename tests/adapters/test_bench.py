@@ -9,11 +9,11 @@ import pytest
 from typer.testing import CliRunner
 
 from fricomp.cli.main import app
-from fricomp.sim_bench.adapter_bench.bench import PROTOCOLS
-from fricomp.sim_bench.adapter_bench.calibration import compare_all
-from fricomp.sim_bench.adapter_bench.fuzz import fuzz_adapter
-from fricomp.sim_bench.adapter_bench.peers import PEERS, compare_with_peer
-from fricomp.sim_bench.adapter_bench.serial_can import compare_slcan
+from fricomp.sim_bench.studies.adapters.bench import PROTOCOLS
+from fricomp.sim_bench.studies.adapters.calibration import compare_all
+from fricomp.sim_bench.studies.adapters.fuzz import fuzz_adapter
+from fricomp.sim_bench.studies.adapters.peers import PEERS, compare_with_peer
+from fricomp.sim_bench.studies.adapters.serial_can import compare_slcan
 
 
 @pytest.mark.parametrize("protocol", sorted(PEERS))

@@ -13,7 +13,7 @@ from fricomp.adapters.link import PythonCanLink
 from fricomp.control import ControlLoop, PositionController, SineReference
 from fricomp.errors import AdapterConfigurationError, AdapterConnectionError, AdapterError, FricompError, SafetyTrip
 from fricomp.joint import JointCommand, JointFeedback, await_feedback
-from fricomp.sim_bench.adapter_bench.bench import PERIOD, PROTOCOLS, TORQUE_LIMIT, AdapterBench, make_bench
+from fricomp.sim_bench.studies.adapters.bench import PERIOD, PROTOCOLS, TORQUE_LIMIT, AdapterBench, make_bench
 from tests.adapters import late_link
 from tests.adapters.late_link import make_late_bench
 

@@ -16,7 +16,7 @@ from fricomp.adapters import JointAdapter, open_adapter
 from fricomp.adapters.configuration import read_configuration
 from fricomp.errors import AdapterError, SafetyTrip
 from fricomp.joint import JointCommand, JointFeedback
-from fricomp.sim_bench.adapter_bench.bench import PROTOCOLS
+from fricomp.sim_bench.studies.adapters.bench import PROTOCOLS
 from fricomp.sim_bench.twins import TwinServer
 from fricomp.sim_bench.twins.adapter_table import adapter_configuration
 from fricomp.sim_bench.twins.configuration import make_twin
@@ -117,7 +117,7 @@ import sys
 from fricomp.adapters import open_adapter
 from fricomp.adapters.configuration import read_configuration
 from fricomp.joint import JointCommand, JointFeedback
-from fricomp.sim_bench.adapter_bench.bench import PROTOCOLS
+from fricomp.sim_bench.studies.adapters.bench import PROTOCOLS
 from fricomp.sim_bench.twins import TwinServer
 from fricomp.sim_bench.twins.adapter_table import adapter_configuration
 from fricomp.sim_bench.twins.configuration import make_twin

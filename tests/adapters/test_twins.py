@@ -25,10 +25,10 @@ from fricomp.adapters.trial import LARGEST_SHARE, TrialSettings, TrialStep, try_
 from fricomp.errors import AdapterError, ParameterError
 from fricomp.joint import JointCommand, JointFeedback
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
-from fricomp.sim_bench.adapter_bench.hand_held import SerialBus
-from fricomp.sim_bench.adapter_bench.twin_bus import TwinBus
 from fricomp.sim_bench.stand_in import StandIn
 from fricomp.sim_bench.stand_in.packaged import default_joint
+from fricomp.sim_bench.studies.adapters.hand_held import SerialBus
+from fricomp.sim_bench.studies.adapters.twin_bus import TwinBus
 from fricomp.sim_bench.twins import DriveAxis, DriveTwin, TwinClock, twin_stand_in
 from fricomp.sim_bench.twins.can_twin import CanDevice, CanTwin
 from fricomp.sim_bench.twins.cia402 import Cia402Drive, Cia402Settings

@@ -17,13 +17,13 @@ from fricomp.cli.diagnose import EXIT_BAD_DATA
 from fricomp.cli.diagnosis_folder import remove_earlier_diagnosis
 from fricomp.cli.diagnosis_warnings import diagnosis_warnings, distinct_names
 from fricomp.cli.main import app
+from fricomp.diagnosis import DIAGNOSIS_SCHEMA, DiagnosisRecord, Quantity, diagnosis_json_schema
+from fricomp.diagnosis.record.result import Change
 from fricomp.errors import DiagnosisError, FricompError, RecordingError
+from fricomp.fleet import find_recordings
 from fricomp.laws import Coulomb, FrictionLaw
 from fricomp.model import FrictionModel, Provenance, save_model
 from fricomp.recording import Recording, RecordingMetadata, read_recording, write_recording
-from fricomp.sim_bench.diagnosis import DIAGNOSIS_SCHEMA, DiagnosisRecord, Quantity, diagnosis_json_schema
-from fricomp.sim_bench.diagnosis.result import Change
-from fricomp.sim_bench.fleet import find_recordings
 
 _JOINT = """<mujoco><worldbody><body><joint name="elbow" axis="0 1 0"/>
 <inertial pos="0.2 0 0" mass="1" diaginertia="0.3 0.3 0.3"/></body></worldbody></mujoco>"""
@@ -147,7 +147,7 @@ def test_a_short_recording_is_refused_with_its_length(seconds: float, tmp_path: 
 
 def _answer_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Diagnose as if the data were bad, which takes no time and names nothing."""
-    module = import_module("fricomp.sim_bench.diagnosis.diagnose")  # the package has a function of that name
+    module = import_module("fricomp.diagnosis.diagnose")  # the package has a function of that name
     monkeypatch.setattr(module, "reasons_against", lambda *_: ["a stub"])
 
 
@@ -283,7 +283,7 @@ def test_an_interrupted_diagnosis_says_what_is_left(tmp_path: Path, monkeypatch:
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    module = import_module("fricomp.sim_bench.diagnosis.diagnose")
+    module = import_module("fricomp.diagnosis.diagnose")
     monkeypatch.setattr(module, "reasons_against", interrupted)
     out = tmp_path / "out"
     result = CliRunner().invoke(app, ["diagnose", str(_save(tmp_path, _columns())), "--out", str(out)])

@@ -8,12 +8,12 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from fricomp.cli.main import app
+from fricomp.diagnosis import DIAGNOSIS_SCHEMA, DiagnosisRecord
+from fricomp.diagnosis.report import fleet_row
 from fricomp.errors import IdentificationError, RecordingError
+from fricomp.fleet import FleetJoint, FleetRow, read_rows
 from fricomp.laws import Coulomb, FrictionLaw
 from fricomp.model import FrictionModel, Provenance, save_model
-from fricomp.sim_bench.diagnosis import DIAGNOSIS_SCHEMA, DiagnosisRecord
-from fricomp.sim_bench.diagnosis_report import fleet_row
-from fricomp.sim_bench.fleet import FleetJoint, FleetRow, read_rows
 
 pytest.importorskip("pyarrow")
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fricomp.calibration.benchmark.problem import PaperProblem
 from fricomp.calibration.comparison import compare_models
 from fricomp.calibration.identification import Status
 from fricomp.calibration.table import is_friction_table, read_friction_table
@@ -15,6 +14,7 @@ from fricomp.cli.identify import app
 from fricomp.errors import IdentificationError, RecordingError
 from fricomp.model import load_model
 from fricomp.recording import Recording, RecordingMetadata, RecordingWriter, write_recording
+from fricomp.sim_bench.studies.paper.problem import PaperProblem
 
 
 def _table(path: Path) -> Path:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from fricomp.sim_bench.adapter_bench.calibration import CalibrationComparison
-    from fricomp.sim_bench.adapter_bench.page import AdapterFigures
+    from fricomp.sim_bench.studies.adapters.calibration import CalibrationComparison
+    from fricomp.sim_bench.studies.adapters.page import AdapterFigures
 
 __all__ = ["app"]
 
@@ -38,8 +38,8 @@ def adapters(
     from fricomp.cli.missing import REPORT, require
     from fricomp.cli.terminal import console
     from fricomp.report import write_report
-    from fricomp.sim_bench.adapter_bench.page import adapter_page, adapter_tables
-    from fricomp.sim_bench.adapter_bench.peers import PEER_MODULES
+    from fricomp.sim_bench.studies.adapters.page import adapter_page, adapter_tables
+    from fricomp.sim_bench.studies.adapters.peers import PEER_MODULES
 
     require(*PEER_MODULES, extra="dev")
     require(*REPORT, "serial")
@@ -61,13 +61,13 @@ def adapters(
 def _measure(n_commands: int, n_frames: int, only: str, quick: bool) -> AdapterFigures:
     from fricomp.cli.terminal import progress
     from fricomp.errors import ParameterError
-    from fricomp.sim_bench.adapter_bench.bench import PROTOCOLS
-    from fricomp.sim_bench.adapter_bench.calibration import compare_all
-    from fricomp.sim_bench.adapter_bench.cost import measure_cost
-    from fricomp.sim_bench.adapter_bench.fuzz import fuzz_adapter
-    from fricomp.sim_bench.adapter_bench.page import AdapterFigures
-    from fricomp.sim_bench.adapter_bench.peers import PEERS, compare_with_peer
-    from fricomp.sim_bench.adapter_bench.serial_can import ECHOES, compare_slcan
+    from fricomp.sim_bench.studies.adapters.bench import PROTOCOLS
+    from fricomp.sim_bench.studies.adapters.calibration import compare_all
+    from fricomp.sim_bench.studies.adapters.cost import measure_cost
+    from fricomp.sim_bench.studies.adapters.fuzz import fuzz_adapter
+    from fricomp.sim_bench.studies.adapters.page import AdapterFigures
+    from fricomp.sim_bench.studies.adapters.peers import PEERS, compare_with_peer
+    from fricomp.sim_bench.studies.adapters.serial_can import ECHOES, compare_slcan
 
     if only and only not in PROTOCOLS:
         raise ParameterError(f"no protocol {only!r}; there are {', '.join(PROTOCOLS)}")

@@ -9,7 +9,7 @@ import typer
 
 if TYPE_CHECKING:
     from fricomp.control import LoopResult
-    from fricomp.sim_bench.latency import Cost
+    from fricomp.sim_bench.studies.latency.compensator import Cost
 
 __all__ = ["app"]
 
@@ -31,14 +31,14 @@ def latency(
     from fricomp.cli.terminal import console, progress
     from fricomp.control import RealTimeOptions
     from fricomp.report import draw_png
-    from fricomp.sim_bench.latency import (
+    from fricomp.sim_bench.studies.latency.compensator import (
         measure_c,
         measure_costs,
         measure_growth,
         measure_import_ratio,
         measure_network,
     )
-    from fricomp.sim_bench.loop_timing import run_loop
+    from fricomp.sim_bench.studies.latency.loop_timing import run_loop
 
     out.mkdir(parents=True, exist_ok=True)
     with progress() as bar:

@@ -12,7 +12,7 @@ from .options import LOG, ExecutorOption, LogOption, WorkersOption
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from fricomp.sim_bench.proof import PlannedCase, RunSettings, Score
+    from fricomp.sim_bench.studies.proof import PlannedCase, RunSettings, Score
 
 app = typer.Typer(add_completion=False)
 
@@ -51,7 +51,7 @@ def mismatch(
 
     Cases are interleaved: any beginning of a run is a fair sample of the whole, and a run that was stopped goes on.
     """
-    from fricomp.sim_bench.proof import RunSettings, load_or_start, restore_data
+    from fricomp.sim_bench.studies.proof import RunSettings, load_or_start, restore_data
 
     from . import mismatch_page, mismatch_run
 
@@ -90,9 +90,9 @@ def _compare(
     from datetime import date
 
     from fricomp.cli.terminal import progress, resumable
-    from fricomp.sim_bench.fleet import open_executor
-    from fricomp.sim_bench.proof import BASELINES, format_stamp
-    from fricomp.sim_bench.proof.baselines import compare_baselines, format_table
+    from fricomp.fleet import open_executor
+    from fricomp.sim_bench.studies.proof import BASELINES, format_stamp
+    from fricomp.sim_bench.studies.proof.baselines import compare_baselines, format_table
 
     path = out / BASELINES
     if planned:

@@ -18,7 +18,7 @@ def mismatch_close(
 ) -> None:
     """End the scored run that is kept beside the log, and put its data into a folder of its own."""
     from fricomp.cli.terminal import console
-    from fricomp.sim_bench.proof import close_run
+    from fricomp.sim_bench.studies.proof import close_run
 
     run = close_run(reason, log)
     console().print(f"scored run {run} is closed; its data is in {log.parent / f'run-{run}'}", soft_wrap=True)

@@ -33,8 +33,8 @@ def mismatch_gap(
     from datetime import date
 
     from fricomp.cli.terminal import console, progress, resumable
-    from fricomp.sim_bench.fleet import open_executor
-    from fricomp.sim_bench.proof import (
+    from fricomp.fleet import open_executor
+    from fricomp.sim_bench.studies.proof import (
         GAP,
         QUICK_DURATION,
         RunSettings,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from fricomp.sim_bench.proof import RunSettings, Score
+    from fricomp.sim_bench.studies.proof import RunSettings, Score
 
 __all__ = ["write"]
 
@@ -18,7 +18,7 @@ def write(
 ) -> None:
     """Write the page of a run, and beside it the data of the run."""
     from fricomp.cli.terminal import console
-    from fricomp.sim_bench.proof import BASELINES, GAP, format_earlier, keep_data, read_entries, write_page
+    from fricomp.sim_bench.studies.proof import BASELINES, GAP, format_earlier, keep_data, read_entries, write_page
 
     title, reproduce = _title(settings, len(scores), planned), _reproduce(settings, len(scores), out, page)
     earlier = format_earlier(read_entries(log), settings.run) if settings.scored else ""

@@ -33,7 +33,7 @@ def mismatch_replay(
 ) -> None:
     """Diagnose the cases of a scored run anew, by the diagnosis and generator it had; no log knows of it."""
     from fricomp.errors import DiagnosisError
-    from fricomp.sim_bench.proof import load_replay
+    from fricomp.sim_bench.studies.proof import load_replay
 
     from . import mismatch_page, mismatch_run
 
@@ -53,8 +53,8 @@ def _verify(run: int, log: Path, executor: tuple[str, int | None]) -> None:
     """Make the answers of a scored run again and compare."""
     from fricomp.cli.terminal import console, progress
     from fricomp.errors import DiagnosisError
-    from fricomp.sim_bench.fleet import open_executor
-    from fricomp.sim_bench.proof import verify_seals
+    from fricomp.fleet import open_executor
+    from fricomp.sim_bench.studies.proof import verify_seals
 
     with progress() as bar, open_executor(*executor) as pool:
         task = bar.add_task("answers made again", total=None)

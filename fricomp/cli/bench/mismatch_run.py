@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from fricomp.sim_bench.proof import PlannedCase, RunSettings, Score
+    from fricomp.sim_bench.studies.proof import PlannedCase, RunSettings, Score
 
 __all__ = ["run", "show"]
 
@@ -21,8 +21,15 @@ def run(
     from time import monotonic
 
     from fricomp.cli.terminal import console, progress, resumable
-    from fricomp.sim_bench.fleet import open_executor
-    from fricomp.sim_bench.proof import check_diagnosis, compute_figures, count_open, log_outcome, run_proof, watch
+    from fricomp.fleet import open_executor
+    from fricomp.sim_bench.studies.proof import (
+        check_diagnosis,
+        compute_figures,
+        count_open,
+        log_outcome,
+        run_proof,
+        watch,
+    )
 
     go_on, check = watch(settings, Path.cwd(), minutes), partial(check_diagnosis, settings, Path.cwd())
     start, done = monotonic(), 0
@@ -53,7 +60,7 @@ def _plan(
 ) -> Sequence[PlannedCase]:
     """The cases; where effects are injected, the recordings are diagnosed as they are first."""
     from fricomp.errors import RecordingError
-    from fricomp.sim_bench.proof import count_open, plan_bare, plan_injected, plan_run, require_plan, seeds_of
+    from fricomp.sim_bench.studies.proof import count_open, plan_bare, plan_injected, plan_run, require_plan, seeds_of
 
     if not settings.injected:
         planned = plan_run(settings)
@@ -71,7 +78,7 @@ def _plan(
 def show(scores: Sequence[Score], planned: Sequence[PlannedCase], out: Path) -> None:
     """Print the figures, and write the wrong answers down."""
     from fricomp.cli.terminal import console
-    from fricomp.sim_bench.proof import compute_figures, count_open, format_failures, read_refused
+    from fricomp.sim_bench.studies.proof import compute_figures, count_open, format_failures, read_refused
 
     (out / "failures.md").write_text(format_failures(scores), encoding="utf-8")
     screen, left, refused = console(), count_open(planned, out), len(read_refused(out))

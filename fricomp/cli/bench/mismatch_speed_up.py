@@ -24,7 +24,7 @@ def mismatch_speed_up(
     from dataclasses import asdict
 
     from fricomp.cli.terminal import console, progress
-    from fricomp.sim_bench.proof import RunSettings, measure_speed_up, plan_run
+    from fricomp.sim_bench.studies.proof import RunSettings, measure_speed_up, plan_run
 
     planned = plan_run(RunSettings(cases, quick=True, first_seed=first_seed))
     with progress() as bar:

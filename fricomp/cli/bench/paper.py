@@ -11,7 +11,7 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from fricomp.calibration.benchmark.ledger import Ledger
+    from fricomp.sim_bench.studies.paper.ledger import Ledger
 
 __all__ = ["app", "paper"]
 
@@ -50,8 +50,8 @@ def paper(
     page_only: Annotated[bool, typer.Option("--page-only", help="No new draws: the page from the ledger.")] = False,
 ) -> None:
     """Repeat the paper's comparison. Finished draws are kept in OUT/ledger.jsonl, and a second call goes on there."""
-    from fricomp.calibration.benchmark.ledger import Ledger
     from fricomp.cli.terminal import console, progress
+    from fricomp.sim_bench.studies.paper.ledger import Ledger
 
     ledger, sizes = Ledger(out / "ledger.jsonl"), _QUICK if quick else _FULL
     command = "fricomp bench paper" + " --quick" * quick + (f" --docs {docs}" if docs is not None else "")
@@ -65,7 +65,7 @@ def paper(
         if not page_only:
             _run(ledger, sizes, report)
         report("page and charts")
-        from fricomp.calibration.benchmark.publication import publish
+        from fricomp.sim_bench.studies.paper.publication import publish
 
         publish(ledger, pages, command)
     for page in pages:
@@ -74,7 +74,7 @@ def paper(
 
 def _run(ledger: Ledger, sizes: _Sizes, report: Callable[[str], None]) -> None:
     """What matters most comes first, for a run that is cut short."""
-    from fricomp.calibration.benchmark import rivals, study, timing
+    from fricomp.sim_bench.studies.paper import rivals, study, timing
 
     searches = rivals.SearchSizes(*sizes.searches) if sizes.searches else rivals.FULL_SIZES
     study.run_noise_free(ledger, sizes.noise_free, report)

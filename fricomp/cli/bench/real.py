@@ -34,8 +34,8 @@ def real(
     from fricomp.cli.bench.side_by_side import run_side_by_side
     from fricomp.cli.terminal import console
     from fricomp.errors import DiagnosisError
-    from fricomp.sim_bench.proof import format_stamp
-    from fricomp.sim_bench.real import REAL_CASES, run_case, write_real_page
+    from fricomp.sim_bench.studies.proof import format_stamp
+    from fricomp.sim_bench.studies.real import REAL_CASES, run_case, write_real_page
 
     if only and page is not None:
         raise DiagnosisError("a page is of all recordings: leave out --only, or --page")

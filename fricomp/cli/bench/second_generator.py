@@ -32,7 +32,7 @@ def second_generator(
     from fricomp.cli.bench.side_by_side import run_side_by_side
     from fricomp.cli.terminal import console
     from fricomp.errors import DiagnosisError
-    from fricomp.sim_bench.second_generator import choose_cases, compute_figures, run_case, write_page
+    from fricomp.sim_bench.studies.second_generator import choose_cases, compute_figures, run_case, write_page
 
     if only and page is not None:
         raise DiagnosisError("a page is of all cases: leave out --only, or --page")

@@ -21,7 +21,7 @@ def run_side_by_side(calls: Sequence[Callable[[], Result]], executor: str, label
         out: Folder in which each call leaves what it gave; on Ctrl-C it is named, for --resume.
     """
     from fricomp.cli.terminal import progress, resumable
-    from fricomp.sim_bench.fleet import open_executor
+    from fricomp.fleet import open_executor
 
     with resumable(out), progress() as bar, open_executor(executor) as (pool, _):
         task = bar.add_task(label, total=len(calls))

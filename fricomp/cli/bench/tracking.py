@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
     from fricomp.control import LoopCheck
     from fricomp.report import Chart
-    from fricomp.sim_bench.tracking import RobustnessMap, StudyRow, TrackedJoint
-    from fricomp.sim_bench.tracking.close_loop import CloseLoopResult
+    from fricomp.sim_bench.studies.tracking import RobustnessMap, StudyRow, TrackedJoint
+    from fricomp.sim_bench.studies.tracking.close_loop import CloseLoopResult
 
 __all__ = ["app"]
 
@@ -70,7 +70,7 @@ def tracking(
 
 def _sines(bar: Progress, charts: list[Chart], amplitudes: Any, bandwidths: Any) -> list[dict[str, Any]]:
     from fricomp.cli.loop_charts import tracking_charts
-    from fricomp.sim_bench.tracking import JOINTS, run_study
+    from fricomp.sim_bench.studies.tracking import JOINTS, run_study
 
     task = bar.add_task("tracking", total=len(JOINTS) * len(amplitudes) * len(bandwidths))
     rows = []
@@ -93,7 +93,7 @@ def _sines(bar: Progress, charts: list[Chart], amplitudes: Any, bandwidths: Any)
 
 def _robustness(bar: Progress, charts: list[Chart], bandwidths: Any, axes: dict[str, Any]) -> list[dict[str, Any]]:
     from fricomp.cli.loop_charts import robustness_chart
-    from fricomp.sim_bench.tracking import JOINTS, compute_robustness
+    from fricomp.sim_bench.studies.tracking import JOINTS, compute_robustness
 
     task = bar.add_task("robustness", total=len(JOINTS) * len(bandwidths))
     maps = []
@@ -119,7 +119,7 @@ def _robustness(bar: Progress, charts: list[Chart], bandwidths: Any, axes: dict[
 
 def _loops(bar: Progress, charts: list[Chart], bandwidths: Any) -> list[dict[str, Any]]:
     from fricomp.cli.loop_charts import gain_scan_chart
-    from fricomp.sim_bench.tracking import JOINTS, TrackingCase, check_tracked, run_standstill
+    from fricomp.sim_bench.studies.tracking import JOINTS, TrackingCase, check_tracked, run_standstill
 
     task = bar.add_task("loop checks", total=len(JOINTS) * len(bandwidths))
     checks, found = [], []
@@ -144,7 +144,7 @@ def _loops(bar: Progress, charts: list[Chart], bandwidths: Any) -> list[dict[str
 
 def _close_loop(bar: Progress, charts: list[Chart], bandwidths: Any, folder: Path) -> dict[str, Any]:
     from fricomp.cli.loop_charts import close_loop_chart
-    from fricomp.sim_bench.tracking.close_loop import close_loop
+    from fricomp.sim_bench.studies.tracking.close_loop import close_loop
 
     task = bar.add_task("close loop", total=None)
     result = close_loop(folder, bandwidths=bandwidths, progress=lambda step: bar.update(task, description=step))

@@ -15,7 +15,7 @@ from fricomp.adapters.canopen.configuration import CanOpenConfiguration
 from fricomp.adapters.configuration import convert
 from fricomp.errors import AdapterConfigurationError, AdapterConnectionError, AdapterError, AdapterTimeout
 from fricomp.joint import JointCommand, JointFeedback
-from fricomp.sim_bench.adapter_bench.bench import make_bench
+from fricomp.sim_bench.studies.adapters.bench import make_bench
 from fricomp.testing import AdapterRig
 from fricomp.testing.conformance import AdapterConformance
 from fricomp.testing.steps import run, start

@@ -10,7 +10,7 @@ import pytest
 from fricomp.adapters.link import CanFrame
 from fricomp.errors import AdapterConnectionError, AdapterError, DriveFault
 from fricomp.joint import JointFeedback
-from fricomp.sim_bench.adapter_bench.bench import PERIOD, make_bench
+from fricomp.sim_bench.studies.adapters.bench import PERIOD, make_bench
 from fricomp.testing.steps import run, start
 from tests.adapters.canopen.rig import CanOpenRig
 

@@ -10,7 +10,7 @@ import pytest
 from fricomp.adapters.canopen import CanOpenAdapter
 from fricomp.errors import AdapterConfigurationError
 from fricomp.joint import JointCommand, JointFeedback
-from fricomp.sim_bench.adapter_bench.bench import PERIOD, TORQUE_LIMIT, make_bench
+from fricomp.sim_bench.studies.adapters.bench import PERIOD, TORQUE_LIMIT, make_bench
 from fricomp.testing.steps import run, start
 from tests.adapters.canopen.rig import CanOpenRig, configuration
 

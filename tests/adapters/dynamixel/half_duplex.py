@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fricomp.adapters.bus_budget import serial_time
-from fricomp.sim_bench.adapter_bench.hand_held import SerialBus
+from fricomp.sim_bench.studies.adapters.hand_held import SerialBus
 from fricomp.testing import VirtualClock
 
 __all__ = ["HalfDuplexLine"]

@@ -10,7 +10,7 @@ from dynamixel_sdk import Protocol2PacketHandler
 from fricomp.adapters.configuration import convert
 from fricomp.adapters.dynamixel import DynamixelAdapter
 from fricomp.adapters.dynamixel.configuration import DynamixelConfiguration
-from fricomp.sim_bench.adapter_bench.hand_held import HandHeldAxis, SerialBus
+from fricomp.sim_bench.studies.adapters.hand_held import HandHeldAxis, SerialBus
 from fricomp.sim_bench.twins.dynamixel import DynamixelServo, DynamixelSettings, DynamixelTwin
 from fricomp.testing import AdapterRig, FaultyLink, GoldenCommand, VirtualClock
 from tests.adapters.peers.rig import joint_tables

@@ -10,7 +10,7 @@ from fricomp.adapters.dynamixel import DynamixelAdapter
 from fricomp.adapters.dynamixel.packet import bulk_read_packet
 from fricomp.adapters.dynamixel.report import REPORT_SIZE, report_request
 from fricomp.joint import JointCommand, JointFeedback
-from fricomp.sim_bench.adapter_bench.hand_held import SerialBus
+from fricomp.sim_bench.studies.adapters.hand_held import SerialBus
 from fricomp.testing import VirtualClock
 from fricomp.testing.steps import cycle, run, start
 from tests.adapters.dynamixel.half_duplex import HalfDuplexLine

@@ -17,7 +17,7 @@ from fricomp.adapters.moteus.codec import decode_state, encode_command
 from fricomp.adapters.moteus.fdcanusb import LineBuffer, decode_line
 from fricomp.errors import AdapterConfigurationError, AdapterValueError
 from fricomp.joint import JointCommand, JointFeedback
-from fricomp.sim_bench.adapter_bench.hand_held import HandHeldAxis, SerialBus
+from fricomp.sim_bench.studies.adapters.hand_held import HandHeldAxis, SerialBus
 from fricomp.sim_bench.twins.moteus import MoteusController, MoteusSettings, MoteusTwin
 from fricomp.sim_bench.twins.moteus_frame import Write, parse_frame
 from fricomp.testing import AdapterRig, FaultyLink, GoldenCommand, VirtualClock

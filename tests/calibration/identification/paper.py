@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from fricomp.calibration.benchmark.problem import Draw, PaperProblem
 from fricomp.laws import FloatArray
+from fricomp.sim_bench.studies.paper.problem import Draw, PaperProblem
 
 PROBLEM = PaperProblem()
 TRUE = np.array(PROBLEM.true_values)

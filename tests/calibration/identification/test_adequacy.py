@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fricomp.calibration.benchmark.study import contaminate
 from fricomp.calibration.identification import IdentificationOptions, IdentificationResult, Status, identify
 from fricomp.calibration.identification.page import parameter_rows
 from fricomp.control.trust import find_doubt
 from fricomp.laws import FloatArray
+from fricomp.sim_bench.studies.paper.study import contaminate
 
 from .paper import PROBLEM, TRUE, noisy
 

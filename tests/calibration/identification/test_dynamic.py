@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 
 from fricomp.calibration import IdentificationOptions, identify
-from fricomp.calibration.benchmark.bristle import BRISTLE, record_lugre
 from fricomp.calibration.identification import Status
 from fricomp.calibration.identification.dynamic import simulate_bristle
 from fricomp.errors import IdentificationError
 from fricomp.laws import Dahl, FloatArray, LuGre, OperatingPoint, StribeckCurve
+from fricomp.sim_bench.studies.paper.bristle import BRISTLE, record_lugre
 
 from .paper import TRUE
 

@@ -2,12 +2,12 @@ import numpy as np
 import pytest
 
 from fricomp.calibration import IdentificationOptions, identify
-from fricomp.calibration.benchmark.oracle import find_optimum
-from fricomp.calibration.benchmark.study import contaminate, random_start
 from fricomp.calibration.identification import Status
 from fricomp.calibration.identification.start import starting_points
 from fricomp.errors import IdentificationError
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, LoadScaling, StribeckCurve
+from fricomp.sim_bench.studies.paper.oracle import find_optimum
+from fricomp.sim_bench.studies.paper.study import contaminate, random_start
 
 from .paper import PROBLEM, TRUE, noisy, values_of
 

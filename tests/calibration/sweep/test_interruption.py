@@ -24,7 +24,7 @@ from fricomp.cli.calibration import record_file, start_run
 from fricomp.errors import AdapterError, FricompError
 from fricomp.joint import JointCommand
 from fricomp.recording import RecordingWriter
-from fricomp.sim_bench.adapter_bench.bench import PROTOCOLS
+from fricomp.sim_bench.studies.adapters.bench import PROTOCOLS
 
 SETTINGS = SweepSettings(speeds="0.8,1.5,3.0,4.0", repeats=1, warm_up=0.2, dwell=0.4, tare=0.2, breakaway_positions=0)
 

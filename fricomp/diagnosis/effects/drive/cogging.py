@@ -1,0 +1,51 @@
+"""Torque ripple that is fixed in the angle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fricomp.laws import Cogging as CoggingTerm
+from fricomp.laws import Term
+
+from ...joint.observer import Contribution, Plant
+from ..effect import Context, Effect, EffectParameter, Values, lowest_order, register, too_long
+
+
+@register
+class Cogging(Effect):
+    """tau = A sin(n q + phi) [piccoli2016]; A and phi for each recording, as an incremental encoder starts anew."""
+
+    name = "cogging"
+    kind = "physics"
+    equation = "tau = A sin(n q + phi)"
+    citation = "piccoli2016"
+    says = "a torque ripple is fixed in the angle, whatever the speed"
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        scale = 0.02 * contexts[0].scale
+        waves = [EffectParameter(name, "{torque}", scale, -1e4, 1e4) for name in ("sine", "cosine")]
+        order = EffectParameter("order", "1/{position}", 0.05, lowest_order(contexts), 1e5, linear=False)
+        further = [
+            EffectParameter(f"{wave.name}_{number}", wave.unit, scale, wave.lower, wave.upper)
+            for number in range(2, len(contexts) + 1)
+            for wave in waves
+        ]
+        return (*waves, order, *further)
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        lowest = lowest_order(contexts)
+        return [{"order": n} for n in contexts[0].hints.get("order", ()) if n >= lowest]
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        angle = values["order"] * context.position
+        number = f"_{context.index + 1}" if context.index else ""
+        sine, cosine = (values[f"{name}{number}"] for name in ("sine", "cosine"))
+        return Contribution(additive=sine * np.sin(angle) + cosine * np.cos(angle))
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        return too_long(values["order"], contexts)
+
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+        return CoggingTerm(values["sine"], values["cosine"], values["order"])

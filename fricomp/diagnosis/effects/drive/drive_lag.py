@@ -1,0 +1,44 @@
+"""A drive whose torque follows its command through a low pass."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...joint.base import at_earliest
+from ...joint.observer import Contribution
+from ..effect import Context, Effect, EffectParameter, Values, register
+
+_SHORTEST = 1e-6  # [s]
+
+
+@register
+class DriveLag(Effect):
+    """tau = tau_command / (1 + T s / n)^n, n = 1 or 2 [hollerbach2016]."""
+
+    name = "drive_lag"
+    kind = "measurement"
+    equation = "tau = tau_command / (1 + T s / n)^n"
+    citation = "hollerbach2016"
+    says = "the torque that acts follows the recorded one through a low pass"
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        return (
+            EffectParameter("time_constant", "s", 2e-3, 0.0, 0.05, linear=False, form=0.05, with_delay=1.0),
+            EffectParameter("order", "1", 0.0, 1.0, 2.0, linear=False),
+        )
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return [{"time_constant": lag, "order": order} for lag in (2e-3, 6e-3) for order in (1.0, 2.0)]
+
+    def suspected(self, contexts: Sequence[Context]) -> bool:
+        """The torque of the base is recorded as early as it may be."""
+        return at_earliest(contexts[0].plant, contexts[0].dt)
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        """The recorded torque itself is filtered: where the joint sticks, the torque that a base without the lag needs
+        is another one.
+        """
+        if values["time_constant"] < _SHORTEST:
+            return Contribution()
+        order = round(values["order"])
+        return Contribution(lags=(values["time_constant"] / order,) * order)

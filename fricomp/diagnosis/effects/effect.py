@@ -1,0 +1,227 @@
+"""What an effect of the catalogue is: a contribution to the simulated joint with parameters to fit."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from fricomp.laws import Term
+
+from ..inputs.track import FloatArray
+from ..joint.observer import Contribution, Plant
+from .forward_part import ForwardPart
+
+__all__ = ["EFFECTS", "Context", "Effect", "EffectParameter", "Kind", "Values", "lowest_order", "register", "too_long"]
+
+_FORM = 0.03  # of a size; an order, an edge, a time are known as well as the fit says
+_AT_BOUND = 1e-3  # relative distance from a bound at which a fit stands at it
+
+Kind = Literal["physics", "measurement", "parameter"]
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Context:
+    """What effects may draw on along one recording: the motion of the fitted base model, and recorded channels.
+
+    Attributes:
+        dt: Sample time [s].
+        position: Position [rad] or [m]. Shape (n,), like all arrays here.
+        velocity: Velocity of the model [rad/s] or [m/s]; exactly smooth at rest.
+        acceleration: Acceleration [rad/s²] or [m/s²].
+        torque: Torque that the base model needs: that of the recording without its noise [N·m] or [N].
+        recorded: Torque of the recording [N·m] or [N]. What follows it explains its noise as well.
+        gravity: Gravity torque of the base model [N·m] or [N].
+        load_torque: Torque transmitted to the load: recorded, else gravity of the base model [N·m].
+        friction: Friction torque of the base model [N·m].
+        plant: The base model.
+        rotary: Whether positions are angles.
+        channels: Further recorded columns by name.
+        scale: Typical friction torque, for scaling parameters [N·m].
+        usual_load: Typical load [N·m], the same in all recordings and whatever is fitted.
+        usual_temperature: Mean temperature of all recordings [°C]; 0 where it was not recorded.
+        noise: Standard deviation of the noise in the recorded torque [N·m] or [N].
+        index: Which of the recordings this is, counted from 0.
+        hints: Starting values found in the residual, such as the orders over position that stand out.
+        usual_delay: By how much the torque is late without any flaw, and how far that strays [s].
+    """
+
+    dt: float
+    position: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    torque: FloatArray
+    recorded: FloatArray
+    gravity: FloatArray
+    load_torque: FloatArray
+    friction: FloatArray
+    plant: Plant
+    rotary: bool
+    scale: float
+    usual_load: float = 1.0
+    usual_temperature: float = 0.0
+    channels: Mapping[str, FloatArray] = field(default_factory=dict)
+    noise: float = 0.0
+    index: int = 0
+    hints: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    usual_delay: tuple[float, float] = (0.0, 2.5e-4)
+
+    @property
+    def time(self) -> FloatArray:
+        """Time since the first sample [s]."""
+        return np.arange(self.position.size, dtype=np.float64) * np.float64(self.dt)
+
+    @cached_property
+    def waves(self) -> tuple[FloatArray, FloatArray]:
+        """Cosine and sine of the position. Shapes (n,)."""
+        return np.cos(self.position), np.sin(self.position)
+
+    @property
+    def stribeck_velocity(self) -> FloatArray:
+        """Stribeck velocity of the direction of motion [rad/s]."""
+        return np.where(self.velocity >= 0.0, self.plant.forward[2], self.plant.reverse[2])
+
+
+@dataclass(frozen=True)
+class EffectParameter:
+    """One number of an effect.
+
+    Attributes:
+        name: Literature name.
+        unit: Unit; `{torque}` and `{position}` stand for the recording's own.
+        scale: Change that matters, for steps and damping.
+        lower: Lower bound.
+        upper: Upper bound.
+        linear: Whether the contribution is proportional to it, so that it is zero where the effect is absent.
+        prior: Standard deviation of a weak prior around the start; 0 for none.
+        known: Standard deviation of what is known of it before a fit, in the solver's coordinates, for its interval; 0
+            for that of the prior. Where a fit may start from several values, its prior only keeps it near its own one.
+        logarithmic: Whether the number is fitted, and bounded, as its logarithm.
+        form: Relative deviation that a law of slightly another form leaves in it, from simulated joints; None for the
+            usual one of sizes.
+        least_form: What such a law leaves however small the number is, in the solver's coordinates.
+        with_delay: How it changes with the base's own delay where the recording stays as it is [1/s]: rows show a time
+            by which the torque is late, and next to nothing of who makes it late.
+    """
+
+    name: str
+    unit: str
+    scale: float
+    lower: float
+    upper: float
+    linear: bool = True
+    prior: float = 0.0
+    known: float = 0.0
+    logarithmic: bool = False
+    form: float | None = None
+    least_form: float = 0.0
+    with_delay: float = 0.0
+
+    def deviation_of_form(self, value: float) -> float:
+        """Standard deviation that the law's form leaves, in the solver's coordinates."""
+        usual = _FORM if self.linear or self.logarithmic else 0.0
+        relative = usual if self.form is None else self.form
+        return float(np.hypot(relative * (1.0 if self.logarithmic else abs(value)), self.least_form))
+
+
+class Effect(ABC):
+    """One effect of the catalogue. Stateless; instances register under their name."""
+
+    name: ClassVar[str]
+    kind: ClassVar[Kind]
+    equation: ClassVar[str]
+    citation: ClassVar[str]
+    says: ClassVar[str]
+    shown_at_rest: ClassVar[bool] = False  # else only rows in which the joint slides speak for it
+    like_a_bristle: ClassVar[bool] = False  # takes up what the form of the bristle leaves about rest
+    scales_torque: ClassVar[bool] = False  # by a factor that changes with time, but hardly over the whole recording
+
+    @abstractmethod
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        """The effect's numbers, with scales for these recordings."""
+
+    @abstractmethod
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        """What the effect adds to the joint along one recording."""
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        """Hypotheses for the parameters in which the contribution is not linear."""
+        return [{}]
+
+    def other_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        """Hypotheses that are tried where the fitted ones ask for another inertia or gravity than the simulation's."""
+        return self.starts(contexts)
+
+    def far_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        """Hypotheses far from each other, fitted with care where the base is bent so far that nothing explains most."""
+        return []
+
+    def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        """Many hypotheses, of which simulation keeps the best as starts; none where `starts` is enough."""
+        return []
+
+    def kept(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        """The hypotheses that were kept of `scan`; all of them where none was narrowed down."""
+        names = [p.name for p in self.parameters(contexts)]
+        values = contexts[0].hints.get(f"start:{self.name}", ())
+        found = [dict(zip(names, values[i : i + len(names)], strict=True)) for i in range(0, len(values), len(names))]
+        return found or self.scan(contexts)
+
+    def unavailable(self, contexts: Sequence[Context]) -> str | None:
+        """Why this recording cannot show the effect; None where it can."""
+        return None
+
+    def suspected(self, contexts: Sequence[Context]) -> bool:
+        """Whether the base model itself points at the effect, so that it is refitted however faint its column is."""
+        return False
+
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+        """The effect as a term beside the friction of the fitted `plant`; None where it is none.
+
+        `contexts` are those that its contribution was fitted along. What changes the curves or the bristle themselves
+        is no term of its own: its contribution says so.
+        """
+        return None
+
+    def forward_part(self, context: Context, values: Values) -> ForwardPart:
+        """What the effect is in a forward simulation; what it adds along the recorded motion where it has no state."""
+        return ForwardPart(self.contribution(context, values))
+
+    def load(self, context: Context, values: Values) -> FloatArray | float:
+        """Further load that the joint carries by this effect, which others feel as well [N·m]. Shape (n,)."""
+        return 0.0
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        """Why these values are not physical, or too faint to be named; None where they are neither."""
+        return None
+
+    def faint(self, values: Values, contexts: Sequence[Context]) -> bool:
+        """Whether these values are physical and refused as too faint: something else may look like them."""
+        return False
+
+
+def lowest_order(contexts: Sequence[Context]) -> float:
+    """Lowest order over position that counts as a ripple: one and a half waves over the recorded range."""
+    span = max(float(np.ptp(context.position)) for context in contexts)
+    return 1.5 * 2.0 * np.pi / max(span, 1e-9)
+
+
+def too_long(order: float, contexts: Sequence[Context]) -> str | None:
+    """Why a ripple is none: its fit went to the lowest order, since anything that varies slowly looks like that."""
+    if order > (1.0 + _AT_BOUND) * lowest_order(contexts):
+        return None
+    return "no period of it lies within the recorded range"
+
+
+EFFECTS: dict[str, Effect] = {}
+
+
+def register(effect: type[Effect]) -> type[Effect]:
+    """Enter an effect into the catalogue."""
+    EFFECTS[effect.name] = effect()
+    return effect

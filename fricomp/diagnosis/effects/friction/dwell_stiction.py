@@ -1,0 +1,100 @@
+"""Static friction that grows while the joint rests."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import exp
+
+import numpy as np
+
+from fricomp.laws import DwellStiction as DwellStictionTerm
+from fricomp.laws import Term
+
+from ...inputs.track import FloatArray
+from ...joint.kernel import dwell
+from ...joint.observer import Contribution, Plant
+from ..effect import Context, Effect, EffectParameter, Values, register
+from ..forward_part import ForwardPart, HiddenState
+
+_REST_SPEED = 3e-3  # [rad/s] or [m/s] below which the contact ages
+_MOST = 3.0  # of the Coulomb torque: rests have been seen to raise static friction by as much as that torque itself
+
+
+@register
+class DwellStiction(Effect):
+    """F_s rises by A (1 - exp(-t_d / tau)) after a rest of t_d [armstrong1994survey]."""
+
+    name = "dwell_stiction"
+    kind = "physics"
+    equation = "F_s rises by A (1 - exp(-t_d / tau)) after a rest of t_d"
+    citation = "armstrong1994survey"
+    says = "the breakaway torque grows with the time at rest"
+    shown_at_rest = True
+    like_a_bristle = True
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        return (
+            EffectParameter("rise", "{torque}", 0.05 * contexts[0].scale, -1e4, 1e4, form=0.4),
+            _size("time_constant", "s", (0.05, 60.0), prior=0.6, form=0.5),
+            _size("travel", "{position}", (1e-3, 0.1), prior=1.1, form=0.2),
+        )
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        sizes = [(t, d) for t in (0.3, 2.0, 10.0) for d in (2e-3, 1e-2)]
+        return [{"time_constant": float(np.log(t)), "travel": float(np.log(d))} for t, d in sizes]
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        return Contribution(level=values["rise"] * _grown(context, values))
+
+    def forward_part(self, context: Context, values: Values) -> ForwardPart:
+        return ForwardPart(states=(_Age(context, values),))
+
+    def unavailable(self, contexts: Sequence[Context]) -> str | None:
+        rests = max(float(np.mean(np.abs(c.velocity) < _REST_SPEED)) for c in contexts)
+        return "the joint never rests" if rests < 0.01 else None
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        if values["rise"] <= 0.0:
+            return "the static friction would fall at rest"
+        grown = max(float(np.max(_grown(context, values))) for context in contexts)  # rests may be short beside tau
+        if values["rise"] * grown > _MOST * contexts[0].plant.level:
+            return "a rest would hold the joint with many times its sliding friction"
+        return None
+
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+        time, travel = (float(np.exp(values[name])) for name in ("time_constant", "travel"))
+        return DwellStictionTerm(values["rise"], time, travel, _REST_SPEED)
+
+
+class _Age(HiddenState):
+    """Share of the rise that the rests of the simulated motion have brought, as `dwell` has it."""
+
+    def __init__(self, context: Context, values: Values) -> None:
+        self.context, self.values, self.rise = context, values, values["rise"]
+        self.time, self.travel = np.exp(values["time_constant"]), float(np.exp(values["travel"]))
+
+    def begin(self, sample: int, step: float) -> None:
+        self.grown = float(_grown(self.context, self.values)[sample])
+        self.gain, self.per_speed = 1.0 - float(np.exp(-step / self.time)), step / self.travel
+
+    def follow(self, velocity: float, friction: float) -> tuple[float, float]:
+        if abs(velocity) < _REST_SPEED:
+            self.grown += self.gain * (1.0 - self.grown)
+        else:
+            self.grown *= exp(-abs(velocity) * self.per_speed)
+        return 0.0, self.rise * self.grown
+
+
+def _grown(context: Context, values: Values) -> FloatArray:
+    """Share of the rise that rests have brought. Shape (n,)."""
+    time, travel = np.exp(values["time_constant"]), np.exp(values["travel"])
+    return dwell(context.velocity, np.array([context.dt, time, travel, _REST_SPEED]))
+
+
+def _size(name: str, unit: str, limits: tuple[float, float], *, prior: float, form: float) -> EffectParameter:
+    """A positive number that a recording may hardly fix, fitted as its logarithm."""
+    low, high = (float(np.log(limit)) for limit in limits)
+    known = (high - low) / (2.0 * 1.96)  # its domain, which starts may lie all over
+    return EffectParameter(
+        name, unit, 0.3, low, high, linear=False, prior=prior, known=known, logarithmic=True, form=form
+    )

@@ -1,0 +1,36 @@
+"""Friction that follows the velocity late."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...joint.observer import Contribution
+from ..effect import Context, Effect, EffectParameter, Values, register
+
+_SHORTEST = 1.5e-3  # [s]; a bristle of another form has been seen to look like 1.3 ms
+
+
+@register
+class FrictionalLag(Effect):
+    """tau_f(t) = F(v(t - tau_L)) [hess1990]."""
+
+    name = "frictional_lag"
+    kind = "physics"
+    equation = "tau_f(t) = F(v(t - tau_L))"
+    citation = "hess1990"
+    says = "the friction level follows the velocity with a lag"
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        return (EffectParameter("lag", "s", 2e-3, 0.0, 0.1, linear=False),)
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return [{"lag": 2e-3}, {"lag": 8e-3}, {"lag": 2e-2}]
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        return Contribution(plant={"lag": values["lag"]})
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        return "the lag is shorter than recordings can show" if self.faint(values, contexts) else None
+
+    def faint(self, values: Values, contexts: Sequence[Context]) -> bool:
+        return values["lag"] < max(contexts[0].dt, _SHORTEST)

@@ -1,0 +1,40 @@
+"""Coulomb friction that grows with the transmitted load."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fricomp.laws import LoadCoulomb as LoadCoulombTerm
+from fricomp.laws import Term
+
+from ...joint.observer import Contribution, Plant
+from ..effect import Context, Effect, EffectParameter, Values, register
+from .load_share import SHARE, felt_load, share_starts
+
+
+@register
+class LoadCoulomb(Effect):
+    """c_l |tau_l| sgn(v) [bittencourt2010]."""
+
+    name = "load_coulomb"
+    kind = "physics"
+    equation = "tau_f = c_l |tau_l| sgn(v)"
+    citation = "bittencourt2010"
+    says = "the friction level grows with the transmitted load"
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        return (EffectParameter("coefficient", "{torque}/{torque}", 0.02, -0.2, 2.0), SHARE)
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return share_starts(contexts)
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        return Contribution(level=values["coefficient"] * np.abs(felt_load(context, values)))
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        return "friction would fall with load" if values["coefficient"] <= 0.0 else None
+
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+        return LoadCoulombTerm(values["coefficient"])

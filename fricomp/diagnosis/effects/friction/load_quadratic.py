@@ -1,0 +1,48 @@
+"""Friction that curves with the transmitted load, or differs between driving and braking."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fricomp.laws import LoadQuadratic as LoadQuadraticTerm
+from fricomp.laws import Term
+
+from ...joint.observer import Contribution, Plant
+from ..effect import Context, Effect, EffectParameter, Values, register
+from .load_share import SHARE, felt_load, share_starts
+
+
+@register
+class LoadQuadratic(Effect):
+    """c_q tau_l^2 sgn(v), or c_d |tau_l| sgn(v) while the load drives [duclusaud2025bam]."""
+
+    name = "load_quadratic"
+    kind = "physics"
+    equation = "tau_f = c_q tau_l^2 sgn(v), or c_d |tau_l| [tau_l v > 0] sgn(v)"
+    citation = "duclusaud2025bam"
+    says = "friction curves with the load, or differs between driving and braking"
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        largest = max(float(np.max(np.abs(c.load_torque))) for c in contexts) or 1.0
+        return (
+            EffectParameter("coefficient", "1/{torque}", 0.02 / largest, -1.0, 1.0),
+            EffectParameter("split", "1", 0.0, 0.0, 1.0, linear=False),
+            SHARE,
+        )
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return [{"split": split, **share} for split in (0.0, 1.0) for share in share_starts(contexts)]
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        load = felt_load(context, values)
+        split = context.usual_load * np.abs(load) * (load * context.velocity > 0.0)
+        return Contribution(level=values["coefficient"] * (split if values["split"] > 0.5 else load**2))
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        # Between driving and braking friction may differ either way.
+        return "friction would fall with load" if values["split"] < 0.5 and values["coefficient"] <= 0.0 else None
+
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+        return LoadQuadraticTerm(values["coefficient"]) if values["split"] < 0.5 else None

@@ -1,0 +1,43 @@
+"""Static friction that grows with the transmitted load."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fricomp.laws import LoadStribeck as LoadStribeckTerm
+from fricomp.laws import Term
+
+from ...joint.observer import Contribution, Plant
+from ..effect import Context, Effect, EffectParameter, Values, register
+from .load_share import SHARE, felt_load, share_starts
+
+
+@register
+class LoadStribeck(Effect):
+    """c_ls |tau_l| exp(-(|v|/v_s)^2) sgn(v) [duclusaud2025bam]."""
+
+    name = "load_stribeck"
+    kind = "physics"
+    equation = "tau_f = c_ls |tau_l| exp(-(|v|/v_s)^2) sgn(v)"
+    citation = "duclusaud2025bam"
+    shown_at_rest = True
+    like_a_bristle = True
+    says = "the extra friction of slow motion grows with the transmitted load"
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        return (EffectParameter("coefficient", "{torque}/{torque}", 0.02, -0.2, 2.0, form=0.15), SHARE)
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return share_starts(contexts)
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        falling = np.exp(-((context.velocity / context.stribeck_velocity) ** 2))
+        return Contribution(level=values["coefficient"] * np.abs(felt_load(context, values)) * falling)
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        return "static friction would fall with load" if values["coefficient"] <= 0.0 else None
+
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+        return LoadStribeckTerm(values["coefficient"], 0.5 * (plant.forward[2] + plant.reverse[2]))

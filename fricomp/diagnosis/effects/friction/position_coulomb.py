@@ -1,0 +1,42 @@
+"""Coulomb friction that waves with the angle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fricomp.laws import PositionCoulomb as PositionCoulombTerm
+from fricomp.laws import Term
+
+from ...joint.observer import Contribution, Plant
+from ..effect import Context, Effect, EffectParameter, Values, register
+
+
+@register
+class PositionCoulomb(Effect):
+    """tau_f = (a cos n q + b sin n q) sgn(v) [bittencourt2010]."""
+
+    name = "position_coulomb"
+    kind = "physics"
+    equation = "tau_f = (a cos n q + b sin n q) sgn(v)"
+    citation = "bittencourt2010"
+    says = "the friction level waves with the position"
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        scale = contexts[0].scale
+        return (
+            EffectParameter("sine", "{torque}", 0.05 * scale, -1e4, 1e4),
+            EffectParameter("cosine", "{torque}", 0.05 * scale, -1e4, 1e4),
+            EffectParameter("order", "1/{position}", 0.05, 0.0, 1e5, linear=False, form=0.05),
+        )
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return [{"order": n} for n in contexts[0].hints.get("level_order", ())]
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        angle = values["order"] * context.position
+        return Contribution(level=values["sine"] * np.sin(angle) + values["cosine"] * np.cos(angle))
+
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+        return PositionCoulombTerm(values["sine"], values["cosine"], values["order"])

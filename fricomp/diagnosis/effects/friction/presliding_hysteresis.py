@@ -1,0 +1,47 @@
+"""Elastic presliding: a soft bristle that yields after a visible travel."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...joint.base import SOFTEST
+from ...joint.observer import Contribution
+from ..effect import Context, Effect, EffectParameter, Values, register
+
+_LEAST = 4e-4  # [rad] breakaway distance that no joint has of itself
+
+
+@register
+class PreslidingHysteresis(Effect):
+    """z' = v - sigma_0 |v| z / g(v), tau_f = sigma_0 z + sigma_1 z' [canudas1995lugre]."""
+
+    name = "presliding_hysteresis"
+    kind = "physics"
+    equation = "z' = v - sigma_0 |v| z / g(v), tau_f = sigma_0 z + sigma_1 z'"
+    citation = "canudas1995lugre"
+    says = "after each reversal the friction builds up over a visible travel"
+    shown_at_rest = True
+    like_a_bristle = True
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        low, high = float(np.log(_LEAST)), float(np.log(5e-2))
+        return (
+            EffectParameter(
+                "breakaway_distance", "{position}", 0.3, low, high, linear=False, logarithmic=True, form=0.15
+            ),
+            EffectParameter("damping_time", "s", 2e-3, 0.0, 0.05, linear=False),
+        )
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return [{"breakaway_distance": float(np.log(d)), "damping_time": 0.0} for d in (6e-4, 1.5e-3, 4e-3, 1e-2)]
+
+    def suspected(self, contexts: Sequence[Context]) -> bool:
+        """The base's own bristle is as soft as it may be."""
+        plant = contexts[0].plant
+        return plant.level / plant.sigma_0 > 0.8 * SOFTEST
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        sigma_0 = context.plant.level / float(np.exp(values["breakaway_distance"]))
+        return Contribution(plant={"sigma_0": sigma_0, "sigma_1": sigma_0 * values["damping_time"]})

@@ -1,0 +1,32 @@
+"""A Stribeck curve whose fall is not Gaussian."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...joint.observer import Contribution
+from ..effect import Context, Effect, EffectParameter, Values, register
+
+
+@register
+class StribeckShape(Effect):
+    """F_c + (F_s - F_c) exp(-(|v|/v_s)^delta), delta other than 2 [bittencourt2010]."""
+
+    name = "stribeck_shape"
+    kind = "physics"
+    equation = "F_c + (F_s - F_c) exp(-(|v|/v_s)^delta), delta other than 2"
+    citation = "bittencourt2010"
+    says = "the Stribeck curve falls with another exponent than two"
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        return (EffectParameter("stribeck_exponent", "1", 0.2, 0.4, 4.0, linear=False, form=0.1),)
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return [{"stribeck_exponent": 1.0}, {"stribeck_exponent": 3.0}]
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        return Contribution(plant={"stribeck_exponent": values["stribeck_exponent"]})
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        near = abs(values["stribeck_exponent"] - 2.0) < 0.15
+        return "the exponent is two within its tolerance" if near else None

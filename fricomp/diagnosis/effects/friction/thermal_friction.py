@@ -1,0 +1,104 @@
+"""Friction that falls as the joint warms."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import exp, expm1
+
+import numpy as np
+
+from fricomp.laws import Term
+from fricomp.laws import ThermalFriction as ThermalFrictionTerm
+from fricomp.laws.thermal_friction import STRONGEST_FALL
+
+from ...joint.observer import Contribution, Plant
+from ..effect import Context, Effect, EffectParameter, Values, register
+from ..forward_part import ForwardPart, HiddenState
+from ..heating_time import HEATING_TIME, heating_times
+from ..warming import heat_of, losses, warming
+
+
+@register
+class ThermalFriction(Effect):
+    """tau_f = F_v exp(-beta dT) v + F_c (1 - gamma dT) sgn(v) [simoni2015]."""
+
+    name = "thermal_friction"
+    kind = "physics"
+    equation = "tau_f = F_v exp(-beta dT) v + F_c (1 - gamma dT) sgn(v)"
+    citation = "simoni2015"
+    says = "friction changes with the temperature of the joint"
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        viscous = max(max(c.plant.forward[3], c.plant.reverse[3]) for c in contexts)
+        largest = max(float(np.max(np.abs(heat_of(c, 30.0)))) for c in contexts)
+        recorded = _recorded(contexts)
+        per_kelvin = "/K" if recorded else ""
+        slope = 0.05 * (viscous + 0.1 * contexts[0].scale) / largest
+        level = 0.05 * contexts[0].scale / largest
+        viscous_slope = EffectParameter("viscous_slope", "{torque}·s/{position}" + per_kelvin, slope, -1e6, 1e6)
+        if not recorded:  # an estimated temperature hardly tells a second slope from its own time constant
+            return viscous_slope, HEATING_TIME
+        return viscous_slope, EffectParameter("coulomb_slope", "{torque}" + per_kelvin, level, -1e6, 1e6)
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return [{}] if _recorded(contexts) else heating_times()
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        heat = heat_of(context, _time_constant(values))
+        viscous = np.where(context.velocity >= 0.0, *_viscous(context))
+        fall = np.clip(values["viscous_slope"] * heat / viscous, -STRONGEST_FALL, STRONGEST_FALL)
+        return Contribution(
+            additive=viscous * np.expm1(-fall) * context.velocity, level=-values.get("coulomb_slope", 0.0) * heat
+        )
+
+    def forward_part(self, context: Context, values: Values) -> ForwardPart:
+        if "temperature" in context.channels:
+            return super().forward_part(context, values)
+        return ForwardPart(states=(_Warmth(context, values),))
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        speed = max(float(np.sqrt(np.mean(c.velocity**2))) for c in contexts)
+        rises = values["viscous_slope"] * speed + values.get("coulomb_slope", 0.0) <= 0.0
+        return "friction would rise with temperature" if rises else None
+
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+        if not _recorded(contexts):
+            return None  # the estimate follows from all friction since the joint was cold, and no term knows either
+        slopes = values["viscous_slope"], values["coulomb_slope"]
+        return ThermalFrictionTerm(*_viscous(contexts[0]), *slopes, contexts[0].usual_temperature)
+
+
+def _viscous(context: Context) -> tuple[float, float]:
+    """Viscous friction of both directions that the heat changes, held above nothing [N·m·s/rad]."""
+    least = 0.1 * context.scale / max(float(np.max(np.abs(context.velocity))), 1e-9)
+    return max(context.plant.forward[3], least), max(context.plant.reverse[3], least)
+
+
+class _Warmth(HiddenState):
+    """The temperature that the losses of the simulated motion bring, as `heat_of` estimates it."""
+
+    def __init__(self, context: Context, values: Values) -> None:
+        self.context, self.slope, self.time_constant = context, values["viscous_slope"], _time_constant(values)
+        self.forward, self.reverse = _viscous(context)
+
+    def begin(self, sample: int, step: float) -> None:
+        power = losses(self.context)
+        rise = warming(power, self.context.dt, self.time_constant)
+        self.rise, self.usual, self.mean = float(rise[sample]), float(np.mean(rise)), max(float(np.mean(power)), 1e-12)
+        self.gain = 1.0 - exp(-step / self.time_constant)
+
+    def follow(self, velocity: float, friction: float) -> tuple[float, float]:
+        self.rise += self.gain * (abs(friction * velocity) / self.mean - self.rise)
+        viscous = self.forward if velocity >= 0.0 else self.reverse
+        fall = min(max(self.slope * (self.rise - self.usual) / viscous, -STRONGEST_FALL), STRONGEST_FALL)
+        return viscous * expm1(-fall) * velocity, 0.0
+
+
+def _time_constant(values: Values) -> float:
+    """Of the estimated temperature [s]."""
+    return float(np.exp(values.get("time_constant", 0.0)))
+
+
+def _recorded(contexts: Sequence[Context]) -> bool:
+    """Whether the temperature stands in every recording."""
+    return all("temperature" in context.channels for context in contexts)

@@ -1,0 +1,38 @@
+"""A torque signal that is late."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...joint.base import at_latest
+from ...joint.observer import Contribution
+from ..effect import Context, Effect, EffectParameter, Values, register
+
+
+@register
+class TorqueDelay(Effect):
+    """tau_recorded(t) = tau(t - T_d) [hollerbach2016]."""
+
+    name = "torque_delay"
+    kind = "measurement"
+    equation = "tau_recorded(t) = tau(t - T_d)"
+    citation = "hollerbach2016"
+    says = "the recorded torque is late"
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        return (EffectParameter("delay", "s", 1e-3, -0.03, 0.05, linear=False, form=0.05, with_delay=-1.0),)
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return [{"delay": 1e-3}, {"delay": 4e-3}, {"delay": -1e-3}]
+
+    def suspected(self, contexts: Sequence[Context]) -> bool:
+        """The base's own delay is as long as it may be."""
+        return at_latest(contexts[0].plant)
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        return Contribution(delay=values["delay"])
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        if values["delay"] <= 0.0:
+            return "the torque would be recorded before it acts"
+        return None

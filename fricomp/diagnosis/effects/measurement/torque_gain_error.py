@@ -1,0 +1,28 @@
+"""A torque signal with a wrong scale."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...joint.observer import Contribution
+from ..effect import Context, Effect, EffectParameter, Values, register
+
+
+@register
+class TorqueGainError(Effect):
+    """tau_recorded = (1 + eps) tau [hollerbach2016]."""
+
+    name = "torque_gain_error"
+    kind = "measurement"
+    equation = "tau_recorded = (1 + eps) tau"
+    citation = "hollerbach2016"
+    says = "the recorded torque has a wrong scale"
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        return (EffectParameter("gain_error", "1", 0.02, -0.5, 0.5),)
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        return Contribution(additive=values["gain_error"] * context.torque)
+
+    def unavailable(self, contexts: Sequence[Context]) -> str | None:
+        return "a gain scales inertia, gravity and friction alike: compare with a simulation whose inertia is known"

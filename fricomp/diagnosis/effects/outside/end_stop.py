@@ -1,0 +1,63 @@
+"""A stop or bumper at the end of the range."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fricomp.laws import EndStop as EndStopTerm
+from fricomp.laws import Term
+
+from ...joint.observer import Contribution, Plant
+from ..effect import Context, Effect, EffectParameter, Values, register
+
+_WIDEST = 0.35  # of the samples and of the range; a stop is at its end
+
+
+@register
+class EndStop(Effect):
+    """tau = k (q - q_max)_+."""
+
+    name = "end_stop"
+    kind = "physics"
+    equation = "tau = k (q - q_max)_+"
+    citation = ""
+    says = "a stop pushes back at the end of the range"
+    shown_at_rest = True
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        scale = contexts[0].scale
+        return (
+            EffectParameter("stiffness", "{torque}/{position}", scale, -1e7, 1e7),
+            EffectParameter("edge", "{position}", 0.02, -1e3, 1e3, linear=False),
+            EffectParameter("side", "1", 0.0, -1.0, 1.0, linear=False),
+        )
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        low, high = _range(contexts)
+        span = high - low
+        upper = [{"edge": high - f * span, "side": 1.0} for f in (0.02, 0.06, 0.12, 0.2)]
+        return upper + [{"edge": low + f * span, "side": -1.0} for f in (0.02, 0.06, 0.12, 0.2)]
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        side = values["side"]
+        depth = np.maximum(side * (context.position - values["edge"]), 0.0)
+        return Contribution(additive=values["stiffness"] * side * depth)
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        if values["stiffness"] <= 0.0:
+            return "the stop would pull outwards"
+        inside = [np.mean(values["side"] * (c.position - values["edge"]) > 0.0) for c in contexts]
+        low, high = _range(contexts)
+        reach = high - values["edge"] if values["side"] > 0.0 else values["edge"] - low
+        widest = max(float(np.mean(inside)), reach / (high - low))
+        return "it would act over more than a third of the range" if widest > _WIDEST else None
+
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+        return EndStopTerm(values["stiffness"], values["edge"], values["side"])
+
+
+def _range(contexts: Sequence[Context]) -> tuple[float, float]:
+    """Least and largest position of all recordings [rad] or [m]."""
+    return min(float(c.position.min()) for c in contexts), max(float(c.position.max()) for c in contexts)

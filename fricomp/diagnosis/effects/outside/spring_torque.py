@@ -1,0 +1,54 @@
+"""A spring between the joint and its base, such as a cable bundle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from fricomp.laws import SpringTorque as SpringTorqueTerm
+from fricomp.laws import Term
+
+from ...inputs.track import SIMULATED_STIFFNESS
+from ...joint.observer import Contribution, Plant
+from ..effect import Context, Effect, EffectParameter, Values, register
+
+_FORM = 0.1  # of a spring that the joint lacks, by which the fit may find more of it missing
+
+
+@register
+class SpringTorque(Effect):
+    """tau = k (x + h x^3), x = q - q_0."""
+
+    name = "spring_torque"
+    kind = "physics"
+    equation = "tau = k (x + h x^3), x = q - q_0"
+    citation = ""
+    says = "a spring pulls the joint"
+    shown_at_rest = True
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        scale = contexts[0].scale
+        # A straight spring has its centre in the offset; only one that stiffens shows it.
+        return (
+            EffectParameter("stiffness", "{torque}/{position}", 0.05 * scale, -1e6, 1e6),
+            EffectParameter("centre", "{position}", 0.2, -10.0, 10.0, linear=False, prior=0.5),
+            EffectParameter("hardening", "1/{position}²", 0.1, 0.0, 5.0, linear=False, prior=0.5),
+        )
+
+    def other_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        # A spring that stiffens is a straight one and a change of gravity, but for the simulation's gravity.
+        return [{"hardening": 0.2}]
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        stretch = context.position - values["centre"]
+        return Contribution(additive=values["stiffness"] * stretch * (1.0 + values["hardening"] * stretch**2))
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        given = contexts[0].channels.get(SIMULATED_STIFFNESS)
+        if given is None:
+            return "the spring would push away from its centre" if values["stiffness"] <= 0.0 else None
+        # Beside a simulation with a spring it is the difference: a joint without any shows less all of that one.
+        least = -(1.0 + _FORM) * float(given[0])
+        return "with the simulation's it would push away from its centre" if values["stiffness"] < least else None
+
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+        return SpringTorqueTerm(values["stiffness"], values["centre"], values["hardening"])

@@ -1,0 +1,202 @@
+"""A structure: the base model with some effects, as one vector of parameters that is fitted as a whole."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ..inputs.track import FloatArray
+from ..joint.base import BASE_NAMES, unpack
+from ..joint.observer import THREADS, Contribution, Observation, Plant
+from ..joint.problem import Problem
+from ..joint.solver import Box, Descent, Fit, descend, together
+from . import EFFECTS, Context, Effect, EffectParameter
+from .context import loaded
+
+__all__ = ["Candidate", "Structure", "fit_all"]
+
+N_BASE = len(BASE_NAMES)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One effect with starting values.
+
+    Attributes:
+        name: The effect's name.
+        values: Starting value of each of its parameters.
+    """
+
+    name: str
+    values: tuple[tuple[str, float], ...]
+
+    @property
+    def effect(self) -> Effect:
+        """The catalogue's entry."""
+        return EFFECTS[self.name]
+
+
+@dataclass(frozen=True)
+class Structure:
+    """The base with effects.
+
+    Attributes:
+        contexts: Motion of each recording.
+        candidates: The effects, with their starting values.
+    """
+
+    contexts: tuple[Context, ...]
+    candidates: tuple[Candidate, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the effects, sorted."""
+        return tuple(sorted(candidate.name for candidate in self.candidates))
+
+    def parameters(self) -> list[tuple[str, EffectParameter]]:
+        """Effect name and parameter, in the order of the vector."""
+        return self._parameters
+
+    @cached_property
+    def _parameters(self) -> list[tuple[str, EffectParameter]]:
+        """The same; their scales are asked of whole recordings, and they are needed at every point of a fit."""
+        return [(c.name, p) for c in self.candidates for p in c.effect.parameters(self.contexts)]
+
+    @property
+    def freedom(self) -> int:
+        """Number of effect parameters that are fitted."""
+        return sum(p.scale > 0.0 for _, p in self.parameters())
+
+    def start(self) -> FloatArray:
+        """Starting values of the effect parameters."""
+        return np.array(
+            [dict(c.values).get(p.name, 0.0) for c in self.candidates for p in c.effect.parameters(self.contexts)]
+        )
+
+    def known(self) -> Box:
+        """The same domain, with what is known of the effect parameters wherever a fit of them began."""
+        known = [parameter.known or parameter.prior for _, parameter in self.parameters()]
+        return replace(self.box(), precision=np.diag([1.0 / one**2 if one > 0.0 else 0.0 for one in known]))
+
+    def box(self) -> Box:
+        """Domain of the effect parameters; one with scale zero is held at its start."""
+        start, parameters = self.start(), [p for _, p in self.parameters()]
+        fixed = np.array([p.scale == 0.0 for p in parameters], dtype=bool)
+        lower = np.where(fixed, start, [p.lower for p in parameters])
+        upper = np.where(fixed, start, [p.upper for p in parameters])
+        scale = np.array([p.scale if p.scale > 0.0 else 1e-9 for p in parameters])
+        precision = np.diag([1.0 / p.prior**2 if p.prior > 0.0 else 0.0 for p in parameters])
+        reach = np.array([1000.0 if p.linear else 2.0 for p in parameters])
+        return Box(lower, upper, scale, start.copy(), precision, reach)
+
+    def values(self, vector: FloatArray) -> dict[str, dict[str, float]]:
+        """Effect parameters by effect and name."""
+        result: dict[str, dict[str, float]] = {}
+        for (name, parameter), value in zip(self.parameters(), vector, strict=True):
+            result.setdefault(name, {})[parameter.name] = float(value)
+        return result
+
+    def contributions(self, vector: FloatArray) -> list[Contribution]:
+        """What the effects add to each recording."""
+        values = self.values(vector)
+        return [self.contribution(context, values) for context in self.contexts]
+
+    def contribution(self, context: Context, values: Mapping[str, Mapping[str, float]]) -> Contribution:
+        """What the effects add along one motion, with parameters by effect and name."""
+        total = Contribution()
+        for candidate in self.candidates:
+            total = total + candidate.effect.contribution(context, values[candidate.name])
+        return total
+
+    def observe(self, problem: Problem, theta: FloatArray) -> list[Observation]:
+        """Observed simulations at `theta`."""
+        return problem.runs([self.plant(theta)], [self.contributions(theta[N_BASE:])])[0]
+
+    def with_and_without(
+        self, problem: Problem, theta: FloatArray, names: Collection[str]
+    ) -> tuple[list[Observation], list[Observation]]:
+        """Observed simulations at `theta`, and the same without the effects `names`."""
+        kept = [c for c in self.candidates if c.name not in names]
+        held = np.array([owner not in names for owner, _ in self.parameters()], dtype=bool)
+        less = Structure(self.contexts, tuple(kept)).contributions(theta[N_BASE:][held])
+        complete, without = problem.runs([self.plant(theta)] * 2, [self.contributions(theta[N_BASE:]), less])
+        return complete, without
+
+    def added(self, problem: Problem, theta: FloatArray, names: Collection[str]) -> FloatArray:
+        """What the effects `names` add to the weighted rows at `theta`. Shape (m,)."""
+        complete, without = self.with_and_without(problem, theta, names)
+        return problem.vector(complete) - problem.vector(without)
+
+    def plant(self, theta: FloatArray) -> Plant:
+        """The base part of `theta`."""
+        return unpack(theta[:N_BASE])
+
+    def contexts_at(self, theta: FloatArray) -> tuple[Context, ...]:
+        """The motion of each recording, with the joint of `theta` and the load that it carries there.
+
+        A base that is fitted without friction under load bends its gravity, and with it the load.
+        """
+        plant, values = self.plant(theta), self.values(theta[N_BASE:])
+
+        def further(context: Context) -> FloatArray:
+            carried = [candidate.effect.load(context, values[candidate.name]) for candidate in self.candidates]
+            return np.zeros_like(context.position) + sum(carried)
+
+        return tuple(loaded(context, plant, further(context)) for context in self.contexts)
+
+    def residuals(self, problem: Problem, points: Sequence[FloatArray]) -> list[FloatArray]:
+        """Weighted residual vectors at several points."""
+        return problem.residual(self.contributions, N_BASE)(points)
+
+    def descent(
+        self,
+        theta: FloatArray,
+        base_box: Box,
+        *,
+        jacobian: FloatArray | None = None,
+        iterations: int = 8,
+        refresh: int = 1,
+    ) -> Descent:
+        """A fit of base and effects together from `theta`, for `fit_all`.
+
+        Args:
+            theta: Start, base first.
+            base_box: Domain of the base.
+            jacobian: The first columns of the Jacobian at the start where they are known; the others are added.
+            iterations: Most steps.
+            refresh: Steps between fresh Jacobians.
+        """
+        box = base_box.joined(self.box())
+        return descend(theta, box, jacobian=jacobian, iterations=iterations, refresh=refresh)
+
+
+def fit_all(problem: Problem, descents: Sequence[tuple[Structure, Descent]]) -> list[Fit]:
+    """Run fits of several structures side by side."""
+    structures = [structure for structure, _ in descents]
+
+    def evaluate(asked: list[list[FloatArray]]) -> list[list[FloatArray]]:
+        pairs = [(s, point) for s, points in zip(structures, asked, strict=True) for point in points]
+        vectors = iter(problem.vectors([s.plant(p) for s, p in pairs], _contributions(pairs)))
+        return [[next(vectors) for _ in points] for points in asked]
+
+    return together([descent for _, descent in descents], evaluate)
+
+
+def _contributions(points: Sequence[tuple[Structure, FloatArray]]) -> list[list[Contribution]]:
+    """What the effects add at each point. A Jacobian moves one parameter at a time: most points share theirs."""
+    keys = [(id(structure), point[N_BASE:].tobytes()) for structure, point in points]
+    different = dict(zip(keys, points, strict=True))
+    with ThreadPoolExecutor(THREADS) as pool:
+        known = dict(zip(different, pool.map(_at, different.values()), strict=True))
+    return [known[key] for key in keys]
+
+
+def _at(pair: tuple[Structure, FloatArray]) -> list[Contribution]:
+    """What the effects add at a point, on a thread of its own: a point that does not simulate may overflow."""
+    structure, point = pair
+    with np.errstate(over="ignore", invalid="ignore"):
+        return structure.contributions(point[N_BASE:])

@@ -1,0 +1,189 @@
+"""Stretches of time in which a torque from outside acted: they stand out, are few, and the state does not explain them.
+
+The base model follows a push as far as it can, and errs elsewhere for it. So the windows are left out of a linearised
+refit of the base, found again in what that leaves, and so on until they stay.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_closing, binary_dilation, label, uniform_filter1d
+from scipy.spatial import cKDTree
+
+from ..inputs.track import FloatArray
+from ..joint.problem import Problem
+from ..joint.solver import Box, Fit, at_least
+from . import Context
+
+__all__ = ["push", "time_windows"]
+
+_Mask = NDArray[np.bool_]
+
+
+class _Window(NamedTuple):
+    recording: int
+    start: float
+    end: float
+
+
+_ROUNDS = 6
+_MEAN = 9  # rows, of the running mean that a push lifts
+_CORE, _EDGE = 6.0, 2.5  # standard deviations of that mean inside a window, and at its edge
+_CLOSE = 7  # rows; windows nearer to each other are one
+_MOST = 5  # windows
+_JOINED = 0.4  # [s]
+_STEPS = (0.16, 0.08, 0.04, 0.02)  # [s] by which the ends of a window are moved
+_FAINT = 0.03  # of the energy of the strongest: weaker windows are what a strong one bends the base by
+_LONGEST = 0.35  # of the recordings, all windows together
+_CONTRAST = 100.0  # energy of a row above its noise inside, over that outside
+_QUIET = 1.0  # such energy outside that a base model leaves now and then
+_NEAR = 0.06  # of the range of position, speed and acceleration: states as near count as the same
+_VISITED = 0.4  # share of the windows' rows whose state occurs outside as well
+# Share of their energy at positions, speeds and accelerations that occur outside as well: stops that are met once have
+# 0.00 to 0.01, and pushes 0.31 and more.
+_ELSEWHERE = 0.1
+
+
+def push(time: FloatArray, start: float, end: float, roundness: float = 1.0) -> FloatArray:
+    """A push between `start` and `end` [s]: half a sine wave to the power of `roundness`. Shape (n,)."""
+    phase = np.clip((time - start) / max(end - start, 1e-6), 0.0, 1.0)
+    result: FloatArray = np.maximum(np.sin(np.pi * phase), 0.0) ** roundness
+    return result
+
+
+def time_windows(problem: Problem, contexts: Sequence[Context], fit: Fit, box: Box) -> tuple[float, ...]:
+    """The windows as recording, start and end [s], one after the other; none where it is no matter of time alone."""
+    inside = np.zeros(fit.residual.size, dtype=bool)
+    left = fit.residual
+    for _ in range(_ROUNDS):
+        found = _standing_out(problem, left)
+        if np.array_equal(found, inside) or not 0.0 < found.mean() < 0.6:
+            inside = found
+            break
+        inside, left = found, _refit_without(found, fit, box)
+    if not inside.any() or inside.mean() > _LONGEST or not _compact(inside, left):
+        return ()
+    windows = [_fitted(problem, window, left) for window in _intervals(problem, inside, left)]
+    energy = [_explained(problem, window, left) for window in windows]
+    windows = [window for window, one in zip(windows, energy, strict=True) if one > _FAINT * max(energy)]
+    if len(windows) > _MOST or not _not_of_the_state(problem, contexts, inside, left):
+        return ()
+    return tuple(value for window in windows for value in window)
+
+
+def _standing_out(problem: Problem, left: FloatArray) -> _Mask:
+    """Rows in a stretch whose running mean stands out."""
+    masks = []
+    for part in _by_recording(problem, left):
+        mean = np.abs(uniform_filter1d(part, _MEAN)) * np.sqrt(_MEAN)
+        level = max(float(np.median(mean)) / 0.6745, 1.0)
+        edge, core = mean > _EDGE * level, mean > _CORE * level
+        stretch, _ = label(edge)
+        kept = np.isin(stretch, np.unique(stretch[core])) & edge
+        masks.append(binary_closing(np.pad(kept, _CLOSE), np.ones(_CLOSE))[_CLOSE:-_CLOSE])
+    return np.concatenate(masks)
+
+
+def _refit_without(inside: _Mask, fit: Fit, box: Box) -> FloatArray:
+    """The residual once the base is refitted, linearly, to the rows that are not `inside`. Shape (m,)."""
+    A = fit.jacobian * box.scale
+    out = ~binary_dilation(inside, np.ones(2 * _MEAN + 1))
+    H = A[out].T @ A[out] + at_least(box.scaled_precision, 1e-6)
+    result: FloatArray = fit.residual - A @ np.linalg.solve(H, A[out].T @ fit.residual[out])
+    return result
+
+
+def _compact(inside: _Mask, left: FloatArray) -> bool:
+    out = ~binary_dilation(inside, np.ones(_MEAN))
+    if out.sum() < 0.3 * inside.size:
+        return False
+    outside = max(float(np.mean(left[out] ** 2)) - 1.0, 0.0)
+    within = float(np.mean(left[inside] ** 2)) - 1.0
+    return within > 5.0 and outside < max(_QUIET, within / _CONTRAST)
+
+
+def _not_of_the_state(problem: Problem, contexts: Sequence[Context], inside: _Mask, left: FloatArray) -> bool:
+    """Whether the joint was in the same states outside of the windows as well, where nothing stood out.
+
+    Most rows of a window may lie at its quiet edges. So where it is loud, position, speed and acceleration must each
+    occur outside as well: what is loud at one end of the range, where the joint was only then, may be a stop.
+    """
+    states = _states(problem, contexts)
+    if float(np.mean(_near(states, inside))) <= _VISITED:
+        return False
+    energy = left[inside] ** 2
+    return all(float(energy @ _near(state[:, None], inside)) > _ELSEWHERE * float(energy.sum()) for state in states.T)
+
+
+def _states(problem: Problem, contexts: Sequence[Context]) -> FloatArray:
+    """Position, speed and acceleration of each row, in their ranges, the last two closer where they are fast.
+
+    Shape (m, 3).
+    """
+    states = []
+    for name, power in (("position", 1.0), ("velocity", 0.5), ("acceleration", 0.5)):
+        rows = [getattr(c, name)[grid.centres] for c, grid in zip(contexts, problem.grids, strict=True)]
+        values = np.concatenate(rows)
+        values = np.sign(values) * np.abs(values) ** power
+        states.append(values / max(float(np.quantile(values, 0.99) - np.quantile(values, 0.01)), 1e-12))
+    return np.stack(states, axis=1)
+
+
+def _near(points: FloatArray, inside: _Mask) -> _Mask:
+    """Which points inside have one nearby outside. Shape (n_inside,)."""
+    distance, _ = cKDTree(points[~inside]).query(points[inside])
+    result: _Mask = distance < _NEAR
+    return result
+
+
+def _intervals(problem: Problem, inside: _Mask, left: FloatArray) -> list[_Window]:
+    """The stretches, those of one direction with a short break between them joined."""
+    windows: list[_Window] = []
+    parts = zip(_by_recording(problem, inside), _by_recording(problem, left), strict=True)
+    for which, (part, values) in enumerate(parts):
+        time = problem.grids[which].centres * problem.tracks[which].dt
+        stretch, count = label(part)
+        last = 0.0
+        for i in range(1, count + 1):
+            rows = np.flatnonzero(stretch == i)
+            sign, start, end = np.sign(values[rows].sum()), float(time[rows[0]]), float(time[rows[-1]])
+            if windows and windows[-1].recording == which and sign == last and start - windows[-1].end < _JOINED:
+                start = windows.pop().start
+            windows.append(_Window(which, start, end))
+            last = sign
+    return windows
+
+
+def _fitted(problem: Problem, window: _Window, left: FloatArray) -> _Window:
+    """Start and end moved until a push between them explains most of what the base leaves."""
+    best, most = window, _explained(problem, window, left)
+    for step in _STEPS:
+        moved = True
+        while moved:
+            moved = False
+            for start, end in ((-step, 0.0), (step, 0.0), (0.0, -step), (0.0, step)):
+                trial = _Window(best.recording, best.start + start, best.end + end)
+                if trial.end - trial.start < 2.0 * step or trial.start < 0.0:
+                    continue
+                energy = _explained(problem, trial, left)
+                if energy > most * (1.0 + 1e-6):
+                    best, most, moved = trial, energy, True
+    return best
+
+
+def _explained(problem: Problem, window: _Window, left: FloatArray) -> float:
+    assert problem.weights is not None
+    rows = [mean.copy() for mean in problem.weights.mean]
+    track, grid = problem.tracks[window.recording], problem.grids[window.recording]
+    rows[window.recording] += push(grid.centres * track.dt, window.start, window.end)
+    column = problem.weights.apply(rows)
+    size = float(column @ column)
+    return float(column @ left) ** 2 / size if size > 0.0 else 0.0
+
+
+def _by_recording(problem: Problem, values: np.ndarray) -> list[np.ndarray]:
+    return np.split(values, np.cumsum([grid.centres.size for grid in problem.grids])[:-1])

@@ -1,0 +1,53 @@
+"""A transmission error of the gear: the load runs ahead of and behind the motor."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fricomp.laws import KinematicError as KinematicErrorTerm
+from fricomp.laws import Term
+
+from ...joint.observer import Contribution, Plant
+from ..effect import Context, Effect, EffectParameter, Values, lowest_order, register, too_long
+from ..two_masses import uneven_running
+
+
+@register
+class KinematicError(Effect):
+    """tau = e' (gravity + 2 J_l a) + J_l e'' v² + gravity' e, with e = A sin(n q + phi) [tuttle1992]."""
+
+    name = "kinematic_error"
+    kind = "physics"
+    equation = "tau = e' (gravity + 2 J_l a) + J_l e'' v² + gravity' e, e = A sin(n q + phi)"
+    citation = "tuttle1992"
+    says = "the gear runs unevenly, felt as a ripple that grows with the square of the speed"
+
+    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        return (
+            EffectParameter("sine", "{position}", 1e-4, -0.1, 0.1),
+            EffectParameter("cosine", "{position}", 1e-4, -0.1, 0.1),
+            EffectParameter("order", "1/{position}", 0.05, lowest_order(contexts), 1e5, linear=False),
+            EffectParameter("load_share", "1", 0.1, 0.05, 1.0, linear=False, prior=0.2),
+        )
+
+    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        lowest = lowest_order(contexts)
+        orders = contexts[0].hints.get("dynamic_order", ())
+        return [{"order": n, "load_share": 0.6} for n in orders if n >= lowest]
+
+    def contribution(self, context: Context, values: Values) -> Contribution:
+        wave = np.exp(1j * values["order"] * context.position)
+        torque = wave * uneven_running(context, values["order"], values["load_share"])
+        return Contribution(additive=values["sine"] * torque.imag + values["cosine"] * torque.real)
+
+    def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
+        return too_long(values["order"], contexts)
+
+    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+        # The joint that the contribution was fitted along, which stays as it is while the plant is refitted.
+        joint, rotary = contexts[0].plant, contexts[0].rotary
+        gravity = joint.gravity if rotary else (0.0, 0.0)
+        inertia = values["load_share"] * joint.inertia
+        return KinematicErrorTerm(values["sine"], values["cosine"], values["order"], inertia, *gravity)

@@ -1,0 +1,179 @@
+"""What a load draws through a flexible or loose transmission, compared with a rigid one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import savgol_coeffs
+
+from ..inputs.track import FloatArray
+from ..joint.kernel import compiled
+
+if TYPE_CHECKING:
+    from . import Context
+
+ComplexArray = NDArray[np.complex128]
+
+__all__ = ["Coupling", "Transmission", "carried", "twist", "uneven_running"]
+
+_WINDOW = 0.015  # [s] of the local cubic that takes the curvature of the twist; a third of a row
+_FINEST = 0.25  # [rad] of the load's own oscillation in one substep
+
+
+@dataclass(frozen=True)
+class Transmission:
+    """A spring with a gap between the motor, where position is measured, and the load.
+
+    Attributes:
+        inertia: Of the load [kg·m²].
+        stiffness: K [N·m/rad].
+        damping_ratio: Of the load on its spring.
+        gap: Total free travel [rad].
+        hardening: Relative rise of the stiffness at the largest static load.
+    """
+
+    inertia: float
+    stiffness: float
+    damping_ratio: float
+    gap: float = 0.0
+    hardening: float = 0.0
+
+    def coupling(self, context: Context) -> Coupling:
+        """The numbers of its equation of motion, under the loads of one recording."""
+        largest = max(float(np.hypot(*context.plant.gravity)) if context.rotary else 0.0, context.scale)
+        damping = 2.0 * self.damping_ratio * float(np.sqrt(self.stiffness / self.inertia)) * self.inertia
+        return Coupling(self.inertia, self.stiffness, damping, 0.5 * self.gap, self.hardening / largest**2)
+
+
+class Coupling(NamedTuple):
+    """How a load hangs on the motor side: J_l theta'' = K d (1 + h (K d)²) + c s' - gravity(theta), see `twist`.
+
+    Attributes:
+        inertia: J_l [kg·m²].
+        stiffness: K [N·m/rad].
+        damping: c [N·m·s/rad].
+        half_gap: Way to either side of the middle in which the load is free [rad].
+        hardening: h [1/(N·m)²].
+    """
+
+    inertia: float
+    stiffness: float
+    damping: float
+    half_gap: float = 0.0
+    hardening: float = 0.0
+
+    def joined(self, other: Coupling) -> Coupling:
+        """One load behind both: the softer spring, and both gaps."""
+        softer = min(self, other, key=lambda one: one.stiffness)
+        return softer._replace(half_gap=self.half_gap + other.half_gap)
+
+    def rate(self, inertia: float) -> float:
+        """Rate of the load on its spring with a motor side of `inertia` [kg·m²] at the other end [1/s]."""
+        return float(np.sqrt(self.stiffness * (1.0 / self.inertia + 1.0 / inertia)))
+
+    def rest(self, gravity: float) -> float:
+        """Load less motor position where the spring holds this torque [rad]."""
+        return -gravity / self.stiffness - (self.half_gap if gravity >= 0.0 else -self.half_gap)
+
+    def pull(self, lead: float, rate: float) -> tuple[float, float]:
+        """Torque of the spring on the load [N·m], and the damping [N·m·s/rad] beside it, none of both in the gap.
+
+        Args:
+            lead: Load less motor position [rad].
+            rate: Its rate of change [rad/s].
+        """
+        stretch = -lead - min(max(-lead, -self.half_gap), self.half_gap)
+        elastic = self.stiffness * stretch
+        elastic *= 1.0 + self.hardening * elastic * elastic
+        # Teeth push and never pull, however fast they part.
+        free = self.half_gap > 0.0 and (elastic - self.damping * rate) * stretch <= 0.0
+        return (0.0, 0.0) if free else (elastic, self.damping)
+
+
+@compiled
+def twist(position: np.ndarray, gravity: np.ndarray, gradient: np.ndarray, settings: np.ndarray) -> np.ndarray:
+    """Motor less load position when the motor side moves as recorded [rad]. Shape (n,).
+
+        J_l theta'' = K d (1 + h (K d)²) + c s' - gravity(theta),  s = q - theta,  d = s outside of the gap
+
+    Args:
+        position: Motor-side position q [rad]. Shape (n,).
+        gravity: Gravity torque on a load at q [N·m]. Shape (n,).
+        gradient: Its derivative by the position [N·m/rad]. Shape (n,).
+        settings: dt [s], substeps, load inertia, K, c, half gap [rad], h [1/(N·m)²].
+    """
+    out = np.empty_like(position)
+    substeps = int(settings[1])
+    h = settings[0] / substeps
+    inertia, stiffness, damping, half, cubic = settings[2], settings[3], settings[4], settings[5], settings[6]
+    n = position.shape[0]
+    theta = position[0] - gravity[0] / stiffness - (half if gravity[0] >= 0.0 else -half)
+    w = (position[min(8, n - 1)] - position[0]) / (min(8, n - 1) * settings[0])
+    push = h / inertia
+    for k in range(n):
+        speed = (position[min(k + 1, n - 1)] - position[k]) / settings[0]
+        out[k] = position[k] - theta
+        for i in range(substeps):
+            s = position[k] + speed * h * (i + 0.5) - theta
+            # Every sum waits for the last one, so a spring without a gap does without those for the gap.
+            stretch = s if half == 0.0 else s - min(max(s, -half), half)
+            torque = 0.0
+            if stretch != 0.0 or half == 0.0:
+                elastic = stiffness * stretch
+                if cubic > 0.0:
+                    elastic *= 1.0 + cubic * elastic * elastic
+                torque = elastic + damping * (speed - w)
+                if half > 0.0 and torque * stretch < 0.0:
+                    torque = 0.0
+            w += push * (torque + (gradient[k] * s - gravity[k]))
+            theta += h * w
+    return out
+
+
+def carried(context: Context, transmission: Transmission) -> FloatArray:
+    """Torque on the motor side beyond that of a rigid transmission [N·m]. Shape (n,).
+
+    The load lags by the twist s, so the motor carries gravity(q - s) - gravity(q) - J_l s'' more.
+    """
+    t, q = transmission, context.position
+    gravity, gradient = _gravity(context)
+    frequency = np.sqrt(t.stiffness / t.inertia)
+    substeps = int(np.clip(np.ceil(frequency * context.dt / _FINEST), 1, 20))
+    s = twist(q, gravity, gradient, np.array([context.dt, substeps, *t.coupling(context)]))
+    window = max(5, 2 * round(_WINDOW / context.dt / 2) + 1)
+    curvature = np.convolve(s, _curvature(window, context.dt), mode="same")
+    curvature[: window // 2] = curvature[-(window // 2) :] = 0.0
+    result: FloatArray = -gradient * s - t.inertia * curvature
+    return result
+
+
+@cache
+def _curvature(window: int, dt: float) -> FloatArray:
+    """Weights of a local cubic's second derivative over `window` samples [1/s²]; they take a fit of their own."""
+    weights: FloatArray = savgol_coeffs(window, 3, deriv=2, delta=dt)
+    return weights
+
+
+def _gravity(context: Context) -> tuple[FloatArray, FloatArray]:
+    """Gravity torque [N·m] and its derivative by the position [N·m/rad]. Shapes (n,)."""
+    if not context.rotary:
+        return np.zeros_like(context.position), np.zeros_like(context.position)
+    cosine, sine = context.waves
+    a, b = context.plant.gravity
+    return a * cosine + b * sine, b * cosine - a * sine
+
+
+def uneven_running(context: Context, order: FloatArray | float, load_share: float) -> ComplexArray:
+    """Torque for each radian by which the load leads as exp(i n q), over that wave [N·m/rad]. Shape (n,).
+
+    Lagrange's equation of a load at q + e(q): e' (gravity + 2 J_l a) + J_l e'' v² + gravity' e.
+    """
+    inertia = context.plant.inertia * load_share
+    v, a = context.velocity, context.acceleration
+    gravity, gradient = _gravity(context)
+    torque = 1j * order * (gravity + 2.0 * inertia * a) - order**2 * inertia * v**2 + gradient
+    return np.asarray(torque, dtype=np.complex128)

@@ -1,0 +1,159 @@
+"""Whether an explanation that leaves the given simulation as it is fits as well as one that moves its parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import islice, product
+
+import numpy as np
+
+from ..effects import EFFECTS, Context
+from ..effects.structure import N_BASE, Candidate
+from ..inputs.rigid import RigidJoint
+from ..inputs.track import FloatArray
+from ..joint.solver import Box
+from ..search.explanation import Explanation
+from ..search.preparation import Prepared
+from ..search.refit import LAST_STEPS, fit_from, polish, preference
+from ..search.search import Found
+from .alias import CLOSE, alternatives, as_good, told
+from .comparison import AGREES, NAMED, Doubt
+
+__all__ = ["agreeing", "hold", "moved_to"]
+
+_LEAST_GRAVITY = 0.4  # of the scale in which the base measures gravity: a fiftieth of friction or of gravity itself
+_HELD = 0.002  # relative deviation of inertia and gravity that are held at those of the simulation
+_NEAR, _MOST_NEAR = 0.9, 2  # of the best gain, from which an explanation is tried with the simulation's parameters
+_MOST_STARTS = 4
+_HIDES = 4.0  # times what a fit leaves, that it may have hidden in inertia and gravity of what its law cannot say
+_BENT = "needs another inertia or gravity than the simulation's"
+
+
+def agreeing(
+    prepared: Prepared, found: Found, rigid: RigidJoint | None, differs: Callable[[Explanation, Doubt], bool]
+) -> Found:
+    """What was found, with a best explanation that agrees with the simulation where one fits as well.
+
+    Friction that differs between driving and braking, for example, looks like friction under load and another gravity;
+    a spring that stiffens like a straight one and another gravity. They look so on every motion: beside one that
+    agrees, others stay in question only as far as they fit with the simulation's parameters too. But a simulation may
+    be wrong as well as incomplete: where the best explanation leaves next to nothing, its form is right, and one that
+    agrees with the simulation must fit nearly as well.
+
+    Args:
+        prepared: Base model and recordings.
+        found: What the search found.
+        rigid: Inertia and gravity of the simulation; None where none was given.
+        differs: Whether an explanation moves parameters of the simulation by more than their error, with some doubt.
+    """
+    best = found.best
+    if best is None:
+        return found
+    if differs(best, AGREES):
+        least = best.gain - max(CLOSE, _HIDES * best.left, found.explainable_null)
+        options = [one for one in alternatives(found) if one.gain > least]
+        if rigid is not None and rigid.rotary:
+            held = _held(prepared, _near(found, best), rigid)
+            agrees = any(_fits(one, least) and not differs(one, AGREES) for one in held)
+            held = _finished(prepared, held, best, 1 if agrees else _MOST_NEAR)
+            options += [one for one in held if _fits(one, least)]
+        kept = _kept(best, sorted(options, key=lambda explanation: -explanation.gain), differs)
+        if not kept:
+            return found
+        others = tuple(e for e in found.explanations if e is not kept[0])
+        found = replace(found, best=kept[0], explanations=(kept[0], *others))
+    return found if rigid is None or not rigid.rotary else _without_bent(prepared, found, rigid, differs)
+
+
+def _fits(one: Explanation, least: float) -> bool:
+    return one.gain > least and not one.refused
+
+
+def _finished(prepared: Prepared, held: Sequence[Explanation], best: Explanation, number: int) -> list[Explanation]:
+    """The same, the first of them at its minimum, and others too that come near `best`, up to `number` in all.
+
+    From its parameters to the simulation's gravity a narrow valley of offset, gravity and friction bends, which a fit
+    with one Jacobian does not follow to its end.
+    """
+    order = sorted(held, key=preference, reverse=True)
+    far = [one.refused != "" or one.gain <= _NEAR * best.gain for one in order]
+    ends = [one for i, one in enumerate(order[:number]) if i == 0 or not far[i]]
+    rest = [one for one in order if all(one is not each for each in ends)]
+    return [*polish(prepared, ends, iterations=LAST_STEPS), *rest] if ends else rest
+
+
+def _kept(
+    best: Explanation, options: Sequence[Explanation], differs: Callable[[Explanation, Doubt], bool]
+) -> list[Explanation]:
+    """The options that leave the simulation as it is, or as nearly as a law of another form can, where it can."""
+    plain = [one for one in options if not differs(one, AGREES)]
+    return plain if plain or not differs(best, NAMED) else [one for one in options if not differs(one, NAMED)]
+
+
+def _without_bent(
+    prepared: Prepared, found: Found, rigid: RigidJoint, differs: Callable[[Explanation, Doubt], bool]
+) -> Found:
+    """What was found, each rival that moves the simulation as it fits with the simulation's parameters, or refused."""
+    best = found.best
+    bent = [rival for rival in told(found) if differs(rival, AGREES)]
+    if best is None or not bent:
+        return found
+    straight: dict[tuple[str, ...], Explanation] = {}
+    for one in _held(prepared, list({rival.names: rival for rival in bent}.values()), rigid):
+        if not one.refused and as_good(one, best) and not differs(one, AGREES):
+            straight[one.names] = max(one, straight.get(one.names, one), key=lambda e: e.gain)
+    rest = [replace(e, refused=_BENT) if e in bent else e for e in found.explanations if e is not best]
+    rest = sorted([*rest, *straight.values()], key=lambda e: -e.gain)
+    return replace(found, explanations=(best, *rest))
+
+
+def _near(found: Found, best: Explanation) -> list[Explanation]:
+    """The best explanation and others that come near it, of each set of effects the best one."""
+    near = {best.names: best}
+    for rival in found.explanations:
+        if len(rival.names) == len(best.names) and rival.gain > _NEAR * best.gain:
+            near.setdefault(rival.names, rival)
+    return list(near.values())[:_MOST_NEAR]
+
+
+def _held(prepared: Prepared, near: Sequence[Explanation], rigid: RigidJoint) -> list[Explanation]:
+    """The effects of each explanation in all their forms, with inertia and gravity held at those of the simulation."""
+    box = hold(prepared.box, rigid)
+    wanted = []
+    for one in near:
+        theta = moved_to(box.centre[:3], one.fit.theta[:N_BASE], one.structure.contexts)
+        settled = sorted(one.settled, key=lambda candidate: candidate.name)
+        forms = [[candidate, *_others(one.structure.contexts, candidate.name)] for candidate in settled]
+        wanted += [(candidates, theta) for candidates in islice(product(*forms), _MOST_STARTS)]
+    return fit_from(prepared, wanted, box)
+
+
+def moved_to(body: FloatArray, theta: FloatArray, contexts: Sequence[Context]) -> FloatArray:
+    """The base `theta` with the log inertia and gravity of `body`, shape (3,), and the same mean torque. Shape (p,).
+
+    Over a short range gravity is nearly constant, and what it was taken to be too large stands in the offset. A fit
+    that starts there finds its way back by bending the friction instead.
+    """
+    position = np.concatenate([context.position for context in contexts])
+    less = theta[1:3] - body[1:3]
+    result: FloatArray = np.concatenate([body, theta[3:]])
+    result[3] += float(np.mean(less[0] * np.cos(position) + less[1] * np.sin(position)))
+    return result
+
+
+def _others(contexts: Sequence[Context], name: str) -> list[Candidate]:
+    starts = EFFECTS[name].other_starts(contexts)
+    return [Candidate(name, tuple(start.items())) for start in starts if any(start.values())]
+
+
+def hold(box: Box, rigid: RigidJoint) -> Box:
+    """`box` with a narrow prior on inertia and gravity.
+
+    About a vertical axis there is no gravity, and one held to exactly nothing would drown all else that is fitted.
+    """
+    gravity = _HELD * max(float(np.hypot(*rigid.gravity)), _LEAST_GRAVITY * float(box.scale[1]))
+    centre: FloatArray = np.concatenate([[np.log(rigid.inertia), *rigid.gravity], box.centre[3:]])
+    precision = box.precision.copy()
+    precision[range(3), range(3)] = np.array([_HELD, gravity, gravity]) ** -2.0
+    return replace(box, centre=centre, precision=precision)

@@ -1,0 +1,136 @@
+"""What comparisons with a given simulation share: how far refits stray, and the weighing of hypotheses."""
+
+from __future__ import annotations
+
+from dataclasses import astuple, dataclass, replace
+
+import numpy as np
+
+from ..inputs.track import FloatArray
+from ..joint.observer import Plant
+from ..record.result import Change, NamedEffect, Quantity
+
+__all__ = [
+    "AGREES",
+    "NAMED",
+    "PLAIN",
+    "SIGNIFICANT",
+    "SIMPLER",
+    "SPLIT",
+    "UNEXPLAINED",
+    "Comparison",
+    "Doubt",
+    "beside",
+    "body_strays",
+    "change",
+    "inertia_strays",
+    "parameter_effect",
+    "weigh",
+]
+
+SIGNIFICANT = 25.0
+"""Fall of chi squared that a change must bring."""
+SIMPLER = 4.0
+"""Chi squared that one more parameter must be worth."""
+SPLIT = 0.22
+"""Deviation of half the difference of the directions over the Coulomb level, of which the fit is far too sure, from
+simulated joints with nothing missing: a joint that slides shows that difference plus the offset, and only its
+presliding tells one from the other."""
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """Standard deviations by which refitted parameters stray beyond what the fit knows of its own error.
+
+    Attributes:
+        inertia: Over the inertia.
+        accelerating: Of the torque that the inertia takes at the RMS acceleration, over the Coulomb level: friction of
+            slightly another form leans on the inertia the more, the less there is to accelerate.
+        gravity: Over its amplitude.
+        sliding: Of gravity, over the Coulomb level.
+        uneven: Of the offset with half the difference of the directions, and of the shapes of the two curves by as much
+            torque, over the Coulomb level.
+        known: Factor on the deviations that the fit does know of.
+    """
+
+    inertia: float
+    accelerating: float
+    gravity: float
+    sliding: float
+    uneven: float
+    known: float = 1.0
+
+
+# From simulated joints with nothing missing, with one strong effect that was named, and with something that was not.
+PLAIN = Doubt(inertia=1e-4, accelerating=1e-4, gravity=5e-5, sliding=5e-4, uneven=6e-4)
+NAMED = Doubt(inertia=0.005, accelerating=4e-4, gravity=2e-3, sliding=3e-3, uneven=3e-3, known=1.5)
+AGREES = Doubt(inertia=1e-4, accelerating=4e-4, gravity=3e-4, sliding=1e-3, uneven=3e-4)
+"""Doubt within which an explanation leaves the simulation as it is."""
+_STRONG = 8.0  # residual of the base over its noise, beside whose effects parameters stray as much as `NAMED` says
+UNEXPLAINED = Doubt(inertia=0.02, accelerating=4e-4, gravity=0.01, sliding=0.02, uneven=0.02)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Parameters that differ from the given ones."""
+
+    effects: tuple[NamedEffect, ...] = ()
+    changes: tuple[Change, ...] = ()
+
+
+def beside(noise_ratio: float) -> Doubt:
+    """Doubt beside named effects that make the base's residual so many times its noise.
+
+    A law of slightly another form leaves a part of the effect's size, so that parameters stray the less, the weaker the
+    effect is.
+    """
+    share = min(float(np.sqrt(max(noise_ratio**2 - 1.0, 0.0))) / _STRONG, 1.0)
+    between = (plain + share * (named - plain) for plain, named in zip(astuple(PLAIN), astuple(NAMED), strict=True))
+    return replace(Doubt(*between), known=NAMED.known)
+
+
+def inertia_strays(plant: Plant, doubt: Doubt, acceleration: float) -> float:
+    """Standard deviation of log inertia beyond what the fit knows of its own error."""
+    accelerating = doubt.accelerating * plant.level / max(plant.inertia * acceleration, 1e-12)
+    return float(np.hypot(doubt.inertia, accelerating))
+
+
+def body_strays(plant: Plant, gravity: float, doubt: Doubt, acceleration: float) -> FloatArray:
+    """Standard deviations of log inertia and both gravity coefficients, whose amplitude is `gravity`, beyond what the
+    fit knows of its own error. Shape (3,).
+
+    Gravity far below friction says nothing about a gain: the floor keeps chi squared from tiny biases.
+    """
+    least = max(float(np.hypot(doubt.gravity * gravity, doubt.sliding * plant.level)), 1e-12)
+    return np.array([inertia_strays(plant, doubt, acceleration), least, least])
+
+
+def weigh(
+    shift: FloatArray, weight: FloatArray, hypotheses: dict[str, FloatArray]
+) -> tuple[dict[str, float], dict[str, FloatArray]]:
+    """Chi squared that each hypothesis leaves of `shift`, with a penalty for its parameters, and those.
+
+    Args:
+        shift: From the given parameters. Shape (n,).
+        weight: Inverse of its covariance. Shape (n, n).
+        hypotheses: Directions in which the shift may lie. Shapes (n, m).
+    """
+    scores: dict[str, float] = {"": float(shift @ weight @ shift)}
+    fitted: dict[str, FloatArray] = {}
+    for name, span in hypotheses.items():
+        normal = span.T @ weight @ span + 1e-12 * np.eye(span.shape[1])
+        step = np.asarray(np.linalg.solve(normal, span.T @ weight @ shift), dtype=np.float64)
+        rest = shift - span @ step
+        scores[name], fitted[name] = float(rest @ weight @ rest) + SIMPLER * span.shape[1], step
+    return scores, fitted
+
+
+def change(name: str, given: float, refitted: float, deviation: float, unit: str) -> Change:
+    """A parameter beside the given one, with the interval of its standard deviation."""
+    half = 1.96 * deviation
+    return Change(name=name, given=given, refitted=Quantity(refitted, unit, (refitted - half, refitted + half)))
+
+
+def parameter_effect(name: str, kind: str, parameters: dict[str, Quantity], sentence: str) -> NamedEffect:
+    """What a comparison names."""
+    return NamedEffect(name=name, kind=kind, parameters=parameters, sentence=sentence)  # type: ignore[arg-type]

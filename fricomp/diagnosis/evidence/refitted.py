@@ -1,0 +1,136 @@
+"""The joint that a verdict is about: the base with the chosen effects, or alone, and what its numbers are worth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..effects.structure import N_BASE, Structure, fit_all
+from ..inputs.track import FloatArray
+from ..joint.base import BASE_NAMES
+from ..joint.observer import Plant
+from ..joint.solver import Fit
+from ..record.result import Quantity
+from ..search.explanation import Explanation
+from ..search.preparation import Prepared
+from .comparison import SPLIT
+from .confirmation import covariance
+
+__all__ = ["SPLIT_BY_PRESLIDING", "Refitted"]
+
+SPLIT_BY_PRESLIDING = ("offset", "forward.coulomb_torque", "reverse.coulomb_torque")
+"""Parameters of the base that sliding shows as sums only."""
+
+_DELAY = BASE_NAMES.index("delay")
+_LARGEST = 700.0  # of an exponent
+
+
+@dataclass(frozen=True)
+class Refitted:
+    """A structure at its joint minimum.
+
+    Attributes:
+        structure: Base with effects, or alone.
+        fit: Its joint minimum.
+        covariance: Of base and effects, in the solver's coordinates. Shape (p, p).
+    """
+
+    structure: Structure
+    fit: Fit
+    covariance: FloatArray
+
+    @classmethod
+    def of(cls, prepared: Prepared, chosen: Explanation | None) -> Refitted:
+        """The base with the chosen effects; alone where none are. Derivatives are fresh: a descent updates its own."""
+        one = prepared if chosen is None else chosen
+        descent = one.structure.descent(one.fit.theta, one.box, iterations=0)
+        (fit,) = fit_all(prepared.problem, [(one.structure, descent)])
+        return cls(one.structure, fit, covariance(fit, one.box.joined(one.structure.known())))
+
+    @cached_property
+    def plant(self) -> Plant:
+        """Its base."""
+        return self.structure.plant(self.fit.theta)
+
+    @cached_property
+    def deviations(self) -> FloatArray:
+        """Standard deviations of base and effects. Shape (p,)."""
+        result: FloatArray = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        return result
+
+    def parameters(self, name: str, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
+        """Parameters of the effect `name`, with their intervals, which end where the parameter's domain does."""
+        result = {}
+        for index, (owner, parameter) in enumerate(self.structure.parameters(), N_BASE):
+            value, deviation = self.fit.theta[index], self.deviations[index]
+            if owner != name:
+                continue
+            unit = _plain(parameter.unit.replace("{torque}", torque_unit).replace("{position}", position_unit))
+            if parameter.with_delay:
+                value, deviation = self._beside_usual_delay(index, parameter.with_delay)
+            if parameter.name == "order":
+                deviation = float(np.hypot(deviation, abs(value) * self._uneven_reading))
+            half = 1.96 * float(np.hypot(deviation, parameter.deviation_of_form(float(value))))
+            half = half if parameter.scale > 0.0 else 0.0
+            low, high = max(float(value) - half, parameter.lower), min(float(value) + half, parameter.upper)
+            result[parameter.name] = _quantity((low, float(value), high), unit, logarithmic=parameter.logarithmic)
+        return result
+
+    def _beside_usual_delay(self, index: int, change: float) -> tuple[float, float]:
+        """A time that the base's own delay shares, and its standard deviation [s], were that delay a usual one.
+
+        How the fit parts the two follows from how smooth the torque is, which what is left of the noise blurs.
+        """
+        usual, strays = self.structure.contexts[0].usual_delay
+        line: FloatArray = np.zeros(self.fit.theta.size)
+        line[index], line[_DELAY] = 1.0, -change
+        known = float(np.sqrt(max(float(line @ self.covariance @ line), 0.0)))
+        return float(line @ self.fit.theta) + change * usual, float(np.hypot(known, strays))
+
+    @property
+    def _uneven_reading(self) -> float:
+        """RMS of the slope of the encoder's error: ripples are counted over what it reads [1]."""
+        disc = self.structure.values(self.fit.theta[N_BASE:]).get("encoder_eccentricity")
+        return 0.0 if disc is None else float(disc["order"] * np.hypot(disc["sine"], disc["cosine"]) / np.sqrt(2.0))
+
+    def base(self, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
+        """Parameters of the base, with their intervals."""
+        units = {
+            "inertia": _plain(f"{torque_unit}·s²/{position_unit}"),
+            "delay": "s",
+            "damping_time": "s",
+            "viscous_coefficient": f"{torque_unit}·s/{position_unit}",
+            "sharpness": "1",
+            "spread": "1",
+            "breakaway": position_unit,
+            "creep_lead": "s",
+            "creep_velocity": f"{position_unit}/s",
+            "stribeck_velocity": f"{position_unit}/s",
+        }
+        deviation = self.deviations[:N_BASE].copy()
+        split = [BASE_NAMES.index(name) for name in SPLIT_BY_PRESLIDING]
+        deviation[split] = np.hypot(deviation[split], SPLIT * self.plant.level)
+        theta, result = self.fit.theta[:N_BASE].copy(), {}
+        if any(parameter.with_delay for _, parameter in self.structure.parameters()):
+            theta[_DELAY], deviation[_DELAY] = self.structure.contexts[0].usual_delay
+        for name, value, half in zip(BASE_NAMES, theta, 1.96 * deviation, strict=True):
+            if name in ("creep_velocity", "creep_lead") and self.plant.creep_velocity == 0.0:
+                continue
+            plain = name.replace("log_", "")
+            unit = units.get(plain.split(".")[-1], torque_unit)
+            around = float(value - half), float(value), float(value + half)
+            result[plain] = _quantity(around, unit, logarithmic="log_" in name)
+        return result
+
+
+def _plain(unit: str) -> str:
+    """A unit by the name that it usually has."""
+    return {"N·m·s²/rad": "kg·m²", "N·s²/m": "kg"}.get(unit, unit)
+
+
+def _quantity(around: tuple[float, float, float], unit: str, *, logarithmic: bool) -> Quantity:
+    """A number with the ends of its interval on both sides."""
+    low, mid, high = (float(np.exp(min(x, _LARGEST))) for x in around) if logarithmic else around
+    return Quantity(mid, unit, (low, high))

@@ -1,0 +1,228 @@
+"""The base model: what a rigid joint with bidirectional Stribeck friction has, as a vector of numbers to fit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..inputs.rigid import RigidJoint
+from ..inputs.track import FloatArray
+from .observer import Plant
+from .solver import Box
+
+__all__ = [
+    "BASE_NAMES",
+    "BODY_AND_CURVES",
+    "LATEST",
+    "SOFTEST",
+    "BaseModel",
+    "at_earliest",
+    "at_latest",
+    "evened",
+    "falling_alike",
+    "pack",
+    "unpack",
+]
+
+BASE_NAMES = (
+    "log_inertia",
+    "gravity_cos",
+    "gravity_sin",
+    "offset",
+    "forward.coulomb_torque",
+    "forward.excess",
+    "forward.log_stribeck_velocity",
+    "forward.viscous_coefficient",
+    "reverse.coulomb_torque",
+    "reverse.excess",
+    "reverse.log_stribeck_velocity",
+    "reverse.viscous_coefficient",
+    "log_breakaway",
+    "delay",
+    "damping_time",
+    "sharpness",
+    "log_spread",
+    "creep_velocity",
+    "creep_lead",
+)
+
+BODY_AND_CURVES = BASE_NAMES.index("log_breakaway")
+"""Parameters before it are inertia, gravity, offset and the curves of both directions."""
+
+SOFTEST = 2.5e-4
+"""Presliding distance F_c / sigma_0 of the softest bristle that is part of the base [rad]."""
+
+LATEST = 5e-4
+"""Longest time by which the torque is behind the motion in a usual chain of sensors [s]; more swallows real delays."""
+
+# Presliding distance of the base model [rad]: friction without any, such as MuJoCo's own, turns over at once in a
+# reversal. A bristle of 2e-6 rad takes half a millisecond for it, which leaves 1.3 times the noise on a chirp, and the
+# torque by which the observer feels it looks like a frictional lag.
+_BREAKAWAY = (1e-7, SOFTEST)
+_USUAL_BREAKAWAY = 3.6e-5  # [rad] where it starts
+# Longest step in scales: parameters that enter linearly may go anywhere at once.
+_FRICTION_REACH = [10.0, 10.0, 2.0, 20.0]
+_REACH = np.array([4.0, 40.0, 40.0, 40.0, *_FRICTION_REACH, *_FRICTION_REACH, 3.0, 2.0, 3.0, 2.0, 2.0, 3.0, 3.0])
+_UNEVEN = 0.1  # of the Coulomb torque, by which both directions must differ to be evened
+_FALL = ("excess", "log_stribeck_velocity")  # how friction falls with speed
+_UNLIKE = 1.6  # difference of the logarithms of both directions' Stribeck velocities that is none of a joint
+_HELD = 1e-9  # scale of a parameter that is not fitted
+_DAMPING = 0.012  # [s] largest sigma_1 / sigma_0 of a bristle that is part of the base
+_NEAR = 0.9  # of such a bound, from which more may hide behind it
+_RIGID = 0.3  # relative deviation of a simulation's inertia and gravity from those of the joint
+_ASYMMETRY = 0.2  # deviation of the difference of the Coulomb torques of both directions, in their mean
+
+
+def pack(plant: Plant) -> FloatArray:
+    """The numbers of `plant`, in the order of `BASE_NAMES`."""
+    values = [np.log(plant.inertia), *plant.gravity, plant.offset]
+    for coulomb, static, velocity, viscous in (plant.forward, plant.reverse):
+        values += [coulomb, static - coulomb, np.log(velocity), viscous]
+    return np.array(
+        [
+            *values,
+            np.log(plant.level / plant.sigma_0),
+            plant.delay,
+            plant.sigma_1 / plant.sigma_0,
+            plant.sharpness,
+            np.log(plant.spread),
+            plant.creep_velocity,
+            plant.creep_lead,
+        ]
+    )
+
+
+def unpack(theta: FloatArray) -> Plant:
+    """The plant that `theta` describes."""
+    f, r = theta[4:8], theta[8:12]
+    sigma_0 = max(0.5 * float(f[0] + r[0]), 1e-9) / float(np.exp(theta[12]))
+    return Plant(
+        inertia=float(np.exp(theta[0])),
+        gravity=(float(theta[1]), float(theta[2])),
+        offset=float(theta[3]),
+        forward=(float(f[0]), float(f[0] + f[1]), float(np.exp(f[2])), float(f[3])),
+        reverse=(float(r[0]), float(r[0] + r[1]), float(np.exp(r[2])), float(r[3])),
+        sigma_0=sigma_0,
+        sigma_1=sigma_0 * float(theta[14]),
+        delay=float(theta[13]),
+        sharpness=float(theta[15]),
+        spread=float(np.exp(theta[16])),
+        creep_velocity=float(theta[17]),
+        creep_lead=float(theta[18]),
+    )
+
+
+def evened(theta: FloatArray) -> FloatArray | None:
+    """`theta` with the difference of the directions put into the offset; None where there is hardly any. Shape (p,).
+
+    Sliding shows their sum alone. What a wrong bristle or an effect that was missed has parted stays so: the way back
+    is a valley along which next to nothing is gained.
+    """
+    forward, reverse, offset = (
+        BASE_NAMES.index(n) for n in ("forward.coulomb_torque", "reverse.coulomb_torque", "offset")
+    )
+    difference = theta[forward] - theta[reverse]
+    if abs(difference) < _UNEVEN * unpack(theta[: len(BASE_NAMES)]).level:
+        return None
+    result = theta.copy()
+    result[[forward, reverse, offset]] += [-0.5 * difference, 0.5 * difference, 0.5 * difference]
+    return result
+
+
+def falling_alike(theta: FloatArray) -> FloatArray | None:
+    """`theta` with friction that falls with speed in both directions as in the one where it falls at the lower speed;
+    None where their Stribeck velocities are alike. Shape (p,).
+
+    In a direction whose start of motion a wrong bristle had wrong, the Stribeck velocity has run away: the way back to
+    the low one leads uphill.
+    """
+    sides = [[BASE_NAMES.index(f"{side}.{name}") for name in _FALL] for side in ("forward", "reverse")]
+    low, high = sorted(sides, key=lambda side: theta[side[1]])
+    if theta[high[1]] - theta[low[1]] < _UNLIKE:
+        return None
+    result = theta.copy()
+    result[high] = theta[low]
+    return result
+
+
+def at_latest(plant: Plant) -> bool:
+    """Whether the torque comes about as late as the base allows, so that a longer delay may hide behind it."""
+    return plant.delay > _NEAR * LATEST
+
+
+def at_earliest(plant: Plant, dt: float) -> bool:
+    """Whether the torque comes about as early as the base allows, so that a lag may hide behind it."""
+    return plant.delay < _NEAR * _earliest(dt)
+
+
+def _earliest(dt: float) -> float:
+    """Least delay of the base [s]: a torque may belong to either end of its sample; of a millisecond to its middle,
+    since a whole one would swallow real lags."""
+    return -max(0.5 * dt, dt - LATEST)
+
+
+@dataclass(frozen=True)
+class BaseModel:
+    """Domain of the base parameters around a first estimate.
+
+    Attributes:
+        start: First estimate.
+        box: Bounds, scales and weak priors. Their unit is one standard deviation of a residual row.
+    """
+
+    start: FloatArray
+    box: Box
+
+    @classmethod
+    def around(
+        cls, plant: Plant, *, dt: float, top_speed: float, rotary: bool, known: RigidJoint | None = None
+    ) -> BaseModel:
+        """The domain around a first estimate of the plant; inertia and gravity of a simulation bind weakly."""
+        level = max(plant.level, 1e-6)
+        viscous = max(plant.forward[3], plant.reverse[3], 0.1 * level / top_speed)
+        size = max(float(np.hypot(*plant.gravity)), level)
+        gravity_free = 100.0 * size if rotary else 0.0
+        breakaway = np.log(_BREAKAWAY)
+        start = pack(
+            replace(
+                plant,
+                sigma_0=plant.level / _USUAL_BREAKAWAY,
+                delay=0.5 * (LATEST + _earliest(dt)),
+                sharpness=0.5,
+            )
+        )
+        friction_low = [0.0, 0.0, np.log(top_speed * 5e-4), 0.0]
+        friction_high = [50 * level, 10 * level, np.log(top_speed), 50 * viscous]
+        friction_scale = [0.1 * level, 0.1 * level, 0.3, 0.2 * viscous]
+        inertia = start[0]
+        lower = [inertia - 3, -gravity_free, -gravity_free, -100 * size, *friction_low, *friction_low, breakaway[0]]
+        upper = [inertia + 3, gravity_free, gravity_free, 100 * size, *friction_high, *friction_high, breakaway[1]]
+        scale = [0.05, 0.05 * size, 0.05 * size, 0.05 * level, *friction_scale, *friction_scale, 0.3]
+        reach = 0.5 * (LATEST - _earliest(dt))
+        bristle_scale = [0.5 * reach, 0.2 * _DAMPING, 0.3, 0.5, _HELD, _HELD]
+        low = np.array([*lower, _earliest(dt), 0.0, 0.0, 0.0, 0.0, 0.0])
+        high = np.array([*upper, LATEST, _DAMPING, 1.0, 1.5, 0.0, 0.0])
+        centre = start.copy()
+        centre[4] = centre[8] = level
+        weight = np.zeros(start.size)
+        if known is not None:
+            weight[0] = 1.0 / _RIGID
+            centre[1:3] = known.gravity
+            weight[1:3] = 1.0 / (_RIGID * max(float(np.hypot(*known.gravity)), level))
+        for i in (6, 10):
+            centre[i] = np.log(0.05 * top_speed)
+            weight[i] = 1.0 / 1.5
+        weight[12] = 1.0 / 1.5
+        weight[13] = 1.0 / reach
+        weight[14] = 1.0 / (0.5 * _DAMPING)
+        weight[15] = 1.0 / 0.5
+        centre[15] = 0.5
+        weight[16] = 1.0 / 0.7
+        # Sliding shows offset and difference of the directions as one sum; only the start of motion could part them.
+        difference = (np.eye(start.size)[4] - np.eye(start.size)[8]) / (_ASYMMETRY * level)
+        precision = np.diag(weight**2) + np.outer(difference, difference)
+        return cls(
+            np.clip(start, low, high),
+            Box(low, high, np.array([*scale, *bristle_scale]), centre, precision, _REACH),
+        )

@@ -1,0 +1,134 @@
+"""The weighted fit of the base, and other tries where it is loud: with another bristle, with friction that creeps."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from ..inputs.track import FloatArray
+from .base import BASE_NAMES, evened, falling_alike, unpack
+from .problem import Problem
+from .solver import Box, Fit, minimise
+
+__all__ = ["creep_starts", "creeping", "fit_base", "loud", "with_other_bristle"]
+
+_BREAKAWAY, _DAMPING = BASE_NAMES.index("log_breakaway"), BASE_NAMES.index("damping_time")
+_STARTS = (1e-6, 3e-5)  # [rad] presliding distances to start from
+_LOUD = 1.1  # residual over noise
+_CREEP, _LEAD = BASE_NAMES.index("creep_velocity"), BASE_NAMES.index("creep_lead")
+_SHARPNESS = BASE_NAMES.index("sharpness")
+_SLOWEST, _FASTEST = 1e-3, 0.1  # creep velocity, of the fastest motion
+_LONGEST_LEAD = 0.03  # [s]
+# Steps towards creep, after which the better start goes on unless its cost is this many times that of a bristle: by
+# the weights of a bristle, which hardly lets a joint at rest be noisy, friction that does creep has left twice as much
+# and joints that stick 5 to 8000 times as much.
+_FIRST_STEPS, _HOPELESS = 12, 4.0
+# MuJoCo's friction loss with its usual impedance: F = d (tau + b J v), cut off at the level, with d = 0.9 and a rate b
+# of 105 1/s or, in a stiffer simulation, ten times that.
+_IMPEDANCE, _RATES = 0.9, (105.0, 1050.0)  # [1/s]
+_NEAR = 0.9  # of the largest damping of a bristle
+# Steps of a weighted fit, and fall of the cost in units of the noise that ends it: Coulomb, static and viscous torque
+# of a slow motion lie along a narrow valley, and a fit that stops on its way down leaves the rest to any effect.
+_STEPS, _SETTLED = 48, 0.3
+
+
+def fit_base(problem: Problem, theta: FloatArray, box: Box) -> Fit:
+    """The base fitted from `theta` with the problem's weights, to the bottom of its valley, and from there with both
+    directions evened, or falling alike, where they differ much."""
+    evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
+    fitted = partial(minimise, evaluate, box=box, iterations=_STEPS, refresh=2, tolerance=_SETTLED)
+    fit = fitted(theta)
+    others = [start for start in (evened(fit.theta), falling_alike(fit.theta)) if start is not None]
+    return min([fit, *map(fitted, others)], key=_by_cost)
+
+
+def loud(fit: Fit) -> bool:
+    """Whether a weighted fit leaves more than noise."""
+    return float(fit.residual @ fit.residual) > _LOUD**2 * fit.residual.size
+
+
+def with_other_bristle(problem: Problem, fit: Fit, box: Box) -> Fit:
+    """The fit, or a better one from stiff bristles with hardly any damping beside the same friction.
+
+    A joint that turns over at once in a reversal looks, to a bristle that is too soft, as if it had damping instead of
+    static friction: the way from there to the stiff bristle leads uphill. Such a fit is loud, and damped as much as
+    the base allows.
+
+    Args:
+        problem: Recordings and weights.
+        fit: Of the base, with these weights.
+        box: Domain of the base parameters.
+    """
+    if not loud(fit) or fit.theta[_DAMPING] < _NEAR * box.upper[_DAMPING]:
+        return fit
+    tried = [fit_base(problem, _with_bristle(fit.theta, box, distance), box) for distance in _STARTS]
+    return min([fit, *tried], key=_by_cost)
+
+
+def _by_cost(fit: Fit) -> float:
+    return fit.cost
+
+
+def _with_bristle(theta: FloatArray, box: Box, distance: float) -> FloatArray:
+    """`theta` with a bristle of this presliding distance [rad], half of whose elements yield abruptly. Shape (p,).
+
+    Both directions are evened: the wrong bristle has parted them by a start of motion that it had wrong.
+    """
+    even = evened(theta)
+    start = theta.copy() if even is None else even
+    usual = {"delay": 0.0, "damping_time": 0.01 * box.upper[_DAMPING], "sharpness": 0.5, "log_spread": 0.3}
+    for name, value in {"log_breakaway": float(np.log(distance)), **usual}.items():
+        start[BASE_NAMES.index(name)] = value
+    return start
+
+
+def creeping(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[Fit, Box] | None:
+    """The base fitted with friction that never holds, and its domain; None where that leads nowhere.
+
+    Friction of many simulators is no bristle: below a creep velocity it is viscous, and at rest it fades.
+
+    Args:
+        problem: Recordings and weights.
+        fit: Of the base, with these weights.
+        box: Domain of the base parameters.
+        top_speed: Of the recorded motion [rad/s].
+    """
+    evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
+    tried = [
+        (minimise(evaluate, start, free, iterations=_FIRST_STEPS, refresh=2), free)
+        for start, free in creep_starts(fit.theta, box, top_speed)
+    ]
+    best, free = min(tried, key=lambda one: one[0].cost)
+    return (fit_base(problem, best.theta, free), free) if best.cost < _HOPELESS * fit.cost else None
+
+
+def creep_starts(theta: FloatArray, box: Box, top_speed: float) -> list[tuple[FloatArray, Box]]:
+    """Base parameters with friction that creeps in place of a bristle, each with its domain.
+
+    Args:
+        theta: Base parameters. Shape (p,).
+        box: Domain of the base parameters.
+        top_speed: Of the recorded motion [rad/s].
+    """
+    starts = [_with_creep(theta, rate) for rate in _RATES]
+    return [(start, _with_free_creep(box, start, top_speed)) for start in starts]
+
+
+def _with_creep(theta: FloatArray, rate: float) -> FloatArray:
+    """`theta` with the friction loss of MuJoCo at this rate [1/s]. Shape (p,)."""
+    start, plant = theta.copy(), unpack(theta)
+    start[_SHARPNESS] = 1.0
+    start[_CREEP] = plant.level * (1.0 - _IMPEDANCE) / (_IMPEDANCE * rate * plant.inertia)
+    start[_LEAD] = 1.0 / rate
+    return start
+
+
+def _with_free_creep(box: Box, start: FloatArray, top_speed: float) -> Box:
+    """`box` in which friction creeps, with scales for a fit from `start`."""
+    lower, upper, scale = box.lower.copy(), box.upper.copy(), box.scale.copy()
+    at = [_CREEP, _LEAD]
+    lower[at], upper[at] = (_SLOWEST * top_speed, 0.0), (_FASTEST * top_speed, _LONGEST_LEAD)
+    scale[at] = 0.1 * max(float(start[_CREEP]), _SLOWEST * top_speed), 0.1 * start[_LEAD]
+    return replace(box, lower=lower, upper=upper, scale=scale)

@@ -1,0 +1,118 @@
+"""From recordings to tracks: a uniform grid fine enough to simulate, and the channels that effects may use."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from fricomp.errors import DiagnosisError
+from fricomp.recording import Recording
+
+from ..inputs.controller import Controller
+from ..inputs.rigid import Spring
+from ..inputs.track import (
+    SIMULATED_SPRING,
+    SIMULATED_STIFFNESS,
+    FloatArray,
+    TorqueNoise,
+    Track,
+    calm_samples,
+    encoder_step,
+    smooth_derivative,
+    torque_noise,
+    without_spikes,
+)
+from .base import LATEST
+
+__all__ = ["build_tracks", "low_rate"]
+
+_FINEST = 1e-3  # [s] grid of slow recordings
+_CHANNELS = ("load_torque", "temperature", "position_reference", "torque_command", "current")
+
+
+def low_rate(recordings: Sequence[Recording]) -> bool:
+    """Whether any recording is too slow for presliding and reversals to be seen in it."""
+    return any(recording.sample_period > 3.5e-3 for recording in recordings)
+
+
+def build_tracks(
+    recordings: Sequence[Recording], loops: Sequence[Controller | None] = (), spring: Spring | None = None
+) -> list[Track]:
+    """One track for each recording, all on the same grid.
+
+    Args:
+        recordings: Of one joint.
+        loops: What moved the joint in each of them; none where that is not known.
+        spring: Of the simulation. Its torque is taken off: the joint without it is what is fitted and compared.
+
+    Raises:
+        DiagnosisError: The recordings mix rotary and linear joints.
+    """
+    if len({recording.metadata.motion for recording in recordings}) > 1:
+        raise DiagnosisError("the recordings mix rotary and linear joints: diagnose one joint at a time")
+    dt = min(recording.sample_period for recording in recordings)
+    dt = float(np.clip(dt, 2.5e-4, 2.5e-3)) if dt < 3.5e-3 else dt / np.ceil(dt / 2.5e-3)
+    known = loops or [None] * len(recordings)
+    tracks = [
+        replace(_track(recording, loop, dt, f"recording {i + 1}"), usual_delay=_usual_delay(recording))
+        for i, (recording, loop) in enumerate(zip(recordings, known, strict=True))
+    ]
+    return tracks if spring is None else [_without_spring(track, spring) for track in tracks]
+
+
+def _usual_delay(recording: Recording) -> tuple[float, float]:
+    """By how much a torque without any flaw is late, and the standard deviation of that [s].
+
+    A command is held for a sample, so that it acts half of one after its instant; a measured torque is the mean about
+    it. Which of the two a log holds is often not said, drives differ in when they sample, and a usual filter of a
+    torque takes up to half a millisecond.
+    """
+    half = 0.5 * recording.sample_period
+    return -half if recording.metadata.torque_kind == "commanded" else 0.0, 0.5 * max(half, LATEST)
+
+
+def _without_spring(track: Track, spring: Spring) -> Track:
+    """The track without the torque that the simulation's spring takes, which is kept as a channel."""
+    taken = spring.torque(smooth_derivative(track.position, track.dt, order=0))
+    more = {SIMULATED_SPRING: taken, SIMULATED_STIFFNESS: np.full(track.size, spring.stiffness)}
+    return replace(track, torque=track.torque - taken, channels={**track.channels, **more})
+
+
+def _track(recording: Recording, loop: Controller | None, dt: float, name: str) -> Track:
+    time = np.asarray(recording.time) - recording.time[0]
+    grid = np.arange(int(time[-1] / dt + 1e-6) + 1) * dt
+    uniform = grid.size == time.size and bool(np.max(np.abs(grid - time)) < 0.02 * dt)
+
+    def sampled(values: FloatArray) -> FloatArray:
+        if uniform:
+            return np.array(values)
+        if recording.sample_period > 1.5 * dt:
+            result: FloatArray = CubicSpline(time, values)(grid)
+            return result
+        interpolated: FloatArray = np.interp(grid, time, values)
+        return interpolated
+
+    channels = {n: sampled(v) for n, v in recording.channels.items() if n in _CHANNELS}
+    extra = recording.metadata.extra.get("neighbour_position")
+    if isinstance(extra, list):
+        channels["neighbour_position"] = sampled(np.asarray(extra, dtype=np.float64))
+    position, torque, noise = np.array(recording.position), np.array(recording.torque), None
+    if recording.sample_period > 1.5 * dt:
+        velocity = smooth_derivative(position, recording.sample_period)
+        seen = torque_noise(torque, calm_samples(position, velocity, recording.sample_period))
+        torque = without_spikes(torque, seen.size)
+        noise = TorqueNoise(0.0, seen.size, float(np.exp(-dt / recording.sample_period)))
+    track = Track.build(
+        dt,
+        sampled(position),
+        sampled(torque),
+        rotary=recording.metadata.motion == "rotary",
+        channels=channels,
+        name=name,
+        noise=noise,
+    )
+    resolution = recording.metadata.encoder_resolution or encoder_step(position)
+    return replace(track, resolution=resolution, loop=None if recording.sample_period > 1.5 * dt else loop)

@@ -1,0 +1,223 @@
+"""Nulls: the fitted model re-simulated with this recording's noise, through the same chain as the recording."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import repeat
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import median_filter, uniform_filter1d
+from scipy.optimize import nnls
+
+from ..inputs.delay import shifted
+from ..inputs.track import FloatArray, TorqueNoise, Track, smooth_derivative, without_spikes
+from .observer import Contribution, Job, Observation, Plant
+from .problem import Problem, Weights, improved
+from .step_answer import StepAnswer, step_answers
+
+__all__ = ["Nulls", "make_nulls"]
+
+_AR_ORDER = 4
+_STIFFNESS = 1.6  # factor on the bristle stiffness that its unknown law stands for
+_CREEP = 1.1  # factor on the creep velocity: a cut-off line and a smooth curve that turn over alike differ as much
+_DOUBT = 0.5  # part of its effect on a row that counts as uncertain
+_TORQUE_WINDOW = 0.011  # [s] smoothing that separates the applied torque from its noise
+_DELAY_SPREAD = 5e-5  # [s]
+_FEW = 8  # nulls from which the noise is matched
+_MEMORY = 0.9  # correlation of coloured noise where the samples show none
+_THROUGHOUT = 0.999  # of a row's window
+_ENOUGH = 100  # rows for a median
+_CORRECTION = (0.7, 1.4)  # of the matched noise, for what does not add up in squares
+
+
+@dataclass(frozen=True)
+class Nulls:
+    """Rows of simulated recordings in which nothing is missing.
+
+    Attributes:
+        rows: For each recording, shape (n_nulls, n_rows) [N·m].
+        weights: Their mean, spread and correlation.
+    """
+
+    rows: tuple[FloatArray, ...]
+    weights: Weights
+
+    @property
+    def count(self) -> int:
+        """Number of nulls."""
+        return int(self.rows[0].shape[0])
+
+    def scaled(self, factor: float) -> Nulls:
+        """The same nulls with noise larger by `factor`."""
+        rows = tuple(m + factor * (r - m) for r, m in zip(self.rows, self.weights.mean, strict=True))
+        spread = tuple(factor * s for s in self.weights.spread)
+        return Nulls(rows, replace(self.weights, spread=spread))
+
+    def vectors(self) -> list[FloatArray]:
+        """Each null as a weighted residual vector."""
+        return [self.weights.apply([rows[i] for rows in self.rows]) for i in range(self.count)]
+
+
+def make_nulls(problem: Problem, plant: Plant, effects: Sequence[Contribution], *, count: int, seed: int) -> Nulls:
+    """Simulate `count` nulls of `plant` with `effects`; their noise is matched to that of the residual.
+
+    Raises:
+        FloatingPointError: The plant does not simulate with that noise.
+    """
+    data = problem.rows(problem.runs([plant], [effects])[0])
+    calm = replace(problem, tracks=tuple(replace(track, torque=_smooth(track)) for track in problem.tracks))
+    truth = calm.runs([plant], [effects])[0]
+    applied = tuple(
+        track.torque + shifted(one.missing, -plant.delay / track.dt)
+        for track, one in zip(calm.tracks, truth, strict=True)
+    )
+    answers = tuple(
+        step_answers(job, one, torque, count=max(count, _FEW), seed=seed)
+        for job, one, torque in zip(map(Job, problem.tracks, repeat(plant), effects), truth, applied, strict=True)
+    )
+    chain = _Chain(problem, plant, tuple(effects), tuple(truth), applied, answers)
+    noises = [_matched_noise(chain, index, rows, seed) for index, rows in enumerate(data)]
+    rows = [chain.rows(index, noise, count, seed + 1) for index, noise in enumerate(noises)]
+    return Nulls(tuple(rows), _weights(rows, _presliding(problem, plant, effects)))
+
+
+@dataclass(frozen=True)
+class _Chain:
+    """What makes a null: the joint moved as the fitted model says, and its sensors.
+
+    Attributes:
+        problem: The recordings and their rows.
+        plant: The fitted joint.
+        effects: What effects add along each recording.
+        truth: The model's motion under each recording's torque without noise.
+        applied: Torque that moves the joint so, for each recording [N·m]. Shapes (n,).
+        answers: What the loop makes of the encoder's steps, for each recording; empty where it is not heard.
+    """
+
+    problem: Problem
+    plant: Plant
+    effects: tuple[Contribution, ...]
+    truth: tuple[Observation, ...]
+    applied: tuple[FloatArray, ...]
+    answers: tuple[list[StepAnswer], ...]
+
+    def rows(self, index: int, noise: TorqueNoise, count: int, seed: int) -> FloatArray:
+        """Rows of `count` nulls of one recording, shape (count, n_rows) [N·m]."""
+        track, effect = self.problem.tracks[index], self.effects[index]
+        rng = np.random.default_rng([seed, index])
+        stepless = replace(track, resolution=0.0)  # what answers show has the encoder's steps already
+        heard = [(stepless, one.position, self.applied[index] + one.torque) for one in self.answers[index][:count]]
+        moved = heard or [(track, self.truth[index].position, self.applied[index])] * count
+        nulls = [_null(*each, noise, rng) for each in moved]
+        first = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
+        if not all(np.all(np.isfinite(run.missing)) for run in first):
+            raise FloatingPointError("a joint that the recording hardly determines does not simulate with its noise")
+        returning = self.problem.observer.returning
+        nulls = [improved(null, run, returning(null, self.plant, run)) for null, run in zip(nulls, first, strict=True)]
+        runs = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
+        return np.stack([self.problem.grids[index].of(run.missing) for run in runs])
+
+
+def _matched_noise(chain: _Chain, index: int, data: FloatArray, seed: int) -> TorqueNoise:
+    """Torque noise with which the rows of nulls vary as those of the data do, over one and several rows.
+
+    Samples alone cannot tell noise from torque that a controller really made of the encoder's steps; rows can, since
+    real torque moves the joint.
+    """
+    track, slides = chain.problem.tracks[index], _sliding(chain.problem, index)
+    seen = track.torque_noise
+    size = seen.size or 1e-3 * float(np.std(track.torque))
+    memory = seen.memory if seen.coloured > 0.0 else _MEMORY
+    kinds = (TorqueNoise(0.0, 0.0, 0.0), TorqueNoise(size, 0.0, 0.0, seen.freedom), TorqueNoise(0.0, size, memory))
+    without, white, coloured = (_variation(chain.rows(index, kind, _FEW, seed), slides) for kind in kinds)
+    target = _variation(data[None], slides)
+    columns = np.stack([white - without, coloured - without], axis=1) / target[:, None]
+    found, _ = nnls(np.maximum(columns, 0.0), np.maximum(target - without, 0.0) / target)
+    noise = TorqueNoise(size * float(np.sqrt(found[0])), size * float(np.sqrt(found[1])), memory, seen.freedom)
+    again = _variation(chain.rows(index, noise, _FEW, seed), slides)
+    factor = float(np.clip(np.sqrt(target[0] / again[0]), *_CORRECTION))
+    return noise._replace(white=factor * noise.white, coloured=factor * noise.coloured)
+
+
+def _sliding(problem: Problem, index: int) -> NDArray[np.bool_]:
+    """Rows in which a recorded joint slides throughout, or all rows where these are few. Shape (n_rows,).
+
+    A joint that sticks takes up the noise of its torque in the bristle; how often one is about to stick, nulls of a
+    loop need not repeat exactly, and a median over both kinds of rows would depend on it.
+    """
+    moves = (np.abs(problem.tracks[index].velocity) > problem.observer.rest_speed).astype(np.float64)
+    rows = problem.grids[index].of(moves) > _THROUGHOUT
+    return rows if np.count_nonzero(rows) >= _ENOUGH else np.ones_like(rows)
+
+
+def _variation(rows: FloatArray, slides: NDArray[np.bool_]) -> FloatArray:
+    """Squared typical second difference over one, two and four rows, which no smooth torque reaches [(N·m)²]."""
+    spans = [(rows[:, 2 * k :] - 2.0 * rows[:, k:-k] + rows[:, : -2 * k])[:, slides[k:-k]] for k in (1, 2, 4)]
+    return np.array([max(float(np.median(np.abs(one))) ** 2, 1e-30) for one in spans])
+
+
+def _presliding(problem: Problem, plant: Plant, effects: Sequence[Contribution]) -> list[FloatArray]:
+    """How far each row moves with the law of the bristle, which no recording fixes to the last digit [N·m].
+
+    The base has one bristle of one stiffness; real presliding has a spectrum of them [albender2005gms]. The rows
+    after reversals are trusted less, in proportion to what another stiffness would change there, and another velocity
+    about which friction that creeps turns over.
+    """
+    variants = [
+        replace(plant, sigma_0=plant.sigma_0 * factor, creep_velocity=plant.creep_velocity / slower)
+        for factor, slower in ((1.0 / _STIFFNESS, 1.0 / _CREEP), (_STIFFNESS, _CREEP))
+    ]
+    softer, stiffer = problem.runs(variants, [effects, effects])
+    return [0.5 * np.abs(a - b) for a, b in zip(problem.rows(softer), problem.rows(stiffer), strict=True)]
+
+
+def _smooth(track: Track) -> FloatArray:
+    """Recorded torque without most of its noise [N·m]."""
+    width = max(3, 2 * round(_TORQUE_WINDOW / track.dt / 2) + 1)
+    window = np.hanning(width + 2)[1:-1]
+    smooth: FloatArray = np.convolve(np.pad(track.torque, width // 2, mode="edge"), window / window.sum(), mode="valid")
+    return smooth
+
+
+def _null(
+    track: Track, position: FloatArray, applied: FloatArray, noise: TorqueNoise, rng: np.random.Generator
+) -> Track:
+    """The recording of a joint moved along `position` by `applied`: fresh noise, rounding and a small delay."""
+    torque = shifted(applied, rng.normal(0.0, _DELAY_SPREAD) / track.dt)
+    if track.jitter > 0.0:
+        late = track.jitter / track.dt * rng.standard_normal(track.size)
+        torque, position = torque + late * np.gradient(torque), position + late * np.gradient(position)
+    torque = without_spikes(torque + noise.draw(track.size, rng), max(noise.size, track.torque_noise.size))
+    if track.resolution > 0.0:
+        position = np.round(position / track.resolution + rng.uniform()) * track.resolution
+    return replace(track, position=position, torque=torque, velocity=smooth_derivative(position, track.dt))
+
+
+def _weights(rows: Sequence[FloatArray], presliding: Sequence[FloatArray]) -> Weights:
+    mean = tuple(r.mean(axis=0) for r in rows)
+    noise = [_row_spread(r, m) for r, m in zip(rows, mean, strict=True)]
+    spread = tuple(np.hypot(s, _DOUBT * p) for s, p in zip(noise, presliding, strict=True))
+    unit = [(r - m) / s for r, m, s in zip(rows, mean, noise, strict=True)]
+    return Weights(mean, spread, _whitener(unit))
+
+
+def _row_spread(rows: FloatArray, mean: FloatArray) -> FloatArray:
+    """Spread of each row, steadied by its neighbours; half of the nulls' own bias counts as uncertain."""
+    spread = np.hypot(rows.std(axis=0, ddof=1), 0.5 * mean)
+    steady = 0.5 * np.maximum(spread, median_filter(spread, 5)) + 0.5 * uniform_filter1d(spread, 3)
+    floor: FloatArray = np.maximum(steady, 0.3 * np.median(spread))
+    return floor
+
+
+def _whitener(unit: Sequence[FloatArray]) -> FloatArray:
+    """AR filter from the pooled autocorrelation of the nulls, scaled to unit innovation variance."""
+    lags = np.array(
+        [np.mean([np.mean(u[:, lag:] * u[:, : u.shape[1] - lag]) for u in unit]) for lag in range(_AR_ORDER + 1)]
+    )
+    R = np.array([[lags[abs(i - j)] for j in range(_AR_ORDER)] for i in range(_AR_ORDER)])
+    a = np.linalg.solve(R + 1e-6 * lags[0] * np.eye(_AR_ORDER), lags[1:])
+    innovation = max(float(lags[0] - a @ lags[1:]), 1e-3 * lags[0])
+    result: FloatArray = np.concatenate([[1.0], -a]) / np.sqrt(innovation)
+    return result

@@ -1,0 +1,178 @@
+"""The estimation problem of one diagnosis: recordings, observer, and what a row of the residual weighs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import cycle
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_erosion
+
+from ..inputs.track import FloatArray, Track, smooth_derivative
+from .base import SOFTEST, unpack
+from .observer import Contribution, Job, Observation, Observer, Plant, missing_torques, simulate_all
+from .rows import RowGrid
+
+__all__ = ["Problem", "Weights", "observer_for"]
+
+# Torque that effects add along each recording, for their parameters.
+Effects = Callable[[FloatArray], list[Contribution]]
+
+_ROW_WIDTH = 0.042  # [s]
+_ROW_STEP = 0.020  # [s]
+_INNOVATION_WINDOW = 0.061  # [s]
+_FINE, _COARSE = (3, 40), 2  # substeps of a sample
+_SLIDING = 4.0  # rest speeds
+_YIELDED = 16.0  # presliding distances of the softest bristle of the base
+_MARGIN = 0.02  # [s] by which the simulated joint may turn earlier or later than the recorded one
+
+
+@dataclass(frozen=True)
+class Weights:
+    """What the rows look like where nothing is missing.
+
+    Attributes:
+        mean: Mean of each row [N·m], for each recording. Shapes (n_rows,).
+        spread: Standard deviation of each row [N·m], for each recording. Shapes (n_rows,).
+        whitener: Coefficients of the AR whitening filter 1 - a_1 z^-1 - ...; shape (order + 1,).
+    """
+
+    mean: tuple[FloatArray, ...]
+    spread: tuple[FloatArray, ...]
+    whitener: FloatArray
+
+    def apply(self, rows: Sequence[FloatArray]) -> FloatArray:
+        """Rows of all recordings as one vector of about unit variance."""
+        parts = [(r - m) / s for r, m, s in zip(rows, self.mean, self.spread, strict=True)]
+        return np.concatenate([np.convolve(self.whitener, part)[: part.size] for part in parts])
+
+    def whitened(self, columns: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Columns of one recording's rows through the whitening filter, which starts from nothing. Shape (n, k)."""
+        result: NDArray[np.complex128] = self.whitener[0] * columns
+        for lag, weight in enumerate(self.whitener[1:], start=1):
+            result[lag:] += weight * columns[:-lag]
+        return result
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Everything needed to turn parameters into residual rows.
+
+    Attributes:
+        tracks: The recordings.
+        grids: Their rows.
+        observer: Observer settings.
+        gains: K [N·m/rad] and D [N·m·s/rad].
+        weights: Null statistics of the rows; None before they are known.
+    """
+
+    tracks: tuple[Track, ...]
+    grids: tuple[RowGrid, ...]
+    observer: Observer
+    gains: tuple[float, float]
+    weights: Weights | None = None
+
+    def observe(self, jobs: Sequence[Job]) -> list[Observation]:
+        """Run simulations with this problem's observer."""
+        return simulate_all(jobs, self.observer, self.gains)
+
+    def runs(self, plants: Sequence[Plant], contributions: Sequence[Sequence[Contribution]]) -> list[list[Observation]]:
+        """Observe every recording for every plant."""
+        flat, n = self.observe(self._jobs(plants, contributions)), len(self.tracks)
+        return [flat[i : i + n] for i in range(0, len(flat), n)]
+
+    def vectors(self, plants: Sequence[Plant], contributions: Sequence[Sequence[Contribution]]) -> list[FloatArray]:
+        """The residual as one weighted vector, for every plant. Shapes (m,)."""
+        flat = missing_torques(self._jobs(plants, contributions), self.observer, self.gains)
+        rows = [grid.of(one) for grid, one in zip(cycle(self.grids), flat, strict=False)]
+        n = len(self.tracks)
+        return [self._weighed(rows[i : i + n]) for i in range(0, len(rows), n)]
+
+    def _jobs(self, plants: Sequence[Plant], contributions: Sequence[Sequence[Contribution]]) -> list[Job]:
+        return [
+            Job(track, plant, contribution)
+            for plant, per_track in zip(plants, contributions, strict=True)
+            for track, contribution in zip(self.tracks, per_track, strict=True)
+        ]
+
+    def rows(self, observations: Sequence[Observation]) -> list[FloatArray]:
+        """Missing torque at the rows of each recording [N·m]."""
+        return [grid.of(one.missing) for grid, one in zip(self.grids, observations, strict=True)]
+
+    def vector(self, observations: Sequence[Observation]) -> FloatArray:
+        """The residual as one weighted vector. Shape (m,)."""
+        return self._weighed(self.rows(observations))
+
+    def _weighed(self, rows: Sequence[FloatArray]) -> FloatArray:
+        return np.concatenate(rows) if self.weights is None else self.weights.apply(rows)
+
+    def residual(self, effects: Effects, n_base: int) -> Callable[[Sequence[FloatArray]], list[FloatArray]]:
+        """The residual vector as a function of base and effect parameters."""
+
+        def evaluate(points: Sequence[FloatArray]) -> list[FloatArray]:
+            plants = [unpack(point[:n_base]) for point in points]
+            contributions = [effects(point[n_base:]) for point in points]
+            return self.vectors(plants, contributions)
+
+        return evaluate
+
+    def nothing(self, _: FloatArray) -> list[Contribution]:
+        """No effects."""
+        return [Contribution()] * len(self.tracks)
+
+    def timed_for(self, plant: Plant) -> Problem:
+        """The same problem with samples cut as finely as `plant` asks for."""
+        tracks = [replace(track, substeps=_substeps(track, plant, self.observer, self.gains)) for track in self.tracks]
+        return replace(self, tracks=tuple(tracks))
+
+    def with_velocity_of(self, plant: Plant) -> Problem:
+        """The same problem with velocities improved by the simulation: its own plus that of the slow innovation."""
+        (runs,) = self.runs([plant], [[Contribution()] * len(self.tracks)])
+        tracks = tuple(
+            improved(track, one, self.observer.returning(track, plant, one))
+            for track, one in zip(self.tracks, runs, strict=True)
+        )
+        return replace(self, tracks=tracks)
+
+
+def improved(track: Track, observation: Observation, returning: FloatArray) -> Track:
+    """`track` with the velocity of the observed model, corrected by the slope of what it missed.
+
+    Args:
+        track: The recording.
+        observation: Of the model.
+        returning: What the observer adds to the velocity of a resting model's position [rad/s]. Left out, a bristle
+            that is too soft would say that the joint moves while the encoder stands still, and be kept soft by it.
+    """
+    slope = smooth_derivative(track.position - observation.position, track.dt, _INNOVATION_WINDOW)
+    return replace(track, velocity=observation.velocity + returning + slope)
+
+
+def observer_for(tracks: Sequence[Track], plant: Plant, observer: Observer) -> Problem:
+    """The problem for a first plant: gains that hold the model through its steepest falling Stribeck slope."""
+    inertia, omega = plant.inertia, observer.bandwidth
+    slope = max(0.858 * (s - c) / v - f for c, s, v, f in (plant.forward, plant.reverse))
+    gains = (inertia * omega**2, 2.0 * inertia * omega + max(slope, 0.0))
+    scale = max(1.0, 5.0 / (omega * _ROW_WIDTH))
+    grids = [RowGrid.build(t, scale * _ROW_WIDTH, scale * _ROW_STEP, 0.5) for t in tracks]
+    return Problem(tuple(tracks), tuple(grids), observer, gains).timed_for(plant)
+
+
+def _substeps(track: Track, plant: Plant, observer: Observer, gains: tuple[float, float]) -> NDArray[np.int64]:
+    """Steps of each sample: many while the bristle may be stretched, few where it has long yielded. Shape (n,).
+
+    A bristle at its level follows the speed at once, and the stiffness that asks for short steps is gone.
+    """
+    stiffest = np.sqrt((3.0 * plant.sigma_0 + gains[0]) / plant.inertia) / observer.step
+    fastest = (gains[1] + 3.0 * max(plant.forward[3], plant.reverse[3])) / plant.inertia / 0.4
+    fine = int(np.clip(np.ceil(max(stiffest, fastest) * track.dt), *_FINE))
+    coarse = int(np.clip(np.ceil(fastest * track.dt), _COARSE, fine))
+    direction = np.sign(track.velocity) * (np.abs(track.velocity) > _SLIDING * observer.rest_speed)
+    turned = np.concatenate([[True], direction[1:] != direction[:-1]]) | (direction == 0.0)
+    index = np.arange(track.size)
+    since = track.position - track.position[np.maximum.accumulate(np.where(turned, index, 0))]
+    yielded = (direction != 0.0) & (np.abs(since) > _YIELDED * SOFTEST)
+    margin = max(1, round(_MARGIN / track.dt))
+    return np.where(binary_erosion(yielded, np.ones(2 * margin + 1)), coarse, fine)

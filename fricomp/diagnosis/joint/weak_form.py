@@ -1,0 +1,167 @@
+"""First estimate of the base model: least squares in weak form, where no acceleration is ever formed.
+
+For a test function phi that vanishes at the ends of its window, the integral of phi J q'' is that of phi'' J q.
+Rows lie where the joint keeps moving in one direction; the two Stribeck velocities are found by variable projection.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.ndimage import binary_erosion
+from scipy.optimize import minimize, nnls
+from scipy.signal import fftconvolve
+
+from fricomp.errors import DiagnosisError
+
+from ..inputs.track import FloatArray, Track
+from .observer import Plant
+
+__all__ = ["estimate_plants", "rest_speed_of"]
+
+_MOST_ROWS = 6000
+_REST_SPEED = 5e-3  # [rad/s] or [m/s] of a joint of the usual speed
+_REST_SHARE = 0.05  # of the top speed, for slower ones
+_SLOW = 0.1  # share of the rows that are the slowest
+
+
+def rest_speed_of(tracks: Sequence[Track], width: float = 0.042) -> float:
+    """Speed below which samples say nothing about sliding [rad/s] or [m/s]: a small part of what the joint reaches,
+    not below what one encoder step in a window of `width` [s] looks like."""
+    top = max(float(np.quantile(np.abs(track.velocity), 0.98)) for track in tracks)
+    step = max(track.resolution for track in tracks) / width
+    return min(_REST_SPEED, max(_REST_SHARE * top, step))
+
+
+class WeakRows(NamedTuple):
+    """Rows of the weak form: shape (n,) each, `speed` of shape (n, m) samples under the window."""
+
+    torque: FloatArray
+    inertia: FloatArray
+    gravity: FloatArray
+    velocity: FloatArray
+    direction: FloatArray
+
+
+def estimate_plants(
+    tracks: Sequence[Track], *, width: float = 0.042, rest_speed: float | None = None
+) -> tuple[Plant, ...]:
+    """First plants from the moving parts of `tracks`: the usual one and, where friction falls over all speeds and
+    leaves little or no Coulomb torque, one that has half of what the slowest rows hold.
+
+    Args:
+        tracks: Recordings of one joint.
+        width: Window of the test function [s].
+        rest_speed: Slower samples take no part [rad/s]; None for that of `rest_speed_of`.
+
+    Raises:
+        DiagnosisError: Too few samples are faster.
+    """
+    rest_speed = rest_speed_of(tracks, width) if rest_speed is None else rest_speed
+    rows = [_weak_rows(track, width, rest_speed) for track in tracks]
+    joined = WeakRows(*(np.concatenate(part) for part in zip(*rows, strict=True)))
+    if joined.torque.size < 20:
+        raise DiagnosisError(
+            f"the joint hardly ever slides faster than {rest_speed:g} rad/s (or m/s) for {width:g} s on end: "
+            "record a faster motion"
+        )
+    keep = np.linspace(0, joined.torque.size - 1, min(_MOST_ROWS, joined.torque.size)).astype(int)
+    joined = WeakRows(*(part[keep] for part in joined))
+    top = float(np.quantile(np.abs(joined.velocity), 0.98))
+    grid = np.log(np.geomspace(max(2 * rest_speed, 0.01 * top), 0.5 * top, 6))
+    start = min((_cost(np.array([a, a]), joined), a) for a in grid)[1]
+    found = minimize(_cost, np.array([start, start]), args=(joined,), method="Nelder-Mead", options={"maxiter": 80})
+    usual, level = (_plant(found.x, joined, hold=hold) for hold in (False, True))
+    return (usual,) if usual == level else (usual, level)
+
+
+def _weak_rows(track: Track, width: float, rest_speed: float) -> WeakRows:
+    length = max(5, 2 * round(width / track.dt / 2) + 1)
+    s = (np.arange(length) + 1.0) / (length + 1)
+    phi = 0.5 - 0.5 * np.cos(2 * np.pi * s)
+    span = (length + 1) * track.dt
+    curvature = 2 * np.pi**2 / span**2 * np.cos(2 * np.pi * s)
+    total = phi.sum()
+    moving = np.abs(track.velocity) > rest_speed
+    margin = length // 2 + max(3, round(0.021 / track.dt))
+    ok = np.zeros(track.size, dtype=bool)
+    for sign in (1.0, -1.0):
+        ok |= binary_erosion(moving & (np.sign(track.velocity) == sign), np.ones(2 * margin + 1))
+    centres = np.flatnonzero(ok)[:: max(1, length // 2)]
+
+    def mean(samples: FloatArray, weights: FloatArray) -> FloatArray:
+        result: FloatArray = fftconvolve(samples, weights, mode="same")[centres] / total
+        return result
+
+    q = track.position
+    curvature = curvature - curvature.mean()
+    gravity = [np.ones_like(q)] + ([np.cos(q), np.sin(q)] if track.rotary else [])
+    return WeakRows(
+        torque=mean(track.torque, phi),
+        inertia=mean(q - q.mean(), curvature),
+        gravity=np.stack([mean(g, phi) for g in gravity], axis=1),
+        velocity=mean(track.velocity, phi),
+        direction=np.sign(track.velocity[centres]),
+    )
+
+
+def _columns(log_speeds: FloatArray, rows: WeakRows) -> FloatArray:
+    columns = [rows.inertia, *rows.gravity.T]
+    for speed, sign in zip(np.exp(log_speeds), (1.0, -1.0), strict=True):
+        on = rows.direction == sign
+        fall = np.exp(-((rows.velocity / speed) ** 2))
+        columns += [on * sign, on * sign * fall, on * rows.velocity]
+    return np.stack(columns, axis=1)
+
+
+def _solve(log_speeds: FloatArray, rows: WeakRows) -> tuple[FloatArray, float]:
+    """Least squares with inertia and friction not negative, gravity and offset free, and a touch of ridge."""
+    A = _columns(log_speeds, rows)
+    free = rows.gravity.shape[1]
+    split = np.concatenate([A, -A[:, 1 : 1 + free]], axis=1)
+    norm = np.linalg.norm(split, axis=0) + 1e-12
+    ridge = 1e-4 * np.sqrt(rows.torque.size)
+    R = np.asarray(np.linalg.qr(np.concatenate([split, rows.torque[:, None]], axis=1), mode="r"))
+    system = np.concatenate([R[:, :-1] / norm * np.sqrt(rows.torque.size), ridge * np.eye(norm.size)])
+    target = np.concatenate([R[:, -1], np.zeros(norm.size)])
+    x, cost = nnls(system, target)
+    x = x / norm * np.sqrt(rows.torque.size)
+    x[1 : 1 + free] -= x[A.shape[1] :]
+    return x[: A.shape[1]], float(cost)
+
+
+def _cost(log_speeds: FloatArray, rows: WeakRows) -> float:
+    return _solve(log_speeds, rows)[1]
+
+
+def _plant(log_speeds: FloatArray, rows: WeakRows, *, hold: bool) -> Plant:
+    x, _ = _solve(log_speeds, rows)
+    free = rows.gravity.shape[1]
+    gravity = (float(x[2]), float(x[3])) if free == 3 else (0.0, 0.0)
+    f, r = (tuple(map(float, part)) for part in (x[1 + free : 4 + free], x[4 + free :]))
+    speeds = np.exp(log_speeds)
+    floor = 1e-3 * float(np.std(rows.torque))
+    slowest = float(np.quantile(np.abs(rows.velocity), _SLOW)) if hold else np.inf
+    forward, reverse = (_curve(part, floor, float(vs), slowest) for part, vs in zip((f, r), speeds, strict=True))
+    inertia = max(float(x[0]), 1e-3 * float(np.std(rows.torque) / (np.std(rows.inertia) + 1e-9)))
+    return Plant(
+        inertia=inertia,
+        gravity=gravity,
+        offset=float(x[1]),
+        forward=forward,
+        reverse=reverse,
+        sigma_0=1e4 * max(forward[0], reverse[0]),
+    )
+
+
+def _curve(found: tuple[float, ...], floor: float, speed: float, slowest: float) -> tuple[float, float, float, float]:
+    """Coulomb and static torque, Stribeck velocity, viscous coefficient.
+
+    The Coulomb torque is at least half of the dry friction at the speed `slowest`, and the static torque at most twice
+    the Coulomb torque: more than slow rows hold is a guess.
+    """
+    held = found[0] + found[1] * float(np.exp(-((slowest / speed) ** 2)))
+    coulomb = max(found[0], 0.5 * held, floor)
+    return coulomb, min(max(found[0] + found[1], coulomb), 2.0 * coulomb), speed, found[2]

@@ -1,0 +1,319 @@
+"""What an arm carries in one session more than in another: mass and first moments at its end, from joint torques.
+
+    tau_j = sum over bodies Y_jb(q, v, a) w_b + [session] Y_je(q, v, a) w_p + friction_j(v, tau_j)
+
+The weights w_b of the bodies are whatever the recordings say, for each joint on its own; only w_p is shared by all
+joints. So the simulation need not know what its links weigh, and no motion has to be repeated [hollerbach2016].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from msgspec.structs import replace as with_fields
+from scipy.signal import butter, filtfilt
+
+from fricomp.errors import DiagnosisError
+from fricomp.recording import Recording
+
+from .inputs.arm_dynamics import ArmDynamics, ArmMotion, point_positions, read_arm
+from .inputs.track import FloatArray
+from .record.result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord, NamedEffect, Quantity
+from .record.sentence import sentences
+from .samples.second_answer import held_out
+
+__all__ = ["Payload", "diagnose_arm", "find_payload", "sessions_of"]
+
+_CUTOFF = 5.0  # [Hz] of the filter that torque and motion share
+_RATE = 25.0  # [Hz] of the rows behind it
+_EDGE = 1.0  # [s] left out at both ends, where the filter settles
+_SLOW = 0.03  # of the top speed, over which friction changes its sign
+_FOLDS = 8
+_RANK = 1e-5  # of the largest singular value, below which a combination of weights is not seen
+_SEEN = 1e-4  # of the largest singular value of the payload's columns
+_DUST = 1e-9  # of the largest column: what rounding leaves of a body that this joint does not move
+_SIGNIFICANT = 4.0  # standard deviations
+_TEST_SHARE = 1.0 / 3.0
+_MOST_JOINTS = 3  # in the sentence on which joints show it
+
+
+@dataclass(frozen=True)
+class Payload:
+    """What a session carries more than the first one. Errors are on the last third of each session.
+
+    Attributes:
+        moments: Value and standard deviation of "mass" [kg] and "first_moment_x", _y, _z about the frame of the last
+            body [kg·m]; those that the motions do not show are left out.
+        before: Held-out error without a payload [N·m]. Shape (n_rows,).
+        after: The same with it.
+        noise: RMS of what the model leaves where it was fitted [N·m], for each joint.
+        by_joint: Mass that each joint alone would give [kg], where it shows one.
+        errors: Held-out RMS error of each joint without a payload and with it [N·m].
+    """
+
+    moments: dict[str, tuple[float, float]]
+    before: FloatArray
+    after: FloatArray
+    noise: dict[str, float]
+    by_joint: dict[str, float]
+    errors: dict[str, tuple[float, float]]
+
+    @property
+    def significance(self) -> float:
+        """Largest moment in its standard deviations."""
+        return max((abs(value) / max(error, 1e-12) for value, error in self.moments.values()), default=0.0)
+
+
+Session = dict[str, Recording]
+
+
+def sessions_of(recordings: Sequence[Recording]) -> list[Session]:
+    """Recordings of all joints at once, grouped: a new session begins where a joint comes for another time."""
+    sessions: list[Session] = []
+    for recording in recordings:
+        name = recording.metadata.joint
+        if not sessions or name in sessions[-1]:
+            sessions.append({})
+        sessions[-1][name] = recording
+    return sessions
+
+
+def diagnose_arm(recordings: Sequence[Recording], simulation: str | Path) -> Diagnosis:
+    """Whether an arm carries another payload in its last session than in its first.
+
+    Raises:
+        DiagnosisError: The recordings are not two sessions of all joints, or no joint's torque is in N·m.
+    """
+    arm, sessions = read_arm(simulation), sessions_of(recordings)
+    for session in sessions:
+        missing = sorted(set(arm.joints) - set(session))
+        if missing or len(sessions) != 2:
+            raise DiagnosisError(
+                f"an arm is diagnosed from two sessions with a recording of every joint ({', '.join(arm.joints)}); "
+                f"got {len(sessions)}" + (f", one without {', '.join(missing)}" if missing else "")
+            )
+    return _answer(find_payload(arm, sessions), sessions)
+
+
+def find_payload(arm: ArmDynamics, sessions: Sequence[Session]) -> Payload:
+    """Identify arm, friction and the difference in payload between two sessions."""
+    rows = [_Rows.of(arm, session) for session in sessions]
+    gains = [_gains_of(session) for session in sessions]
+    joints = [name for name in arm.joints if all(name in known for known in gains)]
+    if not joints:
+        raise DiagnosisError(
+            "no joint's torque is in N·m or N, and none says how much one ampere is (metadata drive_gain): "
+            "a payload needs torque"
+        )
+    parts = {name: _joint_rows(arm.joints.index(name), rows, [known[name] for known in gains]) for name in joints}
+    weights, noise = _solve(parts, None)
+    drawn = np.array([_solve(parts, fold)[0] for fold in range(_FOLDS)])
+    deviation = np.sqrt((_FOLDS - 1) * np.var(drawn @ _MOMENTS, axis=0))
+    shown = _shown(parts)
+    moments = {
+        name: (float(value), float(error))
+        for name, value, error, seen in zip(_NAMES, weights @ _MOMENTS, deviation, shown, strict=True)
+        if seen
+    }
+    alone = {name: {name: part} for name, part in parts.items()}
+    sides = [_held_out(parts, with_payload=known) for known in (False, True)]
+    before, after = (np.concatenate(list(side.values())) for side in sides)
+    return Payload(
+        moments=moments,
+        before=before,
+        after=after,
+        noise=noise,
+        by_joint={n: float((_solve(one, None)[0] @ _MOMENTS)[0]) for n, one in alone.items() if _shown(one)[0]},
+        errors={name: (_rms(sides[0][name]), _rms(sides[1][name])) for name in parts},
+    )
+
+
+_NAMES = ("mass", "first_moment_x", "first_moment_y", "first_moment_z")
+_MOMENTS = np.column_stack([np.ones(10), point_positions()])
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Filtered motion and torques of one session at `_RATE`.
+
+    Attributes:
+        motion: Of all joints.
+        torque: As recorded. Shape (n, n_joints).
+        bodies: Columns of all bodies. Shape (n, n_joints, 10 n_bodies).
+        payload: Columns of the last body. Shape (n, n_joints, 10).
+    """
+
+    motion: ArmMotion
+    torque: FloatArray
+    bodies: FloatArray
+    payload: FloatArray
+
+    @classmethod
+    def of(cls, arm: ArmDynamics, session: Session) -> _Rows:
+        series = [session[name] for name in arm.joints]
+        dt = float(np.median([one.sample_period for one in series]))
+        first, last = max(one.time[0] for one in series), min(one.time[-1] for one in series)
+        grid = np.arange(first, last, dt)
+        b, a = butter(3, _CUTOFF * 2.0 * dt)
+        position, torque = (
+            np.stack([filtfilt(b, a, np.interp(grid, one.time, getattr(one, name))) for one in series], axis=1)
+            for name in ("position", "torque")
+        )
+        velocity = np.gradient(position, dt, axis=0)
+        acceleration = np.gradient(velocity, dt, axis=0)
+        edge = round(_EDGE / dt)
+        kept = slice(edge, grid.size - edge, max(1, round(1.0 / (_RATE * dt))))
+        motion = ArmMotion(position[kept], velocity[kept], acceleration[kept])
+        columns = [arm.body_columns(motion, body) for body in arm.bodies]
+        return cls(motion, torque[kept], np.concatenate(columns, axis=2), columns[-1])
+
+
+def _gains_of(session: Session) -> dict[str, float]:
+    """Torque of one unit of the recorded torque, for the joints of which it is known [N·m] or [N].
+
+    Gains that were seen in the log itself (`drive_gain_logged`) go before those that somebody states (`drive_gain`).
+    """
+    plain = {name: 1.0 for name, one in session.items() if one.metadata.torque_unit in ("N·m", "N")}
+    for key in ("drive_gain_logged", "drive_gain"):
+        stated = {name: one.metadata.extra.get(key) for name, one in session.items() if name not in plain}
+        known = {name: float(gain) for name, gain in stated.items() if isinstance(gain, int | float)}
+        if known:
+            return plain | known
+    return plain
+
+
+@dataclass(frozen=True)
+class _JointRows:
+    """Equations of one joint: own columns, payload columns (zero in the first session), torque, and fold of a row."""
+
+    own: FloatArray
+    payload: FloatArray
+    torque: FloatArray
+    fold: np.ndarray
+    test: np.ndarray
+
+
+def _joint_rows(j: int, rows: Sequence[_Rows], gains: Sequence[float]) -> _JointRows:
+    torque = np.concatenate([one.torque[:, j] * gain for one, gain in zip(rows, gains, strict=True)])
+    bodies = np.concatenate([one.bodies[:, j] for one in rows])
+    payload = np.concatenate([k * one.payload[:, j] for k, one in enumerate(rows)])
+    v = np.concatenate([one.motion.velocity[:, j] for one in rows])
+    sign = np.tanh(v / (_SLOW * float(np.quantile(np.abs(v), 0.95))))
+    plain = np.column_stack([bodies, np.ones_like(v), v, sign])
+    rigid = np.column_stack([plain, payload])
+    load = rigid[:, : bodies.shape[1]] @ np.linalg.lstsq(rigid, torque, rcond=_RANK)[0][: bodies.shape[1]]
+    own = np.column_stack([plain, v * np.abs(v), np.abs(load) * sign])
+    size = np.linalg.norm(own, axis=0)
+    seen = size > _DUST * size.max()
+    U, s, _ = np.linalg.svd(own[:, seen] / size[seen], full_matrices=False)
+    lengths = [one.torque.shape[0] for one in rows]
+    fold = np.concatenate([np.arange(n) * _FOLDS // n for n in lengths])
+    test = np.concatenate([np.arange(n) >= n * (1.0 - _TEST_SHARE) for n in lengths])
+    return _JointRows(U[:, s > _RANK * s[0]], payload, torque, fold, test)
+
+
+def _shown(parts: dict[str, _JointRows]) -> list[bool]:
+    """Which of the mass and the first moments these rows fix."""
+    columns = np.concatenate([part.payload - part.own @ (part.own.T @ part.payload) for part in parts.values()])
+    _, s, V = np.linalg.svd(columns, full_matrices=False)
+    V = V[s > _SEEN * s[0]]
+    away = np.linalg.norm(_MOMENTS - V.T @ (V @ _MOMENTS), axis=0) / np.linalg.norm(_MOMENTS, axis=0)
+    return [bool(one < 0.01) for one in away]
+
+
+def _solve(parts: dict[str, _JointRows], left_out: int | None) -> tuple[FloatArray, dict[str, float]]:
+    """Weights of the payload's point masses, and each joint's RMS error [N·m]; each joint counts by its own noise."""
+    kept = {name: part.fold != left_out for name, part in parts.items()}
+    return _weighted(parts, kept)
+
+
+def _weighted(parts: dict[str, _JointRows], kept: dict[str, np.ndarray]) -> tuple[FloatArray, dict[str, float]]:
+    noise = {}
+    for name, part in parts.items():
+        table = np.column_stack([part.own, part.payload])[kept[name]]
+        left = part.torque[kept[name]] - table @ np.linalg.lstsq(table, part.torque[kept[name]], rcond=_RANK)[0]
+        noise[name] = float(np.sqrt(np.mean(left**2)))
+    columns: list[FloatArray] = []
+    targets: list[FloatArray] = []
+    for name, part in parts.items():
+        Q = np.linalg.qr(part.own[kept[name]])[0]
+        for values, into in ((part.payload[kept[name]], columns), (part.torque[kept[name]], targets)):
+            into.append((values - Q @ (Q.T @ values)) / noise[name])
+    weights: FloatArray = np.linalg.lstsq(np.concatenate(columns), np.concatenate(targets), rcond=_RANK)[0]
+    return weights, noise
+
+
+def _held_out(parts: dict[str, _JointRows], *, with_payload: bool) -> dict[str, FloatArray]:
+    """Errors of each joint on the last third of each session by a fit to the rest [N·m]. Shapes (n_rows,)."""
+    kept = {name: ~part.test for name, part in parts.items()}
+    weights = _weighted(parts, kept)[0] if with_payload else np.zeros(10)
+    errors = {}
+    for name, part in parts.items():
+        target = part.torque - part.payload @ weights
+        own = np.linalg.lstsq(part.own[~part.test], target[~part.test], rcond=_RANK)[0]
+        errors[name] = target[part.test] - part.own[part.test] @ own
+    return errors
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _answer(found: Payload, sessions: Sequence[Session]) -> Diagnosis:
+    noise = float(np.sqrt(np.mean([value**2 for value in found.noise.values()])))
+    held = held_out(found.before, found.after, noise, ("N·m", 0))
+    seen = found.significance > _SIGNIFICANT and held.rmse_after < held.rmse_before
+    units = {"mass": "kg"}
+    parameters = {
+        name: Quantity(value, units.get(name, "kg·m"), (value - 1.96 * error, value + 1.96 * error))
+        for name, (value, error) in found.moments.items()
+    }
+    effect = NamedEffect(
+        name="payload_error",
+        kind="parameter",
+        parameters=parameters,
+        share=held.explained,
+        equation="tau_j = ... + Y_je(q, v, a) w_p",
+        sentence=_said(found),
+        citation="hollerbach2016",
+    )
+    record = DiagnosisRecord(
+        schema=DIAGNOSIS_SCHEMA,
+        verdict="parameters" if seen else "consistent",
+        effects=(effect,) if seen else (),
+        heldout=held,
+        recordings=tuple(f"session {i + 1}, {name}" for i, session in enumerate(sessions) for name in session),
+        joint="arm",
+    )
+    if not seen:
+        return Diagnosis(with_fields(record, sentences=(_alike(found),)))
+    opening, *others = sentences(record)
+    return Diagnosis(with_fields(record, sentences=(opening, _which_joints(found), *others)))
+
+
+def _which_joints(found: Payload) -> str:
+    """The joints whose torques show the payload most."""
+    most = sorted(found.errors.items(), key=lambda item: item[1][1] ** 2 - item[1][0] ** 2)[:_MOST_JOINTS]
+    shown = [f"{name} ({before:.3g} to {after:.3g} N·m)" for name, (before, after) in most if after < before]
+    return f"It shows most in the torque of {', '.join(shown)}: the fall of each one's held-out error."
+
+
+def _alike(found: Payload) -> str:
+    mass, error = found.moments.get("mass", (0.0, 0.0))
+    return (
+        "Both sessions carry the same at the end of the arm, as far as these motions show"
+        + (f": the masses differ by {mass:.2g} ± {1.96 * error:.2g} kg" if "mass" in found.moments else "")
+        + ". Nothing else was looked for; diagnose the joints one at a time."
+    )
+
+
+def _said(found: Payload) -> str:
+    if "mass" not in found.moments:
+        return "the last session carries another load at the end of the arm than the first"
+    mass = found.moments["mass"][0]
+    single = ", ".join(f"{name} {value:.3g}" for name, value in found.by_joint.items())
+    more = f"{abs(mass):.3g} kg {'more' if mass > 0.0 else 'less'}"
+    return f"the last session carries {more} than the first at the end of the arm (by single joints: {single} kg)"

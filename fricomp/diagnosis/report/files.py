@@ -1,0 +1,162 @@
+"""The folder of a diagnosis: record, report, pictures, and the extended model in every form that can hold it."""
+
+from __future__ import annotations
+
+import csv
+import os
+import xml.etree.ElementTree as ET
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from fricomp.errors import DiagnosisError, FricompError
+from fricomp.export import apply_to_mjcf, export_mjcf
+from fricomp.laws import FloatArray, LaggedLuGre, LaggedStribeck, LuGre
+from fricomp.model import FrictionModel, save_model
+from fricomp.report import draw_png, write_report
+
+from ..effects.spring import SPRING_CHANGE
+from ..evidence.friction_comparison import FRICTION_CHANGES
+from ..record.record_file import save_diagnosis
+from ..record.result import Diagnosis
+from .network import save_extended_network
+from .over_time import motion_columns
+from .page import diagnosis_charts, diagnosis_page
+
+__all__ = ["WrittenDiagnosis", "write_diagnosis"]
+
+_WRITTEN = (SPRING_CHANGE, *FRICTION_CHANGES)  # changes that the written model holds
+_MECHANICAL = {"rotary": "N·m", "linear": "N"}
+
+
+@dataclass(frozen=True)
+class WrittenDiagnosis:
+    """What a diagnosis left in its folder.
+
+    Attributes:
+        folder: Where.
+        files: Every file.
+        notes: One sentence for each model file, with what it loses, or why it is not there.
+    """
+
+    folder: Path
+    files: tuple[Path, ...]
+    notes: tuple[str, ...]
+
+
+def write_diagnosis(
+    diagnosis: Diagnosis,
+    folder: str | os.PathLike[str],
+    *,
+    simulation: Path | None = None,
+    joint: str | None = None,
+    facts: Mapping[str, str] | None = None,
+) -> WrittenDiagnosis:
+    """Write the record, the report with its pictures, and where there are any the models and the proposed motion.
+
+    Args:
+        diagnosis: What was found.
+        folder: Where; made if needed.
+        simulation: MJCF file of the joint, to write the friction into; a snippet is written without it.
+        joint: Name of the joint in it; its only joint, or the one that the recording names, if not given.
+        facts: Lines for the section on how it was made.
+
+    Raises:
+        DiagnosisError: The record cannot be written.
+        MissingExtraError: plotly, jinja2 or matplotlib is not installed.
+        OSError: Another file cannot be written.
+    """
+    target = Path(folder)
+    target.mkdir(parents=True, exist_ok=True)
+    save_diagnosis(diagnosis, target / "diagnosis.json")
+    models, notes = _write_models(diagnosis, target, simulation, joint)
+    charts = diagnosis_charts(diagnosis)
+    pictures = [draw_png(chart, target / f"{name}.png") for name, chart in charts.items()]
+    page = diagnosis_page(diagnosis, charts, tuple(notes), facts or {}, target)
+    report = write_report(page, target / "report.html")
+    return WrittenDiagnosis(target, (target / "diagnosis.json", report, *models, *pictures), tuple(notes))
+
+
+def _write_models(
+    diagnosis: Diagnosis, folder: Path, simulation: Path | None, joint: str | None
+) -> tuple[list[Path], list[str]]:
+    files, notes = [], []
+    model = diagnosis.extended_model or diagnosis.base_model
+    if model is None:
+        notes.append("No friction model is written: the data allow none.")
+    else:
+        kind = "extended" if diagnosis.extended_model is not None else "refitted"
+        save_model(model, folder / "friction.json")
+        files.append(folder / "friction.json")
+        law = " + ".join(term.name for term in model.law.terms)
+        notes.append(f"friction.json: the {kind} friction law: {law}{_left_out(diagnosis)}.{_whole_spring(diagnosis)}")
+        for name, write in (("friction.onnx", save_extended_network), ("friction.xml", _save_mjcf(simulation, joint))):
+            try:
+                notes.append(f"{name}: {write(model, folder / name)}.")
+                files.append(folder / name)
+                moved = any(change.name not in _WRITTEN for change in diagnosis.record.changes)
+                if name == "friction.xml" and simulation is not None and moved:
+                    notes[-1] += " Inertia and gravity in it are those of the simulation given, not the refitted ones."
+            except FricompError as error:
+                (folder / name).unlink(missing_ok=True)
+                notes.append(f"{name} is not written: {error}.")
+    if diagnosis.motion is not None:
+        files.append(_write_motion(diagnosis.motion, folder / "motion.csv"))
+        notes.append(
+            "motion.csv: the motion to record next, by fricomp calibrate --motion; "
+            "then fricomp diagnose this recording together with its motion-alone.csv."
+        )
+    return files, notes
+
+
+def _whole_spring(diagnosis: Diagnosis) -> str:
+    """What a law with a spring means beside a simulation that has one of its own."""
+    if all(change.name != SPRING_CHANGE for change in diagnosis.record.changes):
+        return ""
+    return " The spring in it is the joint's whole one, in place of that of the simulation."
+
+
+def _left_out(diagnosis: Diagnosis) -> str:
+    """What was named and is not in the law: it stands in no term of it."""
+    model = diagnosis.extended_model
+    inside = {"stribeck_shape"} | {term.name for term in model.law.terms} if model is not None else set()
+    for term in model.law.terms if model is not None else ():
+        inside |= {"presliding_hysteresis"} if isinstance(term, LuGre) else set()
+        inside |= {"frictional_lag"} if isinstance(term, LaggedStribeck | LaggedLuGre) else set()
+    missing = [one.name for one in diagnosis.record.effects if one.kind == "physics" and one.name not in inside]
+    return f"; without {', '.join(missing)}, for which no term is written" if missing else ""
+
+
+def _save_mjcf(simulation: Path | None, joint: str | None):  # type: ignore[no-untyped-def]
+    def write(model: FrictionModel, path: Path) -> str:
+        unit = _MECHANICAL[model.motion]
+        if model.torque_unit != unit:
+            raise DiagnosisError(f"MuJoCo wants {unit}, and the torque of this recording is in {model.torque_unit}")
+        export = export_mjcf(model)
+        text = simulation.read_text(encoding="utf-8-sig") if simulation is not None else None
+        name = joint or (_only_joint(text) if text is not None else None) or model.joint
+        path.write_text(apply_to_mjcf(export, text, name), encoding="utf-8")
+        return str(export.fidelity)
+
+    return write
+
+
+def _only_joint(text: str) -> str | None:
+    """The joint of a simulation that has one only: the diagnosed one, whatever the recording calls it."""
+    try:
+        joints = {joint.get("name") for body in ET.fromstring(text).iter("body") for joint in body.iter("joint")}
+    except ET.ParseError:
+        return None
+    return joints.pop() if len(joints) == 1 else None
+
+
+def _write_motion(motion: Mapping[str, FloatArray], path: Path) -> Path:
+    columns = motion_columns(motion)
+    rows = np.column_stack(list(columns.values()))
+    with path.open("w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(columns)
+        writer.writerows([[f"{value:.9g}" for value in row] for row in rows])
+    return path

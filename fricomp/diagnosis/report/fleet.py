@@ -1,0 +1,110 @@
+"""Which joints miss what: rows, table and page over the diagnoses of many joints."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fricomp.report import Chart, HeatMap, Panel, ReportPage, Section, Table, write_report
+
+from ..record.result import DiagnosisRecord
+from .wording import VERDICT_TITLES
+
+__all__ = ["fleet_row", "fleet_table", "write_fleet"]
+
+_Row = Mapping[str, Any]
+_LONGEST = 300  # joints in the map; all are in the table
+
+
+def fleet_row(record: DiagnosisRecord) -> dict[str, Any]:
+    """What a fleet's table keeps of a diagnosis; names are joined by a plus sign, alias sets by a bar."""
+    held, effects = record.heldout, record.effects
+    return {
+        "verdict": record.verdict,
+        "named": "+".join(effect.name for effect in effects),
+        "sets": "+".join("|".join(effect.indistinguishable_from) for effect in effects),
+        "shares": [float(effect.share) for effect in effects],
+        "rmse_before": held.rmse_before if held is not None else None,
+        "rmse_after": held.rmse_after if held is not None else None,
+        "noise_floor": held.noise_floor if held is not None else None,
+        "unit": held.unit if held is not None else "",
+        "noise_ratio": record.noise_ratio,
+    }
+
+
+def fleet_table(rows: Sequence[_Row]) -> Table:
+    """One line a joint."""
+    columns = ("joint", "verdict", "named", "held-out error", "report")
+    return Table(columns, tuple(_line(row) for row in rows))
+
+
+def _line(row: _Row) -> tuple[str, ...]:
+    name = str(row["name"])
+    if row["error"]:
+        return (name, "failed", "–", str(row["error"]), "–")
+    error = "–"
+    if row["rmse_before"] is not None:
+        error = f"{row['rmse_before']:.3g} → {row['rmse_after']:.3g} {row['unit']}"
+    return (name, str(row["verdict"]), str(row["named"]).replace("+", ", ") or "–", error, f"{name}/report.html")
+
+
+def write_fleet(rows: Sequence[_Row], folder: Path) -> Path:
+    """Write `fleet.html` beside the folders of the diagnoses.
+
+    Args:
+        rows: Of `fleet_row`, each with `name` and `error`.
+        folder: Where.
+
+    Returns:
+        The page.
+    """
+    done = [row for row in rows if not row["error"]]
+    verdicts = Counter(str(row["verdict"]) for row in done)
+    summary = [f"{count} of {len(rows)}: {VERDICT_TITLES[verdict]}." for verdict, count in verdicts.most_common()]
+    if len(done) < len(rows):
+        summary.append(f"{len(rows) - len(done)} of {len(rows)} failed; the table says why.")
+    sections = [Section("How often each is missing", (_count_table(done),))] if any(r["named"] for r in done) else []
+    chart = _share_chart([row for row in done if row["named"]][:_LONGEST])
+    sections += [Section("Which misses what", (chart,))] if chart is not None else []
+    sections.append(Section("Each", (fleet_table(rows),)))
+    return write_report(
+        ReportPage(f"Diagnosis of {len(rows)} joints", tuple(summary), tuple(sections)), folder / "fleet.html"
+    )
+
+
+def _count_table(rows: Sequence[_Row]) -> Table:
+    """Effects by the number of joints in which they were named."""
+    joints: dict[str, list[str]] = {}
+    for row in rows:
+        for name in filter(None, str(row["named"]).split("+")):
+            joints.setdefault(name, []).append(str(row["name"]))
+    lines = [
+        (name, str(len(where)), ", ".join(where[:8]) + (" …" if len(where) > 8 else ""))
+        for name, where in sorted(joints.items(), key=lambda item: (-len(item[1]), item[0]))
+    ]
+    return Table(("effect", "joints", "which"), tuple(lines))
+
+
+def _share_chart(rows: Sequence[_Row]) -> Chart | None:
+    effects = sorted({name for row in rows for name in str(row["named"]).split("+")})
+    if not effects:
+        return None
+    shares = np.full((len(rows), len(effects)), np.nan)
+    for index, row in enumerate(rows):
+        for name, share in zip(str(row["named"]).split("+"), row["shares"], strict=True):
+            shares[index, effects.index(name)] = share
+    heat = HeatMap(
+        np.arange(float(len(effects))),
+        np.arange(float(len(rows))),
+        shares,
+        "share of the missing energy",
+        x_names=tuple(effects),
+        y_names=tuple(str(row["name"]) for row in rows),
+        limits=(0.0, 1.0),
+    )
+    panel = Panel((heat,), "effect", "joint")
+    return Chart("shares", "Share that each effect explains", (panel,), panel_height=180 + 22 * len(rows))

@@ -1,0 +1,115 @@
+"""Before and after over time, and the motion that is proposed next."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from fricomp.laws import FloatArray
+from fricomp.report import Band, Chart, Line, Mark, Panel, Rule
+
+from ..record.result import DiagnosisRecord, RowSeries
+from .wording import Units, words
+
+__all__ = [
+    "AFTER",
+    "AS_GIVEN",
+    "BASE",
+    "BEFORE",
+    "NAMED",
+    "NOISE",
+    "models_of",
+    "motion_chart",
+    "motion_columns",
+    "time_chart",
+]
+
+BEFORE, AFTER, NOISE = 1, 0, 6
+"""Colours of the base model, of the extended model and of the noise, in every chart."""
+
+BASE, NAMED = "base model", "with what was named"
+"""Names of the base model and of the extended one, in every chart."""
+
+AS_GIVEN = "named parameters as given, the rest refitted"
+"""Name of the base model before, where only parameters are off."""
+
+
+def models_of(record: DiagnosisRecord) -> tuple[str, ...]:
+    """Names of what the rows before and after belong to; of one where nothing was named."""
+    if record.heldout is not None and record.heldout.before == "given":
+        return (AS_GIVEN, "everything refitted")
+    return (BASE, NAMED) if record.effects else (BASE,)
+
+
+def time_chart(
+    series: RowSeries, units: Units, number: int, models: tuple[str, ...], changes: tuple[float, ...] = ()
+) -> Chart:
+    """Missing torque before and after, over the motion.
+
+    Args:
+        series: Rows of one recording.
+        units: Of the diagnosis.
+        number: Of the recording, for the chart's name.
+        models: Names of what is drawn: before, and after where there is one.
+        changes: Times at which the size of the residual changes [s].
+    """
+    noise = 1.96 * series.spread
+    marks: list[Mark] = [Band(series.time, -noise, noise, "noise (95 %)", color=NOISE)]
+    sides = ((series.before, BEFORE), (series.after, AFTER))
+    marks += [
+        Line(series.time, rows, name, color=color, width=1.0)
+        for name, (rows, color) in zip(models, sides, strict=False)
+    ]
+    marks += [Rule(time, "x", "its size changes" if i == 0 else "", color=4) for i, time in enumerate(changes)]
+    residual = Panel(
+        tuple(marks),
+        "time [s]",
+        f"missing torque [{units.torque}]",
+        "Measured less simulated torque",
+        y_range=_range_of([rows for rows, _ in sides[: len(models)]], noise),
+    )
+    motion = Panel(
+        (Line(series.time, series.velocity, color=2, width=1.0),), "time [s]", units.axis("velocity"), "Motion"
+    )
+    place = Panel((Line(series.time, series.position, color=3, width=1.0),), "time [s]", units.axis("position"))
+    return Chart(
+        f"over-time-{number}",
+        f"Over time: {series.name}",
+        (residual, motion, place),
+        caption="Drag a box to look closer; all panels follow. Values are means over the windows of the residual. The "
+        "grey band is wide where the joint has just turned round, and cut off there: no recording fixes friction at a "
+        "reversal to the last digit.",
+        panel_height=230,
+        share_x=True,
+    )
+
+
+def _range_of(rows: Sequence[FloatArray], noise: FloatArray) -> tuple[float, float]:
+    """What shows all rows and the usual noise; its few wide places would leave the rows a flat line."""
+    largest = max(float(np.nanmax(np.abs(each), initial=0.0)) for each in (*rows, np.nanmedian(noise, keepdims=True)))
+    reach = 1.1 * largest if largest > 0.0 else 1.0
+    return -reach, reach
+
+
+def motion_chart(motion: Mapping[str, FloatArray], units: Units) -> Chart:
+    """The motion to record next."""
+    columns = motion_columns(motion)
+    panels = tuple(
+        Panel(
+            (Line(columns["time"], columns[name], color=2, width=1.2),),
+            "time [s]",
+            units.axis(name),
+            words(name).capitalize(),
+        )
+        for name in ("velocity", "position")
+        if name in columns
+    )
+    caption = "The columns of motion.csv."
+    return Chart("motion", "Motion to record next", panels, caption=caption, panel_height=200, share_x=True)
+
+
+def motion_columns(motion: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    """Columns as a motion file names them: time first, then velocity and position."""
+    plain = {name.removesuffix("_reference"): np.asarray(values) for name, values in motion.items()}
+    return {name: plain[name] for name in ("time", "velocity", "position") if name in plain}

@@ -1,0 +1,143 @@
+"""The report of a diagnosis: the answer in sentences first, then what it rests on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from fricomp.report import Chart, ReportPage, Section, Table
+
+from ..record.result import Diagnosis, Evidence, NamedEffect
+from .maps import map_chart, plane_chart
+from .over_time import models_of, motion_chart, time_chart
+from .tables import base_table, change_table, effect_table, error_table, forward_table, location_table
+from .weighing import distinguishability_chart, order_chart, rival_chart, rival_table
+from .wording import VERDICT_TITLES, Units, next_step
+
+__all__ = ["diagnosis_charts", "diagnosis_page"]
+
+_MOST_RECORDINGS = 6  # that are drawn over time
+
+
+def diagnosis_charts(diagnosis: Diagnosis) -> dict[str, Chart]:
+    """Every chart that the evidence allows, by name."""
+    record, units = diagnosis.record, Units.of(diagnosis)
+    evidence = _beside_the_floor(diagnosis.evidence) if record.effects else diagnosis.evidence
+    models = models_of(record)
+    changes = evidence.change_points or ((),) * len(evidence.series)
+    found: list[Chart | None] = [
+        time_chart(series, units, i + 1, models, times)
+        for i, (series, times) in enumerate(zip(evidence.series[:_MOST_RECORDINGS], changes, strict=False))
+    ]
+    found += [
+        map_chart(evidence, record.location, units, models),
+        plane_chart(evidence.series, units, models),
+        order_chart(evidence.orders, record, units),
+        rival_chart(record.rivals, record.effects),
+        distinguishability_chart(record.distinguishability),
+        motion_chart(diagnosis.motion, units) if diagnosis.motion else None,
+    ]
+    return {chart.name: chart for chart in found if chart is not None}
+
+
+def _beside_the_floor(evidence: Evidence) -> Evidence:
+    """The evidence with the noise lowered to what the named model leaves, where that is less.
+
+    A ripple too fine for the nulls is taken for noise by them; once it is named, the figures of the diagnosis stand
+    beside a noise floor without it, and so must the charts.
+    """
+    left = [one.after / one.spread for one in evidence.series]
+    scale = min(1.0, float(np.sqrt(np.mean(np.concatenate(left) ** 2)))) if left else 1.0
+    if not 0.0 < scale < 1.0:
+        return evidence
+    series = tuple(replace(one, spread=scale * one.spread) for one in evidence.series)
+    maps = {
+        name: {what: values if what == "edges" else (1.0 + values) / scale**2 - 1.0 for what, values in found.items()}
+        for name, found in evidence.maps.items()
+    }
+    return replace(evidence, series=series, maps=maps)
+
+
+def diagnosis_page(
+    diagnosis: Diagnosis,
+    charts: Mapping[str, Chart],
+    notes: tuple[str, ...],
+    facts: Mapping[str, str],
+    folder: Path | None = None,
+) -> ReportPage:
+    """The page.
+
+    Args:
+        diagnosis: What was found.
+        charts: From `diagnosis_charts`.
+        notes: One sentence for each file that was written or could not be.
+        facts: Further lines on how the diagnosis was made.
+        folder: Where the proposed motion is written.
+    """
+    step = next_step(diagnosis.record, folder)
+    record, units = diagnosis.record, Units.of(diagnosis)
+    over_time = [chart for name, chart in charts.items() if name.startswith("over-time")]
+    sections = [
+        _section(
+            "What was found",
+            effect_table(record),
+            *_explanations(record.effects),
+            error_table(record),
+            forward_table(record),
+        ),
+        _section("What changed in the simulation", change_table(record)),
+        _section("Before and after" if record.effects else "Over time", *over_time),
+        _section("Where it sits", location_table(record, units), charts.get("where"), charts.get("planes")),
+        _section("Ripple over position", charts.get("orders")),
+        _section("What was weighed", charts.get("rivals"), rival_table(record.rivals, record.effects)),
+        _section("What this recording can tell apart", charts.get("distinguishability")),
+        _section("What to record next", step, charts.get("motion")),
+        _section("The base model", base_table(record), folded=True),
+        _section("Files", *notes),
+        _section("How it was made", Table(("what", "value"), tuple(facts.items())) if facts else None, folded=True),
+    ]
+    return ReportPage(
+        title=f"{_joint(record.joint)}: {VERDICT_TITLES[record.verdict]}",
+        subtitle=f"Diagnosis of {', '.join(record.recordings) or 'a recording'}",
+        summary=record.sentences if step is None else (*record.sentences, step),
+        sections=tuple(section for section in sections if section is not None),
+        facts=_key_figures(diagnosis, units),
+    )
+
+
+def _joint(name: str) -> str:
+    """The joint's name, unless it has none but the default."""
+    return "Diagnosis" if name in ("", "joint") else f"Joint {name}"
+
+
+def _section(title: str, *blocks: str | Chart | Table | None, folded: bool = False) -> Section | None:
+    """A section of the blocks there are; None where there are none."""
+    present = tuple(block for block in blocks if block is not None)
+    return Section(title, present, folded=folded) if present else None
+
+
+def _explanations(effects: tuple[NamedEffect, ...]) -> list[str]:
+    """Kind, meaning, equation and source of each effect in one paragraph."""
+    texts = []
+    for effect in effects:
+        equation = f" It is modelled as {effect.equation}." if effect.equation else ""
+        source = f" Source: {effect.citation}, in docs/references.md." if effect.citation else ""
+        texts.append(f"{effect.name} ({effect.kind}): {effect.sentence.rstrip('.')}.{equation}{source}")
+    return texts
+
+
+def _key_figures(diagnosis: Diagnosis, units: Units) -> dict[str, str]:
+    record, facts = diagnosis.record, {"verdict": diagnosis.verdict.replace("_", " ")}
+    if record.noise_ratio is not None:
+        facts["residual over its noise"] = f"{record.noise_ratio:.2f}"  # as in the sentences
+    if record.heldout is not None:
+        errors = record.heldout
+        after = f" → {errors.rmse_after:.3g}" if record.effects else ""
+        facts["held-out error"] = f"{errors.rmse_before:.3g}{after} {units.torque}"
+        facts["noise floor"] = f"{errors.noise_floor:.3g} {units.torque}"
+        if record.effects:
+            facts["explained, of what can be"] = f"{errors.explained:.0%}"
+    return facts

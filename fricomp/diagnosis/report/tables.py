@@ -1,0 +1,105 @@
+"""What was found as tables: effects, errors before and after, parameters that changed, the base model."""
+
+from __future__ import annotations
+
+from fricomp.report import Table
+
+from ..evidence.friction_comparison import FRICTION_CHANGES
+from ..record.result import DiagnosisRecord
+from .over_time import BASE, NAMED, models_of
+from .wording import (
+    Units,
+    derived_parameters,
+    format_interval,
+    format_location,
+    format_number,
+    format_quantity,
+    words,
+)
+
+__all__ = ["base_table", "change_table", "effect_table", "error_table", "forward_table", "location_table"]
+
+_BASE = f"{BASE}: rigid joint and friction, refitted"
+
+
+def effect_table(record: DiagnosisRecord) -> Table | None:
+    """Every named effect with its parameters, its share and its aliases; None where nothing was named.
+
+    The unit stands behind the value: a terminal has no room for a column of it.
+    """
+    rows: list[tuple[str, ...]] = []
+    for effect in record.effects:
+        share = f"{effect.share:.0%}"
+        aliases = ", ".join(effect.indistinguishable_from) or "–"
+        head: tuple[str, ...] = (effect.name,)
+        rest = (share, aliases)
+        for name, quantity in derived_parameters(effect).items():
+            unit = "" if quantity.unit == "1" else f" {quantity.unit}"
+            value = format_number(quantity.value, 0.5 * (quantity.ci95[1] - quantity.ci95[0]) or None)
+            rows.append((*head, words(name), value + unit, format_interval(quantity), *rest))
+            head, rest = ("",), ("", "")
+        if not effect.parameters:
+            rows.append((*head, "–", "–", "–", *rest))
+    columns = ("effect", "parameter", "value", "95 % interval", "share", "cannot be told from")
+    return Table(columns, tuple(rows)) if rows else None
+
+
+def error_table(record: DiagnosisRecord) -> Table | None:
+    """Held-out error before and after beside the noise floor; None where nothing could be simulated."""
+    found = record.heldout
+    if found is None:
+        return None
+    low, high = found.ci95_reduction
+    before, *after = models_of(record)
+    rows: list[tuple[str, ...]] = [(_BASE if before == BASE else before, f"{found.rmse_before:.4g}", "–")]
+    rows += [(name, f"{found.rmse_after:.4g}", f"{low:.0%} to {high:.0%}") for name in after]
+    rows.append(("noise floor: nothing missing", f"{found.noise_floor:.4g}", "–"))
+    caption = "On blocks that took no part in the fit, each row counted by its own noise."
+    columns = ("error on held-out data", f"RMS [{found.unit}]", "falls by (95 % interval)")
+    width = 3 if record.effects else 2
+    return Table(columns[:width], tuple(row[:width] for row in rows), caption)
+
+
+def forward_table(record: DiagnosisRecord) -> Table | None:
+    """Position error of the forward simulation before and after; None where none was made."""
+    found = record.forward
+    if found is None:
+        return None
+    rows: list[tuple[str, ...]] = [(_BASE, f"{found.rmse_before:.4g}")]
+    if models_of(record)[-1] == NAMED:
+        rows.append((NAMED, f"{found.rmse_after:.4g}"))
+    low, high = found.interval
+    caption = f"Simulated in MuJoCo from {low:.3g} to {high:.3g} s, which took no part. {found.controller}."
+    return Table(("position error of a forward simulation", f"RMS [{found.unit}]"), tuple(rows), caption)
+
+
+def change_table(record: DiagnosisRecord) -> Table | None:
+    """Parameters of the given simulation that the refit moved; None where there are none."""
+    rows = tuple(
+        (
+            words(change.name),
+            format_number(change.given),
+            format_number(change.refitted.value),
+            format_interval(change.refitted),
+            change.refitted.unit,
+        )
+        for change in record.changes
+    )
+    friction = any(change.name in FRICTION_CHANGES for change in record.changes)
+    caption = "Friction is identified from the recording: that of the simulation is no part of the verdict."
+    columns = ("parameter", "given", "refitted", "95 % interval", "unit")
+    return Table(columns, rows, caption if friction else "") if rows else None
+
+
+def base_table(record: DiagnosisRecord) -> Table | None:
+    """Parameters of the refitted base model."""
+    rows = tuple((words(name), format_quantity(quantity)) for name, quantity in record.base.items())
+    return Table(("parameter", "value"), rows, "The simulation, with its parameters refitted.") if rows else None
+
+
+def location_table(record: DiagnosisRecord, units: Units) -> Table | None:
+    """Where the mismatch sits, and where each effect acts."""
+    alone = len(record.effects) == 1 and record.effects[0].location == record.location
+    rows = [("the whole mismatch", format_location(record.location, units))] if record.location and not alone else []
+    rows += [(effect.name, format_location(effect.location, units)) for effect in record.effects if effect.location]
+    return Table(("what", "where"), tuple(rows)) if rows else None

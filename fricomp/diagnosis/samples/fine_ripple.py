@@ -1,0 +1,295 @@
+"""Ripple over position that is finer than the rows of the residual: harmonics found in the samples themselves.
+
+The rows average over tens of milliseconds, so a motor that passes many poles in that time shows nothing in them. Here
+the equation of motion is fitted to the samples, and orders over position are taken out of what is left, one by one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import savgol_filter
+
+from fricomp.recording import Recording
+
+from ..inputs.left_out import fits_without_blocks
+from ..inputs.track import FloatArray
+
+__all__ = [
+    "LEAST_FALL",
+    "FineRipple",
+    "Harmonic",
+    "error_on_left_out_blocks",
+    "fall_by",
+    "find_fine_ripple",
+    "spectrum_of",
+]
+
+LEAST_FALL = 0.3
+"""Part of the held-out energy that the harmonics must take."""
+
+_WINDOWS = (5, 9, 15, 31)  # samples of the derivative filter
+_MOST_SAMPLES = 12_000
+_MOST_ORDERS = 1600
+_MOST_HARMONICS = 12
+_FOLDS = 10
+_AT_ONCE = 40  # orders a row of the spectrum
+_SLOWEST = 0.1  # of the top speed; below it friction is not level
+_WORTH = 0.01  # of the held-out energy that one more harmonic must take
+_WAVES = 8.0  # over the travel, at least: fewer are a shape, not a ripple
+_SURE, _EXACT = 4.0, 10.0  # standard deviations that a harmonic's amplitude and order must be
+_PREFERRED = 1.5  # energy by which a ripple of the level must beat one of the torque
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """One wave over position.
+
+    Attributes:
+        order: Waves in 2π of position [1/rad] or [1/m].
+        level: Whether it is a wave of the friction level, which changes its sign with the velocity.
+        sine: Amplitude of the sine [N·m] or [N].
+        cosine: Amplitude of the cosine [N·m] or [N].
+        amplitude_error: Standard deviation of the amplitude, from blocks left out.
+        order_error: Standard deviation of the order, likewise.
+    """
+
+    order: float
+    level: bool
+    sine: float
+    cosine: float
+    amplitude_error: float
+    order_error: float
+
+    @property
+    def amplitude(self) -> float:
+        """[N·m] or [N]."""
+        return float(np.hypot(self.sine, self.cosine))
+
+    @property
+    def known(self) -> bool:
+        """Whether the blocks agree about its size and its order; what one of them alone shows is no ripple."""
+        return self.amplitude > _SURE * self.amplitude_error and self.order > _EXACT * self.order_error
+
+
+@dataclass(frozen=True)
+class FineRipple:
+    """Harmonics, strongest first, and the samples they were found in. Arrays of shape (n_samples,).
+
+    Attributes:
+        harmonics: Strongest first.
+        samples: Time, position, velocity, acceleration of the samples used, by name.
+        before: What the equation of motion leaves, on blocks that were left out [N·m].
+        after: The same with the harmonics.
+        orders: Order and energy before and after, as in `Evidence.orders`.
+    """
+
+    harmonics: tuple[Harmonic, ...]
+    samples: dict[str, FloatArray]
+    before: FloatArray
+    after: FloatArray
+    orders: dict[str, FloatArray]
+
+    @property
+    def fall(self) -> float:
+        """Part of the held-out energy that the harmonics take."""
+        return 1.0 - float(self.after @ self.after) / float(self.before @ self.before)
+
+
+def find_fine_ripple(recording: Recording, seed: int = 0) -> FineRipple | None:
+    """Harmonics over position in the samples; None where they do not predict blocks that were left out.
+
+    Args:
+        recording: One recording.
+        seed: Of the choice of samples, where there are too many.
+    """
+    best = _best_samples(recording, seed)
+    if best is None:
+        return None
+    samples, base = best
+    orders = _orders(samples["position"], recording.metadata.continuous)
+    if orders.size < 20:
+        return None
+    chosen = _pursue(samples, base, orders)
+    ripple = _judge(samples, base, chosen, orders)
+    return ripple if ripple is not None and ripple.fall >= LEAST_FALL else None
+
+
+def fall_by(recording: Recording, harmonics: Sequence[Harmonic], seed: int = 0) -> float:
+    """Part of the held-out energy of `recording` that waves of the orders of `harmonics` take, at least 0."""
+    best = _best_samples(recording, seed)
+    if best is None:
+        return 0.0
+    samples, base = best
+    table = np.column_stack([base, *(_waves(samples, one.order, one.level) for one in harmonics)])
+    before, after = (error_on_left_out_blocks(one, samples["torque"]) for one in (base, table))
+    return max(1.0 - float(after @ after) / float(before @ before), 0.0)
+
+
+def _best_samples(recording: Recording, seed: int) -> tuple[dict[str, FloatArray], FloatArray] | None:
+    """Samples and base columns, with the derivative filter that leaves the least on blocks left out."""
+    options = [_samples(recording, window, seed) for window in _WINDOWS if len(recording) > 20 * window]
+    options = [option for option in options if option["time"].size > 400]
+    if not options:
+        return None
+    bases = [_base(option, recording.metadata.continuous) for option in options]
+    errors = [
+        float(np.sum(error_on_left_out_blocks(A, o["torque"]) ** 2) / o["time"].size)
+        for A, o in zip(bases, options, strict=True)
+    ]
+    best = int(np.argmin(errors))
+    return options[best], bases[best]
+
+
+def _samples(recording: Recording, window: int, seed: int) -> dict[str, FloatArray]:
+    """Channels and derivatives at the samples that slide, at most so many, drawn without an order of their own."""
+    dt = recording.sample_period
+    t = np.asarray(recording.time) - recording.time[0]
+    grid = np.arange(int(t[-1] / dt) + 1) * dt
+    q, torque = np.interp(grid, t, recording.position), np.interp(grid, t, recording.torque)
+    degree = 2 if window < 7 else 3
+    v, a = (savgol_filter(q, window, degree, deriv=k, delta=dt) for k in (1, 2))
+    keep = np.abs(v) > _SLOWEST * np.quantile(np.abs(v), 0.95)
+    keep[: window // 2] = keep[grid.size - window // 2 :] = False
+    index = np.flatnonzero(keep)
+    if index.size > _MOST_SAMPLES:
+        index = np.sort(np.random.default_rng(seed).choice(index, _MOST_SAMPLES, replace=False))
+    columns = {"time": grid, "position": q, "velocity": v, "acceleration": a, "torque": torque}
+    return {name: values[index] for name, values in columns.items()}
+
+
+def _base(samples: dict[str, FloatArray], wide: bool) -> FloatArray:
+    """Columns of inertia, friction in each direction, and a smooth load. Shape (n_samples, n_columns)."""
+    q, v, a = samples["position"], samples["velocity"], samples["acceleration"]
+    s, top = np.sign(v), float(np.quantile(np.abs(v), 0.95))
+    columns = [np.ones_like(q), a, v * (v > 0.0), v * (v < 0.0)]
+    columns += [np.exp(-((v / (f * top)) ** 2)) * s for f in (0.05, 0.2)] + ([s] if np.ptp(s) > 0.0 else [])
+    x = 2.0 * (q - q.mean()) / np.ptp(q)
+    columns += [np.cos(q), np.sin(q)] if wide else [x, x**2, x**3]
+    table = np.column_stack(columns)
+    size = np.linalg.norm(table, axis=0)
+    result: FloatArray = table[:, size > 0.0] / size[size > 0.0]
+    return result
+
+
+def _orders(position: FloatArray, wide: bool) -> FloatArray:
+    """Orders that the travel resolves and the samples can show."""
+    span = float(np.ptp(position))
+    lowest = 2.0 * np.pi * _WAVES / span
+    step = 1.0 if wide else np.pi / span
+    steps = np.abs(np.diff(position))
+    finest = 0.8 * np.pi / max(float(np.median(steps)), 1e-12)
+    highest = min(finest, lowest + step * _MOST_ORDERS)
+    return np.arange(np.ceil(lowest / step), max(highest, 0.0) / step) * step
+
+
+def spectrum_of(residual: FloatArray, position: FloatArray, orders: FloatArray) -> FloatArray:
+    """Energy of `residual` that a wave of each evenly spaced order explains. Shape (n_orders,)."""
+    turn: NDArray[np.complex128] = np.exp(1j * (orders[1] - orders[0]) * position)
+    # The product of every so manieth wave with every step from there has all of them.
+    steps = _powers(np.ones_like(turn), turn, _AT_ONCE)
+    rows = -(-orders.size // _AT_ONCE)
+    waves = _powers(np.exp(1j * orders[0] * position) * residual, steps[-1] * turn, rows)
+    energy = np.abs((waves @ steps.T).ravel()[: orders.size]) ** 2
+    result: FloatArray = 2.0 * energy / position.size
+    return result
+
+
+def _powers(first: NDArray[np.complex128], factor: NDArray[np.complex128], count: int) -> NDArray[np.complex128]:
+    """`first` times the powers of `factor` from 0 on. Shape (count, n)."""
+    result = np.empty((count, first.size), dtype=np.complex128)
+    result[0] = first
+    for i in range(1, count):
+        np.multiply(result[i - 1], factor, out=result[i])
+    return result
+
+
+def _waves(samples: dict[str, FloatArray], order: float, level: bool) -> FloatArray:
+    angle = order * samples["position"]
+    factor = np.sign(samples["velocity"]) if level else 1.0
+    return np.column_stack([np.sin(angle) * factor, np.cos(angle) * factor])
+
+
+def _pursue(samples: dict[str, FloatArray], base: FloatArray, orders: FloatArray) -> list[tuple[float, bool]]:
+    """Orders and shapes, one at a time, each the strongest in what the others leave."""
+    q, torque, sign = samples["position"], samples["torque"], np.sign(samples["velocity"])
+    both, table = bool(np.ptp(sign) > 0.0), base
+    chosen: list[tuple[float, bool]] = []
+    for _ in range(_MOST_HARMONICS):
+        left = torque - table @ np.linalg.lstsq(table, torque, rcond=1e-6)[0]
+        spectra = [spectrum_of(left, q, orders)] + ([spectrum_of(left * sign, q, orders)] if both else [])
+        level = both and float(spectra[1].max()) > _PREFERRED * float(spectra[0].max())
+        order = _refine(left * sign if level else left, q, orders, int(np.argmax(spectra[int(level)])))
+        if any(abs(order - known) < 0.5 * (orders[1] - orders[0]) and level == shape for known, shape in chosen):
+            break
+        chosen.append((order, level))
+        table = np.column_stack([table, _waves(samples, order, level)])
+    return chosen
+
+
+def _refine(residual: FloatArray, position: FloatArray, orders: FloatArray, peak: int) -> float:
+    step = orders[1] - orders[0]
+    if step == 1.0:  # whole waves a turn
+        return float(orders[peak])
+    fine = np.linspace(orders[peak] - step, orders[peak] + step, 81)
+    return float(fine[int(np.argmax(spectrum_of(residual, position, fine)))])
+
+
+def _judge(
+    samples: dict[str, FloatArray], base: FloatArray, chosen: Sequence[tuple[float, bool]], orders: FloatArray
+) -> FineRipple | None:
+    """Keep the harmonics that help on blocks left out, and put errors on them."""
+    torque = samples["torque"]
+    tables = [base]
+    for order, level in chosen:
+        tables.append(np.column_stack([tables[-1], _waves(samples, order, level)]))
+    left = [error_on_left_out_blocks(table, torque) for table in tables]
+    energy = np.array([float(one @ one) for one in left])
+    count = 0
+    while count < len(chosen) and energy[count + 1] < energy[count] - _WORTH * energy[0]:
+        count += 1
+    if count == 0:
+        return None
+    harmonics = _harmonics(samples, base, chosen[:count])
+    if not harmonics[0].known:
+        return None
+    fitted = [torque - table @ np.linalg.lstsq(table, torque, rcond=1e-6)[0] for table in (tables[0], tables[count])]
+    found = [spectrum_of(one, samples["position"], orders) for one in fitted]
+    noise = float(np.mean(fitted[1] ** 2))
+    spectra = {"order": orders, "energy": found[0] / noise, "after": found[1] / noise}
+    return FineRipple(harmonics, samples, left[0], left[count], spectra)
+
+
+def error_on_left_out_blocks(table: FloatArray, torque: FloatArray) -> FloatArray:
+    """Error on each block of a fit to the others. Shape (n_samples,)."""
+    result = np.empty(torque.size)
+    gap = max(5, min(torque.size // 100, 32))
+    for part, weights in fits_without_blocks(table, torque, _FOLDS, rcond=1e-6, gap=(gap, gap - 1)):
+        result[part] = torque[part] - table[part] @ weights
+    return result
+
+
+def _harmonics(
+    samples: dict[str, FloatArray], base: FloatArray, chosen: Sequence[tuple[float, bool]]
+) -> tuple[Harmonic, ...]:
+    """Amplitudes with errors from a jackknife over blocks; orders move by their first-order term."""
+    torque, q = samples["torque"], samples["position"] - samples["position"].mean()
+    waves = np.column_stack([_waves(samples, order, level) for order, level in chosen])
+    table = np.column_stack([base, waves])
+    weights = np.linalg.lstsq(table, torque, rcond=1e-6)[0][base.shape[1] :]
+    slopes = [
+        q * (weights[2 * k] * waves[:, 2 * k + 1] - weights[2 * k + 1] * waves[:, 2 * k]) for k in range(len(chosen))
+    ]
+    table = np.column_stack([table, *slopes])
+    drawn = fits_without_blocks(table, torque, _FOLDS, rcond=1e-6)
+    values = np.array([weights[base.shape[1] :] for _, weights in drawn])
+    amplitude = np.hypot(values[:, 0 : 2 * len(chosen) : 2], values[:, 1 : 2 * len(chosen) : 2])
+    errors = np.sqrt((_FOLDS - 1) * np.var(np.column_stack([amplitude, values[:, 2 * len(chosen) :]]), axis=0))
+    harmonics = [
+        Harmonic(order, level, *map(float, (weights[2 * k], weights[2 * k + 1], errors[k], errors[len(chosen) + k])))
+        for k, (order, level) in enumerate(chosen)
+    ]
+    return tuple(sorted(harmonics, key=lambda one: -one.amplitude))

@@ -1,0 +1,82 @@
+"""What a finding in the samples must beat: a joint with nothing but the fitted base, and that base itself.
+
+The finders of the second look have a plain base of their own, so a joint whose friction they cannot draw leaves them
+something to explain. The fitted base knows that friction: a recording made from it shows what they find in nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from fricomp.recording import Recording
+
+from ..inputs.track import FloatArray, smooth_derivative
+from ..record.result import Quantity
+from .fine_ripple import LEAST_FALL, FineRipple, fall_by
+from .soft_presliding import bristle, find_soft_presliding
+
+__all__ = ["base_recording", "beyond_the_base", "softer_than_the_base"]
+
+_BASES = 3  # recordings of the base that a ripple must exceed
+
+
+def base_recording(recording: Recording, base: Mapping[str, Quantity], seed: int) -> Recording:
+    """The recording as the fitted base alone would have given it, with the recording's own noise.
+
+    Args:
+        recording: Motion and noise are taken from it.
+        base: Parameters of the fitted base, as in `DiagnosisRecord.base`.
+        seed: Of the noise.
+    """
+    torque = np.asarray(recording.torque)
+    # Second differences hold next to no motion; drawn again they keep the tails of the noise.
+    steps = np.diff(torque, 2) / np.sqrt(6.0)
+    noise = np.random.default_rng(seed).choice(steps, torque.size)
+    return replace(recording, torque=_base_torque(recording, base) + noise)
+
+
+def _base_torque(recording: Recording, base: Mapping[str, Quantity]) -> FloatArray:
+    """Torque that moves the base along the recorded position [N·m]. Shape (n,)."""
+    q, dt = np.asarray(recording.position), recording.sample_period
+    value = {name: quantity.value for name, quantity in base.items()}
+    v = smooth_derivative(q, dt)
+    a = smooth_derivative(v, dt)
+    curve = {side: _stribeck(v, value, side) for side in ("forward", "reverse")}
+    level, viscous = (np.where(v > 0.0, curve["forward"][k], curve["reverse"][k]) for k in (0, 1))
+    creeps = value.get("creep_velocity", 0.0) > 0.0
+    z = _creeping(v + value["creep_lead"] * a, value) if creeps else bristle(q, max(value["breakaway"], 1e-12))
+    body = value["inertia"] * a + value["offset"]
+    if recording.metadata.motion == "rotary":
+        body = body + value["gravity_cos"] * np.cos(q) + value["gravity_sin"] * np.sin(q)
+    torque: FloatArray = body + level * z + viscous * v
+    return torque
+
+
+def _creeping(velocity: FloatArray, value: Mapping[str, float]) -> FloatArray:
+    """Dry friction that never holds, as part of its level. Shape (n,)."""
+    speed, sharpness = value["creep_velocity"], value["sharpness"]
+    gradual = velocity / (np.abs(velocity) + speed)
+    result: FloatArray = gradual + sharpness * (np.clip(velocity / speed, -1.0, 1.0) - gradual)
+    return result
+
+
+def _stribeck(velocity: FloatArray, value: Mapping[str, float], side: str) -> tuple[FloatArray, float]:
+    fall = np.exp(-((velocity / value[f"{side}.stribeck_velocity"]) ** 2))
+    level = value[f"{side}.coulomb_torque"] + value[f"{side}.excess"] * fall
+    return level, value[f"{side}.viscous_coefficient"]
+
+
+def beyond_the_base(recording: Recording, found: FineRipple, base: Mapping[str, Quantity], seed: int) -> bool:
+    """Whether the ripple leaves clearly less than waves of its orders leave where only the base acts."""
+    if not base:
+        return True
+    nulls = (fall_by(base_recording(recording, base, seed + k), found.harmonics, seed) for k in range(_BASES))
+    return all(1.0 - found.fall <= (1.0 - LEAST_FALL) * (1.0 - fall) for fall in nulls)
+
+
+def softer_than_the_base(recording: Recording, base: Mapping[str, Quantity], seed: int) -> bool:
+    """Whether no soft bristle is found where only the base acts, whose own bristle is stiff."""
+    return not base or find_soft_presliding(base_recording(recording, base, seed)) is None

@@ -1,0 +1,107 @@
+"""Energy of what effects add and a plain joint cannot take up: where they show however well that joint is fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+
+import numpy as np
+
+from ..effects.structure import Structure
+from ..inputs.track import FloatArray, Track, smooth_derivative
+from ..joint.observer import Observation, Plant
+from ..joint.problem import Problem, observer_for
+from ..joint.rows import RowGrid
+from .preparation import Prepared
+
+__all__ = ["effect_energy"]
+
+_SAME = 1e-9  # part of a column, below which it is one of the others
+_FEWEST = 50  # rows in which the joint slides that tell the noise
+_TIGHTER = 3.0  # at least, than the observer of the residual
+_STIFFER = 4.0  # at least, than the bristle
+_FASTEST = 10.0  # [rad] a sample, which its substeps still follow
+
+
+def effect_energy(
+    prepared: Prepared, structure: Structure, theta: FloatArray, names: Collection[str]
+) -> list[FloatArray]:
+    """Energy of the effects' torque that a refit of a rigid joint with Stribeck friction leaves, over the noise.
+
+    It is asked of a window about every sample: an impact or a reversal is shorter than the way from row to row. The
+    noise is that of a typical row, since some dozens of nulls know the energy of a single one to a quarter only. Where
+    the bristle holds, an encoder step stretches it by a torque that says nothing about effects: the noise counts as at
+    least that, as far as the joint rests in the window.
+
+    Args:
+        prepared: Base model and recordings.
+        structure: Base and effects.
+        theta: Their parameters.
+        names: The effects that are asked for.
+
+    Returns:
+        Energy of each sample, by recording; 0 where no window fits. Shapes (n_samples,).
+    """
+    problem, plant = prepared.problem, structure.plant(theta)
+    tight = _held_tightly(problem, plant)
+    complete, without = structure.with_and_without(tight, theta, names)
+    torque, columns = [], []
+    for i, (track, grid) in enumerate(zip(tight.tracks, tight.grids, strict=True)):
+        rests = (np.abs(track.velocity) < problem.observer.rest_speed).astype(float)
+        level = _noise(prepared.nulls.weights.spread[i], problem.grids[i].of(rests))
+        step = plant.sigma_0 * track.resolution / np.sqrt(12.0)
+        noise = np.hypot(level, grid.everywhere(rests) * step)
+        added = _centred(without[i].missing - complete[i].missing)
+        torque.append(grid.everywhere(added) / noise)
+        columns.append(_plain_joint(track, grid, without[i], plant) / noise[:, None])
+    missing, known = np.concatenate(torque), np.concatenate(columns)
+    known = known / np.maximum(np.linalg.norm(known, axis=0), 1e-30)
+    left = missing - known @ np.linalg.lstsq(known, missing, rcond=_SAME)[0]
+    parts = np.split(left**2, np.cumsum([part.size for part in torque])[:-1])
+    return [np.pad(part, grid.window.size // 2) for part, grid in zip(parts, tight.grids, strict=True)]
+
+
+def _held_tightly(problem: Problem, plant: Plant) -> Problem:
+    """The same recordings, smoothed as far as that keeps reversals, and an observer that holds joints to them tightly.
+
+    That of the residual must not answer to the noise of the encoder, so that it answers an effect late and blurred, and
+    a joint without the effect strays until it does; a stiff bristle even holds it against the observer. What two joints
+    on the same motion differ by has little noise.
+    """
+    tracks = [
+        replace(
+            track,
+            position=smooth_derivative(track.position, track.dt, order=0),
+            velocity=smooth_derivative(track.position, track.dt),
+        )
+        for track in problem.tracks
+    ]
+    bandwidth = max(_TIGHTER * problem.observer.bandwidth, float(np.sqrt(_STIFFER * plant.sigma_0 / plant.inertia)))
+    bandwidth = min(bandwidth, _FASTEST / max(track.dt for track in tracks))
+    return observer_for(tracks, plant, replace(problem.observer, bandwidth=bandwidth))
+
+
+def _noise(spread: FloatArray, resting: FloatArray) -> float:
+    """Noise of a row in which the joint slides [N·m]."""
+    sliding = resting == 0.0
+    return float(np.median(spread[sliding] if np.sum(sliding) >= _FEWEST else spread))
+
+
+def _centred(means: FloatArray) -> FloatArray:
+    """Means from each sample to the next as means about each sample. Shape (n,)."""
+    result: FloatArray = 0.5 * (means + np.concatenate([means[:1], means[:-1]]))
+    return result
+
+
+def _plain_joint(track: Track, grid: RowGrid, seen: Observation, plant: Plant) -> FloatArray:
+    """What the parameters of a rigid joint with Stribeck friction add along its motion. Shape (n - m + 1, k)."""
+    v, bristle = track.velocity, _centred(seen.bristle)
+    samples = [np.gradient(v, track.dt), np.ones_like(v)]
+    if track.rotary:
+        samples += [np.cos(track.position), np.sin(track.position)]
+    for sign, (coulomb, static, speed, _) in ((1.0, plant.forward), (-1.0, plant.reverse)):
+        square = (v / speed) ** 2
+        fall = np.exp(-square)
+        dry = np.where(sign * bristle > 0.0, bristle, 0.0) / np.maximum(coulomb + (static - coulomb) * fall, 1e-9)
+        samples += [dry, dry * fall, dry * fall * square, v * (sign * v > 0.0)]
+    return np.column_stack([grid.everywhere(column) for column in samples])

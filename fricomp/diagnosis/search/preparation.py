@@ -1,0 +1,300 @@
+"""Base model, residual and nulls of a set of recordings: all that is needed before any effect is tried."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_toeplitz
+from scipy.ndimage import minimum_filter1d
+from scipy.signal import lfilter
+
+from ..effects.context import build_contexts
+from ..effects.structure import Structure
+from ..effects.time_window import time_windows
+from ..inputs.rigid import RigidJoint
+from ..inputs.track import FloatArray, Track
+from ..joint.base import BASE_NAMES, BaseModel, unpack
+from ..joint.base_fit import creeping, fit_base, loud, with_other_bristle
+from ..joint.nulls import Nulls, make_nulls
+from ..joint.observer import Contribution, Observer
+from ..joint.problem import Problem, observer_for
+from ..joint.solver import Box, Fit, minimise
+from ..joint.spectrum import floor_of, is_structured
+from ..joint.weak_form import estimate_plants
+from .generic import generic_rows
+from .hypotheses import narrowed
+from .order import order_hints
+from .screening import orthonormal, project_out
+
+__all__ = ["Prepared", "prepare", "top_speed"]
+
+_SLIDING = 2.0  # rest speeds
+_SETTLED = 0.16  # [s] about a row, in which observer and whitener still answer to a start or a stop
+_SELDOM = 0.1  # share of the rows
+_ASTRAY = 0.5  # of the first fit's cost, that a fit from another start must stay below
+_FIRST_NULLS = 12  # for the weights of the first refit
+# Residual of friction that creeps over that of its nulls: 1.07 to 1.17 where it does creep, 6 to 48 where it sticks.
+_QUIET = 1.2
+_MOST = 0.95  # of the energy above the noise that creep explains where a trace of something else is missing besides
+# Energy left with creep, of that with a bristle, where much else is missing: joints that creep beside cogging or load
+# friction had 0.02 to 0.64 of it, those that stick beside any effect 0.76 (a clear frictional lag) and more.
+_LEFT_WITH_CREEP = 0.7
+_HALF_STEPS = 6  # towards the colour of the nulls
+_SAME_COLOUR = 0.08  # difference of correlations that chance may bring
+_DYING, _FAINTER = 0.9, 8  # largest root of a filter that dies away within some rows, and tries to get there
+_EVEN = 0.8  # quotient of the bulk's excess and that of all rows, below which few rows make it: no noise does
+_USUAL = 1.4  # factor on the noise that needs no such evidence
+_LEVEL = (0.6, 1.8)  # most that the noise found in single samples is corrected by
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """The base model fitted to the recordings.
+
+    Attributes:
+        problem: Recordings and weights.
+        structure: The base alone, with the motion that effects are computed from.
+        fit: The minimum.
+        box: Domain of the base parameters.
+        nulls: Recordings in which nothing is missing.
+        recolouring: Filter that whitens the residual beyond what whitens the nulls, shape (4,); None where none does.
+        structured: Whether what is left has lines or peaks over time that no null has: more than noise.
+    """
+
+    problem: Problem
+    structure: Structure
+    fit: Fit
+    box: Box
+    nulls: Nulls
+    recolouring: FloatArray | None = None
+    structured: bool = False
+
+    @cached_property
+    def basis(self) -> FloatArray:
+        """Orthonormal columns of the base model. Shape (m, p)."""
+        return orthonormal(self.fit.jacobian)
+
+    @cached_property
+    def generic(self) -> FloatArray:
+        """Weighted rows of the generic basis. Shape (m, d)."""
+        return generic_rows(self.problem, self.structure.contexts)
+
+    @cached_property
+    def null_residuals(self) -> list[FloatArray]:
+        """Nulls after the base is refitted to them, in weighted rows. Shapes (m,)."""
+        basis = self.basis if self.recolouring is None else orthonormal(self._jacobian_of_nulls(self.recolouring))
+        return [vector - basis @ (basis.T @ vector) for vector in self.nulls.vectors()]
+
+    def _jacobian_of_nulls(self, recolouring: FloatArray) -> FloatArray:
+        """The base model's Jacobian, whitened as the nulls are. Shape (m, p)."""
+        ends = np.cumsum([grid.centres.size for grid in self.problem.grids])[:-1]
+        parts = np.split(self.fit.jacobian, ends)
+        return np.concatenate([lfilter([1.0], recolouring, part, axis=0) for part in parts])
+
+    @cached_property
+    def sliding(self) -> NDArray[np.bool_]:
+        """Rows in which the joint slides all the time; all of them where it hardly ever does. Shape (m,)."""
+        parts = []
+        for track, grid in zip(self.problem.tracks, self.problem.grids, strict=True):
+            around = grid.window.size + round(_SETTLED / track.dt)
+            slowest = minimum_filter1d(np.abs(track.velocity), around)[grid.centres]
+            parts.append(slowest > _SLIDING * self.problem.observer.rest_speed)
+        rows = np.concatenate(parts)
+        return rows if np.mean(rows) > _SELDOM else np.ones(rows.size, dtype=bool)
+
+    @cached_property
+    def noise_ratio(self) -> float:
+        """Weighted residual over that of the nulls."""
+        return self.loudness(self.fit)
+
+    def loudness(self, fit: Fit) -> float:
+        """Weighted residual of a fit over that of the nulls."""
+        null = np.mean([vector @ vector for vector in self.null_residuals])
+        return float(np.sqrt(fit.residual @ fit.residual / null))
+
+
+def prepare(
+    tracks: Sequence[Track],
+    *,
+    observer: Observer,
+    nulls: int,
+    seed: int,
+    rigid: RigidJoint | None = None,
+    creeps: bool = False,
+) -> Prepared:
+    """Fit the base model: weak form first, then observed simulation, weighted by nulls of the fitted model.
+
+    Args:
+        tracks: The recordings.
+        observer: Observer settings.
+        nulls: Number of nulls.
+        seed: Of their noise.
+        rigid: Inertia and gravity as the simulation has them; a motion at one speed says nothing about the inertia.
+        creeps: The friction is known to creep.
+    """
+    raw, fit, box = _first_fit(tracks, observer, rigid)
+    fit, problem, _ = _reweigh(raw, fit, box, _FIRST_NULLS, seed)
+    fit = with_other_bristle(problem, fit, box)
+    fit, box = _with_creep(raw, problem, fit, box, seed, creeps)
+    fit, problem, found = _reweigh(raw, fit, box, nulls, seed)
+    prepared = Prepared(problem, _structure(problem, fit, box), fit, box, found)
+    return _level_noise(_recoloured(prepared))
+
+
+def _first_fit(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | None) -> tuple[Problem, Fit, Box]:
+    """The base fitted without weights; from the second start only where the first one leads far astray."""
+    top, tried = top_speed(tracks), []
+    for plant in estimate_plants(tracks):
+        start = plant if rigid is None else replace(plant, inertia=rigid.inertia)
+        base = BaseModel.around(start, dt=tracks[0].dt, top_speed=top, rotary=tracks[0].rotary, known=rigid)
+        problem = observer_for(tracks, start, observer)
+        evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
+        tried.append((problem, minimise(evaluate, base.start, base.box, iterations=10, refresh=2), base.box))
+    usual, *others = tried
+    return next((other for other in others if other[1].cost < _ASTRAY * usual[1].cost), usual)
+
+
+def _with_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int, creeps: bool = False) -> tuple[Fit, Box]:
+    """The fit and its domain, or those of friction that never holds, where it leaves no more than its own nulls do.
+
+    Whatever is missing may look a little like creep, so it must explain all of a loud residual, all but a trace, or so
+    much that no joint which sticks has been seen to let it explain. A joint that creeps shows more noise at rest than
+    one that sticks, so it is judged by nulls of its own.
+    """
+    tried = creeping(problem, fit, box, top_speed(raw.tracks)) if loud(fit) else None
+    if tried is None:
+        return fit, box
+    found, free = tried
+    before, after = (float(one.residual @ one.residual) for one in (fit, found))
+    explained = (before - after) / (before - fit.residual.size)
+    try:
+        found, _, nulls = _reweigh(raw, found, free, _FIRST_NULLS, seed)
+    except FloatingPointError:
+        return fit, box
+    left = np.mean([vector @ vector for vector in nulls.vectors()])
+    quiet = found.residual @ found.residual <= _QUIET**2 * left
+    accepted = creeps or quiet or explained > _MOST or after < _LEFT_WITH_CREEP * before
+    return (found, free) if accepted else (fit, box)
+
+
+def top_speed(tracks: Sequence[Track]) -> float:
+    """Speed that next to nothing exceeds [rad/s]."""
+    return max(float(np.quantile(np.abs(track.velocity), 0.995)) for track in tracks)
+
+
+def _noise_parts(prepared: Prepared) -> tuple[FloatArray, list[FloatArray]]:
+    """What neither the base nor any smooth torque reaches: of the residual, shape (m,), and of each null."""
+    span = orthonormal(
+        np.concatenate([prepared.fit.jacobian, prepared.generic], axis=1),
+        1e-6,
+    )
+    ours, *theirs = (project_out(v[:, None], span)[:, 0] for v in (prepared.fit.residual, *prepared.nulls.vectors()))
+    return ours, theirs
+
+
+def _recoloured(prepared: Prepared) -> Prepared:
+    """Whiten the residual by its own correlation where it is not that of the nulls, which keep theirs.
+
+    What swings at frequencies of its own is correlated as well, and is no noise.
+    """
+    ours, theirs = _noise_parts(prepared)
+    if is_structured(ours, theirs):
+        return replace(prepared, structured=True)
+    trimmed, bulk = (_ratio(ours, theirs, size) for size in (_trimmed, _typical))
+    if trimmed > min(_LEVEL[1], bulk / _EVEN):
+        return prepared
+    recolouring = _colour_filter(ours, np.mean([_correlation(one) for one in theirs], axis=0))
+    if recolouring.size == 1:
+        return prepared
+    weights = prepared.nulls.weights
+    whitener = np.convolve(weights.whitener, recolouring)
+    problem = replace(prepared.problem, weights=replace(weights, whitener=whitener))
+    evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
+    fit = minimise(evaluate, prepared.fit.theta, prepared.box, iterations=6, refresh=2)
+    return replace(prepared, problem=problem, fit=fit, recolouring=recolouring)
+
+
+def _colour_filter(values: FloatArray, correlation: FloatArray) -> FloatArray:
+    """Filter that gives `values` this correlation over one to three rows and keeps their size; (1,) where it is theirs.
+
+    In several half steps: what the base takes out correlates rows as well, so correlations do not simply add.
+    """
+    found, filtered = np.ones(1), values
+    for _ in range(_HALF_STEPS):
+        shift = _correlation(filtered) - correlation
+        if np.max(np.abs(shift)) < _SAME_COLOUR:
+            break
+        extra = _stable(0.5 * shift)
+        found = np.convolve(found, [1.0, *-extra])
+        filtered = lfilter(found, [1.0], values)
+    result: FloatArray = found * _typical(values) / _typical(filtered)
+    return result
+
+
+def _stable(shift: FloatArray) -> FloatArray:
+    """Prediction from the last three rows by the correlations `shift`, fainter ones until its inverse dies away."""
+    for _ in range(_FAINTER):
+        extra: FloatArray = solve_toeplitz(np.array([1.0, *shift[:-1]]), shift)
+        if np.max(np.abs(np.roots([1.0, *-extra]))) < _DYING:
+            return extra
+        shift = 0.7 * shift
+    return np.zeros_like(shift)
+
+
+def _correlation(values: FloatArray) -> FloatArray:
+    """Correlation over one to three rows, of values clipped at two typical deviations. Shape (3,)."""
+    x = np.clip(values, -2.0 * _typical(values), 2.0 * _typical(values))
+    return np.array([float(x[lag:] @ x[:-lag]) for lag in (1, 2, 3)]) / float(x @ x)
+
+
+def _level_noise(prepared: Prepared) -> Prepared:
+    """Scale the nulls to the part of the residual that neither the base nor any smooth torque reaches."""
+    ours, theirs = _noise_parts(prepared)
+    usual = max(_ratio(ours, theirs, _typical), _USUAL)
+    found = _ratio(ours, theirs, floor_of) if prepared.structured else min(_ratio(ours, theirs, _trimmed), usual)
+    factor = float(np.clip(found, *_LEVEL))
+    nulls, fit, own = prepared.nulls.scaled(factor), prepared.fit, prepared.problem.weights
+    # The priors in the cost know nothing of the noise.
+    cost = fit.cost + (1.0 / factor**2 - 1.0) * float(fit.residual @ fit.residual)
+    fit = replace(fit, residual=fit.residual / factor, jacobian=fit.jacobian / factor, cost=cost)
+    weights = nulls.weights if own is None else replace(nulls.weights, whitener=own.whitener)
+    return replace(prepared, problem=replace(prepared.problem, weights=weights), fit=fit, nulls=nulls)
+
+
+def _ratio(ours: FloatArray, theirs: Sequence[FloatArray], size: Callable[[FloatArray], float]) -> float:
+    return float(size(ours) / np.mean([size(one) for one in theirs]))
+
+
+def _trimmed(values: FloatArray) -> float:
+    """Standard deviation in which values beyond three robust ones count as three."""
+    limit = 3.0 * _typical(values)
+    return float(np.sqrt(np.mean(np.minimum(values**2, limit**2))))
+
+
+def _typical(values: FloatArray) -> float:
+    """Standard deviation of the bulk: a bristle or a gap that is missed shows in few rows, noise in all."""
+    return float(np.median(np.abs(values))) / 0.6745
+
+
+def _reweigh(problem: Problem, fit: Fit, box: Box, count: int, seed: int) -> tuple[Fit, Problem, Nulls]:
+    """Improve the velocities once, as in each null, simulate nulls, and fit again with their weights."""
+    plant, nothing = unpack(fit.theta), [Contribution()] * len(problem.tracks)
+    problem = replace(problem.timed_for(plant).with_velocity_of(plant), weights=None)
+    nulls = make_nulls(problem, plant, nothing, count=count, seed=seed)
+    problem = replace(problem, weights=nulls.weights)
+    return fit_base(problem, fit.theta, box), problem, nulls
+
+
+def _structure(problem: Problem, fit: Fit, box: Box) -> Structure:
+    plant = unpack(fit.theta)
+    runs = problem.runs([plant], [[Contribution()] * len(problem.tracks)])[0]
+    contexts = build_contexts(problem, plant, runs, {})
+    basis = orthonormal(fit.jacobian)
+    hints = order_hints(problem, contexts, project_out(fit.residual[:, None], basis)[:, 0], basis)
+    hints["window"] = time_windows(problem, contexts, fit, box)
+    hints |= narrowed(problem, Structure(tuple(contexts)), fit.residual, basis)
+    return Structure(tuple(replace(context, hints=hints) for context in contexts))

@@ -1,0 +1,121 @@
+"""Fits of base and effects, side by side, each judged by what it leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..effects import Context
+from ..effects.context import moved
+from ..effects.structure import N_BASE, Candidate, Structure, fit_all
+from ..inputs.track import FloatArray
+from ..joint.base import evened
+from ..joint.solver import Box, Descent
+from .explanation import Explanation, judged
+from .preparation import Prepared
+
+__all__ = ["LAST_STEPS", "fit_from", "polish", "preference", "refit"]
+
+LAST_STEPS = 12  # of an explanation that was chosen and of rivals close to it
+# Polishes, and the part of the gain that the last one must have brought, and of the load by which it must have moved
+# that, for another one: friction under a load pulls gravity back, which takes away what had hidden that friction.
+_ROUNDS, _STILL_GAINING, _STILL_MOVING = 4, 0.003, 0.001
+
+
+def refit(
+    prepared: Prepared, wanted: Sequence[tuple[tuple[Candidate, ...], Prepared | Explanation]]
+) -> list[Explanation]:
+    """Fit base and candidates jointly in the simulator, each set from what was fitted without some of them, and judge
+    what they leave.
+    """
+    descents = []
+    for candidates, before in wanted:
+        structure, fit = Structure(before.structure.contexts, candidates), before.fit
+        start = np.concatenate([fit.theta[:N_BASE], structure.start()])
+        descent = structure.descent(start, prepared.box, jacobian=fit.jacobian, iterations=5, refresh=99)
+        descents.append((structure, descent))
+    return _fitted(prepared, descents, [prepared.box] * len(descents))
+
+
+def polish(
+    prepared: Prepared, explanations: Sequence[Explanation], *, iterations: int = 4, refresh: int = 2
+) -> list[Explanation]:
+    """The same explanations at the minima of fresh Jacobians, their effects computed for the joint that was found.
+
+    Again for those whose load moves with it, while they gain by that.
+    """
+    before, result = list(explanations), _polished(prepared, explanations, iterations, refresh)
+    for _ in range(_ROUNDS - 1):
+        unsettled = [i for i, pair in enumerate(zip(before, result, strict=True)) if _unsettled(*pair)]
+        again = _polished(prepared, [result[i] for i in unsettled], iterations, refresh)
+        before, further = result, dict(zip(unsettled, again, strict=True))
+        result = [further.get(i, one) for i, one in enumerate(result)]
+    return result
+
+
+def _unsettled(old: Explanation, new: Explanation) -> bool:
+    """Whether a polish gained much, and moved the load."""
+    if new is old or new.refused or new.gain - old.gain < _STILL_GAINING * new.gain:
+        return False
+    here, there = (one.structure.contexts_at(one.fit.theta) for one in (old, new))
+    moved = [np.max(np.abs(a.load_torque - b.load_torque)) for a, b in zip(here, there, strict=True)]
+    return bool(np.max(moved) > _STILL_MOVING * max(float(np.max(np.abs(c.load_torque))) for c in there))
+
+
+def _polished(
+    prepared: Prepared, explanations: Sequence[Explanation], iterations: int, refresh: int
+) -> list[Explanation]:
+    """Each at the minimum of fresh Jacobians with the contexts of its own joint, from where it was and with both
+    directions evened, or as it was where that is better."""
+    descents, owners = [], []
+    for i, explanation in enumerate(explanations):
+        structure = Structure(_contexts_of(prepared, explanation), explanation.settled)
+        for start in (explanation.fit.theta, evened(explanation.fit.theta)):
+            if start is not None:
+                descent = structure.descent(start, explanation.box, iterations=iterations, refresh=refresh)
+                descents.append((structure, descent))
+                owners.append(i)
+    result = list(explanations)
+    for i, fitted in zip(owners, _fitted(prepared, descents, [result[i].box for i in owners]), strict=True):
+        result[i] = max(result[i], fitted, key=preference)
+    return result
+
+
+def _contexts_of(prepared: Prepared, explanation: Explanation) -> tuple[Context, ...]:
+    """Each recording with load and position of the joint that was found: one without its effects is elsewhere."""
+    structure, theta = explanation.structure, explanation.fit.theta
+    seen = structure.observe(prepared.problem, theta)
+    contexts = structure.contexts_at(theta)
+    return tuple(moved(*each) for each in zip(contexts, prepared.problem.tracks, seen, strict=True))
+
+
+def fit_from(
+    prepared: Prepared, wanted: Sequence[tuple[Sequence[Candidate], FloatArray]], box: Box
+) -> list[Explanation]:
+    """Fit base and candidates jointly and with care, maybe in another domain than the usual one.
+
+    Args:
+        prepared: Base model and recordings.
+        wanted: For each explanation its effects with their starting values, and the start of the base, shape (N_BASE,).
+        box: Domain and priors of the base.
+    """
+    descents = []
+    for candidates, theta in wanted:
+        structure = Structure(prepared.structure.contexts, tuple(candidates))
+        start = np.concatenate([theta, structure.start()])
+        descents.append((structure, structure.descent(start, box, iterations=LAST_STEPS, refresh=2)))
+    return _fitted(prepared, descents, [box] * len(descents))
+
+
+def _fitted(
+    prepared: Prepared, descents: Sequence[tuple[Structure, Descent]], boxes: Sequence[Box]
+) -> list[Explanation]:
+    """Run fits side by side, each with the domain of its base, and judge what they leave."""
+    fits = fit_all(prepared.problem, descents)
+    return [judged(prepared, s, fit, box) for (s, _), fit, box in zip(descents, fits, boxes, strict=True)]
+
+
+def preference(explanation: Explanation) -> float:
+    """Gain, with explanations that are not physical behind all others."""
+    return explanation.gain - 1e9 * bool(explanation.refused)

@@ -1,0 +1,111 @@
+"""The diagnosis against the user's own simulation, known only by a recording that it made under the same commands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from fricomp.errors import DiagnosisError
+from fricomp.recording import Recording
+
+from .diagnose import diagnose, with_remarks
+from .effects.shared_effect import without_known
+from .inputs.checks import reasons_against
+from .inputs.controller import Controller
+from .record.result import Diagnosis
+from .simulated_joint import read_simulated
+
+__all__ = ["diagnose_against", "motion_remarks"]
+
+_MECHANICAL = {"N·m", "N"}
+_SHORT = 0.8  # of the recording's duration, below which a simulated one is told to be shorter
+# Unrelated motions of one size differ by the square root of two, in standard deviations of the position; the same one
+# by how differently two joints follow a command.
+_SAME_MOTION = 0.5
+
+
+def diagnose_against(
+    recordings: Recording | Sequence[Recording],
+    simulated: Recording,
+    *,
+    joint: str | None = None,
+    controller: Controller | None = None,
+    thorough: bool = False,
+    seed: int = 0,
+    progress: Callable[[str], None] | None = None,
+) -> Diagnosis:
+    """Say what a simulation of a joint leaves out that is known only by what it recorded under the same commands.
+
+    Args:
+        recordings: One or several recordings of the real joint.
+        simulated: What the simulator recorded; it needs no noise.
+        joint: Name of the joint in the recordings; None to take any.
+        controller: The loop that moved the real joint; None to estimate it where the reference was recorded.
+        thorough: Use more nulls for the thresholds.
+        seed: Of noise, nulls and bootstraps; the same seed gives the same answer.
+        progress: Called with a few words before each step.
+
+    Raises:
+        DiagnosisError: No joint can be read off the simulated recording, or the recordings do not belong together.
+    """
+    say = progress or (lambda _: None)
+    given = [recordings] if isinstance(recordings, Recording) else list(recordings)
+    if reasons_against(given, joint):
+        return diagnose(given, joint=joint)  # which says so
+    alike = _in_one_unit(simulated, given)
+    say("reading the simulation from its recording")
+    known = read_simulated(simulated, given, seed=seed, progress=progress)
+    found = diagnose(
+        given,
+        known.rigid,
+        joint=joint,
+        friction=known.friction if alike else None,
+        controller=controller,
+        thorough=thorough,
+        seed=seed,
+        progress=progress,
+    )
+    found = without_known(found, known.effects, sure=known.noise_ratio is None)
+    return with_remarks(found, (*known.remarks, *motion_remarks(given, simulated)))
+
+
+def _in_one_unit(simulated: Recording, recordings: Sequence[Recording]) -> bool:
+    """Whether the torques are in one unit; with currents the simulation's friction cannot be compared.
+
+    Raises:
+        DiagnosisError: Only the simulated torque is none in N·m or N.
+    """
+    own, *others = (one.on_joint_side().metadata.torque_unit for one in (simulated, *recordings))
+    if own not in _MECHANICAL and set(others) <= _MECHANICAL:
+        raise DiagnosisError(
+            f"the simulated torque is in {own} and the recorded one in {others[0]}: let the simulator record N·m or N"
+        )
+    return set(others) == {own}
+
+
+def motion_remarks(recordings: Sequence[Recording], simulated: Recording) -> tuple[str, ...]:
+    """What tells that a simulated recording was not made under the commands of the recordings, in sentences."""
+    longest = max(one.duration for one in recordings)
+    if simulated.duration < _SHORT * longest:
+        return (
+            f"The simulated recording lasts {simulated.duration:.3g} s and the recording {longest:.3g} s: what it says "
+            "about the simulation holds for the part of the motion that it has.",
+        )
+    apart = min(_apart(one, simulated) for one in recordings)
+    if apart < _SAME_MOTION:
+        return ()
+    return (
+        f"The simulated recording has another motion (positions at the same times differ by {apart:.2g} times the "
+        "spread of the recorded ones): let the simulator follow the same commands, since a motion that shows less of "
+        "its joint leaves the comparison in doubt.",
+    )
+
+
+def _apart(recording: Recording, simulated: Recording) -> float:
+    """RMS difference of the positions at the same time since the start, over the standard deviation of the recorded."""
+    time = np.asarray(recording.time) - recording.time[0]
+    shared = time <= simulated.duration
+    moved = np.interp(time[shared], np.asarray(simulated.time) - simulated.time[0], np.asarray(simulated.position))
+    position = np.asarray(recording.position)[shared]
+    return float(np.sqrt(np.mean((moved - position) ** 2)) / max(float(np.std(position)), 1e-12))

@@ -1,0 +1,117 @@
+"""The refitted base and the extended model as friction models that compensate and export like any other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from fricomp.laws import BidirectionalStribeck, FrictionLaw, LaggedLuGre, LaggedStribeck, LuGre, StribeckCurve, Term
+from fricomp.model import FrictionModel, Provenance, Validity
+from fricomp.recording import Recording
+
+from ..effects import Context
+from ..effects.spring import SPRING, whole_spring
+from ..effects.structure import N_BASE
+from ..inputs.rigid import Spring
+from ..inputs.track import FloatArray
+from ..joint.observer import Plant
+from ..search.explanation import Explanation
+from ..search.preparation import Prepared
+
+__all__ = ["base_model", "extended_model"]
+
+_OF_THE_CORE = ("stribeck_exponent", "sigma_0", "sigma_1", "lag")  # fields of a plant that its curves and bristle have
+
+
+def base_model(recordings: Sequence[Recording], prepared: Prepared) -> FrictionModel:
+    """Friction of the refitted base."""
+    plant = prepared.structure.plant(prepared.fit.theta)
+    return _model(recordings, prepared.structure.contexts, (BidirectionalStribeck(*_pair(plant, 2.0)),), plant)
+
+
+def extended_model(
+    recordings: Sequence[Recording], prepared: Prepared, chosen: Explanation | None, given: Spring | None = None
+) -> FrictionModel | None:
+    """Friction with the named effects, refitted together; None where no effect belongs to a friction law.
+
+    A spring that was named beside the one `given` in the simulation is in it as a whole, in place of that one.
+    """
+    if chosen is None:
+        return None
+    values = chosen.structure.values(chosen.fit.theta[N_BASE:])
+    plant = chosen.structure.plant(chosen.fit.theta)
+    terms: list[Term] = []
+    changes: dict[str, float] = {}
+    for candidate in chosen.structure.candidates:
+        contribution = candidate.effect.contribution(chosen.structure.contexts[0], values[candidate.name])
+        changes |= {name: value for name, value in contribution.plant.items() if name in _OF_THE_CORE}
+        if candidate.name == SPRING and given is not None:
+            term, plant = whole_spring(values[candidate.name], plant, given)
+        else:
+            term = candidate.effect.term(values[candidate.name], plant, chosen.structure.contexts)
+        terms += [term] if term is not None else []
+    if not terms and not changes:
+        return None
+    return _model(recordings, chosen.structure.contexts, (_core(plant, changes), *terms), plant)
+
+
+def _core(plant: Plant, changes: Mapping[str, float]) -> Term:
+    """The friction curves, with the exponent, bristle and lag that effects gave them."""
+    (forward, reverse), lag = _pair(plant, changes.get("stribeck_exponent", 2.0)), changes.get("lag", 0.0)
+    if "sigma_0" in changes:
+        sigma_0, sigma_1 = changes["sigma_0"], changes.get("sigma_1", 0.0)
+        if lag > 0.0:
+            return LaggedLuGre(forward, reverse, sigma_0, sigma_1, lag=lag)
+        return LuGre(forward, reverse, sigma_0, sigma_1)
+    return LaggedStribeck(forward, reverse, lag=lag) if lag > 0.0 else BidirectionalStribeck(forward, reverse)
+
+
+def _pair(plant: Plant, exponent: float) -> tuple[StribeckCurve, StribeckCurve]:
+    """The curves of both directions, with the constant torque that was fitted beside them.
+
+    While the joint slides it cannot be told from a difference between the directions, and nothing else of the model
+    would make it: friction and rigid body together are to give the recorded torque.
+    """
+    shift = _shared(plant)
+    forward, reverse = (
+        StribeckCurve(c + sign * shift, s + sign * shift, v, f, exponent)
+        for (c, s, v, f), sign in ((plant.forward, 1.0), (plant.reverse, -1.0))
+    )
+    return forward, reverse
+
+
+def _shared(plant: Plant) -> float:
+    """The constant torque that friction can hold without driving the joint in either direction."""
+    return plant.offset if abs(plant.offset) < min(plant.forward[0], plant.reverse[0]) else 0.0
+
+
+def _model(
+    recordings: Sequence[Recording], contexts: Sequence[Context], terms: tuple[Term, ...], plant: Plant
+) -> FrictionModel:
+    metadata, shift = recordings[0].metadata, _shared(plant)
+    said = f"{shift:.4g} {metadata.torque_unit} in the forward curve, less it in the reverse curve"
+    said = said if shift == plant.offset else f"{plant.offset:.4g} {metadata.torque_unit}, not part of this model"
+    warm = all("temperature" in context.channels for context in contexts)
+    return FrictionModel(
+        law=FrictionLaw(terms),
+        joint=metadata.joint,
+        motion=metadata.motion,
+        torque_unit=metadata.torque_unit,
+        validity=Validity(
+            velocity=_range(context.velocity for context in contexts),
+            position=_range(np.asarray(recording.position) for recording in recordings),
+            load_torque=_range(context.load_torque for context in contexts),
+            acceleration=_range(context.acceleration for context in contexts),
+            temperature=_range(context.channels["temperature"] for context in contexts) if warm else None,
+        ),
+        provenance=Provenance(
+            method="diagnosis", data_sha256=recordings[0].content_hash, notes={"torque_offset": said}
+        ),
+    )
+
+
+def _range(columns: Iterable[FloatArray]) -> tuple[float, float]:
+    """Lowest and highest value over all recordings."""
+    ends = [(float(np.min(column)), float(np.max(column))) for column in columns]
+    return min(low for low, _ in ends), max(high for _, high in ends)

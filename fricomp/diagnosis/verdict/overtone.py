@@ -1,0 +1,76 @@
+"""Ripples in the rhythm of a stronger one: the form of that one, which is no sine, not effects of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from ..effects.structure import Candidate
+from ..search.explanation import Explanation
+from ..search.preparation import Prepared
+from ..search.screening import screen
+
+__all__ = ["explained_by_overtone", "overtones"]
+
+_RIPPLES = ("cogging", "encoder_eccentricity", "kinematic_error", "position_coulomb")
+# Part of an order, and of a wave over the recorded range, by which an overtone may miss a multiple: short ranges tell
+# orders no better. Part of the energy of the other, from which a ripple counts.
+_RHYTHM, _WAVE, _OF_ITS_OWN = 0.01, 0.25, 0.5
+
+
+def overtones(
+    chosen: Explanation, energy: Mapping[str, float], span: float, as_well: Callable[[str, str, float], bool]
+) -> dict[str, tuple[str, float]]:
+    """Effects that complete the form of a stronger one, by the name of that one, and the order where it shows.
+
+    Args:
+        chosen: What was found.
+        energy: That each of its effects explains.
+        span: Range of the recorded position [rad] or [m].
+        as_well: Whether, in place of the first effect, the second one's own wave at that order explains as much.
+    """
+    resolution = _WAVE * 2.0 * np.pi / span
+    found: dict[str, tuple[str, float]] = {}
+    values = {name: chosen.values[name] for name in chosen.names if name in _RIPPLES} if len(chosen.names) > 1 else {}
+    for name, own in values.items():
+        for other, tone in values.items():
+            if other == name or energy[name] >= _OF_ITS_OWN * energy[other]:
+                continue
+            times = round(own["order"] / tone["order"])
+            if _in_rhythm(own["order"], tone["order"], resolution):
+                found[name] = (other, own["order"])
+            elif times > 1 and as_well(name, other, times * tone["order"]):
+                found[name] = (other, times * tone["order"])
+    return found
+
+
+def explained_by_overtone(
+    prepared: Prepared, tried: Sequence[Explanation], chosen: Explanation, name: str, other: str, order: float
+) -> bool:
+    """Whether a wave of `other` at `order`, which is no free parameter, explains as much as the effect `name` does.
+
+    An effect that draws another one's overtone in a form of its own may miss its order by more than its interval.
+
+    Args:
+        prepared: Base model and recordings.
+        tried: Explanations that were refitted.
+        chosen: The one that was found.
+        name: Its effect in question.
+        other: Its stronger ripple.
+        order: A multiple of the order of that one [1/rad] or [1/m].
+    """
+    kept = tuple(sorted(set(chosen.names) - {name}))
+    part = max((one for one in tried if one.names == kept), key=lambda one: one.gain, default=None)
+    if part is None or other not in part.values:
+        return False
+    fit, form = part.fit, {p.name for owner, p in part.structure.parameters() if owner == other and not p.linear}
+    start = {key: value for key, value in part.values[other].items() if key in form} | {"order": order}
+    wave = Candidate(other, tuple(start.items()))
+    waves = screen(prepared.problem, part.structure, fit.theta, fit.residual, fit.jacobian, [wave]).columns
+    return bool(waves) and waves[0].energy >= fit.cost - chosen.fit.cost
+
+
+def _in_rhythm(order: float, tone: float, resolution: float) -> bool:
+    times = round(order / tone)
+    return times >= 1 and abs(order - times * tone) < max(_RHYTHM * order, resolution)

@@ -1,0 +1,62 @@
+"""A recorded velocity that lags behind the recorded position: seen from the two channels alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+from scipy.signal import lfilter
+
+from fricomp.recording import Recording
+
+from ..inputs.track import smooth_derivative
+from ..record.result import NamedEffect, Quantity
+
+__all__ = ["velocity_lag"]
+
+_LEAST = 3e-3  # [s] shorter lags are those of usual velocity filters
+_LEFT = 0.5  # of the difference to the derivative, that a lag may leave: noise of a slow motion leaves nearly all
+_SMOOTH = 0.015  # [s] of both, else a lag would do for the encoder's steps what smoothing does
+_SCALE = 0.1  # a column that is off by a factor of more than that is another quantity, or in another unit
+
+
+def velocity_lag(recordings: Sequence[Recording]) -> list[NamedEffect]:
+    """The effect `velocity_filter_lag`, where the recorded velocity is late by more than a usual filter."""
+    lags = [lag for recording in recordings if (lag := _lag(recording)) is not None]
+    if not lags or float(np.median(lags)) < _LEAST:
+        return []
+    lag, spread = float(np.median(lags)), 3e-4
+    return [
+        NamedEffect(
+            name="velocity_filter_lag",
+            kind="measurement",
+            parameters={"time_constant": Quantity(lag, "s", (lag - spread, lag + spread))},
+            equation="v_recorded = v / (1 + T s)",
+            sentence=f"the recorded velocity lags behind the position by {1e3 * lag:.1f} ms",
+            citation="hollerbach2016",
+        )
+    ]
+
+
+def _lag(recording: Recording) -> float | None:
+    """Time constant of the first-order lag that makes the position's derivative most like the velocity [s].
+
+    None where the column is no velocity of this position at all, whatever its lag, and 0 where none explains it.
+    """
+    if recording.velocity is None or recording.sample_period > 5e-3:
+        return None
+    dt = recording.sample_period
+    truth = gaussian_filter1d(smooth_derivative(np.asarray(recording.position), dt), _SMOOTH / dt)
+    seen = gaussian_filter1d(np.asarray(recording.velocity), _SMOOTH / dt)
+    grid = np.arange(0.0, 0.041, 5e-4)
+    errors, scales = [], []
+    for lag in grid:
+        keep = lag / (lag + dt)  # so that the filter is late by `lag` at any sample time
+        model = lfilter([1.0 - keep], [1.0, -keep], truth, zi=[keep * truth[0]])[0]
+        scales.append(float(seen @ model) / max(float(model @ model), 1e-30))
+        errors.append(float(np.mean((seen - scales[-1] * model) ** 2)))
+    best = int(np.argmin(errors))
+    if abs(scales[best] - 1.0) > _SCALE:
+        return None
+    return float(grid[best]) if errors[best] < _LEFT * errors[0] else 0.0

@@ -1,0 +1,187 @@
+"""An adapter and its twin without dynamics, in memory and in lock step: what the measurements are made on."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fricomp.adapters import JointAdapter
+from fricomp.adapters.configuration import convert
+from fricomp.testing import FaultyLink, VirtualClock
+
+from .hand_held import HandHeldAxis, SerialBus
+
+__all__ = ["PERIOD", "PROTOCOLS", "TORQUE_LIMIT", "AdapterBench", "make_bench"]
+
+TORQUE_LIMIT = 2.0
+PERIOD = 0.005
+LIMITS = {"torque": TORQUE_LIMIT, "torque_rate": 1e9, "velocity": 8.0, "position": (-3.0, 3.0)}
+
+
+@dataclass
+class AdapterBench:
+    """One adapter with its drives.
+
+    Attributes:
+        adapter: Not opened yet.
+        axes: Motors of its drives.
+        link: Between them.
+        clock: Of all.
+    """
+
+    adapter: JointAdapter
+    axes: list[HandHeldAxis]
+    link: FaultyLink
+    clock: VirtualClock
+
+    def start(self) -> None:
+        """Open, configure and enable; the ramp is over."""
+        self.adapter.open()
+        self.adapter.configure("torque", PERIOD)
+        self.adapter.enable()
+        self.clock.advance(PERIOD)
+
+
+def _tables(n_joints: int, **extra: Any) -> list[dict[str, Any]]:
+    return [{"name": f"joint {n}", "id": n, "limits": LIMITS, **extra} for n in range(1, n_joints + 1)]
+
+
+def _common(n_joints: int, **extra: Any) -> dict[str, Any]:
+    return {"joints": _tables(n_joints, **extra), "ramp_time": 0.0}
+
+
+def _can_bench(
+    make_device: Callable[[Any, int], Any], make_adapter: Callable[[Any, VirtualClock], JointAdapter], n_joints: int
+) -> AdapterBench:
+    from ...twins.can_twin import CanTwin
+    from .twin_bus import TwinBus
+
+    bus, clock, axes = TwinBus(), VirtualClock(), [HandHeldAxis() for _ in range(n_joints)]
+    devices = [make_device(axis, number) for number, axis in enumerate(axes, start=1)]
+    nothing: Any = None
+    bus.twin = CanTwin(bus, nothing, devices)
+    clock.follow(lambda now_ns: _tick(devices, now_ns))
+    link = FaultyLink(bus)
+    return AdapterBench(make_adapter(link, clock), axes, link, clock)
+
+
+def _tick(devices: list[Any], now_ns: int) -> None:
+    for device in devices:
+        device.tick(now_ns)
+
+
+def make_canopen(n_joints: int) -> AdapterBench:
+    """CiA 402."""
+    from fricomp.adapters.canopen import CanOpenAdapter
+    from fricomp.adapters.canopen.configuration import CanOpenConfiguration
+
+    from ...twins.cia402 import Cia402Drive, Cia402Settings
+
+    made = convert({"bus": {"interface": "virtual"}} | _common(n_joints), CanOpenConfiguration)
+    return _can_bench(
+        lambda axis, number: Cia402Drive(axis, Cia402Settings(node_id=number, rated_torque=5.0)),
+        lambda link, clock: CanOpenAdapter(made, lambda: link, clock),
+        n_joints,
+    )
+
+
+def make_mit(n_joints: int) -> AdapterBench:
+    """Damiao."""
+    from fricomp.adapters.mit import MitAdapter
+    from fricomp.adapters.mit.configuration import MitConfiguration
+
+    from ...twins.mit import MitMotor, MitSettings
+
+    table = {"bus": {"interface": "virtual"}} | _common(n_joints, model="damiao/DM4310")
+    made = convert(table, MitConfiguration)
+    return _can_bench(
+        lambda axis, number: MitMotor(axis, MitSettings(receive_id=number, feedback_id=0x10 + number)),
+        lambda link, clock: MitAdapter(made, lambda: link, clock),
+        n_joints,
+    )
+
+
+def make_odrive(n_joints: int) -> AdapterBench:
+    """Firmware 0.6 with its endpoints."""
+    from fricomp.adapters.odrive import OdriveAdapter
+    from fricomp.adapters.odrive.configuration import OdriveConfiguration
+
+    from ...twins.odrive import ENDPOINTS, ODriveNode, ODriveSettings
+
+    endpoints = {name: {"id": number, "type": kind} for number, (name, kind) in ENDPOINTS.items()}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "flat_endpoints.json"
+        path.write_text(json.dumps({"fw_version": "0.6.9", "endpoints": endpoints}))
+        table = {"bus": {"interface": "virtual"}, "endpoints": str(path)} | _common(n_joints)
+        made = convert(table, OdriveConfiguration)
+        return _can_bench(
+            lambda axis, number: ODriveNode(axis, ODriveSettings(node=number)),
+            lambda link, clock: OdriveAdapter(made, lambda: link, clock),
+            n_joints,
+        )
+
+
+def make_moteus(n_joints: int) -> AdapterBench:
+    """Behind an fdcanusb."""
+    from fricomp.adapters.moteus import MoteusAdapter
+    from fricomp.adapters.moteus.adapter import MoteusConfiguration
+
+    from ...twins.moteus import MoteusController, MoteusSettings, MoteusTwin
+
+    bus, clock, axes = SerialBus(), VirtualClock(), [HandHeldAxis() for _ in range(n_joints)]
+    nothing: Any = None
+    controllers = [MoteusController(_as_any(axis), MoteusSettings(number)) for number, axis in enumerate(axes, start=1)]
+    bus.twin = MoteusTwin(_as_any(bus), nothing, controllers)
+
+    def tick(_: int) -> None:
+        for controller in controllers:
+            controller.tick()
+
+    clock.follow(tick)
+    link = FaultyLink(bus)
+    made = convert({"serial": {"port": "loop://"}} | _common(n_joints), MoteusConfiguration)
+    return AdapterBench(MoteusAdapter(made, lambda: link, clock), axes, link, clock)
+
+
+def make_dynamixel(n_joints: int) -> AdapterBench:
+    """Current mode, in amperes."""
+    from fricomp.adapters.dynamixel import DynamixelAdapter
+    from fricomp.adapters.dynamixel.configuration import DynamixelConfiguration
+
+    from ...twins.dynamixel import DynamixelServo, DynamixelSettings, DynamixelTwin
+
+    bus, clock, axes = SerialBus(), VirtualClock(), [HandHeldAxis() for _ in range(n_joints)]
+    nothing: Any = None
+    servos = [
+        DynamixelServo(_as_any(axis), DynamixelSettings(number, torque_constant=1.0))
+        for number, axis in enumerate(axes, start=1)
+    ]
+    bus.twin = DynamixelTwin(_as_any(bus), nothing, servos)
+    clock.follow(lambda now_ns: _tick(list(servos), now_ns))
+    link = FaultyLink(bus)
+    table = {"serial": {"port": "loop://", "baudrate": 4_000_000}} | _common(n_joints)
+    return AdapterBench(
+        DynamixelAdapter(convert(table, DynamixelConfiguration), lambda: link, clock), axes, link, clock
+    )
+
+
+def _as_any(value: object) -> Any:
+    return value
+
+
+PROTOCOLS: dict[str, Callable[[int], AdapterBench]] = {
+    "canopen": make_canopen,
+    "dynamixel": make_dynamixel,
+    "mit": make_mit,
+    "moteus": make_moteus,
+    "odrive": make_odrive,
+}
+
+
+def make_bench(protocol: str, n_joints: int = 1) -> AdapterBench:
+    """The bench of a protocol, one of `PROTOCOLS`."""
+    return PROTOCOLS[protocol](n_joints)

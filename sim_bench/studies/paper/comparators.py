@@ -1,0 +1,168 @@
+"""The methods beside ours, on the same likelihood and within the paper's bounds. For the benchmark only."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fricomp.calibration.identification.observation import Observations
+from fricomp.laws import FloatArray
+
+from .problem import UPPER_BOUNDS, Draw
+
+__all__ = ["Comparison", "population_likelihood", "run_cma", "run_genetic", "run_particle_swarm", "run_robust_nls"]
+
+_POPULATION = 100
+"""Section IV of [luo2024pinn], for PSO and GA."""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What one method gave on one draw.
+
+    Attributes:
+        method: Its name.
+        values: Parameters in the paper's order. Shape (8,).
+        negative_log_likelihood: Under the draw's own noise reading.
+        seconds: Wall-clock time.
+        fitness: Best objective over the iterations, at 200 of them or fewer. Shape (n, 2): iteration, value.
+        course: Best parameters at those iterations. Shape (n, 8).
+    """
+
+    method: str
+    values: FloatArray
+    negative_log_likelihood: float
+    seconds: float
+    fitness: FloatArray
+    course: FloatArray
+
+
+Likelihood = Callable[[FloatArray], FloatArray]
+
+
+def population_likelihood(draw: Draw) -> Likelihood:
+    """Negative log-likelihood of many parameter vectors at once, shape (n, 8) to (n,)."""
+    points, relative = draw.points, draw.reading == "relative"
+    n = points.size
+
+    def negative(population: FloatArray) -> FloatArray:
+        model = _curves(population, points)
+        error = points.magnitude - model
+        if not relative:
+            return np.asarray(0.5 * n * (np.log(2.0 * np.pi * np.mean(error**2, axis=1) + 1e-300) + 1.0))
+        safe = np.maximum(np.abs(model), 1e-12)
+        spread = np.mean((error / safe) ** 2, axis=1)
+        return np.asarray(0.5 * n * (np.log(2.0 * np.pi * spread + 1e-300) + 1.0) + np.sum(np.log(safe), axis=1))
+
+    return negative
+
+
+def _curves(population: FloatArray, points: Observations) -> FloatArray:
+    """Closed forms of many parameter vectors. Shape (n_population, n_points)."""
+    curves = np.empty((len(population), points.size))
+    for rows, at in ((points.forward, 0), (~points.forward, 4)):
+        coulomb, static, stribeck, viscous = (population[:, at + k, None] for k in range(4))
+        speed = points.speed[rows]
+        falling = np.exp(-((speed / np.maximum(stribeck, 1e-9)) ** 2))
+        curves[:, rows] = coulomb + (static - coulomb) * falling + viscous * speed
+    return curves
+
+
+def run_particle_swarm(draw: Draw, iterations: int, seed: int) -> Comparison:
+    """PSO of pymoo, population 100, learning factors 1 as in the paper."""
+    from pymoo.algorithms.soo.nonconvex.pso import PSO
+
+    return _run_pymoo("PSO (pymoo)", PSO(pop_size=_POPULATION, c1=1.0, c2=1.0, adaptive=False), draw, iterations, seed)
+
+
+def run_genetic(draw: Draw, iterations: int, seed: int) -> Comparison:
+    """GA of pymoo, population 100, its defaults for the rest, which the paper does not give."""
+    from pymoo.algorithms.soo.nonconvex.ga import GA
+
+    return _run_pymoo("GA (pymoo)", GA(pop_size=_POPULATION, eliminate_duplicates=False), draw, iterations, seed)
+
+
+def _run_pymoo(method: str, algorithm: Any, draw: Draw, iterations: int, seed: int) -> Comparison:
+    from pymoo.core.problem import Problem
+    from pymoo.termination import get_termination
+
+    likelihood = population_likelihood(draw)
+
+    class Search(Problem):  # type: ignore[misc]
+        def __init__(self) -> None:
+            super().__init__(n_var=8, n_obj=1, xl=np.zeros(8), xu=UPPER_BOUNDS)
+
+        def _evaluate(self, x: FloatArray, out: dict[str, FloatArray], *args: object, **kwargs: object) -> None:
+            out["F"] = likelihood(x)[:, None]
+
+    begun = time.perf_counter()
+    algorithm.setup(Search(), termination=get_termination("n_gen", iterations), seed=seed, verbose=False)
+    fitness, course = [], []
+    every = max(1, iterations // 200)
+    for k in range(iterations):
+        if not algorithm.has_next():
+            break
+        algorithm.next()
+        if k % every == 0:
+            fitness.append((k, float(algorithm.opt[0].F[0])))
+            course.append(np.array(algorithm.opt[0].X))
+    best = algorithm.opt[0]
+    return _comparison(method, draw, np.array(best.X), begun, (fitness, course))
+
+
+def run_cma(draw: Draw, evaluations: int, seed: int) -> Comparison:
+    """CMA-ES of the package cma in the scaled box, restarted with a doubled population (IPOP) within the budget."""
+    import cma
+
+    likelihood = population_likelihood(draw)
+    begun = time.perf_counter()
+    best, best_value, used, population = UPPER_BOUNDS / 2.0, np.inf, 0, 16
+    fitness: list[tuple[int, float]] = []
+    course: list[FloatArray] = []
+    rng = np.random.default_rng(seed)
+    while used < evaluations:
+        options = {"bounds": [0.0, 1.0], "popsize": population, "seed": int(rng.integers(1, 2**31)), "verbose": -9}
+        strategy = cma.CMAEvolutionStrategy(rng.uniform(0.0, 1.0, 8), 0.3, options)
+        while not strategy.stop() and used < evaluations:
+            asked = strategy.ask()
+            values = likelihood(np.array(asked) * UPPER_BOUNDS)
+            strategy.tell(asked, values.tolist())
+            used += len(asked)
+            if values.min() < best_value:
+                best, best_value = np.array(asked[int(values.argmin())]) * UPPER_BOUNDS, float(values.min())
+                fitness.append((used, best_value))
+                course.append(best)
+        population *= 2
+    return _comparison("CMA-ES", draw, best, begun, (fitness, course))
+
+
+def run_robust_nls(draw: Draw, seed: int) -> Comparison:
+    """Robust nonlinear least squares of scipy (soft L1) within the bounds from a random start, as users call it."""
+    from scipy.optimize import least_squares
+
+    points = draw.points
+    begun = time.perf_counter()
+    scale = 0.05 * (points.magnitude if draw.reading == "relative" else np.full(points.size, np.std(draw.torque)))
+    start = np.random.default_rng(seed).uniform(0.05, 0.95, 8) * UPPER_BOUNDS
+
+    def residual(values: FloatArray) -> FloatArray:
+        return np.asarray((points.magnitude - _curves(values[None], points)[0]) / np.abs(scale))
+
+    fit = least_squares(
+        residual, start, bounds=(np.full(8, 1e-9), UPPER_BOUNDS), loss="soft_l1", x_scale=UPPER_BOUNDS.tolist()
+    )
+    return _comparison("robust NLS", draw, fit.x, begun, ([], []))
+
+
+def _comparison(
+    method: str, draw: Draw, values: FloatArray, begun: float, course: tuple[list[tuple[int, float]], list[FloatArray]]
+) -> Comparison:
+    seconds = time.perf_counter() - begun
+    likelihood = float(population_likelihood(draw)(values[None])[0])
+    return Comparison(
+        method, values, likelihood, seconds, np.array(course[0]).reshape(-1, 2), np.array(course[1]).reshape(-1, 8)
+    )

@@ -1,0 +1,82 @@
+"""Several normal loads: closed form, exported network and a data-driven one, between and beyond the loads measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fricomp.calibration.identification import identify
+from fricomp.calibration.identification.discrepancy import WEIGHTS, fit_discrepancy, train_towards
+from fricomp.laws import FloatArray, LoadScaling
+
+from .problem import PaperProblem
+
+__all__ = ["LOAD_CASES", "LoadFigures", "measure_loads"]
+
+_NOISE = 0.01
+_REFERENCE = 10.0
+_SLOWEST = 0.01
+_LOADS = (5.0, 8.0, 11.0, 15.0, 20.0)
+_BETWEEN = (6.5, 9.5, 13.0, 17.5)
+_BEYOND = (24.0,)
+LOAD_CASES = tuple((case, points) for case in ("Stribeck", "departs") for points in (40, 16))
+"""Both joints, with many and with few points at each load."""
+
+
+@dataclass(frozen=True)
+class LoadFigures:
+    """Root mean square torque error against the truth [N·m], mean over the seeds.
+
+    Attributes:
+        case: `Stribeck`, or `departs`: a hump of 0.15 N·m at 0.45 rad/s that grows with the load.
+        points: Points at each of five loads.
+        seeds: How many data sets.
+        between: At loads between those measured: closed form, exported network, data-driven network.
+        beyond: At 1.2 times the largest load measured, likewise.
+        departed: On how many data sets the network was allowed to leave the closed form.
+    """
+
+    case: str
+    points: int
+    seeds: int
+    between: list[float]
+    beyond: list[float]
+    departed: int
+
+
+def measure_loads(case: str, points: int, seeds: int) -> LoadFigures:
+    """One of `LOAD_CASES`."""
+    size = float(case == "departs")
+    between: list[list[float]] = []
+    beyond: list[list[float]] = []
+    departed = 0
+    for seed in range(seeds):
+        side = np.geomspace(_SLOWEST, 1.0, points // 2)
+        velocity, load = _grid(side, _LOADS)
+        torque = _truth(velocity, load, size)
+        torque = torque + _NOISE * np.random.default_rng([seed, points, 3]).normal(size=len(velocity))
+        result = identify(velocity, torque, load, "least_squares", "absolute", seed)
+        free = fit_discrepancy(result, seed=seed)
+        driven = result.network
+        for weight in WEIGHTS[1:]:
+            driven = train_towards(driven, result, result.optimum, result.observations, weight)
+        departed += free.departs
+        functions = (result.model.torque, free.network.torque, driven.torque)
+        for errors, loads in ((between, _BETWEEN), (beyond, _BEYOND)):
+            v, n = _grid(np.linspace(side[0], 1.0, 200), loads)
+            exact = _truth(v, n, size)
+            errors.append([float(np.sqrt(np.mean((np.asarray(f(v, normal_load=n)) - exact) ** 2))) for f in functions])
+    a, b = np.mean(between, axis=0).tolist(), np.mean(beyond, axis=0).tolist()
+    return LoadFigures(case, points, seeds, a, b, departed)
+
+
+def _grid(side: FloatArray, loads: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
+    velocity = np.concatenate([-side[::-1], side])
+    return np.tile(velocity, len(loads)), np.repeat(np.array(loads), len(velocity))
+
+
+def _truth(velocity: FloatArray, load: FloatArray, size: float) -> FloatArray:
+    law = PaperProblem().law_under(LoadScaling(1.0, _REFERENCE))
+    hump = 0.15 * np.exp(-(((np.abs(velocity) - 0.45) / 0.12) ** 2)) * load / _REFERENCE
+    return np.asarray(np.asarray(law.torque(velocity, normal_load=load)) + size * np.sign(velocity) * hump)

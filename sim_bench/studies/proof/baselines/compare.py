@@ -1,0 +1,202 @@
+"""All baselines on the same cases: what they name, and how much of the gap they close on held-out blocks."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from fricomp.errors import DiagnosisError
+from fricomp.fleet import stream
+from fricomp.report import format_markdown_table
+from fricomp.whole_file import whole_file
+
+from ....cases import CaseSpec, generate, write_answer, write_case
+from ..making import name_of
+from ..plan import NULLS, PlannedCase
+from ..score import Score
+from ..statistics import compute_share, format_quartiles
+from .data import Samples, fit_columns, load_data
+from .methods import METHODS, fit_base
+
+__all__ = ["BaselineScore", "compare_baselines", "format_table"]
+
+_VISIBLE = 0.5
+_GAP = 1.1  # held-out error of the refitted joint from which a gap can be closed
+
+
+@dataclass(frozen=True)
+class BaselineScore:
+    """One method on one case.
+
+    Attributes:
+        method: Key of `METHODS`.
+        case: Name of the case.
+        group: Of the plan.
+        enr: Effect-to-noise ratio.
+        names: What it named, strongest first.
+        top_right: The strongest name is a concealed effect, or was accepted for it.
+        false_alarm: It named something where nothing is missing.
+        error: Held-out error over that of a refit with the true concealed torque; 1 is the best there is.
+        before: The same of the refitted rigid joint alone.
+    """
+
+    method: str
+    case: str
+    group: str
+    enr: float
+    names: tuple[str, ...]
+    top_right: bool
+    false_alarm: bool
+    error: float
+    before: float
+
+    @property
+    def gap_closed(self) -> float:
+        """Share of the squared held-out error above that of the true torque that the method removes.
+
+        NaN where the refitted joint alone leaves hardly more than the true torque does.
+        """
+        return (self.before**2 - self.error**2) / (self.before**2 - 1.0) if self.before > _GAP else float("nan")
+
+
+def compare_baselines(
+    planned: Sequence[PlannedCase],
+    folder: Path,
+    executor: tuple[Executor, int],
+    progress: Callable[[], None] = lambda: None,
+) -> list[BaselineScore]:
+    """Every method on every case that can be made.
+
+    Args:
+        planned: The cases; those of real recordings have no noise-free truth and are left out.
+        folder: Keeps one Parquet file a case, so that a comparison that was stopped goes on.
+        executor: With the number of its workers.
+        progress: Called after each case.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    paths = {each: folder / f"{name_of(each.spec)}.parquet" for each in planned if isinstance(each.spec, CaseSpec)}
+    todo = ((path, (each,)) for each, path in paths.items() if not path.exists())
+    for _ in range(len(planned) - sum(not path.exists() for path in paths.values())):
+        progress()
+    for path, future in stream(todo, _score_case, executor):
+        _write(future.result(), path)
+        progress()
+    return [score for path in paths.values() for score in _read(path)]
+
+
+def _write(scores: Sequence[BaselineScore], path: Path) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
+    if scores:
+        with whole_file(path, DiagnosisError) as part:
+            parquet.write_table(pyarrow.Table.from_pylist([asdict(score) for score in scores]), part)
+
+
+def _read(path: Path) -> Iterator[BaselineScore]:
+    from pyarrow import parquet
+
+    for row in parquet.read_table(path).to_pylist() if path.exists() else ():
+        yield BaselineScore(**row | {"names": tuple(row["names"])})
+
+
+def _score_case(planned: PlannedCase) -> list[BaselineScore]:
+    from pyarrow import parquet
+
+    assert isinstance(planned.spec, CaseSpec)
+    try:
+        case = generate(planned.spec)
+    except DiagnosisError:
+        return []
+    with TemporaryDirectory() as place:
+        folder = write_case(case, Path(place) / "cases")
+        answer, _ = write_answer(case, Path(place) / "answers", "baseline")
+        truth = json.loads(answer.read_text(encoding="utf-8"))
+        data = load_data(folder)
+        concealed = parquet.read_table(answer.with_suffix(".parquet")).column("concealed_torque").to_numpy()
+        before = fit_base(data).error
+        floor = fit_columns(data, np.hstack([data.base, _smoothed(concealed)[data.kept, None]]))
+        right = {name for each in truth["effects"] for name in (each["name"], *each["accepted"])}
+        scores = []
+        for method, fit in METHODS.items():
+            found = fit(data)
+            scores.append(
+                BaselineScore(
+                    method=method,
+                    case=truth["id"],
+                    group=planned.group,
+                    enr=truth["enr"],
+                    names=found.names,
+                    top_right=bool(found.names) and found.names[0] in right,
+                    false_alarm=not truth["effects"] and bool(found.names),
+                    error=found.error / floor,
+                    before=before / floor,
+                )
+            )
+        return scores
+
+
+def _smoothed(torque: Samples) -> Samples:
+    from scipy.signal import savgol_filter
+
+    return np.asarray(savgol_filter(torque, 21, 3))
+
+
+def format_table(baselines: Sequence[BaselineScore], scores: Sequence[Score], measured: str) -> str:
+    """The comparison as Markdown; where `scores` has some of the cases, on these alone, with the diagnosis first.
+
+    Args:
+        baselines: Of the other methods.
+        scores: Of the diagnosis.
+        measured: When, and of which diagnosis.
+    """
+    cases = {score.case for score in baselines}
+    own = [score for score in scores if score.case in cases]
+    if own:
+        cases &= {score.case for score in own}
+    shared = [score for score in baselines if score.case in cases]
+    rows = [_own_row(own)] if own else []
+    rows += [_base_row(shared)]
+    rows += [_row(method, [score for score in shared if score.method == method]) for method in METHODS]
+    text = (
+        f"{measured} {len(cases)} cases, the same for all. "
+        "Error: on held-out blocks, over that of a refit with the true concealed torque, at ENR 0.5 or more (median, "
+        "quartiles; 1 is as good as knowing that torque, less is possible where the refitted joint itself does not "
+        "fit). Gap closed: share of the squared error above 1 that is removed, where the refitted joint alone leaves "
+        f"more than {_GAP:g}; the diagnosis has a noise floor and rows of its own, so that neither compares. Names: "
+        "the strongest, single effects at ENR 0.5 or more."
+    )
+    head = ["method", "right name first", "names where nothing is missing", "held-out error", "gap closed"]
+    return f"## Other methods\n\n{text}\n\n{format_markdown_table(head, rows)}"
+
+
+def _row(method: str, scores: Sequence[BaselineScore]) -> list[str]:
+    single, nothing = _single(scores), [s for s in scores if s.group in NULLS]
+    names = compute_share(sum(s.top_right for s in single), len(single))
+    alarms = compute_share(sum(s.false_alarm for s in nothing), len(nothing))
+    told = [str(names), str(alarms)] if any(s.names for s in scores) else ["–", "–"]
+    errors = format_quartiles([s.error for s in single])
+    return [method, *told, errors, format_quartiles([s.gap_closed for s in single])]
+
+
+def _own_row(scores: Sequence[Score]) -> list[str]:
+    single = [s for s in scores if s.group == "single" and s.enr >= _VISIBLE]
+    nothing = [s for s in scores if s.group in NULLS]
+    names = compute_share(sum(s.top_right for s in single), len(single))
+    alarms = compute_share(sum(s.false_names > 0 for s in nothing), len(nothing))
+    return ["**fricomp diagnose**", str(names), str(alarms), "–", "–"]
+
+
+def _base_row(baselines: Sequence[BaselineScore]) -> list[str]:
+    first = [s for s in _single(baselines) if s.method == next(iter(METHODS))]
+    return ["rigid joint refitted", "–", "–", format_quartiles([s.before for s in first]), "0"]
+
+
+def _single(scores: Sequence[BaselineScore]) -> list[BaselineScore]:
+    return [s for s in scores if s.group == "single" and s.enr >= _VISIBLE]

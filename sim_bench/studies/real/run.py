@@ -1,0 +1,143 @@
+"""One public set through the diagnosis, and what came of it beside what was expected."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+
+from fricomp.diagnosis import Diagnosis, DiagnosisRecord, Quantity, diagnose, load_diagnosis
+from fricomp.diagnosis.report import derived_parameters, with_names, write_diagnosis
+from fricomp.errors import DiagnosisError, FricompError
+from fricomp.recording import read_public
+from fricomp.whole_file import whole_file
+
+from ..diagnosis_version import diagnosis_version
+from .arm import ARMS, arm_xml
+from .cases import RealCase
+
+__all__ = ["RealOutcome", "run_case"]
+
+
+@dataclass(frozen=True)
+class RealOutcome:
+    """What the diagnosis said of one case.
+
+    Attributes:
+        case: Which.
+        record: The answer; None where there was none.
+        error: Why there was none.
+        seconds: Wall-clock time [s].
+    """
+
+    case: RealCase
+    record: DiagnosisRecord | None
+    error: str
+    seconds: float
+
+    @property
+    def named(self) -> frozenset[str]:
+        """Effects that were named."""
+        return frozenset(effect.name for effect in self.record.effects) if self.record is not None else frozenset()
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Effects that were named or cannot be told from those."""
+        effects = self.record.effects if self.record is not None else ()
+        return frozenset(name for effect in effects for name in (effect.name, *effect.indistinguishable_from))
+
+    @property
+    def reached(self) -> bool | None:
+        """Whether it came out as expected, which it did not without an answer; None where nothing was promised."""
+        if not (self.case.expected or self.case.refuted):
+            return None
+        if self.record is None or self.named & set(self.case.refuted):
+            return False
+        return not self.case.expected or bool(self.names & set(self.case.expected))
+
+    @property
+    def found(self) -> frozenset[str]:
+        """Which of the effects that the case lists without promising them were named or cannot be told from those."""
+        return self.names & set(self.case.listed)
+
+    @property
+    def others(self) -> frozenset[str]:
+        """What was named that nobody knows to be there."""
+        return self.named - self.case.effects
+
+    @property
+    def found_values(self) -> tuple[tuple[str, float, Quantity], ...]:
+        """Name, known value and found value of each parameter that the case knows, of the strongest effect with it."""
+        found: dict[str, Quantity] = {}
+        for effect in self.record.effects if self.record else ():
+            found = {**derived_parameters(effect), **found}
+        return tuple((name, value, found[name]) for name, value in self.case.known if name in found)
+
+    @property
+    def strongest_rejected(self) -> str:
+        """The best-fitting other explanation and why it was refused, in one sentence; empty where there is none.
+
+        One that cannot be told from what was named is not refused by this, even where something simpler came first.
+        """
+        if self.record is None:
+            return ""
+        rivals = [rival for rival in self.record.rivals if rival.refused and not self.names & set(rival.effects)]
+        if not rivals:
+            return ""
+        best = max(rivals, key=lambda rival: rival.gain)
+        return f"{' + '.join(best.effects)}: {best.refused}"
+
+
+class _Note(msgspec.Struct, frozen=True):
+    """What `outcome.json` keeps beside the record, and of which diagnosis and seed."""
+
+    error: str
+    seconds: float
+    diagnosis: str = ""
+    seed: int = 0
+
+
+def run_case(case: RealCase, out: Path, *, seed: int = 0, resume: bool = False) -> RealOutcome:
+    """Diagnose one case and write its folder.
+
+    Args:
+        case: Which.
+        out: Folder; the case's own is made in it.
+        seed: Of the diagnosis.
+        resume: Take what an earlier run of this diagnosis left there.
+    """
+    place = out / case.name
+    if resume and (place / "outcome.json").exists():
+        note = msgspec.json.decode((place / "outcome.json").read_bytes(), type=_Note)
+        if (note.diagnosis, note.seed) == (diagnosis_version(), seed):
+            record = None if note.error else load_diagnosis(place / "diagnosis.json")
+            return RealOutcome(case, record, note.error, note.seconds)
+    outcome = _diagnose(case, place, seed)
+    place.mkdir(parents=True, exist_ok=True)
+    with whole_file(place / "outcome.json", DiagnosisError) as part:
+        part.write_bytes(msgspec.json.encode(_Note(outcome.error, outcome.seconds, diagnosis_version(), seed)))
+    return outcome
+
+
+def _written_arm(name: str, place: Path) -> Path:
+    """The arm's kinematics as a file, for the diagnosis and for whoever repeats it by hand."""
+    place.mkdir(parents=True, exist_ok=True)
+    path = place / "arm.xml"
+    path.write_text(arm_xml(name, ARMS[name]), encoding="utf-8")
+    return path
+
+
+def _diagnose(case: RealCase, place: Path, seed: int) -> RealOutcome:
+    start = time.perf_counter()
+    try:
+        named = [(source, recording) for source in case.sources for recording in read_public(source)]
+        names = [f"{source}/{one.metadata.joint}" if case.arm else source for source, one in named]
+        simulation = _written_arm(case.arm, place) if case.arm else None
+        diagnosis: Diagnosis = with_names(diagnose([one for _, one in named], simulation, seed=seed), names)
+    except FricompError as error:
+        return RealOutcome(case, None, str(error), time.perf_counter() - start)
+    seconds = time.perf_counter() - start
+    write_diagnosis(diagnosis, place, facts={"recordings": ", ".join(case.sources), "seed": str(seed)})
+    return RealOutcome(case, diagnosis.record, "", seconds)

@@ -1,0 +1,190 @@
+"""One run on the stand-in: a sine, a controller, a compensation, and the true tracking error."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from fricomp.control import Compensator, Controller, ControlLoop, LoopLog, ReferenceState, SineReference
+from fricomp.joint import JointFeedback
+from fricomp.laws import FloatArray
+
+from ...stand_in import SensorSettings, SimulatedJointAdapter, default_joint, sensors_for
+from .joint import TrackedJoint, loop_of, scaled_law
+
+__all__ = [
+    "METHODS",
+    "REVERSAL_WINDOW",
+    "Method",
+    "TrackingCase",
+    "TrackingFigures",
+    "Witness",
+    "compute_figures",
+    "run_case",
+    "run_standstill",
+]
+
+Method = Literal["none", "coulomb_viscous", "stribeck", "default"]
+METHODS: tuple[Method, ...] = get_args(Method)
+"""Without; tanh-Coulomb-viscous, fitted; Stribeck on the reference alone; what the library chooses."""
+
+REVERSAL_WINDOW = 0.3
+"""Time after the reference changes its sign that counts as reversal [s]."""
+
+_PERIOD = 1e-3
+_CYCLES = 2.0
+
+
+@dataclass(frozen=True)
+class TrackingCase:
+    """What is run.
+
+    Attributes:
+        joint: Whose friction.
+        method: How it is compensated.
+        amplitude: Of the sine [rad].
+        bandwidth: Of the PD loop [Hz].
+        frequency: Of the sine [Hz].
+        gain: Of the compensation; None for the method's own.
+        friction_scale: True over modelled friction [1].
+        delay: Of the sensors [s].
+        seed: Of the sensor noise.
+    """
+
+    joint: TrackedJoint
+    method: Method
+    amplitude: float
+    bandwidth: float
+    frequency: float = 0.1
+    gain: float | None = None
+    friction_scale: float = 1.0
+    delay: float = 0.001
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class TrackingFigures:
+    """How well it tracked. Arrays have shape (n_samples,).
+
+    Attributes:
+        rms: True tracking error, root mean square [rad].
+        reversal_rms: The same within 0.3 s after each reversal [rad].
+        time: [s].
+        error: Reference minus true position [rad].
+        reference: Position reference [rad].
+        torque: Commanded torque [N·m].
+        settings: What the compensation did, in words.
+    """
+
+    rms: float
+    reversal_rms: float
+    time: FloatArray
+    error: FloatArray
+    reference: FloatArray
+    torque: FloatArray
+    settings: str
+
+
+@dataclass
+class Witness:
+    """A controller that also notes the true position, which no controller knows.
+
+    Attributes:
+        controller: The controller.
+        adapter: What it runs on.
+        position: True position at each cycle so far [rad].
+    """
+
+    controller: Controller
+    adapter: SimulatedJointAdapter
+    position: list[float] = field(default_factory=list)
+
+    def torque_into(self, out: list[float], feedback: JointFeedback, reference: ReferenceState) -> None:
+        """What the controller says."""
+        self.controller.torque_into(out, feedback, reference)
+        self.position.append(self.adapter.stand_in.plant.position(0))
+
+
+def run_case(case: TrackingCase) -> TrackingFigures:
+    """Run `case` for two cycles of the sine; the first half cycle is left out of the figures."""
+    witness, loop, compensator = _prepare(case)
+    result = loop.run(_CYCLES / case.frequency)
+    result.raise_if_tripped()
+    said = compensator.describe() if compensator is not None else "no compensation"
+    return compute_figures(result.log, witness.position, case.frequency, said)
+
+
+def compute_figures(log: LoopLog, position: Sequence[float], frequency: float, settings: str) -> TrackingFigures:
+    """How well a sine was followed, without its first half cycle.
+
+    Args:
+        log: Of the run.
+        position: True position at each cycle [rad]. Shape (n_samples,) or longer.
+        frequency: Of the sine [Hz].
+        settings: What the compensation did, in words.
+    """
+    time, reference = log.time, log.signal("position_reference")[:, 0]
+    error = reference - np.array(position[: len(time)])
+    settled = time >= 0.5 / frequency
+    reversal = settled & _after_reversal(log.signal("velocity_reference")[:, 0])
+    return TrackingFigures(
+        rms=float(np.sqrt(np.mean(error[settled] ** 2))),
+        reversal_rms=float(np.sqrt(np.mean(error[reversal] ** 2))),
+        time=time,
+        error=error,
+        reference=reference,
+        torque=log.signal("torque_command")[:, 0],
+        settings=settings,
+    )
+
+
+def run_standstill(case: TrackingCase, duration: float = 5.0) -> float:
+    """Travel of the joint while the reference stands still, in the last four fifths of `duration` [s], [rad]."""
+    witness, loop, _ = _prepare(case, standing=True)
+    loop.run(duration).raise_if_tripped()
+    position = np.array(witness.position[len(witness.position) // 5 :])
+    return float(np.ptp(position))
+
+
+def _prepare(case: TrackingCase, *, standing: bool = False) -> tuple[Witness, ControlLoop, Compensator | None]:
+    law = scaled_law(case.joint.law, case.friction_scale)
+    sensor = replace(sensors_for(law), delay=case.delay)
+    adapter = SimulatedJointAdapter(default_joint(law=law, sensor=sensor, seed=case.seed))
+    adapter.open()
+    controller, _ = loop_of(case.bandwidth, sensor, _PERIOD)
+    witness, compensator = Witness(controller, adapter), _compensator(case, sensor)
+    if standing:
+        reference = SineReference([0.0], case.frequency, [5e-4])  # an offset that the friction holds
+    else:
+        reference = SineReference([case.amplitude], case.frequency, [0.0])
+    loop = ControlLoop(
+        adapter, reference, witness, compensators=None if compensator is None else [compensator], period=_PERIOD
+    )
+    return witness, loop, compensator
+
+
+def _compensator(case: TrackingCase, sensor: SensorSettings) -> Compensator | None:
+    """The rivals get the full gain, and the direction smoothed as ours."""
+    if case.method == "none":
+        return None
+    gain: dict[str, Any] = {} if case.gain is None else {"gain": case.gain}
+    if case.method == "default":
+        _, loop = loop_of(case.bandwidth, sensor, _PERIOD)
+        return Compensator(case.joint.model, period=_PERIOD, loop=loop, **gain)
+    model = case.joint.model
+    smoothing = Compensator(model).settings.smoothing
+    if case.method == "coulomb_viscous":
+        model = case.joint.coulomb_viscous_model
+    return Compensator(model, period=_PERIOD, source="reference", smoothing=smoothing, **({"gain": 1.0} | gain))
+
+
+def _after_reversal(velocity: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    """Samples within `REVERSAL_WINDOW` after the reference velocity changes its sign. Shape (n_samples,)."""
+    near = np.zeros(len(velocity), dtype=bool)
+    width = round(REVERSAL_WINDOW / _PERIOD)
+    for start in np.flatnonzero(np.diff(np.sign(velocity)) != 0.0):
+        near[start + 1 : start + 1 + width] = True
+    return near

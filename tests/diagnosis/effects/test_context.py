@@ -1,0 +1,97 @@
+"""What effects are computed from carries no sensor noise."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from fricomp.diagnosis.effects import Context
+from fricomp.diagnosis.effects.context import _position, without_noise
+from fricomp.diagnosis.inputs.track import Track, torque_noise, without_spikes
+from fricomp.diagnosis.joint.loading import build_tracks
+from fricomp.diagnosis.joint.observer import Observation, Plant
+from fricomp.diagnosis.search.generic import time_since_reversal
+from fricomp.diagnosis.search.refit import _contexts_of
+from fricomp.recording import Recording
+from fricomp.recording.metadata import TorqueKind
+
+
+def test_a_recorded_load_loses_its_noise_and_keeps_its_shape() -> None:
+    rng = np.random.default_rng(1)
+    time = np.arange(20_000) * 1e-3
+    position = 0.8 * np.sin(time)
+    acceleration = -position
+    load = 5.0 * np.sin(position + 0.3) + 0.2 * acceleration
+    track = Track.build(1e-3, position, load)
+    noise = 0.05 * rng.standard_normal(time.size)
+    clean = without_noise(load + noise, position, acceleration, track)
+    assert np.std(clean - load) < 0.05 * np.std(noise)
+    assert abs(np.corrcoef(clean - load, noise)[0, 1]) < 0.05
+
+
+@pytest.mark.parametrize(("swing", "off"), [(0.0, 0.08), (20.0, 1.0)])
+def test_rounding_of_the_encoder_is_no_motion_and_what_it_contradicts_is(swing: float, off: float) -> None:
+    step, time = 5e-5, np.arange(4000) * 1e-3
+    model = 0.3 * np.sin(2.0 * time)
+    drift, fast = 3.0 * step * np.cos(time), swing * step * np.sin(2.0 * np.pi * 20.0 * time)
+    track = Track.build(1e-3, np.round((model + drift + fast) / step) * step, np.zeros_like(time))
+    position = _position(track, Observation(model, model, model, model))
+    error = (position - model - drift - fast)[200:-200] / step
+    assert np.std(error) < off  # of a step; rounding is 0.29, and 0.13 over 15 ms
+
+
+def test_effects_follow_the_joint_that_was_found_and_not_the_one_without_them() -> None:
+    step, time = 5e-5, np.arange(4000) * 1e-3
+    zero, curve = np.zeros_like(time), (2.0, 3.0, 0.05, 1.0)
+    there = 0.3 * np.sin(2.0 * time) + 0.8 * step * np.sin(2.0 * np.pi * 20.0 * time)
+    track = Track.build(1e-3, np.round(there / step) * step, zero)
+    plant = Plant(0.5, (0.0, 0.0), 0.0, curve, curve, 4e4)
+    before = Context(1e-3, 0.3 * np.sin(2.0 * time), zero, zero, zero, zero, zero, zero, zero, plant, True, 2.0)
+    seen = [Observation(zero, there, zero, zero)]
+    structure = SimpleNamespace(observe=lambda *_: seen, contexts_at=lambda _: (before,))
+    explanation = SimpleNamespace(structure=structure, fit=SimpleNamespace(theta=zero))
+    prepared = SimpleNamespace(problem=SimpleNamespace(tracks=(track,)))
+    (after,) = _contexts_of(cast(Any, prepared), cast(Any, explanation))
+    assert np.std((after.position - there)[200:-200]) < 0.1 * step
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.8])
+def test_white_and_coloured_noise_are_told_apart(memory: float) -> None:
+    rng = np.random.default_rng(2)
+    time = np.arange(60_000) * 1e-3
+    kicks = rng.standard_normal(time.size)
+    noise = np.empty_like(kicks)
+    noise[0] = kicks[0]
+    for k in range(1, noise.size):
+        noise[k] = memory * noise[k - 1] + np.sqrt(1.0 - memory**2) * kicks[k]
+    found = torque_noise(3.0 * np.sin(time) + 0.05 * noise)
+    assert found.size == pytest.approx(0.05, rel=0.1)
+    assert (found.coloured > found.white) == (memory > 0.0)
+
+
+def test_a_lone_spike_is_taken_out_and_a_step_is_kept() -> None:
+    step = np.where(np.arange(200) < 100, 0.0, 2.0)
+    spiked = step.copy()
+    spiked[50] = 30.0
+    assert np.array_equal(without_spikes(spiked, 0.1), step)
+
+
+def test_time_since_reversal_starts_anew_at_each_reversal() -> None:
+    velocity = np.concatenate([np.full(100, 0.5), np.full(100, -0.5)])
+    since = time_since_reversal(velocity, 1e-3)
+    assert since[99] == pytest.approx(0.099)
+    assert since[100] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("kind", "period", "usual"),
+    [("commanded", 1e-3, (-5e-4, 2.5e-4)), ("measured", 1e-3, (0.0, 2.5e-4)), ("commanded", 4e-3, (-2e-3, 1e-3))],
+)
+def test_a_command_acts_half_a_sample_late(kind: TorqueKind, period: float, usual: tuple[float, float]) -> None:
+    time = np.arange(4000, dtype=np.float64) * np.float64(period)
+    recording = Recording(time=time, position=np.sin(time), torque=np.cos(time))
+    (track,) = build_tracks([recording.with_metadata(torque_kind=kind)])
+    assert track.usual_delay == pytest.approx(usual)

@@ -1,0 +1,96 @@
+"""Torque of a load behind a spring, a gap, or a gear that runs unevenly."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fricomp.diagnosis.effects import EFFECTS, Context
+from fricomp.diagnosis.effects.two_masses import Transmission, carried
+from fricomp.diagnosis.joint.observer import Plant
+
+FREQUENCY = 12.0  # [rad/s] of the motion
+
+
+@pytest.fixture(scope="module")
+def context() -> Context:
+    time = np.arange(8000) * 1e-3
+    q = 0.4 * np.sin(FREQUENCY * time)
+    curve = (2.0, 3.0, 0.05, 1.0)
+    plant = Plant(0.5, (0.0, 0.0), 0.0, curve, curve, 4e4)
+    zero = np.zeros_like(q)
+    velocity, acceleration = 0.4 * FREQUENCY * np.cos(FREQUENCY * time), -(FREQUENCY**2) * q
+    return Context(1e-3, q, velocity, acceleration, zero, zero, zero, zero, zero, plant, True, 2.0)
+
+
+def test_a_stiff_transmission_adds_nothing(context: Context) -> None:
+    torque = carried(context, Transmission(0.3, 0.3 * 3000.0**2, 0.3))
+    assert np.abs(torque[1000:-100]).max() < 1e-3 * 0.3 * np.abs(context.acceleration).max()
+
+
+def test_a_spring_amplifies_the_load_as_below_its_resonance(context: Context) -> None:
+    inertia, own = 0.3, 60.0
+    torque = carried(context, Transmission(inertia, inertia * own**2, 0.05))
+    expected = inertia * context.acceleration * FREQUENCY**2 / (own**2 - FREQUENCY**2)
+    late = slice(4000, -100)
+    gain = float(torque[late] @ expected[late]) / float(expected[late] @ expected[late])
+    assert gain == pytest.approx(1.0, abs=0.02)
+
+
+def test_gravity_turns_with_the_load_and_not_with_the_motor(context: Context) -> None:
+    still = replace(context, position=np.full(3000, 0.3), plant=replace(context.plant, gravity=(0.0, 5.0)))
+    stiffness = 400.0
+    torque = carried(still, Transmission(0.3, stiffness, 0.7))
+    load = 5.0 * np.sin(0.3)
+    assert torque[-200] == pytest.approx(-5.0 * np.cos(0.3) * load / stiffness, rel=0.02)
+
+
+def test_a_gap_changes_no_momentum_over_a_period(context: Context) -> None:
+    gap, inertia = 2e-3, 0.3
+    torque = carried(context, Transmission(inertia, inertia * 600.0**2, 0.2, gap))
+    period = round(2.0 * np.pi / FREQUENCY / 1e-3)
+    assert np.abs(torque).max() > 0.2
+    assert abs(torque[2000 : 2000 + 10 * period].mean()) < 0.01 * np.abs(torque).max()
+
+
+def test_uneven_running_is_that_of_a_load_that_leads(context: Context) -> None:
+    plant = replace(context.plant, gravity=(1.0, 3.0))
+    here = replace(context, plant=plant)
+    values = {"sine": 1e-3, "cosine": 0.0, "order": 9.0, "load_share": 0.6}
+    torque = np.asarray(EFFECTS["kinematic_error"].contribution(here, values).additive)
+    # Lagrange: the motor feels the load's torque times the slope of its position by the motor's.
+    q, inertia = context.position, 0.6 * plant.inertia
+    slope = 1.0 + 9e-3 * np.cos(9.0 * q)
+    load = q + 1e-3 * np.sin(9.0 * q)
+    acceleration = slope * context.acceleration - 81e-3 * np.sin(9.0 * q) * context.velocity**2
+    felt = slope * (inertia * acceleration + np.cos(load) + 3.0 * np.sin(load))
+    rigid = inertia * context.acceleration + np.cos(q) + 3.0 * np.sin(q)
+    assert np.abs(torque - (felt - rigid)).max() < 0.02 * np.abs(torque).max()
+
+
+def test_a_sensor_loop_saturates_at_its_width(context: Context) -> None:
+    swinging = replace(context, recorded=3.0 * np.sin(FREQUENCY * context.time))
+    values = {"height": 0.1, "width": np.log(0.8), "exponent": np.log(20.0), "initial": 0.0}
+    effect = EFFECTS["torque_sensor_hysteresis"]
+    loop = np.asarray(effect.contribution(swinging, values).additive)
+    assert np.abs(loop).max() == pytest.approx(0.08, rel=1e-2)
+    later = loop[round(2.0 * np.pi / FREQUENCY / 1e-3) :]
+    assert later.max() == pytest.approx(-later.min(), rel=1e-2)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.05])
+def test_a_sensor_loop_is_larger_than_the_noise_and_saturates(noise: float, context: Context) -> None:
+    swinging = replace(context, recorded=3.0 * np.sin(FREQUENCY * context.time), noise=noise)
+    effect = EFFECTS["torque_sensor_hysteresis"]
+    width = effect.parameters([swinging])[1]
+    assert np.exp(width.lower) == pytest.approx(max(10.0 * noise, 0.015), rel=0.01)
+    assert np.exp(width.upper) == pytest.approx(0.8 * 3.0, rel=0.01)
+    assert all(width.lower <= start["width"] <= width.upper for start in effect.scan([swinging]))
+
+
+@pytest.mark.parametrize(("height", "physical"), [(-0.03, True), (0.03, False)])
+def test_a_sensor_reads_late_and_never_ahead(height: float, physical: bool, context: Context) -> None:
+    values = {"height": height, "width": 0.0, "exponent": 0.0, "initial": 0.0}
+    assert (EFFECTS["torque_sensor_hysteresis"].refuse(values, [context]) is None) == physical

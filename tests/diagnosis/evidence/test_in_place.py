@@ -1,0 +1,111 @@
+"""What a moved inertia or gravity explains, an effect may explain that leaves the simulation as it is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from fricomp.diagnosis import RigidJoint, diagnose
+from fricomp.diagnosis.effects import EFFECTS, Context
+from fricomp.diagnosis.evidence import in_place as module
+from fricomp.diagnosis.evidence.agreement import moved_to
+from fricomp.diagnosis.evidence.answer import Answer
+from fricomp.diagnosis.evidence.in_place import _Question, beside_moved, in_place
+from fricomp.diagnosis.record.result import NamedEffect
+from fricomp.diagnosis.search.search import Found
+
+from ..known import known
+from ..toy_joint import ToyJoint, recording
+
+_NONE = cast(Any, None)
+_GIVEN = RigidJoint(ToyJoint().inertia, (1.773, 5.732), 0.0, 0.0, 0.0, True)  # gravity of the toy joint
+
+
+def _question(cost: float, left: float = 0.0) -> _Question:
+    moved = known((), -20.0, np.zeros(1), left=left)
+    return _Question(moved, known((), 0.0, np.array([np.sqrt(cost)])), _NONE)
+
+
+@pytest.mark.parametrize(
+    ("gain", "cost", "left", "as_well"),
+    [
+        (5.0, 300.0, 0.0, True),
+        (-31.0, 300.0, 0.0, True),
+        (-33.0, 300.0, 0.0, False),  # lacks more than 12
+        (-45.0, 2000.0, 0.0, False),  # moved parameters leave nothing: a law of another form is another law
+        (-45.0, 2000.0, 30.0, True),  # 3 % of what is to be explained, and less than they leave themselves
+        (-45.0, 300.0, 30.0, False),
+    ],
+)
+def test_an_effect_explains_as_much_within_what_its_form_may_lack(
+    gain: float, cost: float, left: float, *, as_well: bool
+) -> None:
+    assert _question(cost, left).as_well(known(("cogging",), gain), 0.0) is as_well
+
+
+@pytest.mark.parametrize(
+    ("gain", "takes_place", "told"),
+    [
+        (60.0, True, ("cogging",)),
+        (0.0, False, ("cogging",)),  # no more than the moved parameters by the threshold
+        (-60.0, False, ()),
+    ],
+)
+def test_an_effect_takes_the_place_of_parameters_only_by_the_threshold(
+    gain: float, *, takes_place: bool, told: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    question = _question(300.0)
+    monkeypatch.setattr(module, "_question", lambda _: question)
+    monkeypatch.setattr(module, "_tried", lambda *_: [])
+    monkeypatch.setattr(module, "fit_from", lambda *_: [known(("cogging",), gain)])
+    monkeypatch.setattr(module, "_standing", lambda _, one, given: replace(one, before=given))
+    answer = in_place(Answer((), _NONE, Found((), None, 30.0, 0.0, 0.0, _NONE), None, None, 0))
+    assert answer.instead == told
+    best = answer.found.best
+    assert (best is not None) is takes_place
+    assert best is None or best.before is question.given.fit
+
+
+def test_inertia_and_gravity_alone_are_told_beside_such_effects() -> None:
+    answer = Answer((), _NONE, _NONE, None, None, 0, instead=("frictional_lag",))
+    named = [
+        NamedEffect(name=name, kind="parameter", parameters={}, sentence="", indistinguishable_from=others)
+        for name, others in (("payload_error", ("torque_gain_error",)), ("torque_offset", ()))
+    ]
+    told = [one.indistinguishable_from for one in beside_moved(answer, named)]
+    assert told == [("torque_gain_error", "frictional_lag"), ()]
+
+
+def test_gravity_that_moves_leaves_the_mean_torque() -> None:
+    position = np.linspace(-0.2, 0.3, 101)
+    theta = np.array([0.1, 13.0, 21.0, -10.0, 5.0])
+    body = np.array([0.0, 3.0, 19.0])
+    context = cast(Context, type("Along", (), {"position": position}))
+    moved = moved_to(body, theta, [context])
+
+    def mean(one: np.ndarray) -> float:
+        return float(np.mean(one[1] * np.cos(position) + one[2] * np.sin(position)) + one[3])
+
+    assert mean(moved) == pytest.approx(mean(theta))
+    assert moved[:3] == pytest.approx(body)
+    assert moved[4] == theta[4]
+
+
+def test_a_lag_too_short_to_be_named_is_faint_and_no_other_is() -> None:
+    lag, contexts = EFFECTS["frictional_lag"], [cast(Context, type("Along", (), {"dt": 1e-3}))]
+    assert lag.faint({"lag": 1e-3}, contexts)
+    assert lag.refuse({"lag": 1e-3}, contexts)
+    assert not lag.faint({"lag": 3e-3}, contexts)
+    assert lag.refuse({"lag": 3e-3}, contexts) is None
+    assert not EFFECTS["cogging"].faint({}, contexts)
+
+
+@pytest.mark.slow
+def test_gravity_that_a_faint_spring_bends_is_not_told_from_the_spring() -> None:
+    faint = ToyJoint(spring=(0.08, 0.15, 0.0))
+    (effect,) = diagnose(recording(faint, "fourier", 20.0), _GIVEN).effects
+    assert effect.name == "payload_error"
+    assert "spring_torque" in effect.indistinguishable_from

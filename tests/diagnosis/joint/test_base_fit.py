@@ -1,0 +1,53 @@
+"""Another try at the bristle of the base: taken where a fit ran away, and only there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fricomp.diagnosis.joint.base import BASE_NAMES, SOFTEST
+from fricomp.diagnosis.joint.base_fit import with_other_bristle
+from fricomp.diagnosis.joint.loading import build_tracks
+from fricomp.diagnosis.joint.observer import Observer
+from fricomp.diagnosis.joint.solver import Fit, minimise
+from fricomp.diagnosis.search.preparation import Prepared, prepare
+
+from ..toy_joint import ToyJoint, recording
+
+
+@pytest.fixture(scope="module")
+def prepared() -> Prepared:
+    stiff = ToyJoint(sigma_0=2e6, torque_noise=0.02)
+    tracks = build_tracks([recording(stiff, "fourier", 12.0, seed=4)], [None])
+    return prepare(tracks, observer=Observer(), nulls=8, seed=0)
+
+
+def _run_away(prepared: Prepared) -> Fit:
+    """The fit from a soft bristle that is damped as much as it may be, held there."""
+    box, theta = prepared.box, prepared.fit.theta.copy()
+    held = [BASE_NAMES.index(name) for name in ("log_breakaway", "damping_time")]
+    theta[held] = np.log(SOFTEST), box.upper[held[1]]
+    evaluate = prepared.problem.residual(prepared.problem.nothing, len(BASE_NAMES))
+    lower, upper = box.lower.copy(), box.upper.copy()
+    lower[held], upper[held] = theta[held] - 1e-12, theta[held]
+    return minimise(evaluate, theta, replace(box, lower=lower, upper=upper))
+
+
+def test_a_fit_that_ran_away_is_brought_back(prepared: Prepared) -> None:
+    away = _run_away(prepared)
+    assert away.cost > 1.5 * prepared.fit.cost
+    back = with_other_bristle(prepared.problem, away, prepared.box)
+    assert back.cost < 1.1 * prepared.fit.cost
+    travel = np.exp(back.theta[BASE_NAMES.index("log_breakaway")])
+    assert travel < 0.1 * SOFTEST
+
+
+def test_a_quiet_fit_stays(prepared: Prepared) -> None:
+    assert with_other_bristle(prepared.problem, prepared.fit, prepared.box) is prepared.fit
+
+
+def test_a_loud_fit_with_little_damping_stays(prepared: Prepared) -> None:
+    loud = replace(prepared.fit, residual=5.0 * prepared.fit.residual)
+    assert with_other_bristle(prepared.problem, loud, prepared.box) is loud

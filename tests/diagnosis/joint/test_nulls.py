@@ -1,0 +1,113 @@
+"""Nulls of a joint whose loop sees a coarse encoder: its answer to the steps is torque that moved the joint."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fricomp.diagnosis.inputs.controller import Controller
+from fricomp.diagnosis.inputs.delay import shifted
+from fricomp.diagnosis.inputs.track import FloatArray, TorqueNoise, smooth_derivative
+from fricomp.diagnosis.joint.loading import build_tracks
+from fricomp.diagnosis.joint.nulls import _sliding, _variation
+from fricomp.diagnosis.joint.observer import Contribution, Job, Observation, Observer
+from fricomp.diagnosis.joint.problem import Problem, Weights, observer_for
+from fricomp.diagnosis.joint.step_answer import StepAnswer, step_answers
+from fricomp.diagnosis.search.preparation import prepare
+
+from ..toy_joint import ToyJoint, recording
+from .test_observer import true_plant
+
+JOINT = ToyJoint(resolution=2.0 * np.pi / 2**16, torque_noise=0.02, gains=(2500.0, 40.0))
+# The toy's loop: it filters its velocity with 0.3 a sample, which is 57 Hz.
+LOOP = Controller(*JOINT.gains, velocity_filter_frequency=-np.log(0.7) * 1e3 / (2.0 * np.pi))
+
+
+def problem_of(loop: Controller | None = LOOP, noise: float = 0.02, resolution: float = JOINT.resolution) -> Problem:
+    """The problem of a recording of the toy."""
+    track = build_tracks([recording(JOINT, "fourier", 15.0)], [loop])[0]
+    track = replace(track, torque_noise=TorqueNoise(noise, 0.0, 0.0), resolution=resolution)
+    return observer_for([track], true_plant(JOINT), Observer())
+
+
+def answer_in(problem: Problem) -> tuple[Observation, FloatArray, list[StepAnswer]]:
+    """A motion without steps, the torque that it takes, and how the loop answers to steps in it."""
+    plant, track = true_plant(JOINT), problem.tracks[0]
+    window = np.hanning(13)
+    smooth = np.convolve(np.pad(track.torque, 6, mode="edge"), window / window.sum(), mode="valid")
+    truth = problem.observe([Job(replace(track, torque=smooth), plant, Contribution())])[0]
+    torque = smooth + shifted(truth.missing, -plant.delay / track.dt)
+    return truth, torque, step_answers(Job(track, plant, Contribution()), truth, torque, count=2, seed=0)
+
+
+def row_size(problem: Problem, position: FloatArray, torque: FloatArray) -> float:
+    """Typical size of the rows where the joint is at `position` under `torque` [N·m]."""
+    track = problem.tracks[0]
+    moved = replace(track, position=position, torque=torque, velocity=smooth_derivative(position, track.dt))
+    run = problem.observe([Job(moved, true_plant(JOINT), Contribution())])[0]
+    return float(np.median(np.abs(np.diff(problem.grids[0].of(run.missing), 2))))
+
+
+def test_the_torque_of_an_answer_moves_the_joint() -> None:
+    problem = problem_of()
+    truth, torque, (answer, other) = answer_in(problem)
+    assert np.any(answer.torque != other.torque)  # another origin of the encoder
+    told = row_size(problem, answer.position, torque + answer.torque)
+    recorded = problem.tracks[0]
+    assert told == pytest.approx(row_size(problem, recorded.position, recorded.torque), rel=0.2)
+    unmoved = np.round(truth.position / JOINT.resolution) * JOINT.resolution
+    assert told < 0.8 * row_size(problem, unmoved, torque + answer.torque)
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        {"loop": None},
+        {"loop": replace(LOOP, derivative_gain=0.0)},
+        {"loop": replace(LOOP, proportional_gain=-4e4)},  # which moved no joint along this motion
+        {"noise": 5.0},
+        {"resolution": 0.0},
+    ],
+    ids=["no loop", "no damping", "unstable", "lost in noise", "no steps"],
+)
+def test_no_answer_is_heard_without_a_loop_or_steps(how: dict[str, Any]) -> None:
+    assert answer_in(problem_of(**how))[2] == []
+
+
+@pytest.mark.slow
+def test_what_moved_the_joint_is_no_noise_of_its_nulls() -> None:
+    one = recording(replace(JOINT, torque_noise=0.01), "fourier", 30.0)  # so that the steps show above the noise
+    with_loop, without = (
+        prepare(build_tracks([one], [loop]), observer=Observer(), nulls=16, seed=0) for loop in (LOOP, None)
+    )
+    assert with_loop.noise_ratio == pytest.approx(1.0, abs=0.1)
+    assert np.median(with_loop.nulls.weights.spread[0]) < 0.95 * np.median(without.nulls.weights.spread[0])
+
+
+def test_noise_is_matched_where_the_joint_slides() -> None:
+    problem = problem_of()
+    still = replace(problem.tracks[0], velocity=np.where(np.arange(problem.tracks[0].size) < 7000, 0.0, 1.0))
+    slides = _sliding(replace(problem, tracks=(still,)), 0)
+    rows = np.random.default_rng(0).normal(size=(4, slides.size)) * np.where(slides, 1.0, 1e-3)
+    assert 0.4 < np.mean(slides) < 0.6
+    whole = _variation(rows, slides)
+    assert whole == pytest.approx(_variation(rows[:, slides], np.ones(np.count_nonzero(slides), dtype=bool)), rel=0.1)
+    assert np.all(_variation(rows, np.ones_like(slides)) < 0.5 * whole)
+
+
+def test_where_the_joint_hardly_slides_all_rows_count() -> None:
+    problem = problem_of()
+    resting = replace(problem.tracks[0], velocity=np.zeros(problem.tracks[0].size))
+    assert np.all(_sliding(replace(problem, tracks=(resting,)), 0))
+
+
+def test_columns_are_whitened_as_rows_are() -> None:
+    rows = np.random.default_rng(2).standard_normal((50, 3))
+    weights = Weights((np.zeros(50),), (np.ones(50),), np.array([1.1, -0.4, 0.2, 0.1]))
+    known = np.stack([weights.apply([rows[:, 0]]), weights.apply([rows[:, 1]])], axis=1)
+    found = weights.whitened(rows[:, :2] + 1j * rows[:, 2:])
+    np.testing.assert_allclose(found.real, known, atol=1e-12)
+    np.testing.assert_allclose(found.imag[:, 0], weights.apply([rows[:, 2]]), atol=1e-12)

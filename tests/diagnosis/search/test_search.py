@@ -1,0 +1,45 @@
+"""What the search finds in recordings of a joint whose physics is known."""
+
+from __future__ import annotations
+
+import pytest
+
+from fricomp.diagnosis.joint.loading import build_tracks
+from fricomp.diagnosis.joint.observer import Observer
+from fricomp.diagnosis.search.preparation import prepare
+from fricomp.diagnosis.search.search import _wholes, search
+from fricomp.recording import Recording
+
+from ..known import known
+from ..toy_joint import ToyJoint, record
+
+
+def test_what_leaves_far_less_than_the_chosen_one_is_taken_apart_too() -> None:
+    chosen = known(("spring_torque",), 5000.0)
+    little = known(("encoder_eccentricity", "spring_torque"), 5100.0)
+    far = known(("encoder_eccentricity", "spring_torque", "supply_sag"), 5400.0)
+    refused = known(("end_stop", "spring_torque"), 6000.0, refused="the stop would pull outwards")
+    assert _wholes([chosen, little, refused], chosen, 30.0) == [chosen]
+    assert _wholes([chosen, little, refused, far], chosen, 30.0) == [chosen, far]
+    assert _wholes([refused], None, 30.0) == []
+
+
+@pytest.mark.slow
+def test_a_soft_bristle_is_found_beside_a_stronger_effect() -> None:
+    """The base makes up for it by a bristle at its bound, so that its column is faint."""
+    joint = ToyJoint(sigma_0=2.2 / 6e-4, quadratic_drag=0.5)
+    columns = record(joint, "rich", 20.0)
+    recording = Recording(columns["time"], columns["position"], columns["torque"])
+    found = search(prepare(build_tracks([recording]), observer=Observer(), nulls=12, seed=0))
+    assert found.best is not None
+    assert found.best.names == ("presliding_hysteresis", "quadratic_drag")
+
+
+@pytest.mark.slow
+def test_a_late_torque_is_found_beside_another_effect() -> None:
+    """The base makes up for a part of it by a delay at its bound, whose own column hides that of a longer one."""
+    columns = record(ToyJoint(delay_samples=3, cogging=(0.1, 12.0)), "rich", 20.0)
+    recording = Recording(columns["time"], columns["position"], columns["torque"])
+    found = search(prepare(build_tracks([recording]), observer=Observer(), nulls=12, seed=0))
+    assert found.best is not None
+    assert found.best.names == ("cogging", "torque_delay")

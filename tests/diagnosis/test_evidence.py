@@ -1,0 +1,311 @@
+"""What counts as evidence: rows in which the joint slides, a little from each, and on data that took no part."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from scipy.linalg import solve_toeplitz
+from scipy.ndimage import binary_dilation
+from scipy.signal import lfilter
+
+from fricomp.diagnosis.effects.structure import N_BASE, Candidate, Structure, _contributions
+from fricomp.diagnosis.evidence.alias import aliases
+from fricomp.diagnosis.evidence.confirmation import Confirmation, _folds, _held_out, covariance
+from fricomp.diagnosis.evidence.gates import confirmed, covers, stands_out
+from fricomp.diagnosis.inputs.track import FloatArray, Track
+from fricomp.diagnosis.joint.observer import Contribution, Observer, Plant
+from fricomp.diagnosis.joint.problem import observer_for
+from fricomp.diagnosis.joint.solver import Box, Fit
+from fricomp.diagnosis.search.explanation import Explanation, _left, evidence
+from fricomp.diagnosis.search.preparation import Prepared, _colour_filter, _correlation, _stable, _typical
+from fricomp.diagnosis.search.search import Found
+
+from .known import fit_of, known
+
+_PLANT = Plant(0.3, (1.0, 6.0), 0.0, (2.0, 2.6, 0.05, 1.0), (2.0, 2.6, 0.05, 1.0), 4e4)
+
+
+def _track() -> Track:
+    """Four seconds to and fro at 0.4 rad/s, two at rest, and four to and fro again."""
+    t = np.arange(10_000) * 1e-3
+    moving = (t < 4.0) | (t >= 6.0)
+    position = np.cumsum(0.4 * np.sign(np.sin(2.0 * np.pi * 0.5 * t)) * moving) * 1e-3
+    return Track.build(1e-3, position, np.zeros_like(t))
+
+
+@pytest.fixture(scope="module")
+def prepared() -> Prepared:
+    none = cast(Any, None)
+    return Prepared(observer_for([_track()], _PLANT, Observer()), none, none, none, none)
+
+
+def test_rows_whose_window_touches_rest_do_not_slide(prepared: Prepared) -> None:
+    time = prepared.problem.grids[0].centres * 1e-3
+    at_rest = (time > 4.05) & (time < 5.95)
+    assert not prepared.sliding[at_rest].any()
+    assert prepared.sliding[(time > 2.1) & (time < 2.9)].all()
+    assert not prepared.sliding[np.abs(time - 3.0) < 0.01].any()  # it turns there
+
+
+def test_a_joint_that_hardly_ever_slides_has_all_rows(prepared: Prepared) -> None:
+    track = prepared.problem.tracks[0]
+    still = replace(track, velocity=np.zeros(track.size))
+    resting = replace(prepared, problem=replace(prepared.problem, tracks=(still,)))
+    assert resting.sliding.all()
+
+
+def test_rest_speaks_only_for_effects_that_show_there(prepared: Prepared) -> None:
+    sliding = prepared.sliding
+    before, after = np.full(sliding.size, 0.7), np.full(sliding.size, 0.7)
+    after[~sliding] = 0.0
+    fall = 0.49 * np.sum(~sliding)
+    assert evidence(prepared, ("frictional_lag",), fit_of(before), fit_of(after)) == 0.0
+    assert evidence(prepared, ("backlash",), fit_of(before), fit_of(after)) == pytest.approx(fall)
+    assert evidence(prepared, ("backlash", "frictional_lag"), fit_of(before), fit_of(after)) == pytest.approx(fall)
+
+
+def test_a_fall_about_rest_that_no_bristle_reaches_speaks_for_any_effect(prepared: Prepared) -> None:
+    loud = np.where(prepared.sliding, 1.0, 2.0)
+    shown = evidence(prepared, ("load_coulomb",), fit_of(loud), fit_of(np.ones(loud.size)))
+    assert shown == pytest.approx(3.0 * np.sum(~prepared.sliding))
+
+
+def test_no_row_counts_for_more_than_three_deviations(prepared: Prepared) -> None:
+    before = np.zeros(prepared.sliding.size)
+    first, second = np.flatnonzero(prepared.sliding)[:2]
+    before[first] = 100.0
+    assert evidence(prepared, ("cogging",), fit_of(before), fit_of(0.0 * before)) == pytest.approx(9.0)
+    before[second] = 2.0
+    assert evidence(prepared, ("cogging",), fit_of(before), fit_of(0.0 * before)) == pytest.approx(13.0)
+
+
+@dataclass(frozen=True)
+class _Known:
+    """A structure whose residual is `bend` of a line in its parameters."""
+
+    table: FloatArray
+    torque: FloatArray
+    bend: float = 0.0
+    candidates: tuple[Candidate, ...] = ()
+
+    def residuals(self, _: object, points: Sequence[FloatArray]) -> list[FloatArray]:
+        return [self.table @ p - self.torque + self.bend * np.abs(p).sum() for p in points]
+
+
+def _held(structure: _Known, theta: FloatArray) -> FloatArray:
+    size = theta.size
+    box = Box(-np.full(size, 9.0), np.full(size, 9.0), np.ones(size), np.zeros(size), np.eye(size), np.ones(size))
+    prepared = cast(Prepared, SimpleNamespace(problem=None, box=box))
+    return _held_out(
+        prepared, cast(Any, structure), Fit(theta, np.zeros(0), structure.table, 0.0), _folds([structure.torque.size])
+    )
+
+
+def test_a_line_leaves_what_a_fit_to_the_other_blocks_leaves() -> None:
+    rng = np.random.default_rng(0)
+    table, torque = 3.0 * rng.standard_normal((600, 3)), rng.standard_normal(600)
+    theta = np.asarray(np.linalg.lstsq(table, torque, rcond=None)[0], dtype=np.float64)
+    found = _held(_Known(table, torque), theta)
+    for train, test in _folds([600]):
+        fitted = np.linalg.lstsq(table[train], torque[train], rcond=None)[0]
+        np.testing.assert_allclose(found[test], table[test] @ fitted - torque[test], atol=1e-3)
+
+
+@pytest.mark.parametrize(("rows", "blocks"), [(300, 1), (600, 1), (800, 2), (1209, 3), (4959, 6)])
+def test_folds_hold_several_blocks_and_a_gap_about_each(rows: int, blocks: int) -> None:
+    folds = _folds([rows])
+    assert len(folds) == 6
+    np.testing.assert_array_equal(sum(test.astype(int) for _, test in folds), np.ones(rows))
+    for train, test in folds:
+        assert np.sum(np.diff(np.concatenate([[0], test.astype(int), [0]])) == 1) == blocks
+        near = binary_dilation(test, iterations=15)
+        np.testing.assert_array_equal(train, np.logical_not(near))
+
+
+def _covered(noise: FloatArray) -> float:
+    """Part of the 95 % intervals of a line's parameters, fitted to each row of `noise`, that hold the truth."""
+    time = np.linspace(0.0, 1.0, noise.shape[1])
+    table = np.column_stack([np.ones_like(time), time, np.sin(40.0 * time)])
+    box = Box(-np.full(3, 9.0), np.full(3, 9.0), np.ones(3), np.zeros(3), np.zeros((3, 3)), np.ones(3))
+    held = []
+    for one in noise:
+        theta = np.asarray(np.linalg.lstsq(table, one, rcond=None)[0], dtype=np.float64)
+        residual = table @ theta - one
+        deviation = np.sqrt(np.diag(covariance(Fit(theta, residual, table, float(residual @ residual)), box)))
+        held.append(np.abs(theta) < 1.96 * deviation)
+    return float(np.mean(held))
+
+
+def test_intervals_hold_the_truth_in_white_noise_and_in_what_leans_for_a_while() -> None:
+    white = np.random.default_rng(5).standard_normal((300, 2500))
+    assert 0.93 < _covered(white) < 0.99
+    # Without the sums over blocks two thirds of them would not.
+    leaning = lfilter([np.sqrt(1.0 - 0.9**2)], [1.0, -0.9], white, axis=1)
+    assert 0.85 < _covered(leaning) < 0.99
+
+
+def test_a_step_by_which_its_own_rows_lose_is_not_taken() -> None:
+    rng = np.random.default_rng(1)
+    table, torque = rng.standard_normal((600, 2)), rng.standard_normal(600)
+    bent = _Known(table, torque, bend=50.0)
+    np.testing.assert_array_equal(_held(bent, np.zeros(2)), -torque)
+
+
+def test_three_recordings_are_left_out_whole() -> None:
+    folds = _folds([50, 70, 60])
+    assert [int(np.sum(test)) for _, test in folds] == [50, 70, 60]
+    assert all(np.array_equal(train, np.logical_not(test)) for train, test in folds)
+
+
+@pytest.mark.parametrize(
+    ("low", "explained", "certain", "after", "loudness", "sure"),
+    [
+        (0.01, 0.1, 40.0, 0.9, 1.3, True),
+        (0.01, 0.6, 400.0, 0.98, 1.3, False),  # most is left, and loud
+        (0.01, 0.6, 400.0, 0.98, 1.0, True),  # only where the block that shows most did not help to fit
+        (0.01, 0.75, 40.0, 0.98, 1.3, True),
+        (-0.01, 0.8, 200.0, 0.9, 1.3, True),  # in few blocks, and strong there
+        (-0.01, 0.8, 60.0, 0.9, 1.0, False),
+        (-0.01, 0.6, 200.0, 0.9, 1.3, False),
+        (-0.01, 0.6, 600.0, 0.9, 1.3, True),  # half of it, and overwhelming where it shows
+        (-0.01, 0.8, 200.0, 1.1, 1.3, False),
+    ],
+)
+def test_a_fall_is_sure_over_blocks_or_by_its_size(
+    low: float, explained: float, certain: float, after: float, loudness: float, sure: bool
+) -> None:
+    held = Confirmation(1.0, after, 0.78, (low, 0.5), explained)
+    assert confirmed(held, known(("backlash",), 500.0, certain=certain), 50.0, loudness) == sure
+
+
+def test_samples_are_cut_finely_where_a_bristle_may_be_stretched() -> None:
+    problem = observer_for([_track()], _PLANT, Observer())
+    stiff, soft = (problem.timed_for(replace(_PLANT, sigma_0=one)).tracks[0].substeps for one in (4e5, 1e4))
+    assert stiff.min() == soft.min() >= 2
+    assert stiff.max() > soft.max() > 2
+    assert np.all(stiff >= soft)
+    time = np.arange(stiff.size) * 1e-3
+    assert np.all(stiff[(time > 3.99) & (time < 6.01)] == stiff.max())  # at rest, and 10 ms about it
+    assert np.all(stiff[np.abs(time - 2.0) < 0.01] == stiff.max())  # where it turns
+    assert np.all(stiff[(time > 2.1) & (time < 2.9)] == stiff.min())
+    longest = 1e-3 / stiff.max() * np.sqrt((3.0 * 4e5 + problem.gains[0]) / _PLANT.inertia)
+    assert longest <= problem.observer.step
+    np.testing.assert_array_equal(problem.tracks[0].substeps, problem.timed_for(_PLANT).tracks[0].substeps)
+
+
+def test_what_lies_mostly_about_rest_speaks_for_no_effect_of_sliding(prepared: Prepared) -> None:
+    """Both bring 20 where the joint slides; the second far more about rest, as a bent bristle would."""
+    rows = prepared.sliding
+    none = fit_of(np.zeros(rows.size))
+    some = np.where(rows, 20.0 / rows.sum(), 0.0)
+    rest = some + np.where(rows, 0.0, 0.58)
+    assert evidence(prepared, {"frictional_lag"}, fit_of(np.sqrt(some)), none) == pytest.approx(20.0)
+    assert evidence(prepared, {"frictional_lag"}, fit_of(np.sqrt(rest)), none) == 0.0
+
+
+@pytest.mark.parametrize("memory", [0.6, -0.4])
+@pytest.mark.parametrize("wanted", [(0.0, 0.0, 0.0), (-0.2, -0.15, -0.1)])
+def test_a_residual_of_another_colour_gets_that_of_the_nulls(memory: float, wanted: tuple[float, ...]) -> None:
+    values = lfilter([1.0], [1.0, -memory], np.random.default_rng(3).standard_normal(4000))
+    found = _colour_filter(values, np.array(wanted))
+    filtered = lfilter(found, [1.0], values)
+    np.testing.assert_allclose(_correlation(filtered), wanted, atol=0.12)
+    assert _typical(filtered) == pytest.approx(_typical(values))
+    np.testing.assert_array_equal(_colour_filter(values, _correlation(values)), [1.0])
+
+
+@pytest.mark.parametrize("shift", [(0.3, 0.1, 0.0), (0.9, -0.6, 0.95), (-0.99, 0.99, -0.99)])
+def test_the_residuals_own_colour_never_makes_a_filter_that_grows(shift: tuple[float, float, float]) -> None:
+    extra = _stable(np.array(shift))
+    assert np.max(np.abs(np.roots([1.0, *-extra]))) < 1.0
+    if shift[0] == 0.3:
+        np.testing.assert_array_equal(extra, solve_toeplitz([1.0, *shift[:-1]], shift))
+
+
+def _found(best: Explanation, *rivals: Explanation, null: float = 0.0) -> Found:
+    return Found((best, *rivals), best, 30.0, 0.0, null, cast(Any, None))
+
+
+@pytest.mark.parametrize(("left", "null", "printed"), [(0.0, 0.0, False), (0.0, 25.0, True), (25.0, 0.0, True)])
+def test_a_set_is_as_wide_as_what_the_best_explanation_leaves(left: float, null: float, printed: bool) -> None:
+    best = known(("load_coulomb",), 1000.0, left=left)
+    rival = known(("load_quadratic",), 980.0)
+    assert aliases(_found(best, rival, null=null), "load_coulomb") == (("load_quadratic",) if printed else ())
+
+
+def test_a_set_is_never_wider_than_another_form_of_a_law() -> None:
+    best = known(("load_coulomb",), 1000.0, left=500.0)
+    rival = known(("load_quadratic",), 960.0)
+    assert aliases(_found(best, rival), "load_coulomb") == ()
+
+
+@pytest.mark.parametrize("seen", ["sliding", "about rest"])
+def test_the_form_of_the_bristle_is_not_held_against_an_explanation(seen: str, prepared: Prepared) -> None:
+    rows = prepared.sliding if seen == "sliding" else np.logical_not(prepared.sliding)
+    generic = rows[:, None] / np.sqrt(np.sum(rows))
+    known = cast(Prepared, SimpleNamespace(generic=generic, sliding=prepared.sliding))
+    energy = 0.2 * float(np.sum(rows))
+    left = _left(known, fit_of(np.sqrt(0.2) * rows))
+    assert left == pytest.approx(energy - 1.0 if seen == "sliding" else 0.0)
+    loud = _left(known, fit_of(rows.astype(float)))
+    allowed = 0.0 if seen == "sliding" else 0.3 * float(np.sum(rows))
+    assert loud == pytest.approx(np.sum(rows) - 1.0 - allowed)
+
+
+@pytest.mark.parametrize(
+    ("coverage", "left", "certain", "named"),
+    [
+        (0.92, 500.0, 40.0, True),
+        (0.86, 500.0, 40.0, False),
+        (0.55, 10.0, 40.0, True),  # nulls leave as much
+        (0.45, 10.0, 40.0, False),
+        (0.75, 50.0, 60.0, True),  # faint beside a clear gain
+        (0.75, 50.0, 40.0, False),
+        (0.65, 50.0, 60.0, False),
+    ],
+)
+def test_what_is_named_covers_the_mismatch(coverage: float, left: float, certain: float, named: bool) -> None:
+    best = known(("cogging",), 100.0, certain=certain, coverage=coverage, left=left)
+    base = cast(Prepared, SimpleNamespace(fit=fit_of(np.zeros(1000))))
+    assert covers(best, _found(best, null=20.0), base) == named
+
+
+@pytest.mark.parametrize(
+    ("ratio", "structured", "explainable", "null", "unknown"),
+    [
+        (1.10, False, 130.0, 20.0, True),
+        (1.08, False, 130.0, 20.0, False),  # as loud as nulls now and then are
+        (1.10, False, 100.0, 20.0, False),  # as much as nulls of few rows
+        (1.10, False, 130.0, 50.0, False),
+        (1.24, False, 0.0, 0.0, False),  # nothing smooth
+        (1.26, False, 0.0, 0.0, True),
+        (1.05, True, 0.0, 0.0, True),  # swings as no noise does
+        (1.03, True, 0.0, 0.0, False),
+    ],
+)
+def test_something_smooth_or_swinging_that_is_heard_is_unknown(
+    ratio: float, structured: bool, explainable: float, null: float, unknown: bool
+) -> None:
+    found = Found((), None, 30.0, explainable, null, cast(Any, None))
+    base = cast(Prepared, SimpleNamespace(fit=fit_of(np.zeros(2000)), noise_ratio=ratio, structured=structured))
+    assert stands_out(found, base) == unknown
+
+
+def test_points_that_move_the_base_alone_share_their_effects(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[FloatArray] = []
+
+    def contributions(_: Structure, vector: FloatArray) -> list[Contribution]:
+        asked.append(vector)
+        return [Contribution(delay=float(vector[0]))]
+
+    monkeypatch.setattr(Structure, "contributions", contributions)
+    structure, effects = Structure(()), (1.0, 1.0, 2.0, 1.0)
+    points = [np.concatenate([np.full(N_BASE, float(i)), [size]]) for i, size in enumerate(effects)]
+    found = _contributions([(structure, point) for point in points])
+    assert len(asked) == 2
+    assert [one[0].delay for one in found] == list(effects)
