@@ -23,13 +23,12 @@ from fricomp.calibration.sweep import (
     calibrate,
 )
 from fricomp.control import Compensator, ControlLoop, LoopLog, Reference, ReferenceState, SineReference
-from fricomp.diagnosis import Diagnosis, save_diagnosis
+from fricomp.diagnosis import Diagnosis, diagnose, save_diagnosis
 from fricomp.errors import DiagnosisError
 from fricomp.joint import JointFeedback
 from fricomp.model import FrictionModel, save_model
 from fricomp.recording import Recording, RecordingMetadata, write_recording
 
-from ... import diagnose
 from ...stand_in import SimulatedJointAdapter, StandInSettings
 from .case import TrackingFigures, Witness, compute_figures
 from .joint import loop_of
