@@ -7,6 +7,7 @@ FricompError
 ├── RecordingError (ValueError)            a recording cannot be read or used as it is
 ├── IdentificationError                    an identification cannot give an answer
 ├── DiagnosisError                         a diagnosis cannot be carried out
+│   └── SimulationFileError (ParameterError) an MJCF or URDF file cannot be read
 ├── ExportError                            a model cannot be written in the wanted format
 ├── SweepAborted                           a motion on a joint was stopped before its end
 ├── SafetyTrip                             the safety gate has latched
@@ -36,6 +37,7 @@ __all__ = [
     "ParameterError",
     "RecordingError",
     "SafetyTrip",
+    "SimulationFileError",
     "SweepAborted",
 ]
 
@@ -74,6 +76,10 @@ class IdentificationError(FricompError):
 
 class DiagnosisError(FricompError):
     """A diagnosis cannot be carried out."""
+
+
+class SimulationFileError(DiagnosisError, ParameterError):
+    """An MJCF or URDF file cannot be read, or lacks what is asked of it."""
 
 
 class ExportError(FricompError):

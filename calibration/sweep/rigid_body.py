@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from fricomp.errors import MissingExtraError, ParameterError
+from fricomp.errors import ParameterError
 from fricomp.laws import FloatArray
+from fricomp.simulation_file import compile_simulation
 
 __all__ = ["RigidBody", "derivatives"]
 
@@ -30,15 +31,10 @@ class RigidBody:
     """
 
     def __init__(self, mjcf: Path | str, joints: Sequence[str]) -> None:
-        try:
-            import mujoco
-        except ImportError as error:
-            raise MissingExtraError("mujoco", "sim") from error
+        self._model = compile_simulation(mjcf, "sim")
+        import mujoco
+
         self._mujoco: Any = mujoco
-        try:
-            self._model: Any = mujoco.MjModel.from_xml_path(str(mjcf))
-        except ValueError as error:
-            raise ParameterError(f"{mjcf} is not a model that MuJoCo can load: {error}") from error
         self._data: Any = mujoco.MjData(self._model)
         self._leave_out_friction()
         addresses = [self._address(name) for name in joints]

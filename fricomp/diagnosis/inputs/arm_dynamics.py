@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from fricomp.errors import DiagnosisError, MissingExtraError
+from fricomp.errors import DiagnosisError
+from fricomp.simulation_file import compile_simulation
 
 from .track import FloatArray
 
@@ -83,14 +84,9 @@ def read_arm(path: str | Path) -> ArmDynamics:
     Raises:
         DiagnosisError: The file cannot be read, or has joints that are neither hinges nor slides.
     """
-    try:
-        import mujoco
-    except ImportError as error:
-        raise MissingExtraError("mujoco", "diagnose") from error
-    try:
-        model: Any = mujoco.MjModel.from_xml_path(str(path))
-    except ValueError as error:
-        raise DiagnosisError(f"cannot read the simulation {path}: {error}") from error
+    model = compile_simulation(path)
+    import mujoco
+
     if model.nq != model.njnt or model.nv != model.njnt:
         raise DiagnosisError(f"{path} has joints that are neither hinges nor slides: give the arm alone")
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)

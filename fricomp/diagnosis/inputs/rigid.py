@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from fricomp.errors import DiagnosisError, MissingExtraError
+from fricomp.errors import DiagnosisError
+from fricomp.simulation_file import compile_simulation
 
 from .track import FloatArray
 
@@ -74,14 +75,9 @@ def read_simulation(path: str | Path, joint: str | None = None) -> RigidJoint:
     Raises:
         DiagnosisError: The file cannot be read, or the joint is not in it.
     """
-    try:
-        import mujoco
-    except ImportError as error:
-        raise MissingExtraError("mujoco", "diagnose") from error
-    try:
-        model = mujoco.MjModel.from_xml_path(str(path))
-    except ValueError as error:
-        raise DiagnosisError(f"cannot read the simulation {path}: {error}") from error
+    model = compile_simulation(path)
+    import mujoco
+
     names = [model.joint(i).name for i in range(model.njnt)]
     if joint is None and len(names) > 1:
         raise DiagnosisError(f"{path} has several joints: say which of {', '.join(names)}")

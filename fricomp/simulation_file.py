@@ -1,0 +1,66 @@
+"""Simulations as robots ship them, read for their mass and kinematics: what is only seen or touched plays no part."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from fricomp.errors import MissingExtraError, SimulationFileError
+
+__all__ = ["compile_simulation"]
+
+
+def compile_simulation(path: str | Path, extra: str = "diagnose") -> Any:
+    """Compile an MJCF or URDF file for MuJoCo, without meshes, height fields, textures and skins.
+
+    A mesh that is not there (`package://`, a format that MuJoCo does not read) therefore stops nothing. Bodies that
+    take their mass from a mesh need it all the same.
+
+    Args:
+        path: MJCF or URDF file.
+        extra: The extra to name where MuJoCo is not installed.
+
+    Returns:
+        MuJoCo's `MjModel`.
+
+    Raises:
+        SimulationFileError: The file is not there, is no simulation, or a body has no mass but that of a mesh.
+        MissingExtraError: MuJoCo is not installed.
+    """
+    try:
+        import mujoco
+    except ImportError as error:
+        raise MissingExtraError("mujoco", extra) from error
+    if not Path(path).is_file():
+        raise SimulationFileError(f"there is no simulation {path}: give an MJCF or URDF file")
+    try:
+        spec: Any = mujoco.MjSpec.from_file(str(path))
+        _remove_shapes(mujoco, spec, Path(path))
+        return spec.compile()
+    except ValueError as error:
+        raise SimulationFileError(f"cannot read the simulation {path}: {error}") from error
+
+
+def _remove_shapes(mujoco: Any, spec: Any, path: Path) -> None:
+    """Delete what has its shape or its look from a file; shapes that need none keep the mass that they give."""
+    for geom in [each for each in spec.geoms if each.type in _from_file(mujoco)]:
+        body = geom.parent
+        if body.joints and not _has_mass_of_its_own(mujoco, body):
+            raise SimulationFileError(
+                f"{path}: body {body.name!r} has no mass but that of a mesh: give it an <inertial> element"
+            )
+        spec.delete(geom)
+    for each in (*spec.geoms, *spec.sites, *spec.tendons):
+        each.material = ""
+    for each in (*spec.skins, *spec.meshes, *spec.hfields, *spec.materials, *spec.textures):
+        spec.delete(each)
+
+
+def _from_file(mujoco: Any) -> tuple[Any, ...]:
+    kinds = mujoco.mjtGeom
+    return kinds.mjGEOM_MESH, kinds.mjGEOM_HFIELD, kinds.mjGEOM_SDF
+
+
+def _has_mass_of_its_own(mujoco: Any, body: Any) -> bool:
+    """Whether a body states its inertia, or has shapes that need no file."""
+    return bool(body.explicitinertial) or any(geom.type not in _from_file(mujoco) for geom in body.geoms)
