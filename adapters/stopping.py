@@ -5,7 +5,8 @@ from __future__ import annotations
 import threading
 from typing import final
 
-from fricomp.control import SafetyGate, TripReason, TripRecord
+from fricomp.control import SafetyGate
+from fricomp.control.gate import TripReason, TripRecord
 from fricomp.errors import AdapterError, DriveFault
 from fricomp.joint import Clock, MonotonicClock
 

@@ -17,7 +17,7 @@ from ..identification.information import invert_information
 from ..identification.likelihood import Noise, NoiseKind
 from ..identification.observation import Observations
 from ..identification.optimum import optimum_at
-from ..identification.result import Status
+from ..identification.status import Status
 from ..identification.verdict import BASIN_GAP, CLOSE_ENOUGH, Verdict, judge
 from .likelihood import (
     BatchNoise,

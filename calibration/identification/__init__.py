@@ -4,10 +4,12 @@ from .design import SpeedPlan, expected_deviation, plan_informative_speeds
 from .discrepancy import DiscrepancyNetwork, fit_discrepancy
 from .dynamic import DynamicIdentification, identify_dynamic
 from .files import ModelFiles, save_discrepancy, save_identification
-from .identify import IdentificationOptions, identify
-from .result import IdentificationResult, Interval, NoiseEstimate, Status
+from .identify import identify
+from .options import IdentificationOptions
+from .result import IdentificationResult, NoiseEstimate
 from .selection import LawChoice, choose_law
-from .uncertainty import BootstrapSample, block_bootstrap, profile_interval, profile_likelihood
+from .status import Status
+from .uncertainty import BootstrapSample, Interval, block_bootstrap, profile_interval, profile_likelihood
 
 __all__ = [
     "BootstrapSample",

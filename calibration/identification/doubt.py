@@ -10,7 +10,8 @@ from fricomp.laws import FloatArray
 from fricomp.model import Covariance
 
 from .information import with_least_variance
-from .result import IdentificationResult, Status
+from .result import IdentificationResult
+from .status import Status
 from .verdict import find_vague, vague_message
 
 __all__ = ["doubted", "with_covariance", "with_open_profiles"]

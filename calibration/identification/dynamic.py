@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +20,8 @@ from .information import invert_information, with_least_variance
 from .likelihood import Noise
 from .observation import observe
 from .optimum import fit_likelihood
-from .result import Status
+from .options import DEFAULT_OPTIONS, IdentificationOptions
+from .status import Status
 
 __all__ = ["DynamicIdentification", "identify_dynamic", "simulate_bristle"]
 
@@ -58,16 +59,31 @@ class DynamicIdentification:
 
 
 def identify_dynamic(
-    time: ArrayLike, velocity: ArrayLike, torque: ArrayLike, law: str = "lugre"
+    time: ArrayLike,
+    velocity: ArrayLike,
+    torque: ArrayLike,
+    law: str = "lugre",
+    *,
+    options: IdentificationOptions = DEFAULT_OPTIONS,
 ) -> DynamicIdentification:
     """Identify `lugre` or `dahl` from a friction torque recorded over time, with reversals.
+
+    Both laws have a state: a bristle of deflection z that stretches before the joint slips,
+
+        z' = v - |v| z / g(v),    torque = sigma_0 z + sigma_1 z' + sigma_2 v,
+
+    where g(v) sigma_0 is the friction of steady sliding [canudas1995lugre, dahl1968]. A table of velocity and torque
+    cannot show it; a motion that turns round can. The bristle is simulated over the whole record, and the squares of
+    what the simulation misses are made least.
 
     Args:
         time: Evenly spaced [s]. Shape (n,).
         velocity: At these times, smooth: differences of an encoder's counts need a low-pass without lag, for what they
             jump by passes for speed [rad/s] or [m/s]. Shape (n,).
         torque: Friction torque [N·m] or [N]. Shape (n,).
-        law: `lugre` (ten parameters) or `dahl` (two).
+        law: `lugre` (ten parameters) or `dahl` (two): `dahl` where friction does not depend on speed, or where the
+            record holds little steady sliding.
+        options: Name, motion and torque unit of the joint; the others do not apply.
 
     Raises:
         IdentificationError: The samples are not evenly spaced, too few, never reverse, or the law is unknown.
@@ -90,7 +106,9 @@ def identify_dynamic(
         return np.asarray(-(torques[:, 1:] - torques[:, :1]) / _STEP)
 
     fit = least_squares(residual, start, derivative, method="lm", x_scale="jac", xtol=1e-10, ftol=1e-12, max_nfev=200)
-    return _result(np.asarray(fit.x), np.asarray(fit.fun), np.asarray(fit.jac), names, (v, tau), fit.status > 0)
+    found = _result(np.asarray(fit.x), np.asarray(fit.fun), np.asarray(fit.jac), names, (v, tau), fit.status > 0)
+    named = replace(found.model, joint=options.joint, motion=options.motion, torque_unit=options.torque_unit)
+    return replace(found, model=named)
 
 
 def simulate_bristle(values: FloatArray, velocity: FloatArray, dt: float) -> FloatArray:

@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Literal, overload
+from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray, LoadScaling
-from fricomp.model import Covariance, FrictionModel, Motion, Provenance, Validity
+from fricomp.model import Covariance, FrictionModel, Provenance, Validity
 
-from .dynamic import DynamicIdentification, identify_dynamic
 from .form import SeparableLaw, separable_law
 from .likelihood import Noise, parse_noise
 from .observation import Observations, observe
 from .optimum import Optimum, fit_likelihood, optimum_at
+from .options import DEFAULT_OPTIONS, IdentificationOptions
 from .pinn import StartKind, TrainedPinn, train_pinn
 from .provenance import compute_provenance
 from .result import IdentificationResult, NoiseEstimate
@@ -25,48 +25,16 @@ from .robust import fit_robust
 from .start import project_start, starting_points
 from .verdict import CLOSE_ENOUGH, covariance_of, judge
 
-__all__ = ["IdentificationOptions", "Loss", "Method", "identify", "require_choice"]
+__all__ = ["Loss", "Method", "identify", "refuse_dynamic", "require_choice"]
 
 Method = Literal["pinn", "least_squares"]
 Loss = Literal["gaussian", "robust"]
-DynamicLaw = Literal["lugre", "dahl"]
 _BEHIND = 0.5 * CLOSE_ENOUGH**2
 """Likelihood [nats] that a training may end behind the optimum: it is then as close as counts as converged."""
 _SENSITIVITY_EVIDENCE = 3.84
 """Twice the gain in likelihood (95 % of chi-square) that a load sensitivity other than 1 must bring."""
 
 
-@dataclass(frozen=True)
-class IdentificationOptions:
-    """Rarely changed settings of `identify`.
-
-    Attributes:
-        start: Parameters by dotted name from which training starts first. Of them the Stribeck or smoothing velocity
-            counts, within the speeds measured; at it the others have a best value, which is solved for.
-        reference_load: Normal load at which the parameters hold, in the unit of the loads; their mean by default.
-            Where no load is known later on, such as in a compensator, this is the load that is assumed.
-        joint: Name of the joint.
-        motion: `rotary` or `linear`.
-        torque_unit: Unit of the torque.
-        independent: Whether the errors of the points are. Those of one motion's samples are not: what they share would
-            pass for a misfit of the law, which is not looked for then.
-        measurements: How many independent measurements the points come from, such as half as many where each stands for
-            both directions; the size of a standard deviation is known from as many. As many as points if None.
-    """
-
-    start: Mapping[str, float] | None = None
-    reference_load: float | None = None
-    joint: str = "joint"
-    motion: Motion = "rotary"
-    torque_unit: str = "N·m"
-    independent: bool = True
-    measurements: int | None = None
-
-
-_DEFAULTS = IdentificationOptions()
-
-
-@overload
 def identify(
     velocity: ArrayLike,
     torque: ArrayLike,
@@ -77,34 +45,8 @@ def identify(
     *,
     law: str = "stribeck",
     loss: Loss = "gaussian",
-    options: IdentificationOptions = _DEFAULTS,
-) -> IdentificationResult: ...
-
-
-@overload
-def identify(
-    velocity: ArrayLike,
-    torque: ArrayLike,
-    *,
-    law: DynamicLaw,
-    time: ArrayLike,
-    options: IdentificationOptions = _DEFAULTS,
-) -> DynamicIdentification: ...
-
-
-def identify(
-    velocity: ArrayLike,
-    torque: ArrayLike,
-    normal_load: ArrayLike | None = None,
-    method: Method = "pinn",
-    noise: str | ArrayLike = "auto",
-    seed: int = 0,
-    *,
-    law: str = "stribeck",
-    loss: Loss = "gaussian",
-    time: ArrayLike | None = None,
-    options: IdentificationOptions = _DEFAULTS,
-) -> IdentificationResult | DynamicIdentification:
+    options: IdentificationOptions = DEFAULT_OPTIONS,
+) -> IdentificationResult:
     """Identify a static friction law from friction points.
 
     Args:
@@ -117,22 +59,15 @@ def identify(
         noise: `relative` to the model's torque, `absolute`, `auto` (decided by likelihood), or one standard
             deviation a point [N·m] or [N].
         seed: Seed of the network's first weights.
-        law: `stribeck` (eight parameters), `symmetric_stribeck`, `coulomb`, `coulomb_viscous`, `tanh`, `arctan`;
-            or `lugre`, `dahl` from a time series with reversals. These have a state, which a network of velocity
-            and load has not: they are fitted by output error, and only `time`, and what `options` call the joint,
-            apply beside the data.
+        law: `stribeck` (eight parameters), `symmetric_stribeck`, `coulomb`, `coulomb_viscous`, `tanh`, `arctan`.
+            `lugre` and `dahl` have a state and need a time series with reversals: see `identify_dynamic`.
         loss: `gaussian`, or `robust` against outliers.
-        time: Evenly spaced time of the samples [s], for `lugre` and `dahl`. Shape (n,).
         options: Further settings.
 
     Raises:
         IdentificationError: The data or an argument cannot be used; the message says why.
     """
-    if law in ("lugre", "dahl"):
-        if time is None:
-            raise IdentificationError(f"{law} has a state: pass time=... and a record that reverses")
-        found_dynamic = identify_dynamic(time, velocity, torque, law)
-        return replace(found_dynamic, model=_named(found_dynamic.model, options))
+    refuse_dynamic(law)
     require_choice("method", method, ("pinn", "least_squares"))
     require_choice("loss", loss, ("gaussian", "robust"))
     points = observe(velocity, torque, normal_load)
@@ -168,6 +103,15 @@ def identify(
         optimum=found,
         seed=seed,
     )
+
+
+def refuse_dynamic(law: str) -> None:
+    """Raise `IdentificationError` for a law with a state, which friction points cannot show."""
+    if law in ("lugre", "dahl"):
+        raise IdentificationError(
+            f"{law} has a bristle state, which points of velocity and torque do not show: use "
+            "fricomp.identify_dynamic(time, velocity, torque) with a recorded motion that reverses"
+        )
 
 
 def require_choice(what: str, value: object, choices: tuple[str, ...]) -> None:
@@ -241,10 +185,6 @@ def _noise_level(kind: str, found: Optimum, points: Observations) -> float:
     if found.noise.kind == "given" and kind != "given":
         return float(np.median(np.abs(error)) / 0.6745)
     return float(np.sqrt(np.sum(error**2) / max(len(error) - len(found.logs), 1)))
-
-
-def _named(model: FrictionModel, options: IdentificationOptions) -> FrictionModel:
-    return replace(model, joint=options.joint, motion=options.motion, torque_unit=options.torque_unit)
 
 
 def _model(

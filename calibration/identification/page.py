@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fricomp.control import find_doubt_in_status
+from fricomp.control.trust import find_doubt_in_status
 from fricomp.laws import FloatArray
 from fricomp.report import (
     Band,
@@ -25,7 +25,8 @@ from fricomp.report import (
 )
 
 from .chart import REACH, network_note, training_chart
-from .result import IdentificationResult, Status
+from .result import IdentificationResult
+from .status import Status
 
 __all__ = ["identification_charts", "parameter_rows", "write_identification_report"]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from enum import StrEnum
 from functools import cached_property
 
 import numpy as np
@@ -18,37 +17,17 @@ from ..network import TanhNetwork
 from ..network.distillation import Distillation, distil
 from .form import SeparableLaw
 from .information import compute_log_deviations
-from .observation import Observations
+from .observation import Observations, observe
 from .optimum import Optimum
 from .pinn import Traces
+from .status import Status
+from .uncertainty import BENT, Interval, profile_interval
 
-__all__ = ["IdentificationResult", "Interval", "NoiseEstimate", "Status"]
+__all__ = ["IdentificationResult", "NoiseEstimate"]
 
 
 _WIDER = 1.5
 """The exported network follows the closed form up to this multiple of the fastest speed measured."""
-
-
-class Status(StrEnum):
-    """How an identification ended; the points of `LACK_OF_FIT` do not follow the law within their scatter."""
-
-    CONVERGED = "converged"
-    LACK_OF_FIT = "lack_of_fit"
-    NOT_CONVERGED = "not_converged"
-    WRONG_BASIN_SUSPECTED = "wrong_basin_suspected"
-    NOT_IDENTIFIABLE = "not_identifiable"
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A confidence interval, in the unit of its parameter."""
-
-    lower: float
-    upper: float
-
-    def holds(self, value: float) -> bool:
-        """Whether `value` lies within it."""
-        return self.lower <= value <= self.upper
 
 
 @dataclass(frozen=True)
@@ -145,15 +124,11 @@ class IdentificationResult:
 
         They need not be symmetric. Where one is far from that of the covariance, it is the one to trust.
         """
-        from .uncertainty import BENT, profile_interval
-
         bent = [name for name in self.parameter_names if name.endswith(BENT)]
         return {name: profile_interval(self, name) for name in bent} if self.form.basis.shape_index is not None else {}
 
     def torque_deviation(self, velocity: FloatArray, normal_load: FloatArray | None = None) -> FloatArray:
         """Standard deviation of the closed form's torque [N·m] or [N] at each velocity, from the covariance."""
-        from .observation import observe
-
         moving = velocity != 0.0
         sign = np.sign(velocity)
         points = observe(velocity, sign, normal_load)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from scipy.optimize import brentq, least_squares
@@ -11,16 +12,65 @@ from scipy.stats import f as fisher
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 
-from .optimum import bounded, refine
-from .result import IdentificationResult, Interval
+from .form import SeparableLaw
+from .observation import Observations
+from .optimum import Optimum, bounded, refine
 from .verdict import covariance_of
 
-__all__ = ["BENT", "BootstrapSample", "block_bootstrap", "profile_interval", "profile_likelihood"]
+__all__ = ["BENT", "BootstrapSample", "Interval", "block_bootstrap", "profile_interval", "profile_likelihood"]
 
 BENT = ("coulomb_torque", "static_torque", "velocity")
 """Ends of the names of parameters of a curve that bends, whose likelihood need not be quadratic."""
 _FARTHEST = 8.0
 """Search an interval's ends up to this many standard deviations of the logarithm."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A confidence interval, in the unit of its parameter."""
+
+    lower: float
+    upper: float
+
+    def holds(self, value: float) -> bool:
+        """Whether `value` lies within it."""
+        return self.lower <= value <= self.upper
+
+
+class Identified(Protocol):
+    """What these functions read of an identification; see `IdentificationResult`."""
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Dotted names, in the order of the covariance."""
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Estimates, each in its own unit."""
+
+    @property
+    def standard_deviations(self) -> dict[str, float]:
+        """Of each parameter, in its own unit."""
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Shape (n_parameters, n_parameters)."""
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom that its size is known from."""
+
+    @property
+    def observations(self) -> Observations:
+        """The points used."""
+
+    @property
+    def form(self) -> SeparableLaw:
+        """The law's separable form."""
+
+    @property
+    def optimum(self) -> Optimum:
+        """The likelihood at the parameters."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +96,7 @@ class BootstrapSample:
         return Interval(float(lower), float(upper))
 
 
-def profile_likelihood(result: IdentificationResult, name: str, values: FloatArray) -> FloatArray:
+def profile_likelihood(result: Identified, name: str, values: FloatArray) -> FloatArray:
     """Negative log-likelihood above its minimum, all other parameters at their best.
 
     Args:
@@ -61,7 +111,7 @@ def profile_likelihood(result: IdentificationResult, name: str, values: FloatArr
     return np.array([_held(result, index, float(np.log(value))) for value in values])
 
 
-def profile_interval(result: IdentificationResult, name: str, level: float = 0.95) -> Interval:
+def profile_interval(result: Identified, name: str, level: float = 0.95) -> Interval:
     """Where the profile rises as far as the interval from the covariance would let it, were it quadratic.
 
     That is by half the quantile of F with the freedom the points leave [seber2003nonlinear], times what correlated or
@@ -90,13 +140,13 @@ def profile_interval(result: IdentificationResult, name: str, level: float = 0.9
     return Interval(float(np.exp(ends[0])), float(np.exp(ends[1])))
 
 
-def _index(result: IdentificationResult, name: str) -> int:
+def _index(result: Identified, name: str) -> int:
     if name not in result.parameter_names:
         raise IdentificationError(f"unknown parameter {name!r}; estimated: {', '.join(result.parameter_names)}")
     return result.parameter_names.index(name)
 
 
-def _held(result: IdentificationResult, index: int, log_value: float) -> float:
+def _held(result: Identified, index: int, log_value: float) -> float:
     """Negative log-likelihood above the optimum with one logarithm held."""
     form, points, noise = result.form, result.observations, result.optimum.noise
     free = np.arange(len(form.names)) != index
@@ -117,9 +167,7 @@ def _held(result: IdentificationResult, index: int, log_value: float) -> float:
     return held - best
 
 
-def block_bootstrap(
-    result: IdentificationResult, block_length: int, samples: int = 200, seed: int = 0
-) -> BootstrapSample:
+def block_bootstrap(result: Identified, block_length: int, samples: int = 200, seed: int = 0) -> BootstrapSample:
     """Refit to residuals resampled in blocks, which keeps their correlation within a block [kunsch1989bootstrap].
 
     Args:

@@ -13,7 +13,7 @@ from .form import SeparableLaw
 from .information import invert_information
 from .observation import Observations
 from .optimum import Optimum
-from .result import Status
+from .status import Status
 
 __all__ = [
     "BASIN_GAP",

@@ -10,7 +10,8 @@ import typer
 from fricomp.cli.run import DELAY, VELOCITY_FILTER
 
 if TYPE_CHECKING:
-    from fricomp.control import DriveLimits, LoopCheck
+    from fricomp.control import DriveLimits
+    from fricomp.control.loop_check import LoopCheck
 
 __all__ = ["app"]
 
@@ -52,8 +53,9 @@ def check_loop(
     from rich.table import Table
 
     from fricomp.cli.terminal import console
-    from fricomp.control import DriveLimits, LoopDynamics, PositionController, choose_settings
+    from fricomp.control import DriveLimits, LoopDynamics, PositionController
     from fricomp.control import check_loop as check
+    from fricomp.control.choice import choose_settings
     from fricomp.errors import ParameterError
     from fricomp.model import load_model
 

@@ -78,7 +78,7 @@ def identify(
 ) -> None:
     """Identify friction; with a recording, inertia, gravity and offset first."""
     from fricomp.cli.out_folder import require_folder
-    from fricomp.control import find_doubt_in_status
+    from fricomp.control.trust import find_doubt_in_status
 
     require(*REPORT, "onnx")
     _refuse_unknown(law)
@@ -245,7 +245,7 @@ def _refuse_unknown(law: str) -> None:
         return
     raise IdentificationError(
         f"--law {law} has a bristle state, which this command does not identify; it knows "
-        f"{', '.join(separable_law_names())}. In Python, fricomp.calibration.identify takes time, velocity and "
+        f"{', '.join(separable_law_names())}. In Python, fricomp.identify_dynamic takes time, velocity and "
         f"friction torque of a motion with reversals for {law}"
     )
 
@@ -337,7 +337,7 @@ def _finish(result: IdentificationResult, free: DiscrepancyNetwork | None, out: 
     from fricomp.calibration.identification import Status, save_discrepancy, save_identification
     from fricomp.cli.parameter_table import parameter_table
     from fricomp.cli.terminal import console
-    from fricomp.control import find_doubt_in_status
+    from fricomp.control.trust import find_doubt_in_status
 
     files = save_identification(result, out)
     screen = console()

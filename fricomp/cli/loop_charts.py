@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fricomp.control import LoopCheck, LoopLog
+from fricomp.control import LoopLog
+from fricomp.control.loop_check import LoopCheck
 from fricomp.report import Band, Bars, Chart, HeatMap, Line, Panel, Rule
 
 if TYPE_CHECKING:

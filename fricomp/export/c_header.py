@@ -12,15 +12,11 @@ from string import Template
 import numpy as np
 
 import fricomp.export.c_template as template
-from fricomp.control import (
-    FALLING_SHARE_WITHOUT_VELOCITY,
-    CompensationSettings,
-    FrictionCurves,
-    choose_settings,
-    deepest_bend,
-    require_usable,
-    trusted_curves,
-)
+from fricomp.control import CompensationSettings
+from fricomp.control.bristle import FALLING_SHARE_WITHOUT_VELOCITY, deepest_bend
+from fricomp.control.choice import choose_settings
+from fricomp.control.curve import FrictionCurves
+from fricomp.control.trust import require_usable, trusted_curves
 from fricomp.errors import ExportError, ParameterError
 from fricomp.export.c_terms import EXTRA_CHECKS, EXTRA_FIELDS, render_extra
 from fricomp.laws import DwellStiction

@@ -9,14 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from fricomp.control import (
-    FrictionCurves,
-    compute_torque_cap,
-    find_doubt_in_status,
-    require_usable,
-    trusted_curves,
-)
+from fricomp.control.curve import FrictionCurves
 from fricomp.control.extra_terms import INPUT_TERMS
+from fricomp.control.trust import compute_torque_cap, find_doubt_in_status, require_usable, trusted_curves
 from fricomp.errors import ExportError, MissingExtraError
 from fricomp.export.joined_facts import join_facts
 from fricomp.export.onnx_terms import extra_constants, extra_nodes

@@ -7,14 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fricomp.control import (
-    LIMIT_CYCLE_MARGIN,
-    LoopDynamics,
-    check_loop,
-    choose_settings,
-    compute_confident_gain,
-    compute_friction_deviation,
-)
+from fricomp.control import LoopDynamics, check_loop
+from fricomp.control.choice import choose_settings
+from fricomp.control.confidence import compute_confident_gain, compute_friction_deviation
+from fricomp.control.limit_cycle import LIMIT_CYCLE_MARGIN
 from fricomp.errors import ParameterError
 from fricomp.laws import (
     BidirectionalStribeck,

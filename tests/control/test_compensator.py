@@ -12,7 +12,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fricomp.control import ArmCompensator, Compensator, compute_compensation, split_law
+from fricomp.control import ArmCompensator, Compensator
+from fricomp.control.batch import compute_compensation
+from fricomp.control.curve import split_law
 from fricomp.errors import ModelFileError, ParameterError
 from fricomp.laws import (
     BidirectionalStribeck,

@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fricomp.control import ABSURD_TORQUE_RATIO, JointLimits, SafetyGate, TripRecord
+from fricomp.control import JointLimits, SafetyGate
+from fricomp.control.gate import ABSURD_TORQUE_RATIO, TripRecord
 from fricomp.errors import ParameterError, SafetyTrip
 from fricomp.joint import JointFeedback
 

@@ -18,11 +18,11 @@ from fricomp.control import (
     JointLimits,
     LoopLog,
     PositionController,
-    Reference,
     ReferenceState,
     SafetyGate,
     SineReference,
 )
+from fricomp.control.position_loop import Reference
 from fricomp.errors import AdapterError, AdapterTimeout, ParameterError, SafetyTrip
 from fricomp.joint import Capabilities, CommandMode, JointCapabilities, JointCommand, JointFeedback
 from fricomp.laws import Coulomb, FrictionLaw, Viscous

@@ -7,16 +7,11 @@ from math import nan
 import numpy as np
 import pytest
 
-from fricomp.control import (
-    DriveLimits,
-    LoopCases,
-    LoopDynamics,
-    check_loop,
-    choose_settings,
-    simulate_loop,
-    split_law,
-)
+from fricomp.control import DriveLimits, LoopDynamics, check_loop
+from fricomp.control.choice import choose_settings
+from fricomp.control.curve import split_law
 from fricomp.control.limit_cycle import find_oscillation
+from fricomp.control.loop_simulation import LoopCases, simulate_loop
 from fricomp.errors import ParameterError
 from fricomp.laws import BidirectionalStribeck, Cogging, Coulomb, FrictionLaw, LuGre, StribeckCurve, Viscous
 from fricomp.model import FrictionModel, Validity

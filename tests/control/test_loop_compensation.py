@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from fricomp.control import AdaptationSettings, Compensator, ControlLoop, ReferenceState, ReportedLoad, SineReference
+from fricomp.control import AdaptationSettings, Compensator, ControlLoop, ReferenceState, SineReference
+from fricomp.control.load import ReportedLoad
 from fricomp.control.loop_compensation import LoopCompensation
 from fricomp.errors import ParameterError
 from fricomp.joint import JointFeedback

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from fricomp.control import LARGEST_EXTRAPOLATION, NetworkCompensator
+from fricomp.control import NetworkCompensator
 from fricomp.control.network_file import Loads, read_loads
+from fricomp.control.trust import LARGEST_EXTRAPOLATION
 from fricomp.errors import ModelFileError, ParameterError
 from fricomp.export import closed_form_graph, save_graph
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, LoadScaling, StribeckCurve

@@ -12,7 +12,8 @@ from typing import Any
 
 import pytest
 
-from fricomp.control import RealTimeOptions, real_time
+from fricomp.control import RealTimeOptions
+from fricomp.control.real_time import real_time
 from fricomp.errors import ParameterError
 
 on_linux = pytest.mark.skipif(sys.platform != "linux", reason="scheduling and locked memory are Linux")

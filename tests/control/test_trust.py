@@ -10,14 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fricomp.control import (
-    LARGEST_EXTRAPOLATION,
-    Compensator,
-    NetworkCompensator,
-    bound_friction,
-    choose_settings,
-    require_usable,
-)
+from fricomp.control import Compensator, NetworkCompensator
+from fricomp.control.choice import choose_settings
+from fricomp.control.trust import LARGEST_EXTRAPOLATION, bound_friction, require_usable
 from fricomp.errors import ExportError, ParameterError
 from fricomp.export import closed_form_graph, export_mjcf, export_urdf, render_c_header, save_graph, stack_networks
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, LoadScaling, SmoothedCoulomb, StribeckCurve, Term

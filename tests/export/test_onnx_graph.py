@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fricomp.control import LARGEST_EXTRAPOLATION, Compensator, NetworkCompensator
+from fricomp.control import Compensator, NetworkCompensator
+from fricomp.control.trust import LARGEST_EXTRAPOLATION
 from fricomp.errors import ExportError, MissingExtraError, ParameterError
 from fricomp.export import closed_form_graph, save_graph, stack_networks, state_columns
 from fricomp.laws import (

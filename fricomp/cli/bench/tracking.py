@@ -11,7 +11,7 @@ import typer
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-    from fricomp.control import LoopCheck
+    from fricomp.control.loop_check import LoopCheck
     from fricomp.report import Chart
     from fricomp.sim_bench.studies.tracking import RobustnessMap, StudyRow, TrackedJoint
     from fricomp.sim_bench.studies.tracking.close_loop import CloseLoopResult

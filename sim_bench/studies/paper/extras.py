@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fricomp.calibration.identification import Status, identify, plan_informative_speeds
+from fricomp.calibration.identification import Status, identify, identify_dynamic, plan_informative_speeds
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 
@@ -102,7 +102,7 @@ def _lugre(seeds: int) -> tuple[FloatArray, float, int]:
     errors, held, converged = [], [], 0
     for seed in range(seeds):
         record = record_lugre(PaperProblem().true_values, _LUGRE_SECONDS, seed)
-        found = identify(record.velocity, record.torque, law="lugre", time=record.time)
+        found = identify_dynamic(record.time, record.velocity, record.torque)
         error = np.array(list(found.parameters.values())) - true
         errors.append(100.0 * np.abs(error / true))
         held.append(np.abs(error) < _REACH * np.sqrt(np.diag(found.covariance)))

@@ -7,7 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fricomp.control import CompensationSettings, LoopCases, LoopDynamics, choose_settings, simulate_loop, split_law
+from fricomp.control import CompensationSettings, LoopDynamics
+from fricomp.control.choice import choose_settings
+from fricomp.control.curve import split_law
+from fricomp.control.loop_simulation import LoopCases, simulate_loop
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 

@@ -156,14 +156,14 @@ def test_data_that_cannot_tell_a_parameter_are_reported() -> None:
         ([1.0, -1.0], [1.0, -1.0], {"law": "magic"}, "unknown static law"),
         ([1.0, -1.0], [1.0, -1.0], {"method": "guess"}, "unknown method"),
         ([1.0, -1.0], [1.0, -1.0], {"normal_load": [1.0, -1.0]}, "normal_load must be positive"),
-        ([1.0, -1.0], [1.0, -1.0], {"law": "lugre"}, "pass time"),
+        ([1.0, -1.0], [1.0, -1.0], {"law": "lugre"}, "identify_dynamic"),
     ],
 )
 def test_unusable_input_is_refused_with_a_reason(
     velocity: list[float], torque: list[float], settings: dict[str, object], words: str
 ) -> None:
     with pytest.raises(IdentificationError, match=words):
-        identify(velocity, torque, **settings)  # type: ignore[call-overload]
+        identify(velocity, torque, **settings)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("law", ["coulomb", "coulomb_viscous", "tanh", "arctan", "symmetric_stribeck"])
