@@ -6,8 +6,9 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from typing import final
 
+from .can_bus import open_can_link
 from .configuration import CanAdapterConfiguration
-from .link import CanFrame, CanLink, open_can_link
+from .link import CanFrame, CanLink
 from .link_adapter import LinkAdapter
 
 __all__ = ["CanAdapter"]

@@ -1,6 +1,6 @@
 """Ways to a bus: CAN frames through python-can, bytes through pyserial; their errors become ours here."""
 
-from .can_link import CanLink, PythonCanLink, open_can_link
+from .can_link import CanLink, PythonCanLink
 from .frame import CanFrame
 from .serial_link import PySerialLink, SerialLink, open_serial_link
 
@@ -10,6 +10,5 @@ __all__ = [
     "PySerialLink",
     "PythonCanLink",
     "SerialLink",
-    "open_can_link",
     "open_serial_link",
 ]

@@ -16,8 +16,8 @@ from typer.testing import CliRunner
 
 from fricomp import adapters
 from fricomp.adapters import JointAdapter, adapter_class, adapter_names, open_adapter, registry
+from fricomp.adapters.can_bus import open_can_link
 from fricomp.adapters.configuration import CanBusConfiguration
-from fricomp.adapters.link import open_can_link
 from fricomp.cli import missing
 from fricomp.cli.adapters import EXTRAS
 from fricomp.cli.main import app

@@ -10,8 +10,9 @@ from collections.abc import Iterator
 import can
 import pytest
 
+from fricomp.adapters.can_bus import open_can_link
 from fricomp.adapters.configuration import CanBusConfiguration
-from fricomp.adapters.link import CanFrame, open_can_link
+from fricomp.adapters.link import CanFrame
 from fricomp.adapters.slcan import ChunkedSlcanBus
 from fricomp.adapters.slcan.codec import decode_line, encode_frame
 from fricomp.errors import AdapterConnectionError
