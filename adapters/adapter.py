@@ -13,18 +13,17 @@ from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, JointF
 
 from .acceptance import check_counts, check_limits, check_rate, check_watchdog, make_gate, raise_own
 from .drive_side import DriveSide
+from .holding import POLL_INTERVAL_NS, HeldDriver
 from .options import AdapterOptions
 from .reference import ReferenceLimiter
-from .stopping import StoppableDriver, reason_of
+from .stopping import reason_of
 
-__all__ = ["POLL_INTERVAL_NS", "JointAdapter"]
+__all__ = ["JointAdapter"]
 
-POLL_INTERVAL_NS = 500_000
-"""How often drives are looked at while waiting for an answer [ns]."""
 POSITION_PATIENCE_NS = 200_000_000
 
 
-class JointAdapter(StoppableDriver):
+class JointAdapter(HeldDriver):
     """N joints on a bus. The order is open, configure, enable, then write and read every cycle, and close.
 
     The public methods are final: they hold the safety gate, the transmission and the order of calls. A driver
@@ -50,10 +49,15 @@ class JointAdapter(StoppableDriver):
     # -- what users call --------------------------------------------------------------------------------
 
     @final
-    def open(self) -> Capabilities:
-        """Connect and read scaling and limits from the drives. Never energises.
+    def open(self, *, take_over: bool = False) -> Capabilities:
+        """Connect and read scaling and limits from the drives. Never energises, and writes nothing to a drive.
+
+        Args:
+            take_over: Stop drives that somebody else has energised, at zero torque, in place of refusing them; their
+                joints go limp, and `taken_over` names them.
 
         Raises:
+            DriveHeld: A drive is energised by somebody else; it was left alone.
             AdapterConnectionError: The bus or a drive cannot be reached.
             AdapterTimeout: A drive did not answer.
             AdapterConfigurationError: The drives are not what the configuration says.
@@ -64,6 +68,7 @@ class JointAdapter(StoppableDriver):
         self._gate, self._half_configured, self._close_failure = None, False, ""
         self._released_stop = self._asked_stop  # of an earlier session; one that comes from here on holds
         self._checked_options = self.options
+        self._may_take_over, self._taken_over = take_over, ()
         try:
             drives = self._open()
             n_joints = len(drives.joints)
@@ -72,9 +77,12 @@ class JointAdapter(StoppableDriver):
             joints = tuple(t.capabilities_to_joint(j) for j, t in zip(drives.joints, transmissions, strict=True))
             check_limits(joints, self.options.limits)
             self._pay_stop()
+            self._refuse_held()
         except BaseException as error:
             self._let_go()
             raise_own(error)
+        finally:
+            self._may_take_over = False
         self._opened_watchdog = drives.watchdog
         self._drive, self._transmissions = DriveSide(drives, transmissions), transmissions
         self._nothing_new = JointFeedback(n_joints)
@@ -101,6 +109,7 @@ class JointAdapter(StoppableDriver):
             AdapterConfigurationError: The mode is not offered, bus or watchdog do not go with this rate, a limit is
                 beyond the drive's, or answers take longer than `stale_after`.
             AdapterError: The joints are enabled, or the gate has tripped and was not cleared.
+            DriveHeld: A drive is energised by somebody else; nothing was written.
         """
         check_rate(self.capabilities, mode, period)
         wanted, before = self.options, self._checked_options
@@ -112,6 +121,7 @@ class JointAdapter(StoppableDriver):
             if self._gate is not None and self._gate.tripped:
                 raise AdapterError(f"the gate has tripped ({self._gate.trip_record}): call clear_faults() first")
             gate = make_gate(wanted, mode, period)
+            self._refuse_held()
             try:
                 self._checked_options, self._half_configured = wanted, True
                 self._configure(mode, period)
@@ -136,6 +146,7 @@ class JointAdapter(StoppableDriver):
                 was waived.
             SafetyTrip: The gate has latched: call `clear_faults` first.
             DriveFault: The drive reports a fault.
+            DriveHeld: A drive is energised by somebody else; nothing was written.
         """
         gate, watchdog = self._configured_gate(), self.capabilities.watchdog
         if not (self.options.allow_no_watchdog or (watchdog is not None and watchdog.confirmed)):
@@ -149,12 +160,15 @@ class JointAdapter(StoppableDriver):
             if self._half_configured:
                 raise AdapterError("the drives were not configured to the end: configure() them again")
             self._latch()
+            self._halt()
+            gate.raise_if_tripped()
+            self._refuse_held()
             try:
                 self._lock_owner, self._enabling = threading.get_ident(), True  # from here on a stop latches the gate
                 self._start_references()
                 self._drive.zero_command()
                 gate.raise_if_tripped()
-                self._enabled = True
+                self._enabled = self._is_ours = True
                 self._enable()
                 self._forget_states()
                 # Armed last: the ramp begins when the drives are ready, and a stop in the meantime raises here.
@@ -247,10 +261,12 @@ class JointAdapter(StoppableDriver):
         Raises:
             AdapterError: A stop was owed and did not get through now either.
             DriveFault: The fault stays.
+            DriveHeld: A drive is energised by somebody else; nothing was written.
         """
         seen = self._asked_stop
         with self._lock:
             self._halt()
+            self._refuse_held()
             try:
                 self._clear_faults()
             except BaseException as error:
@@ -259,6 +275,18 @@ class JointAdapter(StoppableDriver):
                 raise AdapterError(self._stop_failure)
             self._release_stop(seen)
             self._stop_failure = ""
+
+    @final
+    def read_energised(self) -> tuple[bool | None, ...]:
+        """Ask each drive at rest whether it is energised, and write nothing; None where its protocol does not tell.
+
+        Raises:
+            AdapterError: Not open, the joints are enabled, or a drive does not answer.
+        """
+        if len(self.capabilities.joints) and self._enabled:
+            raise AdapterError("the joints are enabled: they are energised by this adapter")
+        with self._lock:
+            return tuple(self._read_energised())
 
     @final
     def health(self) -> dict[str, float | str]:
@@ -277,7 +305,7 @@ class JointAdapter(StoppableDriver):
     def close(self) -> None:
         """Stop the joints and let go of the bus. Never raises."""
         self.safe_stop("closed")
-        self._capabilities = None
+        self._capabilities, self._is_ours = None, False
         self._let_go()
 
     @final

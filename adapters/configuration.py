@@ -22,6 +22,7 @@ __all__ = [
     "AdapterConfiguration",
     "CanAdapterConfiguration",
     "CanBusConfiguration",
+    "ConfigurationTable",
     "JointConfiguration",
     "LimitsConfiguration",
     "SerialAdapterConfiguration",
@@ -155,6 +156,18 @@ class SerialAdapterConfiguration(AdapterConfiguration, frozen=True, forbid_unkno
     serial: SerialConfiguration
 
 
+class ConfigurationTable(dict[str, Any]):
+    """What stands in a TOML file.
+
+    Attributes:
+        path: The file.
+    """
+
+    def __init__(self, content: Mapping[str, Any], path: Path) -> None:
+        super().__init__(content)
+        self.path = path
+
+
 class AdapterChoice(NamedTuple):
     """An adapter by name, and what it is made from."""
 
@@ -200,7 +213,7 @@ def read_configuration(path: str | Path) -> dict[str, Any]:
     return found
 
 
-def read_table(path: str | Path) -> dict[str, Any]:
+def read_table(path: str | Path) -> ConfigurationTable:
     """What stands in a TOML file; paths in it count from its own folder, wherever the command is called.
 
     Raises:
@@ -211,7 +224,7 @@ def read_table(path: str | Path) -> dict[str, Any]:
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise AdapterConfigurationError(f"cannot read the configuration {path}: {error}") from error
     _resolve_paths(found, Path(path).absolute().parent)
-    return found
+    return ConfigurationTable(found, Path(path))
 
 
 def _resolve_paths(table: dict[str, Any], folder: Path) -> None:

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, Self
 
 from fricomp.joint import Capabilities, CommandMode, JointCommand, JointFeedback, Watchdog
 
-__all__ = ["HOW_TO_CLEAR", "Driver"]
-
-HOW_TO_CLEAR = "clear_faults(), or fricomp adapter clear, once the cause is gone"
-"""For the message of a `DriveFault`."""
+__all__ = ["Driver"]
 
 
 class Driver(ABC):
@@ -19,7 +17,14 @@ class Driver(ABC):
     configuring, enabling and clearing. Only errors of `fricomp.errors` are raised.
 
     `_stop` may be called from another thread while `_write` or `_read_into` runs; the rest is called by one thread.
+
+    Attributes:
+        configuration_file: Where the configuration was read from, for messages; none where it was not.
+        watchdog_faults: Codes that a drive reports when nothing but its own watchdog has stopped it.
     """
+
+    configuration_file: Path | None = None
+    watchdog_faults: frozenset[int] = frozenset()
 
     @classmethod
     @abstractmethod
@@ -32,7 +37,7 @@ class Driver(ABC):
 
     @abstractmethod
     def _open(self) -> Capabilities:
-        """Connect, read scaling and limits; energise nothing."""
+        """Connect, read scaling and limits; write nothing to a drive, which somebody else may hold."""
 
     @abstractmethod
     def _configure(self, mode: CommandMode, period: float) -> None:
@@ -61,6 +66,19 @@ class Driver(ABC):
     @abstractmethod
     def _close(self) -> None:
         """Let go of the bus."""
+
+    def _take_over(self) -> None:
+        """Zero torque and de-energise drives that somebody else has energised, and may have set up in any way."""
+        self._stop()
+
+    def _command_line(self, command: str, *options: str) -> str:
+        """How the user calls `fricomp adapter` for these drives, for messages."""
+        return " ".join(("fricomp adapter", command, str(self.configuration_file or "FILE"), *options))
+
+    @property
+    def _how_to_clear(self) -> str:
+        """For the message of a `DriveFault`."""
+        return f"clear_faults(), or {self._command_line('clear')}, once the cause is gone"
 
     def _confirmed_watchdog(self) -> Watchdog | None:
         """The watchdog as read back after `_configure`; None if it is what `_open` declared."""

@@ -10,9 +10,10 @@ from typing import Generic, Protocol, TypeVar, final
 from fricomp.errors import AdapterConfigurationError, AdapterConnectionError, AdapterTimeout
 from fricomp.joint import Clock, JointFeedback
 
-from .adapter import POLL_INTERVAL_NS, JointAdapter
+from .adapter import JointAdapter
 from .arrivals import Arrivals
 from .configuration import AdapterConfiguration, JointConfiguration, options_of
+from .holding import POLL_INTERVAL_NS
 
 __all__ = ["LinkAdapter"]
 
@@ -59,6 +60,7 @@ class LinkAdapter(JointAdapter, Generic[Configuration, Link]):
     ) -> None:
         super().__init__(options_of(configuration, joints), clock)
         self._response_timeout = configuration.response_timeout
+        self._names = tuple(joint.name for joint in joints)
         self._open_link = open_link or partial(self._link_of, configuration)
         self._link: Link | None = None
         self._arrivals = Arrivals(parts * len(joints))
@@ -96,6 +98,10 @@ class LinkAdapter(JointAdapter, Generic[Configuration, Link]):
             self._asked_ns = now
             self._ask_state()
         return fresh
+
+    @final
+    def _joint_names(self) -> Sequence[str]:
+        return self._names
 
     @final
     def _connect(self) -> None:

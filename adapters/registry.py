@@ -11,6 +11,7 @@ from typing import Any
 from fricomp.errors import AdapterConfigurationError
 
 from .adapter import JointAdapter
+from .configuration import ConfigurationTable
 
 __all__ = ["ENTRY_POINT_GROUP", "adapter_class", "adapter_names", "open_adapter"]
 
@@ -72,7 +73,10 @@ def open_adapter(name: str, configuration: Mapping[str, Any] | None = None) -> J
     named = given.pop("backend", None)
     if named not in (None, name):
         raise AdapterConfigurationError(f"the configuration is for backend {named!r}, but {name!r} is asked for")
-    return found.from_configuration(given)
+    made = found.from_configuration(given)
+    if isinstance(configuration, ConfigurationTable):
+        made.configuration_file = configuration.path
+    return made
 
 
 def _plugins() -> dict[str, EntryPoint]:

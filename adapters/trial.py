@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import isfinite
 
@@ -11,12 +12,14 @@ from fricomp.joint import JointCommand, JointFeedback
 
 from .adapter import JointAdapter
 
-__all__ = ["LARGEST_SHARE", "TrialSettings", "TrialStep", "try_drive"]
+__all__ = ["LARGEST_SHARE", "TrialSettings", "TrialStep", "describe_energy", "try_drive"]
 
 LARGEST_SHARE = 0.05
 """Of the configured torque limit; a trial never goes beyond."""
 
 SILENCE_TRIED = 3.0  # in watchdog times
+STATES_AWAITED = 40
+"""Cycles after the silence in which the drives may tell what has stopped them."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,7 @@ class TrialSettings:
         ramp_time: Time to that torque [s].
         largest_motion: Motion that ends a ramp [rad] or [m].
         listen_time: How long the state is listened to [s].
+        take_over: Stop drives that somebody else has energised, in place of refusing them.
 
     Raises:
         ParameterError: The share is above 0.05, or a value not positive.
@@ -54,6 +58,7 @@ class TrialSettings:
     ramp_time: float = 1.0
     largest_motion: float = 0.05
     listen_time: float = 0.5
+    take_over: bool = False
 
     def __post_init__(self) -> None:
         if not 0.0 < self.share <= LARGEST_SHARE:
@@ -100,23 +105,29 @@ class _Trial:
         yield self._configure()
         yield self._listen()
         if not may_energise():
-            yield TrialStep("energise", None, "not tried: not allowed to")
+            yield TrialStep("energise", None, f"not tried: not allowed to; {self._energy()}")
             return
         yield self._rest()
         for joint in range(len(self._feedback.position)):
             for sign in (1.0, -1.0):
                 yield self._push(joint, sign)
         yield self._stop()
-        yield self._fall_silent()
+        if self.adapter.capabilities.watchdog is None:
+            yield TrialStep("fall silent at zero torque", None, "not tried: there is no watchdog")
+            return
+        codes = self._fall_silent()
+        yield self._judge_silence(codes)
+        yield self._clear(codes)
 
     def _open(self) -> TrialStep:
-        found = self.adapter.open()
+        found = self.adapter.open(take_over=self.settings.take_over)
+        taken = f"taken over, and limp now: {', '.join(self.adapter.taken_over)}; " if self.adapter.taken_over else ""
         joints = "; ".join(
             f"{j.name}: torque {j.torque_limit:g} {j.torque_unit} in steps of {j.torque_quantum:.3g}, {j.torque_kind}; "
             f"position steps {j.position_quantum:.3g}, velocity steps {j.velocity_quantum:.3g}"
             for j in found.joints
         )
-        return TrialStep("open", True, f"{joints}; bus carries {found.highest_rate:.0f} Hz")
+        return TrialStep("open", True, f"{taken}{joints}; bus carries {found.highest_rate:.0f} Hz")
 
     def _configure(self) -> TrialStep:
         self.doing = "configure"
@@ -201,27 +212,40 @@ class _Trial:
             "stop", passed, "stopped, and torque is refused" if passed else f"{failure or 'torque passed'}"
         )
 
-    def _fall_silent(self) -> TrialStep:
-        """Energise once more and fall silent: the drive must stop by itself."""
+    def _fall_silent(self) -> list[int]:
+        """Energise once more and fall silent, until the drives stop by themselves; the codes that they report then."""
         self.doing = "fall silent at zero torque"
-        watchdog = self.adapter.capabilities.watchdog
-        if watchdog is None:
-            return TrialStep(self.doing, None, "not tried: there is no watchdog")
         self.adapter.clear_faults()
         self.adapter.enable()
         self._collect(0.1, torque=lambda _: self._zeros())
-        clock = self.adapter.clock
-        clock.sleep_until(clock.now_ns() + round(SILENCE_TRIED * watchdog.timeout * 1e9))
-        try:
-            for _ in range(20):
-                self.adapter.read_into(self._feedback)
-                clock.sleep_until(clock.now_ns() + round(self.settings.period * 1e9))
-        except AdapterError as error:
-            return TrialStep(self.doing, True, f"noticed: {error}")
-        if any(self._feedback.fault):
-            codes = [hex(fault) for fault in self._feedback.fault]
-            return TrialStep(self.doing, True, f"the drives stopped by themselves, codes {codes}")
+        clock, watchdog = self.adapter.clock, self.adapter.capabilities.watchdog
+        silence = SILENCE_TRIED * watchdog.timeout if watchdog is not None else 0.0
+        clock.sleep_until(clock.now_ns() + round(silence * 1e9))
+        codes = [0] * len(self._feedback.fault)
+        for _ in range(STATES_AWAITED):
+            with suppress(AdapterError):  # such as heartbeats that have not been heard meanwhile
+                if self.adapter.read_into(self._feedback):
+                    codes = [new or old for new, old in zip(self._feedback.fault, codes, strict=True)]
+            clock.sleep_until(clock.now_ns() + round(self.settings.period * 1e9))
+        return codes
+
+    def _judge_silence(self, codes: Sequence[int]) -> TrialStep:
+        if any(codes):
+            return TrialStep(self.doing, True, f"the drives stopped by themselves, codes {_hex(codes)}")
         return TrialStep(self.doing, None, "our side stopped them; the drives do not tell whether they had already")
+
+    def _clear(self, codes: Sequence[int]) -> TrialStep:
+        """Clear what the silence has latched, and nothing else: the user has to see that first."""
+        self.doing = "clear"
+        foreign = [code for code in codes if code and code not in self.adapter.watchdog_faults]
+        if foreign:
+            hint = f"fricomp adapter clear {self.adapter.configuration_file or 'FILE'}"
+            return TrialStep(self.doing, False, f"codes {_hex(foreign)} are not the watchdog's: find out, then {hint}")
+        self.adapter.clear_faults()
+        return TrialStep(self.doing, True, f"cleared what the silence had latched; {self._energy()}")
+
+    def _energy(self) -> str:
+        return describe_energy([j.name for j in self.adapter.capabilities.joints], self.adapter.read_energised())
 
     # -- cycles -------------------------------------------------------------------------------------------------
 
@@ -253,6 +277,23 @@ class _Trial:
             if until is not None and until():
                 break
         return positions
+
+
+def describe_energy(names: Sequence[str], energised: Sequence[bool | None]) -> str:
+    """What the drives say about being energised, in words.
+
+    Args:
+        names: Of the joints.
+        energised: As `JointAdapter.read_energised` returns it.
+    """
+    if not any(on is not False for on in energised):
+        return "the drives say that nothing is energised"
+    told = {True: "is energised", False: "is not energised", None: "does not tell whether it is energised"}
+    return ", ".join(f"{name} {told[on]}" for name, on in zip(names, energised, strict=True))
+
+
+def _hex(codes: Sequence[int]) -> str:
+    return ", ".join(hex(code) for code in codes)
 
 
 def _list(values: Sequence[float]) -> str:

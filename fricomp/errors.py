@@ -16,7 +16,8 @@ FricompError
     ├── AdapterConnectionError (ConnectionError) the bus or the drive cannot be reached
     ├── AdapterTimeout (TimeoutError)            the drive did not answer in time
     ├── AdapterValueError (ValueError)           a command that must not reach a drive
-    └── DriveFault                               the drive reports a fault
+    ├── DriveFault                               the drive reports a fault
+    └── DriveHeld                                the drive is energised by somebody else
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ __all__ = [
     "AdapterValueError",
     "DiagnosisError",
     "DriveFault",
+    "DriveHeld",
     "ExportError",
     "FricompError",
     "IdentificationError",
@@ -116,3 +118,7 @@ class AdapterValueError(AdapterError, ValueError):
 
 class DriveFault(AdapterError):
     """The drive reports a fault."""
+
+
+class DriveHeld(AdapterError):
+    """The drive is energised by somebody else; nothing has been written to it."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from typing import Any, Self
@@ -12,8 +12,8 @@ from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, Watchd
 
 from ..can_adapter import CanAdapter
 from ..configuration import convert
-from ..driver import HOW_TO_CLEAR
 from ..link import CanFrame, CanLink
+from . import objects
 from .capability import declare
 from .clearing import clear_by_service
 from .configuration import CanOpenConfiguration
@@ -22,7 +22,7 @@ from .process_data import STATE_OBJECTS, map_process_data
 from .scaling import read_scaling
 from .service import ServiceChannel
 from .set_up import clear_targets, find_modes, restart_watchdog, set_mode, set_period, set_watchdog
-from .state_machine import CLEAR_FAULT, DISABLE_VOLTAGE, ENABLE_STEPS, DriveState
+from .state_machine import CLEAR_FAULT, DISABLE_VOLTAGE, ENABLE_STEPS, ENERGISED, DriveState
 from .torque_limit import find_most_torque, restore_torque_limits, set_torque_limit
 
 __all__ = ["CanOpenAdapter"]
@@ -45,6 +45,8 @@ class CanOpenAdapter(CanAdapter):
         open_link: Makes the link; python-can as configured unless given.
         clock: Real time unless a simulation brings its own.
     """
+
+    watchdog_faults = frozenset({0x8130})  # life guard or heartbeat error [cia301]
 
     def __init__(
         self,
@@ -138,6 +140,18 @@ class CanOpenAdapter(CanAdapter):
                 raise type(error)(f"joint {joint.name!r}: {error}") from error
         return declare(self._configuration, self._drives, modes, torque)
 
+    def _find_energised(self) -> Sequence[bool | None]:
+        for drive in self._drives:
+            drive.take_statusword(drive.service.read(objects.STATUSWORD))
+        return [drive.state in ENERGISED for drive in self._drives]
+
+    def _take_over(self) -> None:
+        """By SDO alone: what stands in the process data of whoever has set up these nodes is not known."""
+        for drive in self._drives:
+            drive.service.try_write(objects.TARGET_TORQUE, 0)
+            drive.service.try_write(objects.TORQUE_OFFSET, 0)
+            drive.service.write(objects.CONTROLWORD, DISABLE_VOLTAGE)
+
     # -- configuring --------------------------------------------------------------------------------------
 
     def _configure(self, mode: CommandMode, period: float) -> None:
@@ -196,15 +210,16 @@ class CanOpenAdapter(CanAdapter):
             if drive.mode_display != MODE_NUMBERS[self._mode_in_use]:
                 raise AdapterError(f"node {drive.node_id} is in mode {drive.mode_display}, not in {self._mode_in_use}")
             if fault := drive.find_fault(running=True):
-                raise DriveFault(f"node {drive.node_id} reports {fault:#06x}: {HOW_TO_CLEAR}")
+                raise DriveFault(f"node {drive.node_id} reports {fault:#06x}: {self._how_to_clear}")
         self._running = True
 
     def _enabling_word(self, drive: CanOpenDrive, step: int) -> int:
         if drive.emergency:  # would stop the joints in the first cycle: refused while nothing is energised yet
-            raise DriveFault(f"node {drive.node_id} reports emergency {drive.emergency:#06x}: {HOW_TO_CLEAR}")
+            raise DriveFault(f"node {drive.node_id} reports emergency {drive.emergency:#06x}: {self._how_to_clear}")
         if drive.state not in ENABLE_STEPS:
             raise DriveFault(
-                f"node {drive.node_id} is in state {drive.state.value!r}, error {drive.error_code:#06x}: {HOW_TO_CLEAR}"
+                f"node {drive.node_id} is in state {drive.state.value!r}, error {drive.error_code:#06x}: "
+                f"{self._how_to_clear}"
             )
         self._raise_if_stopped()
         return ENABLE_STEPS[drive.state]

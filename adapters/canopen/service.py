@@ -15,6 +15,9 @@ __all__ = ["SERVER_ANSWER", "ServiceChannel"]
 
 SERVER_ANSWER = 0x580
 
+INITIATED = (2, 3)
+"""Upper three bits of the answers that begin a transfer, to reading and to writing; they name the object [cia301]."""
+
 # Abort codes that say an object is not there, rather than that something went wrong [cia301].
 ABSENT = {0x06020000, 0x06090011}
 
@@ -36,10 +39,13 @@ class ServiceChannel:
 
     def __init__(self, node_id: int, send: Callable[[int, bytes], None], wait: Wait, timeout: float) -> None:
         self._node_id = node_id
+        self._awaited: bytes | None = None  # index and subindex of the transfer under way
         self._client = _make_client(node_id, send, _PumpedQueue(wait, timeout))
 
     def on_answer(self, data: bytes) -> None:
-        """Take in an answer of the node."""
+        """Take in an answer of the node; one that nobody waits for any more, such as to a stop, is dropped."""
+        if self._awaited is None or (len(data) == 8 and data[0] >> 5 in INITIATED and data[1:4] != self._awaited):
+            return
         self._client.on_response(SERVER_ANSWER + self._node_id, data, 0.0)
 
     def read(self, entry: CanOpenObject) -> int:
@@ -126,6 +132,7 @@ class ServiceChannel:
         from canopen import SdoAbortedError, SdoCommunicationError
 
         what = f"cannot {verb} object {entry.index:#06x}:{entry.subindex} of node {self._node_id}"
+        self._awaited = entry.index.to_bytes(2, "little") + bytes((entry.subindex,))
         try:
             return bytes(transfer() or b"")
         except SdoAbortedError as error:
@@ -137,6 +144,8 @@ class ServiceChannel:
             raise
         except Exception as error:  # canopen raises struct and key errors on answers that are damaged
             raise AdapterError(f"{what}: damaged answer ({error!r})") from error
+        finally:
+            self._awaited = None
 
 
 class _ObjectAbsent(AdapterError):

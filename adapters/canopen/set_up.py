@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from math import tau
 
-from fricomp.errors import AdapterConfigurationError, AdapterConnectionError, AdapterTimeout
+from fricomp.errors import AdapterConfigurationError, AdapterTimeout
 from fricomp.joint import CommandMode
 
 from . import objects
 from .configuration import CanOpenConfiguration
 from .drive import MODE_NUMBERS, CanOpenDrive
-from .state_machine import DriveState
 
 __all__ = ["clear_targets", "find_modes", "restart_watchdog", "set_mode", "set_period", "set_watchdog"]
 
@@ -37,14 +36,10 @@ def find_modes(drive: CanOpenDrive) -> set[CommandMode]:
 
     Raises:
         AdapterConfigurationError: It is no CiA 402 drive.
-        AdapterConnectionError: It is energised by somebody else.
     """
     kind = drive.service.read(objects.DEVICE_TYPE) & 0xFFFF
     if kind != _CIA_402:
         raise AdapterConfigurationError(f"node {drive.node_id} is no CiA 402 drive: its device type is {kind}")
-    drive.take_statusword(drive.service.read(objects.STATUSWORD))
-    if drive.state is DriveState.OPERATION_ENABLED:
-        raise AdapterConnectionError(f"node {drive.node_id} is energised by somebody else: disable it first")
     supported = drive.service.read(objects.SUPPORTED_MODES)
     return {mode for mode, number in MODE_NUMBERS.items() if supported >> (number - 1) & 1}
 

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from enum import Enum
 
-__all__ = ["CLEAR_FAULT", "DISABLE_VOLTAGE", "ENABLE_STEPS", "STATE_OF_BITS", "DriveState", "decode_state"]
+__all__ = [
+    "CLEAR_FAULT",
+    "DISABLE_VOLTAGE",
+    "ENABLE_STEPS",
+    "ENERGISED",
+    "STATE_OF_BITS",
+    "DriveState",
+    "decode_state",
+]
 
 
 class DriveState(Enum):
@@ -19,6 +27,9 @@ class DriveState(Enum):
     FAULT_REACTION_ACTIVE = "fault reaction active"
     FAULT = "fault"
 
+
+# States in which the motor may carry current: a quick stop and the reaction to a fault brake with it.
+ENERGISED = frozenset({DriveState.OPERATION_ENABLED, DriveState.QUICK_STOP_ACTIVE, DriveState.FAULT_REACTION_ACTIVE})
 
 # Statusword: mask, pattern, state.
 STATUSWORDS = (

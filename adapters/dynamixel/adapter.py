@@ -10,7 +10,6 @@ from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, J
 
 from ..bus_budget import BusBudget, serial_time
 from ..configuration import convert
-from ..driver import HOW_TO_CLEAR
 from ..link import SerialLink
 from .configuration import DynamixelConfiguration
 from .control_table import (
@@ -42,6 +41,7 @@ from .control_table import (
 from .goals import compute_current_bound, encode_goals, stop_packets
 from .packet import Instruction, StatusPacket, SyncWriter, encode_packet, sync_read_packet
 from .report import (
+    FAULT_WATCHDOG,
     INDIRECT_ADDRESSES,
     MAPPING,
     REPORT_SIZE,
@@ -67,6 +67,8 @@ class DynamixelAdapter(ServoLine):
         open_link: Makes the link; pyserial as configured unless given.
         clock: Real time unless a simulation brings its own.
     """
+
+    watchdog_faults = frozenset({FAULT_WATCHDOG})
 
     def __init__(
         self,
@@ -173,6 +175,9 @@ class DynamixelAdapter(ServoLine):
             torque_limit=self._current_limits[joint] * count,
         )
 
+    def _find_energised(self) -> Sequence[bool | None]:
+        return [bool(self._read_item(servo, TORQUE_ENABLE)) for servo in self._servos]
+
     def _refuse_unwanted(self, servo: int, name: str) -> None:
         for item, place, bit, what in UNWANTED:
             if self._read_bytes(servo, item)[place] & bit:
@@ -271,7 +276,7 @@ class DynamixelAdapter(ServoLine):
         """
         error = self._read_item(servo, HARDWARE_ERROR)
         if error:
-            raise DriveFault(f"servo {servo} reports hardware error {error:#x}: {HOW_TO_CLEAR}")
+            raise DriveFault(f"servo {servo} reports hardware error {error:#x}: {self._how_to_clear}")
         self._ensure_item(servo, TORQUE_ENABLE, 0)
         self._ensure_item(servo, OPERATING_MODE, MODES[self._mode_in_use])
         self._prepare_reports(servo)

@@ -10,6 +10,7 @@ from .control_table import BUS_WATCHDOG, HARDWARE_ERROR, STATE, TORQUE_ENABLE, I
 from .packet import bulk_read_packet, sync_read_packet
 
 __all__ = [
+    "FAULT_WATCHDOG",
     "INDIRECT_ADDRESSES",
     "MAPPING",
     "REPORT_SIZE",

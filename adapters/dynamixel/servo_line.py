@@ -8,8 +8,8 @@ from collections.abc import Callable
 from fricomp.errors import AdapterConfigurationError, AdapterError
 from fricomp.joint import Clock
 
-from ..adapter import POLL_INTERVAL_NS
 from ..bus_budget import serial_time
+from ..holding import POLL_INTERVAL_NS
 from ..link import SerialLink
 from ..serial_adapter import SerialAdapter
 from .configuration import DynamixelConfiguration

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from math import isclose, isfinite
 from typing import Any, Self
 
@@ -13,7 +13,6 @@ from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, J
 from ..bus_budget import BusBudget, can_frame_bits
 from ..can_adapter import CanAdapter
 from ..configuration import convert
-from ..driver import HOW_TO_CLEAR
 from ..link import CanFrame, CanLink
 from .configuration import MitConfiguration, make_motor
 from .motor import MotorState
@@ -23,6 +22,11 @@ from .velocity_loop import MotorVelocityLoop, loop_gains
 __all__ = ["MitAdapter"]
 
 FORMATS: Mapping[RegisterType, str] = {"float32": "<f", "uint32": "<I", "uint8": "<Bxxx"}
+
+ANSWER_NS = 5_000_000
+"""How long an answer to a frame of ours may be under way [ns]."""
+LISTENING_NS = 50_000_000
+"""How long a motor that does not tell its state is listened to [ns]: any control loop commands it meanwhile."""
 
 # Beyond every vendor's own codes.
 FAULT_NOT_ENABLED = 0x1001  # it has stopped by itself: its watchdog, or a power cycle
@@ -64,6 +68,7 @@ class MitAdapter(CanAdapter):
         self._seen = [False] * len(self._motors)
         self._running = False
         self._watchdog: Watchdog | None = None
+        self.watchdog_faults = frozenset(motor.lost for motor in self._motors if motor.lost is not None)
 
     @classmethod
     def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
@@ -77,9 +82,37 @@ class MitAdapter(CanAdapter):
         self._connect()
         for joint in range(len(self._motors)):
             self._check_ranges(joint)
+        self._refuse_held()  # before the first poll, which de-energises a motor that answers nothing but commands
         self._poll_all()
         joints = tuple(map(self._declare, range(len(self._motors))))
         return Capabilities(joints, self._modes(), self._highest_rate(), self._watchdog)
+
+    def _find_energised(self) -> Sequence[bool | None]:
+        """As the motors say; those that answer nothing but commands are listened to.
+
+        Whoever commands one makes it answer. One that is energised and left alone cannot be told from one at rest.
+        """
+        heard = self._listen()
+        self._forget()
+        self._send([motor.poll_frame for motor in self._motors if motor.tells_when_asked])
+        self._wait(self._all_told, self._response_timeout, f"not all of {self._names_and_ids()} answered")
+        rows = zip(self._motors, self._enabled_flags, heard, strict=True)
+        return [flag if motor.tells_when_asked else other or None for motor, flag, other in rows]
+
+    def _all_told(self) -> bool:
+        return all(seen or not motor.tells_when_asked for motor, seen in zip(self._motors, self._seen, strict=True))
+
+    def _listen(self) -> list[bool]:
+        """Which motors answer somebody else, and do not say that they are limp."""
+        if all(motor.tells_when_asked for motor in self._motors):
+            self._pump()
+            return [False] * len(self._motors)
+        self.clock.sleep_until(self.clock.now_ns() + ANSWER_NS)  # answers to polls of our own may be on their way
+        self._pump()
+        self._forget()
+        self.clock.sleep_until(self.clock.now_ns() + LISTENING_NS)
+        self._pump()
+        return [seen and flag is not False for seen, flag in zip(self._seen, self._enabled_flags, strict=True)]
 
     def _modes(self) -> tuple[CommandMode, ...]:
         return ("torque", "velocity") if all(self._gains) else ("torque",)
@@ -210,7 +243,7 @@ class MitAdapter(CanAdapter):
 
     def _raise_on_fault(self) -> None:
         if any(self._reported.fault):
-            raise DriveFault(f"the motors report {self._reported.fault}: {HOW_TO_CLEAR}")
+            raise DriveFault(f"the motors report {self._reported.fault}: {self._how_to_clear}")
 
     def _write(self, command: JointCommand, mode: CommandMode) -> None:
         torque, reported = command.torque, self._reported
@@ -280,7 +313,9 @@ class MitAdapter(CanAdapter):
         self._forget()
         self._ask_state()
         self._wait(
-            lambda: all(self._seen), self._configuration.response_timeout, f"not all of {self._names()} answered"
+            lambda: all(self._seen),
+            self._configuration.response_timeout,
+            f"not all of {self._names_and_ids()} answered",
         )
 
     def _forget(self) -> None:
@@ -288,7 +323,7 @@ class MitAdapter(CanAdapter):
         self._enabled_flags = [None] * len(self._motors)
         self._reported.fault[:] = [0] * len(self._motors)
 
-    def _names(self) -> str:
+    def _names_and_ids(self) -> str:
         return ", ".join(f"{joint.name!r} (id {joint.id})" for joint in self._configuration.joints)
 
     def _health(self) -> dict[str, float | str]:

@@ -50,10 +50,15 @@ class Motor(ABC):
         quanta: Steps of position [rad], velocity [rad/s] and torque [N·m].
         gain_codes: Number of steps from zero to the highest stiffness and damping.
         answer_key: Lower 16 bits of the identifiers of its answers.
+        tells_when_asked: Whether `poll_frame` is a mere request. Where not, only a command is answered, and the one
+            that is harmless at rest is to de-energise.
+        lost: Fault code of a motor that nothing but its own watchdog has stopped; None where it has none.
     """
 
     quanta: tuple[float, float, float]
     gain_codes = CODES_12
+    tells_when_asked = False
+    lost: int | None = None
 
     def __init__(self, address: int, feedback_id: int, ranges: MitRanges, registers: Registers) -> None:
         self.address = address
@@ -117,6 +122,8 @@ class Motor(ABC):
 class DamiaoMotor(Motor):
     """Damiao: status in the upper half of the first byte, registers behind identifier 0x7FF [damiao2024]."""
 
+    tells_when_asked = True
+    lost = 0xD
     SERVICE_ID = 0x7FF
     READ, WRITE, REFRESH = 0x33, 0x55, 0xCC
     ANSWERS = (READ, WRITE)

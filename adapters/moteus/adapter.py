@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Self
 
 from fricomp.errors import AdapterConfigurationError, AdapterTimeout, DriveFault
@@ -10,12 +10,14 @@ from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, J
 
 from ..bus_budget import BusBudget, can_fd_frame_time, serial_time
 from ..configuration import JointConfiguration, SerialAdapterConfiguration, convert
-from ..driver import HOW_TO_CLEAR
 from ..link import SerialLink
 from ..serial_adapter import SerialAdapter
 from .codec import (
     LONGEST_TEXT,
+    MODE_FAULT,
     MODE_POSITION,
+    MODE_STOPPED,
+    MODE_TIMEOUT,
     QUERY,
     STOP,
     MoteusState,
@@ -62,6 +64,8 @@ class MoteusAdapter(SerialAdapter):
         open_link: Makes the link; pyserial as configured unless given.
         clock: Real time unless a simulation brings its own.
     """
+
+    watchdog_faults = frozenset({FAULT_MODE + MODE_TIMEOUT})
 
     def __init__(
         self,
@@ -138,6 +142,16 @@ class MoteusAdapter(SerialAdapter):
         joints = tuple(JointCapabilities(joint.name) for joint in self._configuration.joints)
         return Capabilities(joints, ("torque", "velocity", "position"), self._highest_rate(), self._watchdog)
 
+    def _find_energised(self) -> Sequence[bool | None]:
+        self._poll_all()
+        return [self._is_energised(joint, mode) for joint, mode in enumerate(self._modes)]
+
+    def _is_energised(self, joint: int, mode: int | None) -> bool:
+        """Whether a controller carries current; after a timeout it stops or brakes, as it is set to."""
+        if mode == MODE_TIMEOUT:
+            return not _is_number(self._converse(joint, "conf get servo.timeout_mode"), TIMEOUT_STOPS)
+        return mode not in (MODE_STOPPED, MODE_FAULT)
+
     def _highest_rate(self) -> float:
         baudrate = self._configuration.serial.baudrate if self._configuration.uart else USB_BAUDRATE
         command = pad(encode_command("torque", 0.0, 0.0, 1.0, 0.1))
@@ -213,7 +227,7 @@ class MoteusAdapter(SerialAdapter):
 
     def _raise_on_fault(self) -> None:
         if any(self._reported.fault):
-            raise DriveFault(f"the controllers report {self._reported.fault}: {HOW_TO_CLEAR}")
+            raise DriveFault(f"the controllers report {self._reported.fault}: {self._how_to_clear}")
 
     def _write(self, command: JointCommand, mode: CommandMode) -> None:
         references = command.position if mode == "position" else command.velocity

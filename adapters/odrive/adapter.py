@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from math import tau
 from typing import Any, Self
@@ -12,7 +12,6 @@ from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, J
 
 from ..bus_budget import BusBudget, can_frame_bits
 from ..configuration import convert
-from ..driver import HOW_TO_CLEAR
 from ..link import CanFrame, CanLink
 from .codec import (
     AxisState,
@@ -49,6 +48,8 @@ class OdriveAdapter(ParameterAdapter):
         open_link: Makes the link; python-can as configured unless given.
         clock: Real time unless a simulation brings its own.
     """
+
+    watchdog_faults = frozenset({0x0100_0000, 0x0000_0800})  # of firmware 0.6 and 0.5
 
     def __init__(
         self,
@@ -151,6 +152,11 @@ class OdriveAdapter(ParameterAdapter):
         joints = tuple(map(self._declare, range(len(self._nodes))))
         return Capabilities(joints, self._modes(), self._highest_rate(), self._watchdog)
 
+    def _find_energised(self) -> Sequence[bool | None]:
+        self._await_heartbeats()
+        limp = (AxisState.UNDEFINED, AxisState.IDLE)
+        return [heartbeat is not None and heartbeat.state not in limp for heartbeat in self._heartbeats]
+
     def _declare(self, joint: int) -> JointCapabilities:
         return JointCapabilities(
             self._configuration.joints[joint].name,
@@ -192,6 +198,7 @@ class OdriveAdapter(ParameterAdapter):
         return self._watchdog
 
     def _await_heartbeats(self) -> None:
+        self._pump()  # those that lie here are from before
         self._heartbeats = [None] * len(self._nodes)
         self._wait(self._all_heard, SLOWEST_HEARTBEAT, f"not all of nodes {self._nodes} sent a heartbeat")
 
@@ -236,7 +243,7 @@ class OdriveAdapter(ParameterAdapter):
     def _raise_on_fault(self) -> None:
         if any(self._reported.fault):
             codes = ", ".join(f"{code:#x}" for code in self._reported.fault)
-            raise DriveFault(f"the axes report errors {codes}: {HOW_TO_CLEAR}")
+            raise DriveFault(f"the axes report errors {codes}: {self._how_to_clear}")
 
     def _write(self, command: JointCommand, mode: CommandMode) -> None:
         torque, velocity, position = command.torque, command.velocity, command.position

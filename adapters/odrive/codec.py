@@ -50,8 +50,9 @@ class Command(IntEnum):
 
 
 class AxisState(IntEnum):
-    """States that the adapter asks for."""
+    """States that the adapter asks for, and the one of an axis that has just started; all others energise the motor."""
 
+    UNDEFINED = 0
     IDLE = 1
     CLOSED_LOOP = 8
 

@@ -11,6 +11,10 @@ __all__ = ["app"]
 
 app = typer.Typer(add_completion=False)
 
+TAKE_OVER = typer.Option(
+    "--take-over", help="Stop a drive that somebody else has energised: zero torque, then limp. It is refused else."
+)
+
 MARKS = {True: ("ok", "green"), False: ("failed", "red"), None: ("open", "yellow")}
 
 
@@ -26,11 +30,14 @@ def check(
     rate: Annotated[float, typer.Option(help="Rate of the control loop \\[Hz].")] = 200.0,
     motion: Annotated[float, typer.Option(help="Motion that ends a push \\[rad] or \\[m].")] = 0.05,
     listen_only: Annotated[bool, typer.Option("--listen-only", help="Energise nothing.")] = False,
+    take_over: Annotated[bool, TAKE_OVER] = False,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before energising.")] = False,
 ) -> None:
     """Open a drive, read what it says, energise it at zero torque, push it gently both ways, and stop it.
 
-    The gate itself is cut down to the share, so that nothing above it can be commanded. Exit status 1 if a step fails.
+    A drive that somebody else has energised is asked only, and refused. The gate itself is cut down to the share, so
+    that nothing above it can be commanded. What the drive latches while its watchdog is tried is cleared. Exit status 1
+    if a step fails.
     """
     from rich.text import Text
 
@@ -43,7 +50,7 @@ def check(
 
     if not rate > 0.0:
         raise ParameterError(f"the rate must be positive [Hz], got {rate!r}")
-    settings = TrialSettings(period=1.0 / rate, share=share, largest_motion=motion)
+    settings = TrialSettings(period=1.0 / rate, share=share, largest_motion=motion, take_over=take_over)
     content = read_configuration(configuration)
     tried = open_adapter(content["backend"], content)
     screen = console()
@@ -64,15 +71,29 @@ def check(
         raise typer.Exit(1)
 
 
-@app.command(epilog="fricomp adapter clear arm.toml")
-def clear(configuration: Annotated[Path, typer.Argument(help="Configuration file: bus, joints, limits.")]) -> None:
-    """Clear what the drives have latched, once its cause is gone. Energises nothing; a fault that stays is named."""
+@app.command(epilog="fricomp adapter clear arm.toml\n\nfricomp adapter clear arm.toml --take-over")
+def clear(
+    configuration: Annotated[Path, typer.Argument(help="Configuration file: bus, joints, limits.")],
+    take_over: Annotated[bool, TAKE_OVER] = False,
+) -> None:
+    """Clear what the drives have latched, once its cause is gone. Energises nothing; a fault that stays is named.
+
+    A drive that somebody else has energised is asked only, and refused.
+    """
     from fricomp.adapters import open_adapter
     from fricomp.adapters.configuration import read_configuration
+    from fricomp.adapters.trial import describe_energy
     from fricomp.cli.terminal import console
 
     content = read_configuration(configuration)
-    with open_adapter(content["backend"], content) as adapter:
+    adapter = open_adapter(content["backend"], content)
+    try:
+        adapter.open(take_over=take_over)
+        if adapter.taken_over:
+            console().print(f"Taken over, and limp now: {', '.join(adapter.taken_over)}.")
         adapter.clear_faults()
-        names = ", ".join(joint.name for joint in adapter.capabilities.joints)
-    console().print(f"No fault is left on {names}; nothing is energised.")
+        names = [joint.name for joint in adapter.capabilities.joints]
+        energy = describe_energy(names, adapter.read_energised())
+    finally:
+        adapter.close()
+    console().print(f"No fault is left on {', '.join(names)}; {energy}.")

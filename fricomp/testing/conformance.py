@@ -12,6 +12,7 @@ import pytest
 
 from fricomp.testing.conformance_cycle import CycleConformance
 from fricomp.testing.conformance_exchange import ExchangeConformance
+from fricomp.testing.conformance_holding import HoldingConformance
 from fricomp.testing.conformance_link_failure import LinkFailureConformance
 from fricomp.testing.conformance_preparation import PreparationConformance
 from fricomp.testing.conformance_stopping import StoppingConformance
@@ -22,6 +23,7 @@ __all__ = ["AdapterConformance"]
 
 class AdapterConformance(
     PreparationConformance,
+    HoldingConformance,
     ExchangeConformance,
     LinkFailureConformance,
     StoppingConformance,

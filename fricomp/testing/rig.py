@@ -30,8 +30,15 @@ class AdapterUnderTest(Protocol):
     def enabled(self) -> bool:
         """Whether the joints are energised."""
 
-    def open(self) -> Capabilities:
+    @property
+    def taken_over(self) -> tuple[str, ...]:
+        """Joints that were taken over."""
+
+    def open(self, *, take_over: bool = False) -> Capabilities:
         """Connect."""
+
+    def read_energised(self) -> tuple[bool | None, ...]:
+        """What the drives say."""
 
     def configure(self, mode: CommandMode, period: float) -> None:
         """Set mode and period."""
@@ -116,6 +123,14 @@ class AdapterRig(ABC):
     @abstractmethod
     def power_cycle(self, joint: int) -> None:
         """Switch a drive off and on."""
+
+    @abstractmethod
+    def hold(self, joint: int) -> None:
+        """Let somebody else energise a drive, with some torque, without a frame of the adapter's."""
+
+    @abstractmethod
+    def is_read(self, traffic: Any) -> bool:
+        """Whether what the adapter handed to the link (one frame, or some bytes) only asks, and changes nothing."""
 
     @abstractmethod
     def refuse_mode(self) -> None:

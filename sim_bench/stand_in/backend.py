@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
 from fricomp.adapters import AdapterOptions, JointAdapter
@@ -59,6 +59,12 @@ class SimulatedJointAdapter(JointAdapter):
             watchdog=Watchdog(longest, confirmed=True) if guarded else None,
             simulated=True,
         )
+
+    def _find_energised(self) -> Sequence[bool | None]:
+        return [servo.enabled for servo in self.stand_in.servos]
+
+    def _joint_names(self) -> Sequence[str]:
+        return [joint.name for joint in self.stand_in.settings.joints]
 
     def _configure(self, mode: CommandMode, period: float) -> None:
         servo_period = self.stand_in.settings.period

@@ -126,7 +126,7 @@ def test_faults_are_cleared_from_the_command_line_and_nothing_is_energised(
     path.write_text('backend = "twin-canopen"\n')
     result = CliRunner().invoke(app, ["adapter", "clear", str(path)])
     assert result.exit_code == 0, result.output
-    assert "No fault is left on joint; nothing is energised." in result.output
+    assert "No fault is left on joint; the drives say that nothing is energised." in result.output
     assert drives[0].state is DriveState.SWITCH_ON_DISABLED
     assert drives[0].error_code == 0
     assert not drives[0].axis.energised

@@ -22,7 +22,7 @@ from fricomp.adapters.moteus.adapter import MoteusConfiguration
 from fricomp.adapters.odrive import OdriveAdapter
 from fricomp.adapters.odrive.configuration import OdriveConfiguration
 from fricomp.adapters.trial import LARGEST_SHARE, TrialSettings, TrialStep, try_drive
-from fricomp.errors import AdapterError, ParameterError
+from fricomp.errors import AdapterError, DriveHeld, ParameterError
 from fricomp.joint import JointCommand, JointFeedback
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
 from fricomp.sim_bench.stand_in import StandIn
@@ -119,10 +119,73 @@ def test_the_trial_of_a_healthy_drive_finds_nothing_wrong(made: Made) -> None:
     assert not twin.stand_in.servos[0].enabled or abs(twin.stand_in.torque[0]) < 1e-9
 
 
+def test_the_trial_clears_what_its_own_silence_has_latched(made: Made) -> None:
+    adapter, _ = made
+    steps = list(try_drive(adapter, TrialSettings(), lambda: True))
+    assert (steps[-1].name, steps[-1].passed) == ("clear", True)
+    with adapter:
+        adapter.configure("torque", 0.005)
+        adapter.enable()  # as `fricomp calibrate` does after `fricomp adapter check`
+
+
+@pytest.mark.parametrize("protocol", ["canopen", "mit", "odrive"])  # the others latch nothing that has a code
+def test_the_trial_clears_nothing_but_what_it_has_caused(protocol: str, tmp_path: Path) -> None:
+    adapter, _ = MAKERS[protocol](tmp_path)
+    names = []
+    for step in try_drive(adapter, TrialSettings(), lambda: True):
+        names.append(step.name)
+        if step.name == "stop":
+            adapter.watchdog_faults = frozenset()  # as if it were another fault
+    assert names[-1] == "clear"
+    assert step.passed is False
+    assert "fricomp adapter clear" in step.detail
+
+
+def test_a_drive_that_another_process_holds_is_left_alone(made: Made) -> None:
+    """Another adapter on the same line holds the drive: its torque and its watchdog stay what they are."""
+    holder: Any
+    holder, twin = made
+    adapter = type(holder)(holder._configuration, None, holder.clock)
+    holder.open()
+    holder.configure("torque", 0.005)
+    holder.enable()
+    command, feedback, line = JointCommand(1), JointFeedback(1), holder._link
+    command.torque[0] = 0.02
+    for _ in range(50):
+        assert holder.write(command)
+        holder.clock.sleep_until(holder.clock.now_ns() + 5_000_000)
+        holder.read_into(feedback)
+    feeding = Feeding(line, lambda: holder._write(holder._drive.command_from_joint(), "torque"))
+    adapter._open_link = lambda: feeding
+    with pytest.raises(DriveHeld, match=r"energised by somebody else: joint 0; nothing was written"):
+        adapter.open()
+    assert twin.stand_in.servos[0].enabled
+    assert twin.stand_in.torque[0] == pytest.approx(0.02, abs=0.005)
+
+
+class Feeding:
+    """A line on which the holder goes on commanding whenever the other one looks at it."""
+
+    def __init__(self, line: Any, go_on: Callable[[], object]) -> None:
+        self._line, self._go_on, self._busy = line, go_on, False
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._line, name)
+
+    def receive(self) -> Any:
+        received = self._line.receive()
+        self._go_on()
+        return received
+
+    def close(self) -> None:
+        """The line is the holder's."""
+
+
 def test_the_trial_energises_nothing_without_leave(made: Made) -> None:
     adapter, twin = made
     steps = list(try_drive(adapter, TrialSettings(), lambda: False))
-    assert steps[-1] == TrialStep("energise", None, "not tried: not allowed to")
+    told = "not tried: not allowed to; the drives say that nothing is energised"
+    assert steps[-1] == TrialStep("energise", None, told)
     assert not twin.stand_in.servos[0].enabled
 
 

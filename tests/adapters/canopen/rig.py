@@ -29,6 +29,15 @@ class CanOpenRig(PeerRig):
             lambda link, clock: CanOpenAdapter(self.made, link, clock), self.drives, 4.0, gears=(1.0, -2.0)
         )
 
+    def hold(self, joint: int) -> None:
+        super().hold(joint)
+        self.drives[joint].state = "operation enabled"
+        self.drives[joint].store(0x6040, 0x0F)
+
+    def is_read(self, traffic: CanFrame) -> bool:
+        """Reading by SDO: client command specifiers 2 and 3."""
+        return 0x600 < traffic.identifier < 0x680 and traffic.data[0] >> 5 in (2, 3)
+
     def golden(self) -> Sequence[GoldenCommand]:
         """RPDO by hand: controlword 15, then thousandths of 5 N·m; joint 1 has a gear of -2."""
         return [

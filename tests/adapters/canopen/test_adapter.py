@@ -13,7 +13,7 @@ from fricomp.adapters import open_adapter
 from fricomp.adapters.canopen.capability import highest_rate
 from fricomp.adapters.canopen.configuration import CanOpenConfiguration
 from fricomp.adapters.configuration import convert
-from fricomp.errors import AdapterConfigurationError, AdapterConnectionError, AdapterError, AdapterTimeout
+from fricomp.errors import AdapterConfigurationError, AdapterConnectionError, AdapterError, AdapterTimeout, DriveHeld
 from fricomp.joint import JointCommand, JointFeedback
 from fricomp.sim_bench.studies.adapters.bench import make_bench
 from fricomp.testing import AdapterRig
@@ -54,7 +54,7 @@ def test_a_device_that_is_no_drive_is_refused() -> None:
 def test_a_drive_that_somebody_else_has_energised_is_left_alone() -> None:
     rig = CanOpenRig()
     rig.drives[0].state = "operation enabled"
-    with pytest.raises(AdapterConnectionError, match="somebody else"):
+    with pytest.raises(DriveHeld, match="somebody else"):
         rig.adapter.open()
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from fricomp.adapters.link import CanFrame
-from fricomp.errors import AdapterConnectionError, AdapterError, DriveFault
+from fricomp.errors import AdapterError, AdapterTimeout, DriveFault
 from fricomp.joint import JointFeedback
 from fricomp.sim_bench.studies.adapters.bench import PERIOD, make_bench
 from fricomp.testing.steps import run, start
@@ -157,12 +157,12 @@ def test_a_watchdog_that_cannot_be_set_anew_is_an_error_and_not_enabled() -> Non
 def test_drives_that_fall_silent_are_neither_cleared_nor_enabled(rig: CanOpenRig) -> None:
     rig.adapter.safe_stop()
     rig.link.silent = True
-    with pytest.raises(AdapterConnectionError, match="SYNC"):
+    with pytest.raises(AdapterTimeout, match="0x6041"):
         rig.adapter.clear_faults()
     rig.link.silent = False
     rig.adapter.clear_faults()
     rig.link.silent = True
-    with pytest.raises(AdapterConnectionError, match="SYNC"):
+    with pytest.raises(AdapterTimeout, match="0x6041"):
         rig.adapter.enable()
 
 

@@ -12,6 +12,7 @@ from fricomp.adapters.dynamixel import DynamixelAdapter
 from fricomp.adapters.dynamixel.configuration import DynamixelConfiguration
 from fricomp.sim_bench.studies.adapters.hand_held import HandHeldAxis, SerialBus
 from fricomp.sim_bench.twins.dynamixel import DynamixelServo, DynamixelSettings, DynamixelTwin
+from fricomp.sim_bench.twins.dynamixel_packet import PacketReader
 from fricomp.testing import AdapterRig, FaultyLink, GoldenCommand, VirtualClock
 from tests.adapters.peers.rig import joint_tables
 
@@ -86,6 +87,17 @@ class DynamixelRig(AdapterRig):
     def refuse_mode(self) -> None:
         for servo in self.servos:
             servo.keeps_mode = True
+
+    def hold(self, joint: int) -> None:
+        servo = self.servos[joint]
+        servo.write(98, b"\0")
+        servo.write(64, b"\1")
+        servo.write(GOAL_CURRENT, (100).to_bytes(2, "little"))
+
+    def is_read(self, traffic: bytes) -> bool:
+        """Packets that ping or read, one servo or several."""
+        packets = list(PacketReader().feed(traffic))
+        return bool(packets) and all(packet[1] in (0x01, 0x02, 0x82, 0x92) for packet in packets)
 
     def golden(self) -> Sequence[GoldenCommand]:
         """The goals of both servos and the request for their states, as the vendor's package makes them."""

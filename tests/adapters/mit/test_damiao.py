@@ -38,6 +38,10 @@ class DamiaoRig(PeerRig):
         made = convert(configuration(**changes), MitConfiguration)
         super().__init__(lambda link, clock: MitAdapter(made, link, clock), peers, 4.0, gears=(1.0, -2.0))
 
+    def is_read(self, traffic: CanFrame) -> bool:
+        """Reading a register, and asking for the state."""
+        return traffic.identifier == 0x7FF and traffic.data[2] in (0x33, 0xCC)
+
     def golden(self) -> Sequence[GoldenCommand]:
         """Torques whose code `damiao-motor` finds without its truncation mattering."""
         golden = []

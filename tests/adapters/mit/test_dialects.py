@@ -30,6 +30,10 @@ class CyberGearRig(PeerRig):
         peers = [CyberGearPeer(1), CyberGearPeer(2)]
         super().__init__(lambda link, clock: MitAdapter(made, link, clock), peers, 4.0, gears=(1.0, -2.0))
 
+    def is_read(self, traffic: CanFrame) -> bool:
+        """Reading a parameter."""
+        return traffic.identifier >> 24 == 17
+
     def golden(self) -> Sequence[GoldenCommand]:
         """By hand: type 1, torque 3 N·m of 12 as 40959 in the identifier, references in the middle, no gains."""
         identifier = 0x01 << 24 | 40959 << 8 | 1

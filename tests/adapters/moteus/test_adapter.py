@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
@@ -19,7 +20,7 @@ from fricomp.errors import AdapterConfigurationError, AdapterValueError
 from fricomp.joint import JointCommand, JointFeedback
 from fricomp.sim_bench.studies.adapters.hand_held import HandHeldAxis, SerialBus
 from fricomp.sim_bench.twins.moteus import MoteusController, MoteusSettings, MoteusTwin
-from fricomp.sim_bench.twins.moteus_frame import Write, parse_frame
+from fricomp.sim_bench.twins.moteus_frame import StreamWrite, Write, parse_frame
 from fricomp.testing import AdapterRig, FaultyLink, GoldenCommand, VirtualClock
 from fricomp.testing.conformance import AdapterConformance
 from fricomp.testing.steps import run, start
@@ -90,6 +91,18 @@ class MoteusRig(AdapterRig):
     def refuse_mode(self) -> None:
         for controller in self.controllers:
             controller.refuses_position = True
+
+    def hold(self, joint: int) -> None:
+        controller = self.controllers[joint]
+        endless = struct.pack("<f", 1e9)
+        controller.frame(bytes((0x01, 0x00, 10, 0x0D, 0x22)) + struct.pack("<f", 1.0) + bytes((0x0D, 0x27)) + endless)
+
+    def is_read(self, traffic: bytes) -> bool:
+        """Lines whose subframes read registers or ask for a setting."""
+        frames = [bytes.fromhex(line.split()[3].decode()) for line in traffic.split(b"\n") if line.strip()]
+        parts = [part for frame in frames for part in parse_frame(frame)]
+        texts = [part.data for part in parts if isinstance(part, StreamWrite)]
+        return all(text.startswith(b"conf get") for text in texts) and not any(isinstance(p, Write) for p in parts)
 
     def golden(self) -> Sequence[GoldenCommand]:
         """Both controllers' lines as the vendor's package makes them."""

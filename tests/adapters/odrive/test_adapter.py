@@ -40,6 +40,10 @@ class OdriveRig(PeerRig):
         super().__init__(lambda link, clock: OdriveAdapter(made, link, clock), self.axes, 4.0, gears=(1.0, -2.0))
         self.firmware = firmware
 
+    def is_read(self, traffic: CanFrame) -> bool:
+        """Remote frames, and reading an endpoint."""
+        return traffic.remote or (traffic.identifier & 0x1F == 0x04 and traffic.data[0] == 0)
+
     def golden(self) -> Sequence[GoldenCommand]:
         message = DBC[self.firmware].get_message_by_name("Axis0_Set_Input_Torque")
         return [

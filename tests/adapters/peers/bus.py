@@ -15,6 +15,7 @@ class Peer(ABC):
     def __init__(self) -> None:
         self.position = self.velocity = self.torque = 0.0
         self.on = self.failed = self.refuses_mode = False
+        self.held = False  # by somebody who goes on commanding it
         self.now_ns = 0
         self.outbox: list[CanFrame] = []
 

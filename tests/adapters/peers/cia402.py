@@ -238,7 +238,7 @@ class Cia402Peer(Peer):
             self.store(0x6061, self.value(0x6060))
         if self.failed and self.state != "fault":
             self.fault(0x2310)
-        watched = self.value(0x1016, 1) & 0xFFFF
+        watched = 0 if self.held else self.value(0x1016, 1) & 0xFFFF
         if self.heard_ns is not None and watched and now_ns - self.heard_ns > watched * 1_000_000:
             self.heard_ns = None
             self.operational = self.operational and not self.leaves_operational

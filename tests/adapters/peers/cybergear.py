@@ -33,6 +33,9 @@ class CyberGearPeer(Peer):
     def on_time(self, now_ns: int) -> None:
         if self.failed:
             self.trip(0x02)
+        if self.held:
+            self.fed_ns = now_ns
+            self.answer(0xFD)  # to every command of whoever holds it
         timeout = int.from_bytes(self.parameters[TIMEOUT], "little") * 50_000
         if self.on and timeout and now_ns - self.fed_ns > timeout:
             self.on, self.torque = False, 0.0
@@ -50,6 +53,7 @@ class CyberGearPeer(Peer):
         elif kind == 3 and not self.latched:
             self.on = True
         elif kind == 4:
+            self.held = False
             self.on, self.torque = False, 0.0
             self.latched = 0 if frame.data[0] == 1 and not self.failed else self.latched
         elif kind in (17, 18):

@@ -38,6 +38,7 @@ class DamiaoPeer(Peer):
     def on_time(self, now_ns: int) -> None:
         if self.failed:
             self.trip(0xA)
+        self.fed_ns = now_ns if self.held else self.fed_ns
         timeout = struct.unpack("<I", self.registers[9])[0] * 50_000
         if self.on and timeout and now_ns - self.fed_ns > timeout:
             self.trip(0xD)

@@ -59,6 +59,7 @@ class OdrivePeer(Peer):
     def on_time(self, now_ns: int) -> None:
         if self.failed:
             self.trip(0x10)
+        self.fed_ns = now_ns if self.held else self.fed_ns
         if self.on and self.values[183] and now_ns - self.fed_ns > self.values[184] * 1e9:
             self.trip(0x01000000 if self.firmware == "0.6" else 0x800)
         if now_ns - self.beat_ns >= 100_000_000:

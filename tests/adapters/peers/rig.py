@@ -61,6 +61,14 @@ class PeerRig(AdapterRig):
         peer.__init__(*peer.made_of)  # type: ignore[misc, attr-defined]
         peer.position, peer.velocity, peer.now_ns = kept
 
+    def hold(self, joint: int) -> None:
+        peer = self.peers[joint]
+        peer.on = peer.held = True
+        peer.torque = 1.0
+
+    def is_read(self, traffic: Any) -> bool:
+        raise NotImplementedError
+
     def refuse_mode(self) -> None:
         for peer in self.peers:
             peer.refuses_mode = True
