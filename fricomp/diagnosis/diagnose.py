@@ -15,20 +15,20 @@ from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
 from .evidence.answer import Answer
-from .forward.forward import forward_error
+from .forward.forward import measure_forward_error
 from .inputs.checks import inertia_against, kind_against, reasons_against, remarks_on
 from .inputs.controller import Controller, estimate_controller
-from .inputs.controller_check import controller_remarks
+from .inputs.controller_check import check_controller
 from .inputs.rigid import RigidJoint, read_simulation
 from .joint.base import unpack
-from .joint.loading import build_tracks, low_rate
+from .joint.loading import build_tracks, has_low_rate
 from .joint.observer import Observer
-from .joint.weak_form import rest_speed_of
+from .joint.weak_form import estimate_rest_speed
 from .payload import diagnose_arm
 from .record.result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord
 from .record.sentence import forward_sentence
 from .samples.second_look import second_look
-from .search.late_creep import creeps_beside
+from .search.late_creep import has_late_creep
 from .search.preparation import Prepared, prepare
 from .search.search import Found, search
 from .verdict.verdict import agreed, conclude
@@ -84,12 +84,12 @@ def diagnose(
     if against:
         return _bad_data(given, against)
     remarks, given = remarks_on(given), [one.on_joint_side() for one in given]
-    remarks += [] if controller is None else controller_remarks(controller, given)
+    remarks += [] if controller is None else check_controller(controller, given)
     loops = [estimate_controller(one) if controller is None else controller for one in given]
     known = _in_newton_metres(given, rigid)
     tracks = build_tracks(given, loops, None if known is None else known.spring)
-    observer = Observer(rest_speed=_RESTING * rest_speed_of(tracks))
-    observer = replace(observer, bandwidth=_SLOW_BANDWIDTH) if low_rate(given) else observer
+    observer = Observer(rest_speed=_RESTING * estimate_rest_speed(tracks))
+    observer = replace(observer, bandwidth=_SLOW_BANDWIDTH) if has_low_rate(given) else observer
     try:
         say("fitting the base model and simulating nulls")
         count = _NULLS_THOROUGH if thorough else _NULLS
@@ -100,7 +100,7 @@ def diagnose(
             return _bad_data(given, against)
         say("searching for effects")
         found = search(prepared)
-        if creeps_beside(prepared, found):
+        if has_late_creep(prepared, found):
             say("searching again, with friction that creeps")
             prepared = base(creeps=True)
             found = search(prepared)
@@ -160,7 +160,7 @@ def _with_forward(
     held = diagnosis.record.heldout
     confirmed = held is not None and held.explained > 0.0 and held.before == "refitted"
     chosen = found.best if found.best is not None and confirmed and named & set(found.best.names) else None
-    forward = forward_error(recording, prepared, chosen, loop)
+    forward = measure_forward_error(recording, prepared, chosen, loop)
     if forward is None:
         return diagnosis
     record = with_fields(diagnosis.record, forward=forward)

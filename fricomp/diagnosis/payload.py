@@ -19,7 +19,7 @@ from scipy.signal import butter, filtfilt
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
 
-from .inputs.arm_dynamics import ArmDynamics, ArmMotion, point_positions, read_arm
+from .inputs.arm_dynamics import ArmDynamics, ArmMotion, place_points, read_arm
 from .inputs.track import FloatArray
 from .record.result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord, NamedEffect, Quantity
 from .record.sentence import sentences
@@ -132,7 +132,7 @@ def find_payload(arm: ArmDynamics, sessions: Sequence[Session]) -> Payload:
 
 
 _NAMES = ("mass", "first_moment_x", "first_moment_y", "first_moment_z")
-_MOMENTS = np.column_stack([np.ones(10), point_positions()])
+_MOMENTS = np.column_stack([np.ones(10), place_points()])
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
 
 from .diagnose import diagnose, with_remarks
-from .effects.shared_effect import without_known
+from .effects.shared_effect import remove_known
 from .inputs.checks import reasons_against
 from .inputs.controller import Controller
 from .record.result import Diagnosis
@@ -66,7 +66,7 @@ def diagnose_against(
         seed=seed,
         progress=progress,
     )
-    found = without_known(found, known.effects, sure=known.noise_ratio is None)
+    found = remove_known(found, known.effects, sure=known.noise_ratio is None)
     return with_remarks(found, (*known.remarks, *motion_remarks(given, simulated)))
 
 

@@ -16,7 +16,7 @@ from .diagnose import diagnose
 from .evidence.comparison import NAMED, PLAIN, SPLIT, UNEXPLAINED, Doubt
 from .inputs.checks import reasons_against
 from .inputs.rigid import RigidJoint
-from .inputs.sensor_noise import as_sensed
+from .inputs.sensor_noise import add_sensor_noise
 from .inputs.track import FloatArray
 from .joint.base import BASE_NAMES, BODY_AND_CURVES
 from .record.result import Diagnosis, NamedEffect, Quantity
@@ -80,7 +80,7 @@ def read_simulated(
     if against:
         raise DiagnosisError(f"the simulated recording cannot be used: {'; '.join(against)}")
     recording = recording.on_joint_side()
-    sensed = as_sensed(recording, [one.on_joint_side() for one in like], seed) if like else recording
+    sensed = add_sensor_noise(recording, [one.on_joint_side() for one in like], seed) if like else recording
     found = diagnose(sensed, seed=seed, progress=progress)
     if not found.record.base:
         raise DiagnosisError(

@@ -11,11 +11,11 @@ import pytest
 from fricomp.diagnosis.effects import EFFECTS, Context, EffectParameter
 from fricomp.diagnosis.effects.structure import N_BASE, Candidate, Structure
 from fricomp.diagnosis.evidence.refitted import Refitted
-from fricomp.diagnosis.inputs.delay import behind
+from fricomp.diagnosis.inputs.delay import apply_lags
 from fricomp.diagnosis.joint.base import BASE_NAMES, pack
 from fricomp.diagnosis.joint.observer import Plant
 from fricomp.diagnosis.joint.solver import Fit
-from fricomp.diagnosis.search.explanation import Explanation, refusal
+from fricomp.diagnosis.search.explanation import Explanation, find_refusal
 
 CATALOGUE = {
     "load_coulomb", "load_stribeck", "load_quadratic", "position_coulomb", "cogging", "kinematic_error",
@@ -199,7 +199,7 @@ def test_a_supply_sags_with_speed_and_with_power(context: Context) -> None:
 def test_a_drive_follows_through_one_pole_or_two(order: int, context: Context) -> None:
     command = np.where(context.time < 1.0, 0.0, 1.0)
     lags = EFFECTS["drive_lag"].contribution(context, {"time_constant": 0.02, "order": float(order)}).lags
-    acting = behind(command, lags, context.dt)
+    acting = apply_lags(command, lags, context.dt)
     since = np.maximum(context.time - 1.0, 0.0) * order / 0.02
     wanted = 1.0 - np.exp(-since) * (1.0 + since * (order - 1))
     np.testing.assert_allclose(acting, np.where(context.time < 1.0, 0.0, wanted), atol=0.06)  # a sample is 0.05 T
@@ -321,7 +321,7 @@ def test_a_torque_is_not_recorded_late_by_as_much_as_it_acts_late(
     structure = Structure((context,), tuple(Candidate(name, tuple(one.items())) for name, one in values.items()))
     theta = np.concatenate([pack(context.plant), structure.start()])
     fit = Fit(theta, np.zeros(1), np.zeros((1, theta.size)), 0.0)
-    assert ("cancel" in refusal(structure, fit)) == refused
+    assert ("cancel" in find_refusal(structure, fit)) == refused
 
 
 @pytest.mark.parametrize(("end", "refused"), [(1.05, True), (1.5, False)])

@@ -13,16 +13,22 @@ from scipy.linalg import solve_toeplitz
 from scipy.ndimage import binary_dilation
 from scipy.signal import lfilter
 
-from fricomp.diagnosis.effects.structure import N_BASE, Candidate, Structure, _contributions
+from fricomp.diagnosis.effects.structure import N_BASE, Candidate, Structure, _compute_contributions
 from fricomp.diagnosis.evidence.alias import aliases
 from fricomp.diagnosis.evidence.confirmation import Confirmation, _folds, _held_out, covariance
 from fricomp.diagnosis.evidence.gates import confirmed, covers, stands_out
 from fricomp.diagnosis.inputs.track import FloatArray, Track
 from fricomp.diagnosis.joint.observer import Contribution, Observer, Plant
-from fricomp.diagnosis.joint.problem import observer_for
+from fricomp.diagnosis.joint.problem import build_problem
 from fricomp.diagnosis.joint.solver import Box, Fit
-from fricomp.diagnosis.search.explanation import Explanation, _left, evidence
-from fricomp.diagnosis.search.preparation import Prepared, _colour_filter, _correlation, _stable, _typical
+from fricomp.diagnosis.search.explanation import Explanation, _compute_left, compute_evidence
+from fricomp.diagnosis.search.preparation import (
+    Prepared,
+    _build_colour_filter,
+    _compute_typical,
+    _correlate,
+    _predict_stably,
+)
 from fricomp.diagnosis.search.search import Found
 
 from .known import fit_of, known
@@ -41,7 +47,7 @@ def _track() -> Track:
 @pytest.fixture(scope="module")
 def prepared() -> Prepared:
     none = cast(Any, None)
-    return Prepared(observer_for([_track()], _PLANT, Observer()), none, none, none, none)
+    return Prepared(build_problem([_track()], _PLANT, Observer()), none, none, none, none)
 
 
 def test_rows_whose_window_touches_rest_do_not_slide(prepared: Prepared) -> None:
@@ -64,14 +70,16 @@ def test_rest_speaks_only_for_effects_that_show_there(prepared: Prepared) -> Non
     before, after = np.full(sliding.size, 0.7), np.full(sliding.size, 0.7)
     after[~sliding] = 0.0
     fall = 0.49 * np.sum(~sliding)
-    assert evidence(prepared, ("frictional_lag",), fit_of(before), fit_of(after)) == 0.0
-    assert evidence(prepared, ("backlash",), fit_of(before), fit_of(after)) == pytest.approx(fall)
-    assert evidence(prepared, ("backlash", "frictional_lag"), fit_of(before), fit_of(after)) == pytest.approx(fall)
+    assert compute_evidence(prepared, ("frictional_lag",), fit_of(before), fit_of(after)) == 0.0
+    assert compute_evidence(prepared, ("backlash",), fit_of(before), fit_of(after)) == pytest.approx(fall)
+    assert compute_evidence(prepared, ("backlash", "frictional_lag"), fit_of(before), fit_of(after)) == pytest.approx(
+        fall
+    )
 
 
 def test_a_fall_about_rest_that_no_bristle_reaches_speaks_for_any_effect(prepared: Prepared) -> None:
     loud = np.where(prepared.sliding, 1.0, 2.0)
-    shown = evidence(prepared, ("load_coulomb",), fit_of(loud), fit_of(np.ones(loud.size)))
+    shown = compute_evidence(prepared, ("load_coulomb",), fit_of(loud), fit_of(np.ones(loud.size)))
     assert shown == pytest.approx(3.0 * np.sum(~prepared.sliding))
 
 
@@ -79,9 +87,9 @@ def test_no_row_counts_for_more_than_three_deviations(prepared: Prepared) -> Non
     before = np.zeros(prepared.sliding.size)
     first, second = np.flatnonzero(prepared.sliding)[:2]
     before[first] = 100.0
-    assert evidence(prepared, ("cogging",), fit_of(before), fit_of(0.0 * before)) == pytest.approx(9.0)
+    assert compute_evidence(prepared, ("cogging",), fit_of(before), fit_of(0.0 * before)) == pytest.approx(9.0)
     before[second] = 2.0
-    assert evidence(prepared, ("cogging",), fit_of(before), fit_of(0.0 * before)) == pytest.approx(13.0)
+    assert compute_evidence(prepared, ("cogging",), fit_of(before), fit_of(0.0 * before)) == pytest.approx(13.0)
 
 
 @dataclass(frozen=True)
@@ -184,7 +192,7 @@ def test_a_fall_is_sure_over_blocks_or_by_its_size(
 
 
 def test_samples_are_cut_finely_where_a_bristle_may_be_stretched() -> None:
-    problem = observer_for([_track()], _PLANT, Observer())
+    problem = build_problem([_track()], _PLANT, Observer())
     stiff, soft = (problem.timed_for(replace(_PLANT, sigma_0=one)).tracks[0].substeps for one in (4e5, 1e4))
     assert stiff.min() == soft.min() >= 2
     assert stiff.max() > soft.max() > 2
@@ -204,24 +212,24 @@ def test_what_lies_mostly_about_rest_speaks_for_no_effect_of_sliding(prepared: P
     none = fit_of(np.zeros(rows.size))
     some = np.where(rows, 20.0 / rows.sum(), 0.0)
     rest = some + np.where(rows, 0.0, 0.58)
-    assert evidence(prepared, {"frictional_lag"}, fit_of(np.sqrt(some)), none) == pytest.approx(20.0)
-    assert evidence(prepared, {"frictional_lag"}, fit_of(np.sqrt(rest)), none) == 0.0
+    assert compute_evidence(prepared, {"frictional_lag"}, fit_of(np.sqrt(some)), none) == pytest.approx(20.0)
+    assert compute_evidence(prepared, {"frictional_lag"}, fit_of(np.sqrt(rest)), none) == 0.0
 
 
 @pytest.mark.parametrize("memory", [0.6, -0.4])
 @pytest.mark.parametrize("wanted", [(0.0, 0.0, 0.0), (-0.2, -0.15, -0.1)])
 def test_a_residual_of_another_colour_gets_that_of_the_nulls(memory: float, wanted: tuple[float, ...]) -> None:
     values = lfilter([1.0], [1.0, -memory], np.random.default_rng(3).standard_normal(4000))
-    found = _colour_filter(values, np.array(wanted))
+    found = _build_colour_filter(values, np.array(wanted))
     filtered = lfilter(found, [1.0], values)
-    np.testing.assert_allclose(_correlation(filtered), wanted, atol=0.12)
-    assert _typical(filtered) == pytest.approx(_typical(values))
-    np.testing.assert_array_equal(_colour_filter(values, _correlation(values)), [1.0])
+    np.testing.assert_allclose(_correlate(filtered), wanted, atol=0.12)
+    assert _compute_typical(filtered) == pytest.approx(_compute_typical(values))
+    np.testing.assert_array_equal(_build_colour_filter(values, _correlate(values)), [1.0])
 
 
 @pytest.mark.parametrize("shift", [(0.3, 0.1, 0.0), (0.9, -0.6, 0.95), (-0.99, 0.99, -0.99)])
 def test_the_residuals_own_colour_never_makes_a_filter_that_grows(shift: tuple[float, float, float]) -> None:
-    extra = _stable(np.array(shift))
+    extra = _predict_stably(np.array(shift))
     assert np.max(np.abs(np.roots([1.0, *-extra]))) < 1.0
     if shift[0] == 0.3:
         np.testing.assert_array_equal(extra, solve_toeplitz([1.0, *shift[:-1]], shift))
@@ -250,9 +258,9 @@ def test_the_form_of_the_bristle_is_not_held_against_an_explanation(seen: str, p
     generic = rows[:, None] / np.sqrt(np.sum(rows))
     known = cast(Prepared, SimpleNamespace(generic=generic, sliding=prepared.sliding))
     energy = 0.2 * float(np.sum(rows))
-    left = _left(known, fit_of(np.sqrt(0.2) * rows))
+    left = _compute_left(known, fit_of(np.sqrt(0.2) * rows))
     assert left == pytest.approx(energy - 1.0 if seen == "sliding" else 0.0)
-    loud = _left(known, fit_of(rows.astype(float)))
+    loud = _compute_left(known, fit_of(rows.astype(float)))
     allowed = 0.0 if seen == "sliding" else 0.3 * float(np.sum(rows))
     assert loud == pytest.approx(np.sum(rows) - 1.0 - allowed)
 
@@ -306,6 +314,6 @@ def test_points_that_move_the_base_alone_share_their_effects(monkeypatch: pytest
     monkeypatch.setattr(Structure, "contributions", contributions)
     structure, effects = Structure(()), (1.0, 1.0, 2.0, 1.0)
     points = [np.concatenate([np.full(N_BASE, float(i)), [size]]) for i, size in enumerate(effects)]
-    found = _contributions([(structure, point) for point in points])
+    found = _compute_contributions([(structure, point) for point in points])
     assert len(asked) == 2
     assert [one[0].delay for one in found] == list(effects)

@@ -7,7 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fricomp.diagnosis.inputs.track import FloatArray, Track, position_noise, smooth_derivative, torque_noise
+from fricomp.diagnosis.inputs.track import (
+    FloatArray,
+    Track,
+    differentiate,
+    measure_position_noise,
+    measure_torque_noise,
+)
 from fricomp.diagnosis.joint.kernel import LANES, observe
 from fricomp.diagnosis.joint.observer import Plant
 
@@ -26,22 +32,22 @@ def test_uneven_sampling_is_measured(step: float, jitter: float) -> None:
     rng = np.random.default_rng(4)
     time = np.arange(30_000, dtype=np.float64) * np.float64(DT)
     position = swing(time + np.float64(jitter) * rng.standard_normal(time.size), step)
-    assert position_noise(position, smooth_derivative(position, DT)).jitter == pytest.approx(jitter, rel=0.25)
+    assert measure_position_noise(position, differentiate(position, DT)).jitter == pytest.approx(jitter, rel=0.25)
 
 
 def test_even_sampling_shows_next_to_no_jitter_and_slow_sampling_none_at_all() -> None:
     time = np.arange(30_000, dtype=np.float64) * np.float64(DT)
     position = swing(time, 2.4e-5)
-    assert position_noise(position, smooth_derivative(position, DT)).jitter < 6e-6
+    assert measure_position_noise(position, differentiate(position, DT)).jitter < 6e-6
     slow = swing(np.arange(3_000, dtype=np.float64) * np.float64(0.05), 1e-7)
-    assert position_noise(slow, smooth_derivative(slow, 0.05)).jitter == 0.0
+    assert measure_position_noise(slow, differentiate(slow, 0.05)).jitter == 0.0
 
 
 @pytest.mark.parametrize(("freedom", "low", "high"), [(3.0, 2.0, 4.5), (1e6, 20.0, np.inf)])
 def test_heavy_tails_are_told_from_normal_noise(freedom: float, low: float, high: float) -> None:
     noise = np.random.default_rng(5).standard_t(freedom, 60_000)
     noise *= 0.05 / (np.sqrt(freedom / (freedom - 2.0)))
-    found = torque_noise(2.0 * np.sin(np.arange(noise.size) * DT) + noise)
+    found = measure_torque_noise(2.0 * np.sin(np.arange(noise.size) * DT) + noise)
     assert low <= found.freedom <= high
     assert found.size == pytest.approx(0.05, rel=0.12)
 

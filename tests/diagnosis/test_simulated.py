@@ -10,7 +10,7 @@ import pytest
 
 from fricomp.diagnosis import RigidJoint, diagnose_against
 from fricomp.diagnosis.diagnose import with_remarks
-from fricomp.diagnosis.effects.shared_effect import without_known
+from fricomp.diagnosis.effects.shared_effect import remove_known
 from fricomp.diagnosis.inputs.track import FloatArray
 from fricomp.diagnosis.record.result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord
 from fricomp.diagnosis.simulated import motion_remarks
@@ -101,7 +101,7 @@ def test_what_the_simulation_lacks_is_named_and_what_it_has_is_not() -> None:
     assert missing.verdict == "missing_physics", missing.sentences
     assert [effect.name for effect in missing.effects] == ["cogging"]
     with_cogging = simulated(replace(_REAL, cogging=0.6), "rests", duration=_SECONDS)
-    both = without_known(missing, read_simulated(with_cogging, [_real()]).effects)
+    both = remove_known(missing, read_simulated(with_cogging, [_real()]).effects)
     assert both.verdict == "consistent", both.sentences
     assert "The simulation shows cogging as well" in both.sentences[-1]
 

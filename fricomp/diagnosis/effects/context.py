@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 from scipy.signal import savgol_filter
 
-from ..inputs.track import FloatArray, Track, smooth_derivative
+from ..inputs.track import FloatArray, Track, differentiate
 from ..joint.observer import Observation, Plant
 from ..joint.problem import Problem
 from . import Context
 
-__all__ = ["build_contexts", "loaded", "moved"]
+__all__ = ["add_load", "build_contexts", "move_context"]
 
 _SMOOTH, _QUICK = 0.061, 0.015  # [s]
 _SAME = 0.01  # part of a recorded load that gravity and acceleration may leave unexplained
@@ -26,20 +26,20 @@ def build_contexts(
     temperatures = [track.channels.get("temperature", np.zeros(1)) for track in problem.tracks]
     usual = float(np.mean([np.mean(one) for one in temperatures]))
     return [
-        replace(_context(track, plant, one, hints), index=i, usual_temperature=usual)
+        replace(_build_context(track, plant, one, hints), index=i, usual_temperature=usual)
         for i, (track, one) in enumerate(zip(problem.tracks, observations, strict=True))
     ]
 
 
-def _context(track: Track, plant: Plant, seen: Observation, hints: Mapping[str, tuple[float, ...]]) -> Context:
-    position = _position(track, seen)
+def _build_context(track: Track, plant: Plant, seen: Observation, hints: Mapping[str, tuple[float, ...]]) -> Context:
+    position = _correct_position(track, seen)
     # From the encoder alone, and smooth: the model's own acceleration answers to the noise of the torque, and columns
     # made from it would explain that noise.
-    velocity = smooth_derivative(track.position, track.dt, _SMOOTH)
-    acceleration = smooth_derivative(velocity, track.dt, _SMOOTH)
+    velocity = differentiate(track.position, track.dt, _SMOOTH)
+    acceleration = differentiate(velocity, track.dt, _SMOOTH)
     load = track.channels.get("load_torque")
     gravity = plant.gravity_torque(position, track.rotary)
-    load = gravity - plant.offset if load is None else without_noise(load, position, acceleration, track)
+    load = gravity - plant.offset if load is None else remove_noise(load, position, acceleration, track)
     v = seen.velocity
     viscous = np.where(v >= 0.0, plant.forward[3], plant.reverse[3]) * v
     return Context(
@@ -47,7 +47,7 @@ def _context(track: Track, plant: Plant, seen: Observation, hints: Mapping[str, 
         position=position,
         velocity=v,
         acceleration=acceleration,
-        torque=gravity + plant.inertia * acceleration + smoothed(seen.bristle, track.dt) + viscous,
+        torque=gravity + plant.inertia * acceleration + smooth(seen.bristle, track.dt) + viscous,
         recorded=track.torque,
         noise=track.torque_noise.size,
         gravity=gravity - plant.offset,
@@ -63,39 +63,39 @@ def _context(track: Track, plant: Plant, seen: Observation, hints: Mapping[str, 
     )
 
 
-def _position(track: Track, seen: Observation) -> FloatArray:
+def _correct_position(track: Track, seen: Observation) -> FloatArray:
     """The model's position, moved to the recorded one as far as the encoder contradicts it. Shape (n,).
 
     What changes fast within a step of the encoder is its rounding: a load that swings on a spring would answer to it
     by more than the noise of the torque.
     """
     off = track.position - seen.position
-    slow = smoothed(off, track.dt)
+    slow = smooth(off, track.dt)
     quick, step = off - slow, track.resolution
     beyond = quick - np.clip(quick, -step, step)
-    return np.asarray(seen.position + slow + smoothed(beyond, track.dt, _QUICK), dtype=np.float64)
+    return np.asarray(seen.position + slow + smooth(beyond, track.dt, _QUICK), dtype=np.float64)
 
 
-def moved(context: Context, track: Track, seen: Observation) -> Context:
+def move_context(context: Context, track: Track, seen: Observation) -> Context:
     """The same recording with the position of another joint that was held to it."""
-    return replace(context, position=_position(track, seen))
+    return replace(context, position=_correct_position(track, seen))
 
 
-def loaded(context: Context, plant: Plant, further: FloatArray) -> Context:
+def add_load(context: Context, plant: Plant, further: FloatArray) -> Context:
     """The same motion of another plant, which carries a further load [N·m]; a recorded load stays. Shape (n,)."""
     gravity = plant.gravity_torque(context.position, context.rotary) - plant.offset + further
     recorded = "load_torque" in context.channels
     return replace(context, plant=plant, gravity=gravity, load_torque=context.load_torque if recorded else gravity)
 
 
-def smoothed(values: FloatArray, dt: float, over: float = _SMOOTH) -> FloatArray:
+def smooth(values: FloatArray, dt: float, over: float = _SMOOTH) -> FloatArray:
     """Local cubic over a window of this length [s]. Shape (n,)."""
     window = max(7, 2 * round(over / dt / 2) + 1)
     result: FloatArray = savgol_filter(values, window, 3)
     return result
 
 
-def without_noise(load: FloatArray, position: FloatArray, acceleration: FloatArray, track: Track) -> FloatArray:
+def remove_noise(load: FloatArray, position: FloatArray, acceleration: FloatArray, track: Track) -> FloatArray:
     """A recorded load without its noise, which may be the noise of the torque as well [N·m]. Shape (n,).
 
     Where gravity and acceleration explain the load it is replaced by what they explain, else it is smoothed.
@@ -104,5 +104,5 @@ def without_noise(load: FloatArray, position: FloatArray, acceleration: FloatArr
     columns += [np.cos(position), np.sin(position)] if track.rotary else []
     A = np.stack(columns, axis=1)
     explained: FloatArray = A @ np.linalg.lstsq(A, load, rcond=None)[0]
-    calm = smoothed(load, track.dt)
+    calm = smooth(load, track.dt)
     return explained if float(np.var(calm - explained)) < _SAME * float(np.var(calm)) else calm

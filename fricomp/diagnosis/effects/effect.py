@@ -16,7 +16,17 @@ from ..inputs.track import FloatArray
 from ..joint.observer import Contribution, Plant
 from .forward_part import ForwardPart
 
-__all__ = ["EFFECTS", "Context", "Effect", "EffectParameter", "Kind", "Values", "lowest_order", "register", "too_long"]
+__all__ = [
+    "EFFECTS",
+    "Context",
+    "Effect",
+    "EffectParameter",
+    "Kind",
+    "Values",
+    "compute_lowest_order",
+    "refuse_long_wave",
+    "register",
+]
 
 _FORM = 0.03  # of a size; an order, an edge, a time are known as well as the fit says
 _AT_BOUND = 1e-3  # relative distance from a bound at which a fit stands at it
@@ -205,15 +215,15 @@ class Effect(ABC):
         return False
 
 
-def lowest_order(contexts: Sequence[Context]) -> float:
+def compute_lowest_order(contexts: Sequence[Context]) -> float:
     """Lowest order over position that counts as a ripple: one and a half waves over the recorded range."""
     span = max(float(np.ptp(context.position)) for context in contexts)
     return 1.5 * 2.0 * np.pi / max(span, 1e-9)
 
 
-def too_long(order: float, contexts: Sequence[Context]) -> str | None:
+def refuse_long_wave(order: float, contexts: Sequence[Context]) -> str | None:
     """Why a ripple is none: its fit went to the lowest order, since anything that varies slowly looks like that."""
-    if order > (1.0 + _AT_BOUND) * lowest_order(contexts):
+    if order > (1.0 + _AT_BOUND) * compute_lowest_order(contexts):
         return None
     return "no period of it lies within the recorded range"
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from .effect import EffectParameter
 
-__all__ = ["HEATING_TIME", "heating_times"]
+__all__ = ["HEATING_TIME", "propose_heating_times"]
 
 _SHORTEST, _LONGEST = 1.0, 1000.0  # [s] from a winding to a gearbox
 _STARTS = (10.0, 30.0, 100.0)  # [s]
@@ -26,6 +26,6 @@ HEATING_TIME = EffectParameter(
 )
 
 
-def heating_times() -> list[dict[str, float]]:
+def propose_heating_times() -> list[dict[str, float]]:
     """Time constants to start from."""
     return [{"time_constant": float(np.log(time))} for time in _STARTS]

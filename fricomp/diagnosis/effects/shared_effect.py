@@ -11,7 +11,7 @@ from msgspec.structs import replace as with_fields
 from ..record.result import Diagnosis, NamedEffect, Quantity, verdict_of
 from ..record.sentence import NO_MOTION, sentences
 
-__all__ = ["without_known"]
+__all__ = ["remove_known"]
 
 _WAVES = ("sine", "cosine")  # a phase has no size, and two encoders start at different angles
 _FOR_SURE = 2.0  # of both intervals together, that two numbers of one effect must be apart
@@ -22,7 +22,7 @@ _NOTHING = (
 )
 
 
-def without_known(diagnosis: Diagnosis, known: Sequence[NamedEffect], *, sure: bool = True) -> Diagnosis:
+def remove_known(diagnosis: Diagnosis, known: Sequence[NamedEffect], *, sure: bool = True) -> Diagnosis:
     """The diagnosis without the effects that the simulation has itself, and what these are in it.
 
     An effect that both have in another size is one of the simulation's parameters; one that the recording does not
@@ -38,23 +38,23 @@ def without_known(diagnosis: Diagnosis, known: Sequence[NamedEffect], *, sure: b
         return diagnosis
     effects, told, seen = [], [], set()
     for effect in diagnosis.effects:
-        own = next((one for one in known if _same(effect, one)), None)
+        own = next((one for one in known if _is_same(effect, one)), None)
         if own is None:
             effects.append(effect)
             continue
         seen.add(own.name)
-        apart = _apart(effect, own) if sure else []
+        apart = _list_differing(effect, own) if sure else []
         if apart:
-            effects.append(_resized(effect, own, apart))
+            effects.append(_resize(effect, own, apart))
         else:
             told.append(f"The simulation shows {own.name} as well, so this is not missing in it.")
     alone = [one for one in known if one.name not in seen] if sure else []
     too_much = "which the recording does not: it is too much in it."
-    told += [f"The simulation shows {one.name} ({_numbers(_sizes(one))}), {too_much}" for one in alone]
-    return _answer(diagnosis, tuple(effects), told, alone=bool(alone))
+    told += [f"The simulation shows {one.name} ({_write_numbers(_list_sizes(one))}), {too_much}" for one in alone]
+    return _rewrite(diagnosis, tuple(effects), told, alone=bool(alone))
 
 
-def _answer(diagnosis: Diagnosis, effects: tuple[NamedEffect, ...], told: Sequence[str], *, alone: bool) -> Diagnosis:
+def _rewrite(diagnosis: Diagnosis, effects: tuple[NamedEffect, ...], told: Sequence[str], *, alone: bool) -> Diagnosis:
     """The diagnosis with these effects; where the simulation has one `alone`, it does not agree."""
     record = diagnosis.record
     verdict = record.verdict
@@ -72,14 +72,14 @@ def _answer(diagnosis: Diagnosis, effects: tuple[NamedEffect, ...], told: Sequen
     return replace(diagnosis, record=with_fields(record, effects=effects, verdict=verdict, sentences=(*said, *told)))
 
 
-def _same(effect: NamedEffect, own: NamedEffect) -> bool:
+def _is_same(effect: NamedEffect, own: NamedEffect) -> bool:
     """Whether two recordings show one effect, as far as each can tell it from others."""
     return own.name in (effect.name, *effect.indistinguishable_from) or effect.name in own.indistinguishable_from
 
 
-def _apart(effect: NamedEffect, own: NamedEffect) -> list[str]:
+def _list_differing(effect: NamedEffect, own: NamedEffect) -> list[str]:
     """Numbers of an effect that differ for sure; none of two effects that only pass for one another."""
-    ours, theirs = _sizes(effect), _sizes(own)
+    ours, theirs = _list_sizes(effect), _list_sizes(own)
     if effect.name != own.name:
         return []
     return [name for name in ours if name in theirs and _differ(ours[name], theirs[name])]
@@ -91,7 +91,7 @@ def _differ(one: Quantity, other: Quantity) -> bool:
     return abs(one.value - other.value) > max(_FOR_SURE * float(np.hypot(ours, theirs)), _MUCH * largest)
 
 
-def _sizes(effect: NamedEffect) -> dict[str, Quantity]:
+def _list_sizes(effect: NamedEffect) -> dict[str, Quantity]:
     """Numbers of an effect; of a ripple its amplitude in place of sine and cosine."""
     numbers = {name: one for name, one in effect.parameters.items() if not name.startswith(_WAVES)}
     if not set(_WAVES) <= set(effect.parameters):
@@ -102,16 +102,16 @@ def _sizes(effect: NamedEffect) -> dict[str, Quantity]:
     return {"amplitude": Quantity(size, sine.unit, (max(size - half, 0.0), size + half)), **numbers}
 
 
-def _resized(effect: NamedEffect, own: NamedEffect, apart: Sequence[str]) -> NamedEffect:
+def _resize(effect: NamedEffect, own: NamedEffect, apart: Sequence[str]) -> NamedEffect:
     """The effect as a parameter of the simulation, which has other numbers there."""
-    ours, theirs = _sizes(effect), _sizes(own)
-    has = _numbers({name: theirs[name] for name in apart})
+    ours, theirs = _list_sizes(effect), _list_sizes(own)
+    has = _write_numbers({name: theirs[name] for name in apart})
     here = ", ".join(f"{ours[name].value:.3g}" for name in apart)
     sentence = f"{effect.sentence}; the simulation has it with {has} in place of {here}"
     return with_fields(effect, kind="parameter", sentence=sentence)
 
 
-def _numbers(sizes: Mapping[str, Quantity]) -> str:
+def _write_numbers(sizes: Mapping[str, Quantity]) -> str:
     return ", ".join(
         f"{name.replace('_', ' ')} {one.value:.3g} {'' if one.unit == '1' else one.unit}".strip()
         for name, one in sizes.items()

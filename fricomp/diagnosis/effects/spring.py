@@ -13,13 +13,13 @@ from ..inputs.rigid import Spring
 from ..joint.observer import Plant
 from ..record.result import Change, NamedEffect, Quantity
 
-__all__ = ["SPRING", "SPRING_CHANGE", "as_it_shows", "spring_change", "whole_spring"]
+__all__ = ["SPRING", "SPRING_CHANGE", "combine_springs", "compare_spring", "describe_spring"]
 
 _NO_CENTRE = "its centre is not determined, since that of a straight one is a constant torque"
 SPRING, SPRING_CHANGE = "spring_torque", "spring_stiffness"
 
 
-def as_it_shows(effect: NamedEffect, given: Spring | None) -> NamedEffect:
+def describe_spring(effect: NamedEffect, given: Spring | None) -> NamedEffect:
     """A spring as the recording shows it; other effects stay as they are.
 
     The centre of a straight one is an offset, which the base has as well: no recording tells the two apart, and an
@@ -39,7 +39,7 @@ def as_it_shows(effect: NamedEffect, given: Spring | None) -> NamedEffect:
     if given is None:
         return with_fields(effect, parameters=rest, sentence=f"{effect.sentence}; {_NO_CENTRE}")
     change = rest.pop("stiffness")
-    whole = _whole(change, given)
+    whole = _add_given(change, given)
     unit = change.unit
     if whole.ci95[0] <= 0.0:
         sentence = f"the simulation has a spring of {given.stiffness:.4g} {unit} that the joint does not show"
@@ -49,17 +49,17 @@ def as_it_shows(effect: NamedEffect, given: Spring | None) -> NamedEffect:
     return with_fields(effect, kind="parameter", parameters=parameters, sentence=sentence, equation="")
 
 
-def spring_change(effects: Sequence[NamedEffect], given: Spring | None) -> tuple[Change, ...]:
+def compare_spring(effects: Sequence[NamedEffect], given: Spring | None) -> tuple[Change, ...]:
     """The stiffness of the simulation and of the joint, where the two were found to differ."""
     if given is None:
         return ()
     changes = (one.parameters.get("stiffness_change") for one in effects if one.name == SPRING)
     return tuple(
-        Change(name=SPRING_CHANGE, given=given.stiffness, refitted=_whole(one, given)) for one in changes if one
+        Change(name=SPRING_CHANGE, given=given.stiffness, refitted=_add_given(one, given)) for one in changes if one
     )
 
 
-def whole_spring(found: Mapping[str, float], plant: Plant, given: Spring) -> tuple[Term | None, Plant]:
+def combine_springs(found: Mapping[str, float], plant: Plant, given: Spring) -> tuple[Term | None, Plant]:
     """The joint's whole spring from what was found beside the simulation's, and the plant with the constant that it
     leaves: a law that is written into the simulation stands in place of the spring there.
 
@@ -84,6 +84,6 @@ def whole_spring(found: Mapping[str, float], plant: Plant, given: Spring) -> tup
     return SpringTorque(stiffness, centre, hardening), replace(plant, offset=plant.offset + constant)
 
 
-def _whole(change: Quantity, given: Spring) -> Quantity:
+def _add_given(change: Quantity, given: Spring) -> Quantity:
     low, high = change.ci95
     return Quantity(given.stiffness + change.value, change.unit, (given.stiffness + low, given.stiffness + high))

@@ -13,9 +13,9 @@ from ..inputs.track import FloatArray
 from ..joint.base import BASE_NAMES, unpack
 from ..joint.observer import THREADS, Contribution, Observation, Plant
 from ..joint.problem import Problem
-from ..joint.solver import Box, Descent, Fit, descend, together
+from ..joint.solver import Box, Descent, Fit, descend, run_together
 from . import EFFECTS, Context, Effect, EffectParameter
-from .context import loaded
+from .context import add_load
 
 __all__ = ["Candidate", "Structure", "fit_all"]
 
@@ -146,7 +146,7 @@ class Structure:
             carried = [candidate.effect.load(context, values[candidate.name]) for candidate in self.candidates]
             return np.zeros_like(context.position) + sum(carried)
 
-        return tuple(loaded(context, plant, further(context)) for context in self.contexts)
+        return tuple(add_load(context, plant, further(context)) for context in self.contexts)
 
     def residuals(self, problem: Problem, points: Sequence[FloatArray]) -> list[FloatArray]:
         """Weighted residual vectors at several points."""
@@ -180,22 +180,22 @@ def fit_all(problem: Problem, descents: Sequence[tuple[Structure, Descent]]) -> 
 
     def evaluate(asked: list[list[FloatArray]]) -> list[list[FloatArray]]:
         pairs = [(s, point) for s, points in zip(structures, asked, strict=True) for point in points]
-        vectors = iter(problem.vectors([s.plant(p) for s, p in pairs], _contributions(pairs)))
+        vectors = iter(problem.vectors([s.plant(p) for s, p in pairs], _compute_contributions(pairs)))
         return [[next(vectors) for _ in points] for points in asked]
 
-    return together([descent for _, descent in descents], evaluate)
+    return run_together([descent for _, descent in descents], evaluate)
 
 
-def _contributions(points: Sequence[tuple[Structure, FloatArray]]) -> list[list[Contribution]]:
+def _compute_contributions(points: Sequence[tuple[Structure, FloatArray]]) -> list[list[Contribution]]:
     """What the effects add at each point. A Jacobian moves one parameter at a time: most points share theirs."""
     keys = [(id(structure), point[N_BASE:].tobytes()) for structure, point in points]
     different = dict(zip(keys, points, strict=True))
     with ThreadPoolExecutor(THREADS) as pool:
-        known = dict(zip(different, pool.map(_at, different.values()), strict=True))
+        known = dict(zip(different, pool.map(_compute_at, different.values()), strict=True))
     return [known[key] for key in keys]
 
 
-def _at(pair: tuple[Structure, FloatArray]) -> list[Contribution]:
+def _compute_at(pair: tuple[Structure, FloatArray]) -> list[Contribution]:
     """What the effects add at a point, on a thread of its own: a point that does not simulate may overflow."""
     structure, point = pair
     with np.errstate(over="ignore", invalid="ignore"):

@@ -16,10 +16,10 @@ from scipy.spatial import cKDTree
 
 from ..inputs.track import FloatArray
 from ..joint.problem import Problem
-from ..joint.solver import Box, Fit, at_least
+from ..joint.solver import Box, Fit, raise_diagonal
 from . import Context
 
-__all__ = ["push", "time_windows"]
+__all__ = ["find_time_windows", "shape_push"]
 
 _Mask = NDArray[np.bool_]
 
@@ -48,37 +48,37 @@ _VISITED = 0.4  # share of the windows' rows whose state occurs outside as well
 _ELSEWHERE = 0.1
 
 
-def push(time: FloatArray, start: float, end: float, roundness: float = 1.0) -> FloatArray:
+def shape_push(time: FloatArray, start: float, end: float, roundness: float = 1.0) -> FloatArray:
     """A push between `start` and `end` [s]: half a sine wave to the power of `roundness`. Shape (n,)."""
     phase = np.clip((time - start) / max(end - start, 1e-6), 0.0, 1.0)
     result: FloatArray = np.maximum(np.sin(np.pi * phase), 0.0) ** roundness
     return result
 
 
-def time_windows(problem: Problem, contexts: Sequence[Context], fit: Fit, box: Box) -> tuple[float, ...]:
+def find_time_windows(problem: Problem, contexts: Sequence[Context], fit: Fit, box: Box) -> tuple[float, ...]:
     """The windows as recording, start and end [s], one after the other; none where it is no matter of time alone."""
     inside = np.zeros(fit.residual.size, dtype=bool)
     left = fit.residual
     for _ in range(_ROUNDS):
-        found = _standing_out(problem, left)
+        found = _find_standing_out(problem, left)
         if np.array_equal(found, inside) or not 0.0 < found.mean() < 0.6:
             inside = found
             break
         inside, left = found, _refit_without(found, fit, box)
-    if not inside.any() or inside.mean() > _LONGEST or not _compact(inside, left):
+    if not inside.any() or inside.mean() > _LONGEST or not _is_compact(inside, left):
         return ()
-    windows = [_fitted(problem, window, left) for window in _intervals(problem, inside, left)]
-    energy = [_explained(problem, window, left) for window in windows]
+    windows = [_fit_window(problem, window, left) for window in _find_intervals(problem, inside, left)]
+    energy = [_compute_explained(problem, window, left) for window in windows]
     windows = [window for window, one in zip(windows, energy, strict=True) if one > _FAINT * max(energy)]
-    if len(windows) > _MOST or not _not_of_the_state(problem, contexts, inside, left):
+    if len(windows) > _MOST or not _is_independent_of_state(problem, contexts, inside, left):
         return ()
     return tuple(value for window in windows for value in window)
 
 
-def _standing_out(problem: Problem, left: FloatArray) -> _Mask:
+def _find_standing_out(problem: Problem, left: FloatArray) -> _Mask:
     """Rows in a stretch whose running mean stands out."""
     masks = []
-    for part in _by_recording(problem, left):
+    for part in _split_by_recording(problem, left):
         mean = np.abs(uniform_filter1d(part, _MEAN)) * np.sqrt(_MEAN)
         level = max(float(np.median(mean)) / 0.6745, 1.0)
         edge, core = mean > _EDGE * level, mean > _CORE * level
@@ -92,12 +92,12 @@ def _refit_without(inside: _Mask, fit: Fit, box: Box) -> FloatArray:
     """The residual once the base is refitted, linearly, to the rows that are not `inside`. Shape (m,)."""
     A = fit.jacobian * box.scale
     out = ~binary_dilation(inside, np.ones(2 * _MEAN + 1))
-    H = A[out].T @ A[out] + at_least(box.scaled_precision, 1e-6)
+    H = A[out].T @ A[out] + raise_diagonal(box.scaled_precision, 1e-6)
     result: FloatArray = fit.residual - A @ np.linalg.solve(H, A[out].T @ fit.residual[out])
     return result
 
 
-def _compact(inside: _Mask, left: FloatArray) -> bool:
+def _is_compact(inside: _Mask, left: FloatArray) -> bool:
     out = ~binary_dilation(inside, np.ones(_MEAN))
     if out.sum() < 0.3 * inside.size:
         return False
@@ -106,20 +106,22 @@ def _compact(inside: _Mask, left: FloatArray) -> bool:
     return within > 5.0 and outside < max(_QUIET, within / _CONTRAST)
 
 
-def _not_of_the_state(problem: Problem, contexts: Sequence[Context], inside: _Mask, left: FloatArray) -> bool:
+def _is_independent_of_state(problem: Problem, contexts: Sequence[Context], inside: _Mask, left: FloatArray) -> bool:
     """Whether the joint was in the same states outside of the windows as well, where nothing stood out.
 
     Most rows of a window may lie at its quiet edges. So where it is loud, position, speed and acceleration must each
     occur outside as well: what is loud at one end of the range, where the joint was only then, may be a stop.
     """
-    states = _states(problem, contexts)
-    if float(np.mean(_near(states, inside))) <= _VISITED:
+    states = _collect_states(problem, contexts)
+    if float(np.mean(_find_near(states, inside))) <= _VISITED:
         return False
     energy = left[inside] ** 2
-    return all(float(energy @ _near(state[:, None], inside)) > _ELSEWHERE * float(energy.sum()) for state in states.T)
+    return all(
+        float(energy @ _find_near(state[:, None], inside)) > _ELSEWHERE * float(energy.sum()) for state in states.T
+    )
 
 
-def _states(problem: Problem, contexts: Sequence[Context]) -> FloatArray:
+def _collect_states(problem: Problem, contexts: Sequence[Context]) -> FloatArray:
     """Position, speed and acceleration of each row, in their ranges, the last two closer where they are fast.
 
     Shape (m, 3).
@@ -133,17 +135,17 @@ def _states(problem: Problem, contexts: Sequence[Context]) -> FloatArray:
     return np.stack(states, axis=1)
 
 
-def _near(points: FloatArray, inside: _Mask) -> _Mask:
+def _find_near(points: FloatArray, inside: _Mask) -> _Mask:
     """Which points inside have one nearby outside. Shape (n_inside,)."""
     distance, _ = cKDTree(points[~inside]).query(points[inside])
     result: _Mask = distance < _NEAR
     return result
 
 
-def _intervals(problem: Problem, inside: _Mask, left: FloatArray) -> list[_Window]:
+def _find_intervals(problem: Problem, inside: _Mask, left: FloatArray) -> list[_Window]:
     """The stretches, those of one direction with a short break between them joined."""
     windows: list[_Window] = []
-    parts = zip(_by_recording(problem, inside), _by_recording(problem, left), strict=True)
+    parts = zip(_split_by_recording(problem, inside), _split_by_recording(problem, left), strict=True)
     for which, (part, values) in enumerate(parts):
         time = problem.grids[which].centres * problem.tracks[which].dt
         stretch, count = label(part)
@@ -158,9 +160,9 @@ def _intervals(problem: Problem, inside: _Mask, left: FloatArray) -> list[_Windo
     return windows
 
 
-def _fitted(problem: Problem, window: _Window, left: FloatArray) -> _Window:
+def _fit_window(problem: Problem, window: _Window, left: FloatArray) -> _Window:
     """Start and end moved until a push between them explains most of what the base leaves."""
-    best, most = window, _explained(problem, window, left)
+    best, most = window, _compute_explained(problem, window, left)
     for step in _STEPS:
         moved = True
         while moved:
@@ -169,21 +171,21 @@ def _fitted(problem: Problem, window: _Window, left: FloatArray) -> _Window:
                 trial = _Window(best.recording, best.start + start, best.end + end)
                 if trial.end - trial.start < 2.0 * step or trial.start < 0.0:
                     continue
-                energy = _explained(problem, trial, left)
+                energy = _compute_explained(problem, trial, left)
                 if energy > most * (1.0 + 1e-6):
                     best, most, moved = trial, energy, True
     return best
 
 
-def _explained(problem: Problem, window: _Window, left: FloatArray) -> float:
+def _compute_explained(problem: Problem, window: _Window, left: FloatArray) -> float:
     assert problem.weights is not None
     rows = [mean.copy() for mean in problem.weights.mean]
     track, grid = problem.tracks[window.recording], problem.grids[window.recording]
-    rows[window.recording] += push(grid.centres * track.dt, window.start, window.end)
+    rows[window.recording] += shape_push(grid.centres * track.dt, window.start, window.end)
     column = problem.weights.apply(rows)
     size = float(column @ column)
     return float(column @ left) ** 2 / size if size > 0.0 else 0.0
 
 
-def _by_recording(problem: Problem, values: np.ndarray) -> list[np.ndarray]:
+def _split_by_recording(problem: Problem, values: np.ndarray) -> list[np.ndarray]:
     return np.split(values, np.cumsum([grid.centres.size for grid in problem.grids])[:-1])

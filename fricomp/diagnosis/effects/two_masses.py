@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from scipy.signal import savgol_coeffs
 
 from ..inputs.track import FloatArray
-from ..joint.kernel import compiled
+from ..joint.kernel import compile_kernel
 
 if TYPE_CHECKING:
     from . import Context
 
 ComplexArray = NDArray[np.complex128]
 
-__all__ = ["Coupling", "Transmission", "carried", "twist", "uneven_running"]
+__all__ = ["Coupling", "Transmission", "compute_carried", "compute_uneven_running", "simulate_twist"]
 
 _WINDOW = 0.015  # [s] of the local cubic that takes the curvature of the twist; a third of a row
 _FINEST = 0.25  # [rad] of the load's own oscillation in one substep
@@ -50,7 +50,7 @@ class Transmission:
 
 
 class Coupling(NamedTuple):
-    """How a load hangs on the motor side: J_l theta'' = K d (1 + h (K d)²) + c s' - gravity(theta), see `twist`.
+    """How a load hangs on the motor side: J_l theta'' = K d (1 + h (K d)²) + c s' - gravity(theta).
 
     Attributes:
         inertia: J_l [kg·m²].
@@ -94,8 +94,8 @@ class Coupling(NamedTuple):
         return (0.0, 0.0) if free else (elastic, self.damping)
 
 
-@compiled
-def twist(position: np.ndarray, gravity: np.ndarray, gradient: np.ndarray, settings: np.ndarray) -> np.ndarray:
+@compile_kernel
+def simulate_twist(position: np.ndarray, gravity: np.ndarray, gradient: np.ndarray, settings: np.ndarray) -> np.ndarray:
     """Motor less load position when the motor side moves as recorded [rad]. Shape (n,).
 
         J_l theta'' = K d (1 + h (K d)²) + c s' - gravity(theta),  s = q - theta,  d = s outside of the gap
@@ -134,31 +134,31 @@ def twist(position: np.ndarray, gravity: np.ndarray, gradient: np.ndarray, setti
     return out
 
 
-def carried(context: Context, transmission: Transmission) -> FloatArray:
+def compute_carried(context: Context, transmission: Transmission) -> FloatArray:
     """Torque on the motor side beyond that of a rigid transmission [N·m]. Shape (n,).
 
     The load lags by the twist s, so the motor carries gravity(q - s) - gravity(q) - J_l s'' more.
     """
     t, q = transmission, context.position
-    gravity, gradient = _gravity(context)
+    gravity, gradient = _compute_gravity(context)
     frequency = np.sqrt(t.stiffness / t.inertia)
     substeps = int(np.clip(np.ceil(frequency * context.dt / _FINEST), 1, 20))
-    s = twist(q, gravity, gradient, np.array([context.dt, substeps, *t.coupling(context)]))
+    s = simulate_twist(q, gravity, gradient, np.array([context.dt, substeps, *t.coupling(context)]))
     window = max(5, 2 * round(_WINDOW / context.dt / 2) + 1)
-    curvature = np.convolve(s, _curvature(window, context.dt), mode="same")
+    curvature = np.convolve(s, _compute_curvature_weights(window, context.dt), mode="same")
     curvature[: window // 2] = curvature[-(window // 2) :] = 0.0
     result: FloatArray = -gradient * s - t.inertia * curvature
     return result
 
 
 @cache
-def _curvature(window: int, dt: float) -> FloatArray:
+def _compute_curvature_weights(window: int, dt: float) -> FloatArray:
     """Weights of a local cubic's second derivative over `window` samples [1/s²]; they take a fit of their own."""
     weights: FloatArray = savgol_coeffs(window, 3, deriv=2, delta=dt)
     return weights
 
 
-def _gravity(context: Context) -> tuple[FloatArray, FloatArray]:
+def _compute_gravity(context: Context) -> tuple[FloatArray, FloatArray]:
     """Gravity torque [N·m] and its derivative by the position [N·m/rad]. Shapes (n,)."""
     if not context.rotary:
         return np.zeros_like(context.position), np.zeros_like(context.position)
@@ -167,13 +167,13 @@ def _gravity(context: Context) -> tuple[FloatArray, FloatArray]:
     return a * cosine + b * sine, b * cosine - a * sine
 
 
-def uneven_running(context: Context, order: FloatArray | float, load_share: float) -> ComplexArray:
+def compute_uneven_running(context: Context, order: FloatArray | float, load_share: float) -> ComplexArray:
     """Torque for each radian by which the load leads as exp(i n q), over that wave [N·m/rad]. Shape (n,).
 
     Lagrange's equation of a load at q + e(q): e' (gravity + 2 J_l a) + J_l e'' v² + gravity' e.
     """
     inertia = context.plant.inertia * load_share
     v, a = context.velocity, context.acceleration
-    gravity, gradient = _gravity(context)
+    gravity, gradient = _compute_gravity(context)
     torque = 1j * order * (gravity + 2.0 * inertia * a) - order**2 * inertia * v**2 + gradient
     return np.asarray(torque, dtype=np.complex128)

@@ -12,27 +12,27 @@ from ..inputs.track import FloatArray
 if TYPE_CHECKING:
     from . import Context
 
-__all__ = ["heat_of", "losses", "warming"]
+__all__ = ["compute_heat", "compute_losses", "compute_warming"]
 
 
-def warming(power: FloatArray, dt: float, time_constant: float) -> FloatArray:
+def compute_warming(power: FloatArray, dt: float, time_constant: float) -> FloatArray:
     """First-order response to `power`, as a share of what its mean would give in the long run. Shape (n,)."""
     keep = float(np.exp(-dt / max(time_constant, dt)))
     rise: FloatArray = lfilter([1.0 - keep], [1.0, -keep], power / max(float(np.mean(power)), 1e-12))
     return rise
 
 
-def losses(context: Context) -> FloatArray:
+def compute_losses(context: Context) -> FloatArray:
     """Power that friction dissipates [W]. Shape (n,)."""
     return np.abs(context.friction * context.velocity)
 
 
-def heat_of(context: Context, time_constant: float) -> FloatArray:
+def compute_heat(context: Context, time_constant: float) -> FloatArray:
     """Rise of the joint's temperature [K], over its mean of all recordings, or its estimate from friction losses [1],
     over that of this one. Shape (n,).
     """
     recorded = context.channels.get("temperature")
     if recorded is not None:
         return recorded - context.usual_temperature
-    rise = warming(losses(context), context.dt, time_constant)
+    rise = compute_warming(compute_losses(context), context.dt, time_constant)
     return rise - float(np.mean(rise))

@@ -15,7 +15,7 @@ from ..inputs.track import FloatArray
 from ..joint.solver import Box
 from ..search.explanation import Explanation
 from ..search.preparation import Prepared
-from ..search.refit import LAST_STEPS, fit_from, polish, preference
+from ..search.refit import LAST_STEPS, compute_preference, fit_from, polish
 from ..search.search import Found
 from .alias import CLOSE, alternatives, as_good, told
 from .comparison import AGREES, NAMED, Doubt
@@ -76,7 +76,7 @@ def _finished(prepared: Prepared, held: Sequence[Explanation], best: Explanation
     From its parameters to the simulation's gravity a narrow valley of offset, gravity and friction bends, which a fit
     with one Jacobian does not follow to its end.
     """
-    order = sorted(held, key=preference, reverse=True)
+    order = sorted(held, key=compute_preference, reverse=True)
     far = [one.refused != "" or one.gain <= _NEAR * best.gain for one in order]
     ends = [one for i, one in enumerate(order[:number]) if i == 0 or not far[i]]
     rest = [one for one in order if all(one is not each for each in ends)]

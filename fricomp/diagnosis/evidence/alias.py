@@ -7,7 +7,7 @@ import numpy as np
 from ..record.result import Distinguishability
 from ..search.explanation import Explanation
 from ..search.preparation import Prepared
-from ..search.screening import Screen, orthonormal
+from ..search.screening import Screen, orthonormalise
 from ..search.search import Found
 
 __all__ = ["CLOSE", "aliases", "alternatives", "as_good", "distinguishability", "told"]
@@ -63,5 +63,5 @@ def distinguishability(prepared: Prepared, screened: Screen) -> Distinguishabili
 def _distance(a: np.ndarray, b: np.ndarray) -> float:
     if a.shape[1] == 0 or b.shape[1] == 0:
         return 1.0
-    overlap = float(np.sum((orthonormal(b).T @ a) ** 2)) / a.shape[1]
+    overlap = float(np.sum((orthonormalise(b).T @ a) ** 2)) / a.shape[1]
     return float(np.clip(1.0 - overlap, 0.0, 1.0))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..effects.structure import Structure
 from ..inputs.track import FloatArray
-from ..joint.solver import Box, Fit, at_least
+from ..joint.solver import Box, Fit, raise_diagonal
 from ..search.preparation import Prepared
 
 __all__ = ["Confirmation", "confirm", "covariance"]
@@ -140,7 +140,7 @@ def _move(residual: FloatArray, jacobian: FloatArray, box: Box, train: FloatArra
     """
     free = np.flatnonzero(np.any(jacobian, axis=0))
     A = (jacobian[train] * box.scale)[:, free]
-    prior = at_least(box.scaled_precision[np.ix_(free, free)], 0.1)
+    prior = raise_diagonal(box.scaled_precision[np.ix_(free, free)], 0.1)
     step = np.zeros(box.scale.size)
     step[free] = np.linalg.solve(A.T @ A + prior, -A.T @ residual[train])
     result: FloatArray = box.scale * np.clip(step, -1.0, 1.0)
@@ -154,7 +154,7 @@ def covariance(fit: Fit, box: Box) -> FloatArray:
     sums over blocks of rows show by how much parameters follow it [white1980].
     """
     A = fit.jacobian * box.scale
-    H = A.T @ A + at_least(box.scaled_precision, 1e-9)
+    H = A.T @ A + raise_diagonal(box.scaled_precision, 1e-9)
     inverse = np.asarray(np.linalg.pinv(H, hermitian=True), dtype=np.float64)
     loud = max(1.0, float(fit.residual @ fit.residual) / fit.residual.size)
     leaning = np.array([_leaning(A[rows], inverse, fit.residual[rows]) for rows in _blocks(fit.residual.size)])

@@ -13,7 +13,7 @@ from ..effects.structure import N_BASE, Candidate, Structure
 from ..inputs.rigid import RigidJoint
 from ..joint.solver import Box, Fit
 from ..record.result import NamedEffect
-from ..search.explanation import Explanation, evidence, judged
+from ..search.explanation import Explanation, compute_evidence, judge
 from ..search.preparation import Prepared
 from ..search.refit import fit_from
 from ..search.screening import screen
@@ -104,7 +104,7 @@ def _question(answer: Answer) -> _Question | None:
     numbers = sum(_BODY.get(name, 0) for name in named)
     if not numbers:
         return None
-    moved = judged(prepared, prepared.structure, prepared.fit, prepared.box)
+    moved = judge(prepared, prepared.structure, prepared.fit, prepared.box)
     moved = replace(moved, gain=-numbers * float(np.log(prepared.fit.residual.size)))
     box = _held(prepared, rigid)
     start = moved_to(box.centre[:3], prepared.fit.theta, prepared.structure.contexts)
@@ -148,4 +148,4 @@ def _physical(one: Explanation) -> bool:
 def _standing(prepared: Prepared, one: Explanation, given: Fit) -> Explanation:
     """An explanation judged beside the simulation as given."""
     penalty = one.structure.freedom * float(np.log(given.residual.size))
-    return replace(one, certain=evidence(prepared, one.names, given, one.fit) - penalty, before=given)
+    return replace(one, certain=compute_evidence(prepared, one.names, given, one.fit) - penalty, before=given)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..inputs.track import FloatArray
 from ..record.result import Interval, Location, RowSeries
-from ..search.generic import time_since_reversal
+from ..search.generic import measure_time_since_reversal
 from ..search.preparation import Prepared
 
 __all__ = ["change_points", "excess_maps", "locate", "row_series"]
@@ -35,7 +35,7 @@ def row_series(prepared: Prepared, before: Sequence[FloatArray], after: Sequence
                 velocity=context.velocity[at],
                 acceleration=context.acceleration[at],
                 load_torque=context.load_torque[at],
-                time_since_reversal=time_since_reversal(context.velocity, context.dt)[at],
+                time_since_reversal=measure_time_since_reversal(context.velocity, context.dt)[at],
                 temperature=None if temperature is None else temperature[at],
                 before=before[i],
                 after=after[i],

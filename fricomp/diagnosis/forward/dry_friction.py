@@ -7,7 +7,7 @@ from math import copysign, exp, sqrt
 
 from ..joint.observer import Plant
 
-__all__ = ["SOFT", "DryFriction", "FrictionCurve", "bristle_rate", "dry_friction"]
+__all__ = ["SOFT", "DryFriction", "FrictionCurve", "build_dry_friction", "compute_bristle_rate"]
 
 SOFT = 0.5
 """Largest product of a bristle's rate and the step, with which its torque is applied: stable up to 2."""
@@ -47,14 +47,14 @@ class DryFriction(ABC):
         """
 
 
-def dry_friction(plant: Plant, inertia: float, step: float, net: float) -> DryFriction:
+def build_dry_friction(plant: Plant, inertia: float, step: float, net: float) -> DryFriction:
     """Dry friction of `plant` on a motor side of `inertia` [kg·m²], which holds `net` [N·m] at the start."""
     if plant.creep_velocity > 0.0:
         return _Creep(plant, inertia, step)
-    return _Bristle(plant, step, net) if bristle_rate(plant, inertia) * step <= SOFT else _FrictionLoss()
+    return _Bristle(plant, step, net) if compute_bristle_rate(plant, inertia) * step <= SOFT else _FrictionLoss()
 
 
-def bristle_rate(plant: Plant, inertia: float) -> float:
+def compute_bristle_rate(plant: Plant, inertia: float) -> float:
     """Rate of an `inertia` [kg·m²] on the bristle of `plant` [1/s]: of its swing, or of its damping."""
     stiffest = (plant.spread + 1.0 + 1.0 / plant.spread) / 3.0
     stiffness = plant.sigma_0 * (1.0 + plant.sharpness * (stiffest - 1.0))

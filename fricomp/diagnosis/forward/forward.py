@@ -18,13 +18,13 @@ from ..effects.structure import N_BASE, Structure
 from ..inputs.controller import Controller
 from ..inputs.track import SIMULATED_SPRING, FloatArray, Track
 from ..joint.observer import Contribution
-from ..joint.solver import Box, at_least
+from ..joint.solver import Box, raise_diagonal
 from ..record.result import Forward
 from ..search.explanation import Explanation
 from ..search.preparation import Prepared
 from .forward_joint import Run, simulate_forward
 
-__all__ = ["forward_error", "with_spring"]
+__all__ = ["add_spring", "measure_forward_error"]
 
 _HELD_OUT = 1.0 / 3.0  # of the recording, its last part
 _LONGEST = 20.0  # [s]
@@ -33,7 +33,7 @@ _SLOW = 1.5  # times the step of a track, beyond which samples are further apart
 _SETTLE = 0.1  # of the stretch, in which the initial state dies out
 
 
-def forward_error(
+def measure_forward_error(
     recording: Recording, prepared: Prepared, chosen: Explanation | None, controller: Controller
 ) -> Forward | None:
     """Position errors of the base and of the extended model on the last part of the first recording.
@@ -49,14 +49,14 @@ def forward_error(
         return None
     length = min(_HELD_OUT * track.size * track.dt, _LONGEST)
     start = track.size - round(length / track.dt)
-    loop = _as_fast_as_recorded(controller, recording, track)
-    base = _trained(prepared, (prepared.structure, prepared.fit.theta, prepared.fit.jacobian), start)
-    runs = [_run(recording, prepared, (prepared.structure, base), loop, start)]
+    loop = _set_rate(controller, recording, track)
+    base = _train(prepared, (prepared.structure, prepared.fit.theta, prepared.fit.jacobian), start)
+    runs = [_build_run(recording, prepared, (prepared.structure, base), loop, start)]
     if chosen is not None:
-        theta = _trained(prepared, (chosen.structure, chosen.fit.theta, chosen.fit.jacobian), start)
-        runs.append(_run(recording, prepared, (chosen.structure, theta), loop, start))
+        theta = _train(prepared, (chosen.structure, chosen.fit.theta, chosen.fit.jacobian), start)
+        runs.append(_build_run(recording, prepared, (chosen.structure, theta), loop, start))
     kept = slice(start + round(_SETTLE * (track.size - start)), track.size)
-    errors = [_rms(simulate_forward(run)[kept.start - start :] - track.position[kept]) for run in runs]
+    errors = [_compute_rms(simulate_forward(run)[kept.start - start :] - track.position[kept]) for run in runs]
     if not all(np.isfinite(errors)) or errors[0] > float(np.ptp(track.position)):
         return None
     metadata = recording.metadata
@@ -69,13 +69,13 @@ def forward_error(
     )
 
 
-def _as_fast_as_recorded(controller: Controller, recording: Recording, track: Track) -> Controller:
+def _set_rate(controller: Controller, recording: Recording, track: Track) -> Controller:
     """The loop with a rate: that of the recording where none is known, unless that is too slow to be the loop's."""
     slow = recording.sample_period > _SLOW * track.dt
     return controller if controller.frequency or slow else replace(controller, frequency=1.0 / recording.sample_period)
 
 
-def _run(
+def _build_run(
     recording: Recording,
     prepared: Prepared,
     model: tuple[Structure, FloatArray],
@@ -83,7 +83,7 @@ def _run(
     start: int,
 ) -> Run:
     structure, theta = model
-    track, effects = with_spring(prepared.problem.tracks[0], _effects(structure, theta))
+    track, effects = add_spring(prepared.problem.tracks[0], _collect_effects(structure, theta))
     plant = replace(structure.plant(theta), **effects.along.plant)
     time = np.asarray(recording.time) - recording.time[0]
     position = np.interp(track.time, time, np.asarray(recording.position_reference))
@@ -92,14 +92,14 @@ def _run(
     return Run(plant, track, np.stack([position, velocity]), controller, start, track.size, effects)
 
 
-def _effects(structure: Structure, theta: FloatArray) -> ForwardPart:
+def _collect_effects(structure: Structure, theta: FloatArray) -> ForwardPart:
     """What the effects are along the first recording."""
     values, context = structure.values(theta[N_BASE:]), structure.contexts[0]
     parts = [one.effect.forward_part(context, values[one.name]) for one in structure.candidates]
     return sum(parts, ForwardPart())
 
 
-def with_spring(track: Track, effects: ForwardPart) -> tuple[Track, ForwardPart]:
+def add_spring(track: Track, effects: ForwardPart) -> tuple[Track, ForwardPart]:
     """Recording and effects with the spring of the simulation, which the torque of a track is without."""
     spring = track.channels.get(SIMULATED_SPRING)
     if spring is None:
@@ -107,7 +107,7 @@ def with_spring(track: Track, effects: ForwardPart) -> tuple[Track, ForwardPart]
     return replace(track, torque=track.torque + spring), effects + ForwardPart(Contribution(additive=spring))
 
 
-def _trained(prepared: Prepared, model: tuple[Structure, FloatArray, FloatArray], start: int) -> FloatArray:
+def _train(prepared: Prepared, model: tuple[Structure, FloatArray, FloatArray], start: int) -> FloatArray:
     """Parameters from the rows before `start` of the first recording and all of the others: one step from the fit."""
     structure, theta, jacobian = model
     residual = structure.residuals(prepared.problem, [theta])[0]
@@ -116,10 +116,10 @@ def _trained(prepared: Prepared, model: tuple[Structure, FloatArray, FloatArray]
     kept[: first.size] = first < start - _GAP / prepared.problem.tracks[0].dt
     box: Box = prepared.box.joined(structure.box())
     A = jacobian[kept] * box.scale
-    prior = at_least(box.scaled_precision, 0.1)
+    prior = raise_diagonal(box.scaled_precision, 0.1)
     step = np.linalg.solve(A.T @ A + prior, -A.T @ residual[kept])
     return box.clip(theta + box.scale * np.clip(step, -1.0, 1.0))
 
 
-def _rms(values: FloatArray) -> float:
+def _compute_rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values**2)))

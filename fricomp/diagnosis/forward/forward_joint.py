@@ -20,7 +20,7 @@ from ..effects.two_masses import Coupling
 from ..inputs.controller import Controller
 from ..inputs.track import FloatArray, Track
 from ..joint.observer import Plant
-from .dry_friction import SOFT, FrictionCurve, bristle_rate, dry_friction
+from .dry_friction import SOFT, FrictionCurve, build_dry_friction, compute_bristle_rate
 from .forward_loop import Drive, Loop
 
 __all__ = ["Run", "simulate_forward"]
@@ -70,7 +70,7 @@ class Run:
         such numbers the first that is a whole one for each answer of the loop, or comes closest.
         """
         rates = [] if self.effects.coupling is None else [self.effects.coupling.rate(self.motor)]
-        bristle = bristle_rate(self.plant, self.motor)
+        bristle = compute_bristle_rate(self.plant, self.motor)
         rates += [bristle] if bristle * _SHORTEST <= SOFT else []
         frequency, most = self.controller.frequency, self.track.dt / _SHORTEST
         wanted = max([1.0 / _LONGEST, frequency or 0.0, *(rate / _FINE for rate in rates)])
@@ -78,10 +78,10 @@ class Run:
         if frequency is None:
             return least
         answers = self.track.dt * frequency
-        return min(range(least, max(least, int(most)) + 1), key=lambda n: (_from_whole(n / answers), n))
+        return min(range(least, max(least, int(most)) + 1), key=lambda n: (_measure_remainder(n / answers), n))
 
 
-def _from_whole(steps: float) -> float:
+def _measure_remainder(steps: float) -> float:
     """How far steps for each answer of the loop are from a whole number of them, to a millionth."""
     return round(abs(steps - max(round(steps), 1)), 6)
 
@@ -98,7 +98,7 @@ def simulate_forward(run: Run) -> FloatArray:
         raise MissingExtraError("mujoco", "diagnose") from error
     substeps = run.substeps
     step = run.track.dt / substeps
-    model: Any = mujoco.MjModel.from_xml_string(_text(run, step))
+    model: Any = mujoco.MjModel.from_xml_string(_write_model(run, step))
     data: Any = mujoco.MjData(model)
     joint = _Joint(run, model, data, step)
     out = np.empty(run.stop - run.start)
@@ -110,7 +110,7 @@ def simulate_forward(run: Run) -> FloatArray:
     return out
 
 
-def _text(run: Run, step: float) -> str:
+def _write_model(run: Run, step: float) -> str:
     kind = "hinge" if run.track.rotary else "slide"
     coupling = run.effects.coupling
     load = "" if coupling is None else _LOAD.format(coupling.inertia, kind)
@@ -142,7 +142,7 @@ class _Joint:
         level, viscous = self.curve.follow(w)
         level = max(level + self.level[k], _LEAST_LEVEL)
         held = torque - self.offset - self.additive[k] - viscous - gravity.at(q)
-        self.dry = dry_friction(run.plant, run.motor, step, min(max(held, -level), level))
+        self.dry = build_dry_friction(run.plant, run.motor, step, min(max(held, -level), level))
 
     def push(self, k: int) -> None:
         """Set the torques of the next step, in sample `k`."""

@@ -49,9 +49,9 @@ class ArmDynamics:
 
         Returns:
             Shape (n, n_joints, 10); the mass of the body is the sum of the ten weights, and its first moments are the
-            weighted sum of `point_positions`.
+            weighted sum of `place_points`.
         """
-        return np.stack([self._torques(motion, body, point) for point in point_positions()], axis=2)
+        return np.stack([self._torques(motion, body, point) for point in place_points()], axis=2)
 
     def _torques(self, motion: ArmMotion, body: int, point: FloatArray) -> FloatArray:
         import mujoco
@@ -70,7 +70,7 @@ class ArmDynamics:
         return out
 
 
-def point_positions() -> FloatArray:
+def place_points() -> FloatArray:
     """Where the ten point masses sit on a body: their masses and moments are independent [m]. Shape (10, 3)."""
     e = np.eye(3)
     points = [np.zeros(3), *e, *-e, e[0] + e[1], e[1] + e[2], e[0] + e[2]]

@@ -14,10 +14,10 @@ from scipy.signal import lfilter
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
 
-from .left_out import fits_without_blocks
-from .track import FloatArray, smooth_derivative
+from .left_out import fit_without_blocks
+from .track import FloatArray, differentiate
 
-__all__ = ["EXPLAINED", "Controller", "answer_of", "estimate_controller", "read_controller", "told_torque"]
+__all__ = ["EXPLAINED", "Controller", "compute_answer", "estimate_controller", "read_controller", "read_told_torque"]
 
 EXPLAINED = 0.9
 """Part of the torque's variance that an estimated controller must explain, on blocks left out."""
@@ -59,7 +59,7 @@ class Controller:
 
     def filtered(self, step: float) -> float:
         """What the velocity filter keeps of its state over `step` [s]."""
-        return _kept(self.velocity_filter_frequency, step)
+        return _compute_memory(self.velocity_filter_frequency, step)
 
     @property
     def kind(self) -> str:
@@ -122,19 +122,19 @@ def estimate_controller(recording: Recording) -> Controller | None:
     """
     if recording.position_reference is None or len(recording) < 500:
         return None
-    torque = told_torque(recording)
-    found = [_loop(_columns(recording, cutoff), torque, cutoff) for cutoff in _CUTOFFS]
+    torque = read_told_torque(recording)
+    found = [_fit_loop(_build_columns(recording, cutoff), torque, cutoff) for cutoff in _CUTOFFS]
     best = max(found, key=lambda one: one.explained)
     stable = best.proportional_gain > 0.0 and best.derivative_gain >= 0.0
     return best if stable and best.explained > EXPLAINED else None
 
 
-def answer_of(controller: Controller, recording: Recording) -> FloatArray:
+def compute_answer(controller: Controller, recording: Recording) -> FloatArray:
     """Torque that a loop gives along a recording with its reference [N·m], but for what its integral began with.
 
     Shape (n,), of the samples that gains are estimated from.
     """
-    columns, d = _columns(recording, controller.velocity_filter_frequency), controller.derivative_gain
+    columns, d = _build_columns(recording, controller.velocity_filter_frequency), controller.derivative_gain
     weights = {
         "error": controller.proportional_gain,
         "velocity": d,
@@ -147,19 +147,19 @@ def answer_of(controller: Controller, recording: Recording) -> FloatArray:
     return wanted if limit is None else np.clip(wanted, -limit, limit)
 
 
-def told_torque(recording: Recording) -> FloatArray:
+def read_told_torque(recording: Recording) -> FloatArray:
     """What a loop told its drive, or else the torque [N·m]; of the samples that gains are estimated from."""
     told = recording.torque if recording.torque_command is None else recording.torque_command
     return np.asarray(told)[:_LONGEST]
 
 
-def _loop(columns: dict[str, FloatArray], torque: FloatArray, cutoff: float | None) -> Controller:
+def _fit_loop(columns: dict[str, FloatArray], torque: FloatArray, cutoff: float | None) -> Controller:
     """The loop that explains `torque`, without the terms that hardly help."""
     chosen = ["error", "velocity", "reference", "integral", "acceleration"]
-    left = _unexplained(columns, chosen, torque)
+    left = _compute_unexplained(columns, chosen, torque)
     for name in ("acceleration", "integral", "reference", "velocity"):
         trial = [one for one in chosen if one != name]
-        unexplained = _unexplained(columns, trial, torque)
+        unexplained = _compute_unexplained(columns, trial, torque)
         if unexplained * (1.0 - _WORTH) < left and not (name == "velocity" and "reference" in chosen):
             chosen, left = trial, unexplained
     weights = dict(zip([*chosen, "bias"], _fit(columns, chosen, torque), strict=True))
@@ -177,11 +177,11 @@ def _loop(columns: dict[str, FloatArray], torque: FloatArray, cutoff: float | No
     )
 
 
-def _kept(cutoff: float | None, step: float) -> float:
+def _compute_memory(cutoff: float | None, step: float) -> float:
     return 0.0 if cutoff is None else float(np.exp(-2.0 * np.pi * cutoff * step))
 
 
-def _columns(recording: Recording, cutoff: float | None) -> dict[str, FloatArray]:
+def _build_columns(recording: Recording, cutoff: float | None) -> dict[str, FloatArray]:
     """What the terms of a loop multiply; its velocity is the filtered difference of positions. Shapes (n,)."""
     dt = recording.sample_period
     reference, position = np.asarray(recording.position_reference), np.asarray(recording.position)
@@ -189,32 +189,32 @@ def _columns(recording: Recording, cutoff: float | None) -> dict[str, FloatArray
     wanted = recording.velocity_reference
     wanted = np.gradient(reference, dt) if wanted is None else np.asarray(wanted)
     seen = np.diff(position, prepend=position[0]) / dt
-    keep = _kept(cutoff, dt)
+    keep = _compute_memory(cutoff, dt)
     seen = lfilter([1.0 - keep], [1.0, -keep], seen)
     columns = {
         "error": error,
         "velocity": -seen,
         "reference": wanted,
         "integral": np.cumsum(error) * dt,
-        "acceleration": smooth_derivative(wanted, dt),
+        "acceleration": differentiate(wanted, dt),
     }
     return {name: values[:_LONGEST] for name, values in columns.items()}
 
 
-def _table(columns: dict[str, FloatArray], names: list[str]) -> FloatArray:
+def _build_table(columns: dict[str, FloatArray], names: list[str]) -> FloatArray:
     return np.column_stack([*(columns[name] for name in names), np.ones(columns["error"].size)])
 
 
 def _fit(columns: dict[str, FloatArray], names: list[str], torque: FloatArray) -> list[float]:
-    table = _table(columns, names)
+    table = _build_table(columns, names)
     size = np.linalg.norm(table, axis=0) + 1e-30
     return [float(one) for one in np.linalg.lstsq(table / size, torque, rcond=1e-9)[0] / size]
 
 
-def _unexplained(columns: dict[str, FloatArray], names: list[str], torque: FloatArray) -> float:
+def _compute_unexplained(columns: dict[str, FloatArray], names: list[str], torque: FloatArray) -> float:
     """Part of the torque's variance that is left on blocks that took no part."""
-    table, error = _table(columns, names), np.empty(torque.size)
+    table, error = _build_table(columns, names), np.empty(torque.size)
     size = np.linalg.norm(table, axis=0) + 1e-30
-    for part, weights in fits_without_blocks(table / size, torque, _FOLDS, rcond=1e-9):
+    for part, weights in fit_without_blocks(table / size, torque, _FOLDS, rcond=1e-9):
         error[part] = torque[part] - table[part] @ (weights / size)
     return float(np.mean(error**2) / max(float(np.var(torque)), 1e-30))

@@ -9,20 +9,20 @@ from scipy.ndimage import uniform_filter1d
 
 from fricomp.recording import Recording
 
-from .controller import EXPLAINED, Controller, answer_of, estimate_controller, told_torque
+from .controller import EXPLAINED, Controller, compute_answer, estimate_controller, read_told_torque
 
-__all__ = ["controller_remarks"]
+__all__ = ["check_controller"]
 
 _SMOOTH = 0.02  # [s] over which both torques are averaged: neither a delay nor the encoder's steps are a wrong gain
 
 
-def controller_remarks(controller: Controller, recordings: Sequence[Recording]) -> list[str]:
+def check_controller(controller: Controller, recordings: Sequence[Recording]) -> list[str]:
     """What speaks against a given loop, with its gains and those that the recording shows; empty where nothing does."""
     remarks = []
     for i, recording in enumerate(recordings):
         if recording.position_reference is None:
             continue
-        explained = _explained(controller, recording)
+        explained = _compute_explained(controller, recording)
         if explained >= EXPLAINED:
             continue
         prefix = f"recording {i + 1}: " if len(recordings) > 1 else ""
@@ -41,9 +41,9 @@ def controller_remarks(controller: Controller, recordings: Sequence[Recording]) 
     return remarks
 
 
-def _explained(controller: Controller, recording: Recording) -> float:
+def _compute_explained(controller: Controller, recording: Recording) -> float:
     """Part of the torque's variance that a loop explains; 0 and less where it explains none."""
-    torque = told_torque(recording)
+    torque = read_told_torque(recording)
     rows = max(1, round(_SMOOTH / recording.sample_period))
-    told, left = (uniform_filter1d(one, rows) for one in (torque, torque - answer_of(controller, recording)))
+    told, left = (uniform_filter1d(one, rows) for one in (torque, torque - compute_answer(controller, recording)))
     return 1.0 - float(np.var(left)) / max(float(np.var(told)), 1e-30)

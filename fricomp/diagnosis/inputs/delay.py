@@ -7,10 +7,10 @@ from scipy.signal import lfilter
 
 from .track import FloatArray
 
-__all__ = ["ahead_of", "behind", "shifted"]
+__all__ = ["apply_lags", "shift", "undo_lags"]
 
 
-def shifted(values: FloatArray, samples: float) -> FloatArray:
+def shift(values: FloatArray, samples: float) -> FloatArray:
     """`values` as they will be `samples` later: undoes a delay, by linear interpolation; the ends are held."""
     if samples == 0.0:
         return values
@@ -22,7 +22,7 @@ def shifted(values: FloatArray, samples: float) -> FloatArray:
     return held[start : start + n] * (1.0 - share) + held[start + 1 : start + 1 + n] * share
 
 
-def behind(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
+def apply_lags(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
     """`values` as they come through low passes of the first order, held before the first one. Shape (n,).
 
     Each is late by its time constant in the mean. A factor exp(-dt / lag) would make it half a sample less, which the
@@ -34,7 +34,7 @@ def behind(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray
     return values
 
 
-def ahead_of(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
+def undo_lags(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
     """What comes through these low passes as `values`: undoes them, so that a lag takes no noise away. Shape (n,)."""
     for lag in lags:
         before = np.concatenate([values[:1], values[:-1]])

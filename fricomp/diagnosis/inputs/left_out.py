@@ -9,10 +9,10 @@ import numpy as np
 
 from .track import FloatArray
 
-__all__ = ["fits_without_blocks"]
+__all__ = ["fit_without_blocks"]
 
 
-def fits_without_blocks(
+def fit_without_blocks(
     table: FloatArray, target: FloatArray, blocks: int, *, rcond: float, gap: tuple[int, int] = (0, 0)
 ) -> Iterator[tuple[np.ndarray, FloatArray]]:
     """The samples of each block, and the weights of the columns that fit all others.

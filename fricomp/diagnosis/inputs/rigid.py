@@ -109,11 +109,11 @@ def _measure(mujoco: object, model: object, index: int) -> RigidJoint:
         damping=float(np.ravel(m.dof_damping[dof])[0]),  # type: ignore[attr-defined]
         friction_loss=float(m.dof_frictionloss[dof]),  # type: ignore[attr-defined]
         rotary=rotary,
-        spring=_spring(m, index),
+        spring=_read_spring(m, index),
     )
 
 
-def _spring(model: Any, index: int) -> Spring | None:
+def _read_spring(model: Any, index: int) -> Spring | None:
     """The spring of one joint; older versions of MuJoCo know straight ones only."""
     further = np.ravel(model.jnt_stiffnesspoly[index]) if hasattr(model, "jnt_stiffnesspoly") else np.zeros(0)
     coefficients = (float(np.ravel(model.jnt_stiffness[index])[0]), *map(float, further))

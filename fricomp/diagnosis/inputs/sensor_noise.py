@@ -9,9 +9,16 @@ import numpy as np
 
 from fricomp.recording import Recording
 
-from .track import TorqueNoise, calm_samples, encoder_step, position_noise, smooth_derivative, torque_noise
+from .track import (
+    TorqueNoise,
+    differentiate,
+    find_calm_samples,
+    find_encoder_step,
+    measure_position_noise,
+    measure_torque_noise,
+)
 
-__all__ = ["SensorNoise", "as_sensed", "sensor_noise"]
+__all__ = ["SensorNoise", "add_sensor_noise", "measure_sensor_noise"]
 
 _LEAST = 1e-3  # of a torque's own deviation: what sensors without visible noise are taken to have
 _ROUNDING = 1.0 / np.sqrt(12.0)  # standard deviation of a rounded value, in steps
@@ -40,22 +47,22 @@ class SensorNoise:
         return SensorNoise(period, scale * self.torque, self.encoder_step, scale * self.position)
 
 
-def sensor_noise(recording: Recording) -> SensorNoise:
+def measure_sensor_noise(recording: Recording) -> SensorNoise:
     """The noise that the samples of a recording show."""
     period = recording.sample_period
     position, torque = np.array(recording.position), np.array(recording.torque)
-    velocity = smooth_derivative(position, period)
-    step = recording.metadata.encoder_resolution or encoder_step(position)
-    rounding, white = _ROUNDING * step, position_noise(position, velocity).white
+    velocity = differentiate(position, period)
+    step = recording.metadata.encoder_resolution or find_encoder_step(position)
+    rounding, white = _ROUNDING * step, measure_position_noise(position, velocity).white
     return SensorNoise(
         period=period,
-        torque=_from_sample_to_sample(torque_noise(torque, calm_samples(position, velocity, period))),
+        torque=_combine_noise(measure_torque_noise(torque, find_calm_samples(position, velocity, period))),
         encoder_step=step,
-        position=_beyond(white, rounding) if white > _MORE_THAN_ROUNDING * rounding else 0.0,
+        position=_subtract_variance(white, rounding) if white > _MORE_THAN_ROUNDING * rounding else 0.0,
     )
 
 
-def as_sensed(recording: Recording, like: Sequence[Recording], seed: int = 0) -> Recording:
+def add_sensor_noise(recording: Recording, like: Sequence[Recording], seed: int = 0) -> Recording:
     """A recording with the noise of others where its own is less: as their sensors would have shown its joint.
 
     Of several others those count that have the least noise, each channel on its own. Where noise is added, the
@@ -67,10 +74,10 @@ def as_sensed(recording: Recording, like: Sequence[Recording], seed: int = 0) ->
         seed: Of the noise.
     """
     rng = np.random.default_rng([seed, len(recording)])
-    own, others = sensor_noise(recording), [_visible(one).at(recording.sample_period) for one in like]
-    loud = [_scale(recording, one) * noise.torque for one, noise in zip(like, others, strict=True)]
-    hiss = _beyond(min(loud), own.torque)
-    blur = _beyond(min(one.position for one in others), own.position)
+    own, others = measure_sensor_noise(recording), [_measure_visible(one).at(recording.sample_period) for one in like]
+    loud = [_compute_scale(recording, one) * noise.torque for one, noise in zip(like, others, strict=True)]
+    hiss = _subtract_variance(min(loud), own.torque)
+    blur = _subtract_variance(min(one.position for one in others), own.position)
     step = min(one.encoder_step for one in others)
     coarser = step > own.encoder_step
     if hiss == 0.0 and blur == 0.0 and not coarser:
@@ -84,26 +91,26 @@ def as_sensed(recording: Recording, like: Sequence[Recording], seed: int = 0) ->
     return sensed.with_metadata(encoder_resolution=step) if coarser else sensed
 
 
-def _scale(recording: Recording, other: Recording) -> float:
+def _compute_scale(recording: Recording, other: Recording) -> float:
     """Factor from the torque of another recording of one motion to that of this one."""
     if recording.metadata.torque_unit == other.metadata.torque_unit:
         return 1.0
     return float(np.std(recording.torque) / max(float(np.std(other.torque)), 1e-300))
 
 
-def _visible(recording: Recording) -> SensorNoise:
+def _measure_visible(recording: Recording) -> SensorNoise:
     """The noise of a recording, of which the torque's is at least that of its rounding, and not nothing."""
-    noise, torque = sensor_noise(recording), np.array(recording.torque)
-    least = max(_LEAST * float(np.std(torque)), _ROUNDING * encoder_step(torque))
+    noise, torque = measure_sensor_noise(recording), np.array(recording.torque)
+    least = max(_LEAST * float(np.std(torque)), _ROUNDING * find_encoder_step(torque))
     return SensorNoise(noise.period, max(noise.torque, least), noise.encoder_step, noise.position)
 
 
-def _from_sample_to_sample(noise: TorqueNoise) -> float:
+def _combine_noise(noise: TorqueNoise) -> float:
     """White noise that makes neighbouring samples differ as much; slow motion of the torque looks like coloured noise
     of a long memory, which hardly counts here."""
     return float(np.sqrt(noise.white**2 + noise.coloured**2 * (1.0 - noise.memory) * (3.0 - noise.memory) / 3.0))
 
 
-def _beyond(whole: float, part: float) -> float:
+def _subtract_variance(whole: float, part: float) -> float:
     """Standard deviation of what a noise has besides a part of it."""
     return float(np.sqrt(max(whole**2 - part**2, 0.0)))

@@ -24,7 +24,7 @@ __all__ = [
     "PositionNoise",
     "TorqueNoise",
     "Track",
-    "smooth_derivative",
+    "differentiate",
 ]
 
 FloatArray = NDArray[np.float64]
@@ -157,32 +157,32 @@ class Track:
 
         Samples that were interpolated do not show their noise: it is given, and the spikes were taken out before.
         """
-        velocity = smooth_derivative(position, dt)
+        velocity = differentiate(position, dt)
         if noise is None:
-            noise = torque_noise(torque, calm_samples(position, velocity, dt))
-            torque = without_spikes(torque, noise.size)
+            noise = measure_torque_noise(torque, find_calm_samples(position, velocity, dt))
+            torque = remove_spikes(torque, noise.size)
         return cls(
             dt=dt,
             position=position,
             velocity=velocity,
             torque=torque,
-            resolution=encoder_step(position),
+            resolution=find_encoder_step(position),
             torque_noise=noise,
             rotary=rotary,
             channels=dict(channels or {}),
             name=name,
-            jitter=position_noise(position, velocity).jitter,
+            jitter=measure_position_noise(position, velocity).jitter,
         )
 
 
-def smooth_derivative(values: FloatArray, dt: float, window: float = _VELOCITY_WINDOW, order: int = 1) -> FloatArray:
+def differentiate(values: FloatArray, dt: float, window: float = _VELOCITY_WINDOW, order: int = 1) -> FloatArray:
     """Derivative by a local cubic (Savitzky and Golay) over `window` [s]; of order 0 the smoothed values."""
     samples = min(max(_SHORTEST_WINDOW, 2 * round(window / dt / 2) + 1), values.size - 1 + values.size % 2)
     result: FloatArray = savgol_filter(values, samples, 3, deriv=order, delta=dt)
     return result
 
 
-def encoder_step(position: FloatArray) -> float:
+def find_encoder_step(position: FloatArray) -> float:
     """Smallest step that most changes of `position` are multiples of; 0 for a position that is not quantised.
 
     Of the values and not of neighbouring samples, which slow ones leave many steps apart.
@@ -198,14 +198,14 @@ def encoder_step(position: FloatArray) -> float:
     return step if float(np.mean(np.abs(multiple - np.round(multiple)) < 0.05)) > 0.95 else 0.0
 
 
-def without_spikes(values: FloatArray, noise: float) -> FloatArray:
+def remove_spikes(values: FloatArray, noise: float) -> FloatArray:
     """`values` with samples that stand out from their neighbours' median by many noise deviations put back on it."""
     middle = median_filter(values, 7, mode="nearest")
     limit = _SPIKE * max(noise, 1e-3 * float(np.std(values)))
     return np.where(np.abs(values - middle) > limit, middle, values)
 
 
-def calm_samples(position: FloatArray, velocity: FloatArray, dt: float) -> NDArray[np.bool_]:
+def find_calm_samples(position: FloatArray, velocity: FloatArray, dt: float) -> NDArray[np.bool_]:
     """The half of the moving samples in which the motion changes least, where torque is smoothest. Shape (n,)."""
     samples = min(max(_SHORTEST_WINDOW, 2 * round(3.0 * _VELOCITY_WINDOW / dt / 2) + 1), position.size // 2 * 2 - 1)
     jerk = np.abs(savgol_filter(position, samples, 4, deriv=3))
@@ -216,7 +216,7 @@ def calm_samples(position: FloatArray, velocity: FloatArray, dt: float) -> NDArr
     return calm
 
 
-def position_noise(position: FloatArray, velocity: FloatArray) -> PositionNoise:
+def measure_position_noise(position: FloatArray, velocity: FloatArray) -> PositionNoise:
     """White noise of a position, rounding included, and what of it grows with speed.
 
     Fourth differences hold next to nothing of a smooth motion; where they are not white after all, there is no
@@ -231,7 +231,7 @@ def position_noise(position: FloatArray, velocity: FloatArray) -> PositionNoise:
     squares, variances = [], []
     for low, high in pairwise(edges):
         inside = (speed >= low) & (speed <= high)
-        variance, check = (_trimmed_mean(one[inside[: one.size]]) for one in (fourth, fifth))
+        variance, check = (_compute_trimmed_mean(one[inside[: one.size]]) for one in (fourth, fifth))
         if check < _WHITE * variance and low >= edges[3]:
             return PositionNoise(0.0, 0.0)
         squares.append(float(np.mean(speed[inside] ** 2)))
@@ -242,12 +242,12 @@ def position_noise(position: FloatArray, velocity: FloatArray) -> PositionNoise:
     return PositionNoise(float(np.sqrt(found[0])), float(np.sqrt(found[1])))
 
 
-def _trimmed_mean(values: FloatArray) -> float:
+def _compute_trimmed_mean(values: FloatArray) -> float:
     """Mean without the largest two per cent."""
     return float(np.mean(values[values <= np.quantile(values, 0.98)]))
 
 
-def torque_noise(values: FloatArray, calm: NDArray[np.bool_] | None = None) -> TorqueNoise:
+def measure_torque_noise(values: FloatArray, calm: NDArray[np.bool_] | None = None) -> TorqueNoise:
     """White and first-order coloured noise in a signal, from its second differences over 1 to 8 samples.
 
     Args:
@@ -262,7 +262,7 @@ def torque_noise(values: FloatArray, calm: NDArray[np.bool_] | None = None) -> T
     variance = np.array([(np.median(one) / 0.6745) ** 2 for one in second])
     if variance.min() <= 0.0:
         return TorqueNoise(0.0, 0.0, 0.0)
-    freedom, robust = _tails(float(np.quantile(second[0], 0.99) / np.median(second[0])))
+    freedom, robust = _match_tails(float(np.quantile(second[0], 0.99) / np.median(second[0])))
     variance /= robust**2
     best: tuple[float, TorqueNoise] | None = None
     for memory in (0.0, 0.3, 0.5, 0.65, 0.8, 0.9, 0.95, 0.98):
@@ -276,7 +276,7 @@ def torque_noise(values: FloatArray, calm: NDArray[np.bool_] | None = None) -> T
     return best[1]
 
 
-def _tails(spread: float) -> tuple[float, float]:
+def _match_tails(spread: float) -> tuple[float, float]:
     """Degrees of freedom of a Student distribution, and its robust over its true deviation, from the quotient of the
     0.99 quantile and the median of the absolute second differences."""
     index = int(np.searchsorted(-np.array([one[2] for one in _STUDENT]), -spread))

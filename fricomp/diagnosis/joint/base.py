@@ -17,10 +17,10 @@ __all__ = [
     "LATEST",
     "SOFTEST",
     "BaseModel",
-    "at_earliest",
-    "at_latest",
-    "evened",
-    "falling_alike",
+    "align_falls",
+    "even_directions",
+    "is_at_earliest",
+    "is_at_latest",
     "pack",
     "unpack",
 ]
@@ -113,7 +113,7 @@ def unpack(theta: FloatArray) -> Plant:
     )
 
 
-def evened(theta: FloatArray) -> FloatArray | None:
+def even_directions(theta: FloatArray) -> FloatArray | None:
     """`theta` with the difference of the directions put into the offset; None where there is hardly any. Shape (p,).
 
     Sliding shows their sum alone. What a wrong bristle or an effect that was missed has parted stays so: the way back
@@ -130,7 +130,7 @@ def evened(theta: FloatArray) -> FloatArray | None:
     return result
 
 
-def falling_alike(theta: FloatArray) -> FloatArray | None:
+def align_falls(theta: FloatArray) -> FloatArray | None:
     """`theta` with friction that falls with speed in both directions as in the one where it falls at the lower speed;
     None where their Stribeck velocities are alike. Shape (p,).
 
@@ -146,17 +146,17 @@ def falling_alike(theta: FloatArray) -> FloatArray | None:
     return result
 
 
-def at_latest(plant: Plant) -> bool:
+def is_at_latest(plant: Plant) -> bool:
     """Whether the torque comes about as late as the base allows, so that a longer delay may hide behind it."""
     return plant.delay > _NEAR * LATEST
 
 
-def at_earliest(plant: Plant, dt: float) -> bool:
+def is_at_earliest(plant: Plant, dt: float) -> bool:
     """Whether the torque comes about as early as the base allows, so that a lag may hide behind it."""
-    return plant.delay < _NEAR * _earliest(dt)
+    return plant.delay < _NEAR * _compute_earliest(dt)
 
 
-def _earliest(dt: float) -> float:
+def _compute_earliest(dt: float) -> float:
     """Least delay of the base [s]: a torque may belong to either end of its sample; of a millisecond to its middle,
     since a whole one would swallow real lags."""
     return -max(0.5 * dt, dt - LATEST)
@@ -188,7 +188,7 @@ class BaseModel:
             replace(
                 plant,
                 sigma_0=plant.level / _USUAL_BREAKAWAY,
-                delay=0.5 * (LATEST + _earliest(dt)),
+                delay=0.5 * (LATEST + _compute_earliest(dt)),
                 sharpness=0.5,
             )
         )
@@ -199,9 +199,9 @@ class BaseModel:
         lower = [inertia - 3, -gravity_free, -gravity_free, -100 * size, *friction_low, *friction_low, breakaway[0]]
         upper = [inertia + 3, gravity_free, gravity_free, 100 * size, *friction_high, *friction_high, breakaway[1]]
         scale = [0.05, 0.05 * size, 0.05 * size, 0.05 * level, *friction_scale, *friction_scale, 0.3]
-        reach = 0.5 * (LATEST - _earliest(dt))
+        reach = 0.5 * (LATEST - _compute_earliest(dt))
         bristle_scale = [0.5 * reach, 0.2 * _DAMPING, 0.3, 0.5, _HELD, _HELD]
-        low = np.array([*lower, _earliest(dt), 0.0, 0.0, 0.0, 0.0, 0.0])
+        low = np.array([*lower, _compute_earliest(dt), 0.0, 0.0, 0.0, 0.0, 0.0])
         high = np.array([*upper, LATEST, _DAMPING, 1.0, 1.5, 0.0, 0.0])
         centre = start.copy()
         centre[4] = centre[8] = level

@@ -8,11 +8,11 @@ from functools import partial
 import numpy as np
 
 from ..inputs.track import FloatArray
-from .base import BASE_NAMES, evened, falling_alike, unpack
+from .base import BASE_NAMES, align_falls, even_directions, unpack
 from .problem import Problem
 from .solver import Box, Fit, minimise
 
-__all__ = ["creep_starts", "creeping", "fit_base", "loud", "with_other_bristle"]
+__all__ = ["fit_base", "fit_creep", "is_loud", "propose_creep_starts", "try_other_bristle"]
 
 _BREAKAWAY, _DAMPING = BASE_NAMES.index("log_breakaway"), BASE_NAMES.index("damping_time")
 _STARTS = (1e-6, 3e-5)  # [rad] presliding distances to start from
@@ -40,16 +40,16 @@ def fit_base(problem: Problem, theta: FloatArray, box: Box) -> Fit:
     evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
     fitted = partial(minimise, evaluate, box=box, iterations=_STEPS, refresh=2, tolerance=_SETTLED)
     fit = fitted(theta)
-    others = [start for start in (evened(fit.theta), falling_alike(fit.theta)) if start is not None]
-    return min([fit, *map(fitted, others)], key=_by_cost)
+    others = [start for start in (even_directions(fit.theta), align_falls(fit.theta)) if start is not None]
+    return min([fit, *map(fitted, others)], key=_get_cost)
 
 
-def loud(fit: Fit) -> bool:
+def is_loud(fit: Fit) -> bool:
     """Whether a weighted fit leaves more than noise."""
     return float(fit.residual @ fit.residual) > _LOUD**2 * fit.residual.size
 
 
-def with_other_bristle(problem: Problem, fit: Fit, box: Box) -> Fit:
+def try_other_bristle(problem: Problem, fit: Fit, box: Box) -> Fit:
     """The fit, or a better one from stiff bristles with hardly any damping beside the same friction.
 
     A joint that turns over at once in a reversal looks, to a bristle that is too soft, as if it had damping instead of
@@ -61,22 +61,22 @@ def with_other_bristle(problem: Problem, fit: Fit, box: Box) -> Fit:
         fit: Of the base, with these weights.
         box: Domain of the base parameters.
     """
-    if not loud(fit) or fit.theta[_DAMPING] < _NEAR * box.upper[_DAMPING]:
+    if not is_loud(fit) or fit.theta[_DAMPING] < _NEAR * box.upper[_DAMPING]:
         return fit
-    tried = [fit_base(problem, _with_bristle(fit.theta, box, distance), box) for distance in _STARTS]
-    return min([fit, *tried], key=_by_cost)
+    tried = [fit_base(problem, _set_bristle(fit.theta, box, distance), box) for distance in _STARTS]
+    return min([fit, *tried], key=_get_cost)
 
 
-def _by_cost(fit: Fit) -> float:
+def _get_cost(fit: Fit) -> float:
     return fit.cost
 
 
-def _with_bristle(theta: FloatArray, box: Box, distance: float) -> FloatArray:
+def _set_bristle(theta: FloatArray, box: Box, distance: float) -> FloatArray:
     """`theta` with a bristle of this presliding distance [rad], half of whose elements yield abruptly. Shape (p,).
 
     Both directions are evened: the wrong bristle has parted them by a start of motion that it had wrong.
     """
-    even = evened(theta)
+    even = even_directions(theta)
     start = theta.copy() if even is None else even
     usual = {"delay": 0.0, "damping_time": 0.01 * box.upper[_DAMPING], "sharpness": 0.5, "log_spread": 0.3}
     for name, value in {"log_breakaway": float(np.log(distance)), **usual}.items():
@@ -84,7 +84,7 @@ def _with_bristle(theta: FloatArray, box: Box, distance: float) -> FloatArray:
     return start
 
 
-def creeping(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[Fit, Box] | None:
+def fit_creep(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[Fit, Box] | None:
     """The base fitted with friction that never holds, and its domain; None where that leads nowhere.
 
     Friction of many simulators is no bristle: below a creep velocity it is viscous, and at rest it fades.
@@ -98,13 +98,13 @@ def creeping(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[Fi
     evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
     tried = [
         (minimise(evaluate, start, free, iterations=_FIRST_STEPS, refresh=2), free)
-        for start, free in creep_starts(fit.theta, box, top_speed)
+        for start, free in propose_creep_starts(fit.theta, box, top_speed)
     ]
     best, free = min(tried, key=lambda one: one[0].cost)
     return (fit_base(problem, best.theta, free), free) if best.cost < _HOPELESS * fit.cost else None
 
 
-def creep_starts(theta: FloatArray, box: Box, top_speed: float) -> list[tuple[FloatArray, Box]]:
+def propose_creep_starts(theta: FloatArray, box: Box, top_speed: float) -> list[tuple[FloatArray, Box]]:
     """Base parameters with friction that creeps in place of a bristle, each with its domain.
 
     Args:
@@ -112,11 +112,11 @@ def creep_starts(theta: FloatArray, box: Box, top_speed: float) -> list[tuple[Fl
         box: Domain of the base parameters.
         top_speed: Of the recorded motion [rad/s].
     """
-    starts = [_with_creep(theta, rate) for rate in _RATES]
-    return [(start, _with_free_creep(box, start, top_speed)) for start in starts]
+    starts = [_set_creep(theta, rate) for rate in _RATES]
+    return [(start, _free_creep(box, start, top_speed)) for start in starts]
 
 
-def _with_creep(theta: FloatArray, rate: float) -> FloatArray:
+def _set_creep(theta: FloatArray, rate: float) -> FloatArray:
     """`theta` with the friction loss of MuJoCo at this rate [1/s]. Shape (p,)."""
     start, plant = theta.copy(), unpack(theta)
     start[_SHARPNESS] = 1.0
@@ -125,7 +125,7 @@ def _with_creep(theta: FloatArray, rate: float) -> FloatArray:
     return start
 
 
-def _with_free_creep(box: Box, start: FloatArray, top_speed: float) -> Box:
+def _free_creep(box: Box, start: FloatArray, top_speed: float) -> Box:
     """`box` in which friction creeps, with scales for a fit from `start`."""
     lower, upper, scale = box.lower.copy(), box.upper.copy(), box.scale.copy()
     at = [_CREEP, _LEAD]

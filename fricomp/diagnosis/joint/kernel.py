@@ -35,7 +35,7 @@ __all__ = [
     "FRICTION_SLOTS",
     "LANES",
     "close_loop",
-    "compiled",
+    "compile_kernel",
     "dwell",
     "observe",
 ]
@@ -80,7 +80,7 @@ _RATIO, _POWER, _LEAK, _SUM_U, _SUM_BRISTLE, _BEFORE, _TOP = 40, 41, 42, 43, 44,
 _Q_NEXT, _V_NEXT, _TAU_NEXT, _LEVEL_NEXT, _CHANGE, _AHEAD, _N_STATE = 47, 48, 49, 50, 51, 52, 53
 
 
-def compiled(function: _F) -> _F:
+def compile_kernel(function: _F) -> _F:
     """Compile with numba, cached on disk, without holding the interpreter lock: two threads use two cores.
 
     Products may be fused with sums; nothing else that would depend on order or on special values.
@@ -88,7 +88,7 @@ def compiled(function: _F) -> _F:
     return cast(_F, numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz"})(function))
 
 
-def _inlined(function: _F) -> _F:
+def _inline(function: _F) -> _F:
     """Compile into the caller, which knows the constant shape of the lanes' state: without it no vectors are formed.
 
     It stands in the caller's file: a change of another one would leave the caller's cache on disk as it is.
@@ -96,8 +96,8 @@ def _inlined(function: _F) -> _F:
     return cast(_F, numba.njit(inline="always")(function))
 
 
-@compiled
-def _falling(x: float) -> float:
+@compile_kernel
+def _compute_fall(x: float) -> float:
     """exp(-x) for x >= 0 to 1e-9, without a branch or a call, so that all lanes take the same instructions."""
     y = -min(x, 40.0) * (1.0 / 128.0)
     square = y * y
@@ -109,7 +109,7 @@ def _falling(x: float) -> float:
     return power
 
 
-@_inlined
+@_inline
 def _start(state: np.ndarray, plants: np.ndarray) -> tuple[bool, bool]:
     """Fill in the plants; returns whether any lane needs another Stribeck exponent than two, and whether any creeps.
     Such a lane has no bristle."""
@@ -127,8 +127,8 @@ def _start(state: np.ndarray, plants: np.ndarray) -> tuple[bool, bool]:
     return general, creeping
 
 
-@_inlined
-def _shortened(state: np.ndarray, h: float, before: float) -> float:
+@_inline
+def _shorten(state: np.ndarray, h: float, before: float) -> float:
     """Take substeps of `h` [s] from here on, after others of `before` [s], 0 for none; returns it.
 
     Friction acts at the middle of a substep, and what is felt is known where it begins: for that half of it the
@@ -146,7 +146,7 @@ def _shortened(state: np.ndarray, h: float, before: float) -> float:
     return h
 
 
-@_inlined
+@_inline
 def _feel(state: np.ndarray, general: bool) -> None:
     """The speed that friction follows, at the middle of the substep, and the exponent of its fall."""
     for j in range(state.shape[1]):
@@ -162,7 +162,7 @@ def _feel(state: np.ndarray, general: bool) -> None:
                 state[_POWER, j] = state[_RATIO, j] ** exponent
 
 
-@_inlined
+@_inline
 def _advance(
     state: np.ndarray, f: float, middle: float, h: float, gains: tuple[float, float], rest_speed: float
 ) -> None:
@@ -179,10 +179,10 @@ def _advance(
         c, top, viscous = c_f if forth else c_r, s_f if forth else s_r, v_f if forth else v_r
         q, v = state[_Q, j] + state[_DQ, j] * f, state[_V, j] + state[_DV, j] * f
         u = gains[0] * (q - x) + gains[1] * (v - w)
-        g = c + (top - c) * _falling(state[_POWER, j]) + state[_LEVEL, j] + state[_DLEVEL, j] * middle
+        g = c + (top - c) * _compute_fall(state[_POWER, j]) + state[_LEVEL, j] + state[_DLEVEL, j] * middle
         limit = max(g, 1e-9) * state[_SOFTNESS, j]
         steady = limit if forth else -limit
-        z = steady + (z - steady) * _falling(abs(w) * h / limit)
+        z = steady + (z - steady) * _compute_fall(abs(w) * h / limit)
         first = min(max(state[_FIRST, j] + state[_SPREAD, j] * w * h, -limit), limit)
         second = min(max(state[_SECOND, j] + w * h, -limit), limit)
         third = min(max(state[_THIRD, j] + state[_NARROW, j] * w * h, -limit), limit)
@@ -200,7 +200,7 @@ def _advance(
         state[_SUM_BRISTLE, j] += bristle
 
 
-@_inlined
+@_inline
 def _remember(state: np.ndarray, middle: float) -> None:
     """Velocity and friction level at the beginning of a substep, for the lanes that creep."""
     for j in range(state.shape[1]):
@@ -209,11 +209,11 @@ def _remember(state: np.ndarray, middle: float) -> None:
         c, top = state[_COULOMB, j], state[_STATIC, j]
         c_r, top_r = state[_COULOMB + _REVERSE, j], state[_STATIC + _REVERSE, j]
         c, top = c if forth else c_r, top if forth else top_r
-        level = c + (top - c) * _falling(state[_POWER, j]) + state[_LEVEL, j] + state[_DLEVEL, j] * middle
+        level = c + (top - c) * _compute_fall(state[_POWER, j]) + state[_LEVEL, j] + state[_DLEVEL, j] * middle
         state[_BEFORE, j], state[_TOP, j] = w, max(level, 1e-9)
 
 
-@_inlined
+@_inline
 def _creep(state: np.ndarray, h: float) -> None:
     """Dry friction of the lanes that creep, on top of a substep of `h` [s] without any.
 
@@ -235,8 +235,8 @@ def _creep(state: np.ndarray, h: float) -> None:
             state[_SUM_BRISTLE, j] += friction
 
 
-@_inlined
-def _substep(
+@_inline
+def _take_substep(
     state: np.ndarray,
     how: tuple[bool, bool],
     at: tuple[float, float],
@@ -253,7 +253,7 @@ def _substep(
         _creep(state, h)
 
 
-@_inlined
+@_inline
 def _look_ahead(state: np.ndarray, signals: tuple[np.ndarray, ...], rows: np.ndarray, k: int) -> None:
     """Read the sample that ends the next step."""
     position, velocity, torque, level = signals
@@ -262,7 +262,7 @@ def _look_ahead(state: np.ndarray, signals: tuple[np.ndarray, ...], rows: np.nda
         state[_TAU_NEXT, j], state[_LEVEL_NEXT, j] = torque[rows[2, j], k], level[rows[3, j], k]
 
 
-@_inlined
+@_inline
 def _take(state: np.ndarray, leak: float, rest_speed: float) -> None:
     """Go on to the sample that was looked ahead to."""
     for j in range(state.shape[1]):
@@ -273,7 +273,7 @@ def _take(state: np.ndarray, leak: float, rest_speed: float) -> None:
         state[_SUM_U, j], state[_SUM_BRISTLE, j] = 0.0, 0.0
 
 
-@_inlined
+@_inline
 def _aim(state: np.ndarray) -> None:
     """How far each signal goes until the sample that was looked ahead to."""
     for j in range(state.shape[1]):
@@ -282,7 +282,7 @@ def _aim(state: np.ndarray) -> None:
         state[_DLEVEL, j] = state[_LEVEL_NEXT, j] - state[_LEVEL, j]
 
 
-@compiled
+@compile_kernel
 def observe(
     signals: tuple[np.ndarray, ...],
     rows: np.ndarray,
@@ -313,14 +313,14 @@ def observe(
         state[_X, j], state[_W, j], state[_FELT, j] = state[_Q_NEXT, j], state[_V_NEXT, j], state[_V_NEXT, j]
     for k in range(n):
         if substeps[k] != taken:
-            taken, h = substeps[k], _shortened(state, dt / substeps[k], h)
+            taken, h = substeps[k], _shorten(state, dt / substeps[k], h)
         _take(state, leak, rest_speed)
         _look_ahead(state, signals, rows, min(k + 1, n - 1))
         _aim(state)
         if whole:
             out[1, :, k], out[2, :, k] = state[_X], state[_W]
         for s in range(taken):
-            _substep(state, how, (s / taken, (s + 0.5) / taken), h, gains, rest_speed)
+            _take_substep(state, how, (s / taken, (s + 0.5) / taken), h, gains, rest_speed)
         for j in range(state.shape[1]):
             out[0, j, k] = state[_SUM_U, j] / taken
         if whole:
@@ -328,7 +328,7 @@ def observe(
                 out[3, j, k] = state[_SUM_BRISTLE, j] / taken
 
 
-@compiled
+@compile_kernel
 def close_loop(
     signals: np.ndarray,
     plants: np.ndarray,
@@ -362,7 +362,7 @@ def close_loop(
         state[_X, j], state[_W, j], state[_FELT, j] = position[0], velocity[0], velocity[0]
     for k in range(n):
         if substeps[k] != taken:
-            taken, h = substeps[k], _shortened(state, dt / substeps[k], h)
+            taken, h = substeps[k], _shorten(state, dt / substeps[k], h)
         after = min(k + 1, n - 1)
         for j in range(state.shape[1]):
             x, step, origin = state[_X, j], steps[j], origins[j]
@@ -375,10 +375,10 @@ def close_loop(
             state[_LEVEL, j], state[_DLEVEL, j] = level[k], level[after] - level[k]
             out[0, j, k], out[1, j, k] = answer, seen
         for s in range(taken):
-            _substep(state, how, (s / taken, (s + 0.5) / taken), h, (0.0, 0.0), 0.0)
+            _take_substep(state, how, (s / taken, (s + 0.5) / taken), h, (0.0, 0.0), 0.0)
 
 
-@compiled
+@compile_kernel
 def dwell(velocity: np.ndarray, settings: np.ndarray) -> np.ndarray:
     """Share of its final rise that static friction has gained by resting, lost again over a short travel.
 

@@ -19,21 +19,21 @@ from ..inputs.track import (
     FloatArray,
     TorqueNoise,
     Track,
-    calm_samples,
-    encoder_step,
-    smooth_derivative,
-    torque_noise,
-    without_spikes,
+    differentiate,
+    find_calm_samples,
+    find_encoder_step,
+    measure_torque_noise,
+    remove_spikes,
 )
 from .base import LATEST
 
-__all__ = ["build_tracks", "low_rate"]
+__all__ = ["build_tracks", "has_low_rate"]
 
 _FINEST = 1e-3  # [s] grid of slow recordings
 _CHANNELS = ("load_torque", "temperature", "position_reference", "torque_command", "current")
 
 
-def low_rate(recordings: Sequence[Recording]) -> bool:
+def has_low_rate(recordings: Sequence[Recording]) -> bool:
     """Whether any recording is too slow for presliding and reversals to be seen in it."""
     return any(recording.sample_period > 3.5e-3 for recording in recordings)
 
@@ -57,13 +57,13 @@ def build_tracks(
     dt = float(np.clip(dt, 2.5e-4, 2.5e-3)) if dt < 3.5e-3 else dt / np.ceil(dt / 2.5e-3)
     known = loops or [None] * len(recordings)
     tracks = [
-        replace(_track(recording, loop, dt, f"recording {i + 1}"), usual_delay=_usual_delay(recording))
+        replace(_build_track(recording, loop, dt, f"recording {i + 1}"), usual_delay=_estimate_usual_delay(recording))
         for i, (recording, loop) in enumerate(zip(recordings, known, strict=True))
     ]
-    return tracks if spring is None else [_without_spring(track, spring) for track in tracks]
+    return tracks if spring is None else [_remove_spring(track, spring) for track in tracks]
 
 
-def _usual_delay(recording: Recording) -> tuple[float, float]:
+def _estimate_usual_delay(recording: Recording) -> tuple[float, float]:
     """By how much a torque without any flaw is late, and the standard deviation of that [s].
 
     A command is held for a sample, so that it acts half of one after its instant; a measured torque is the mean about
@@ -74,14 +74,14 @@ def _usual_delay(recording: Recording) -> tuple[float, float]:
     return -half if recording.metadata.torque_kind == "commanded" else 0.0, 0.5 * max(half, LATEST)
 
 
-def _without_spring(track: Track, spring: Spring) -> Track:
+def _remove_spring(track: Track, spring: Spring) -> Track:
     """The track without the torque that the simulation's spring takes, which is kept as a channel."""
-    taken = spring.torque(smooth_derivative(track.position, track.dt, order=0))
+    taken = spring.torque(differentiate(track.position, track.dt, order=0))
     more = {SIMULATED_SPRING: taken, SIMULATED_STIFFNESS: np.full(track.size, spring.stiffness)}
     return replace(track, torque=track.torque - taken, channels={**track.channels, **more})
 
 
-def _track(recording: Recording, loop: Controller | None, dt: float, name: str) -> Track:
+def _build_track(recording: Recording, loop: Controller | None, dt: float, name: str) -> Track:
     time = np.asarray(recording.time) - recording.time[0]
     grid = np.arange(int(time[-1] / dt + 1e-6) + 1) * dt
     uniform = grid.size == time.size and bool(np.max(np.abs(grid - time)) < 0.02 * dt)
@@ -101,9 +101,9 @@ def _track(recording: Recording, loop: Controller | None, dt: float, name: str) 
         channels["neighbour_position"] = sampled(np.asarray(extra, dtype=np.float64))
     position, torque, noise = np.array(recording.position), np.array(recording.torque), None
     if recording.sample_period > 1.5 * dt:
-        velocity = smooth_derivative(position, recording.sample_period)
-        seen = torque_noise(torque, calm_samples(position, velocity, recording.sample_period))
-        torque = without_spikes(torque, seen.size)
+        velocity = differentiate(position, recording.sample_period)
+        seen = measure_torque_noise(torque, find_calm_samples(position, velocity, recording.sample_period))
+        torque = remove_spikes(torque, seen.size)
         noise = TorqueNoise(0.0, seen.size, float(np.exp(-dt / recording.sample_period)))
     track = Track.build(
         dt,
@@ -114,5 +114,5 @@ def _track(recording: Recording, loop: Controller | None, dt: float, name: str) 
         name=name,
         noise=noise,
     )
-    resolution = recording.metadata.encoder_resolution or encoder_step(position)
+    resolution = recording.metadata.encoder_resolution or find_encoder_step(position)
     return replace(track, resolution=resolution, loop=None if recording.sample_period > 1.5 * dt else loop)

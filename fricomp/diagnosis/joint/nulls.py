@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter, uniform_filter1d
 from scipy.optimize import nnls
 
-from ..inputs.delay import shifted
-from ..inputs.track import FloatArray, TorqueNoise, Track, smooth_derivative, without_spikes
+from ..inputs.delay import shift
+from ..inputs.track import FloatArray, TorqueNoise, Track, differentiate, remove_spikes
 from .observer import Contribution, Job, Observation, Plant
-from .problem import Problem, Weights, improved
-from .step_answer import StepAnswer, step_answers
+from .problem import Problem, Weights, improve_track
+from .step_answer import StepAnswer, simulate_step_answers
 
 __all__ = ["Nulls", "make_nulls"]
 
@@ -70,17 +70,17 @@ def make_nulls(problem: Problem, plant: Plant, effects: Sequence[Contribution], 
     calm = replace(problem, tracks=tuple(replace(track, torque=_smooth(track)) for track in problem.tracks))
     truth = calm.runs([plant], [effects])[0]
     applied = tuple(
-        track.torque + shifted(one.missing, -plant.delay / track.dt)
+        track.torque + shift(one.missing, -plant.delay / track.dt)
         for track, one in zip(calm.tracks, truth, strict=True)
     )
     answers = tuple(
-        step_answers(job, one, torque, count=max(count, _FEW), seed=seed)
+        simulate_step_answers(job, one, torque, count=max(count, _FEW), seed=seed)
         for job, one, torque in zip(map(Job, problem.tracks, repeat(plant), effects), truth, applied, strict=True)
     )
     chain = _Chain(problem, plant, tuple(effects), tuple(truth), applied, answers)
-    noises = [_matched_noise(chain, index, rows, seed) for index, rows in enumerate(data)]
+    noises = [_match_noise(chain, index, rows, seed) for index, rows in enumerate(data)]
     rows = [chain.rows(index, noise, count, seed + 1) for index, noise in enumerate(noises)]
-    return Nulls(tuple(rows), _weights(rows, _presliding(problem, plant, effects)))
+    return Nulls(tuple(rows), _build_weights(rows, _compute_presliding(problem, plant, effects)))
 
 
 @dataclass(frozen=True)
@@ -110,38 +110,40 @@ class _Chain:
         stepless = replace(track, resolution=0.0)  # what answers show has the encoder's steps already
         heard = [(stepless, one.position, self.applied[index] + one.torque) for one in self.answers[index][:count]]
         moved = heard or [(track, self.truth[index].position, self.applied[index])] * count
-        nulls = [_null(*each, noise, rng) for each in moved]
+        nulls = [_draw_null(*each, noise, rng) for each in moved]
         first = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
         if not all(np.all(np.isfinite(run.missing)) for run in first):
             raise FloatingPointError("a joint that the recording hardly determines does not simulate with its noise")
         returning = self.problem.observer.returning
-        nulls = [improved(null, run, returning(null, self.plant, run)) for null, run in zip(nulls, first, strict=True)]
+        nulls = [
+            improve_track(null, run, returning(null, self.plant, run)) for null, run in zip(nulls, first, strict=True)
+        ]
         runs = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
         return np.stack([self.problem.grids[index].of(run.missing) for run in runs])
 
 
-def _matched_noise(chain: _Chain, index: int, data: FloatArray, seed: int) -> TorqueNoise:
+def _match_noise(chain: _Chain, index: int, data: FloatArray, seed: int) -> TorqueNoise:
     """Torque noise with which the rows of nulls vary as those of the data do, over one and several rows.
 
     Samples alone cannot tell noise from torque that a controller really made of the encoder's steps; rows can, since
     real torque moves the joint.
     """
-    track, slides = chain.problem.tracks[index], _sliding(chain.problem, index)
+    track, slides = chain.problem.tracks[index], _find_sliding(chain.problem, index)
     seen = track.torque_noise
     size = seen.size or 1e-3 * float(np.std(track.torque))
     memory = seen.memory if seen.coloured > 0.0 else _MEMORY
     kinds = (TorqueNoise(0.0, 0.0, 0.0), TorqueNoise(size, 0.0, 0.0, seen.freedom), TorqueNoise(0.0, size, memory))
-    without, white, coloured = (_variation(chain.rows(index, kind, _FEW, seed), slides) for kind in kinds)
-    target = _variation(data[None], slides)
+    without, white, coloured = (_compute_variation(chain.rows(index, kind, _FEW, seed), slides) for kind in kinds)
+    target = _compute_variation(data[None], slides)
     columns = np.stack([white - without, coloured - without], axis=1) / target[:, None]
     found, _ = nnls(np.maximum(columns, 0.0), np.maximum(target - without, 0.0) / target)
     noise = TorqueNoise(size * float(np.sqrt(found[0])), size * float(np.sqrt(found[1])), memory, seen.freedom)
-    again = _variation(chain.rows(index, noise, _FEW, seed), slides)
+    again = _compute_variation(chain.rows(index, noise, _FEW, seed), slides)
     factor = float(np.clip(np.sqrt(target[0] / again[0]), *_CORRECTION))
     return noise._replace(white=factor * noise.white, coloured=factor * noise.coloured)
 
 
-def _sliding(problem: Problem, index: int) -> NDArray[np.bool_]:
+def _find_sliding(problem: Problem, index: int) -> NDArray[np.bool_]:
     """Rows in which a recorded joint slides throughout, or all rows where these are few. Shape (n_rows,).
 
     A joint that sticks takes up the noise of its torque in the bristle; how often one is about to stick, nulls of a
@@ -152,13 +154,13 @@ def _sliding(problem: Problem, index: int) -> NDArray[np.bool_]:
     return rows if np.count_nonzero(rows) >= _ENOUGH else np.ones_like(rows)
 
 
-def _variation(rows: FloatArray, slides: NDArray[np.bool_]) -> FloatArray:
+def _compute_variation(rows: FloatArray, slides: NDArray[np.bool_]) -> FloatArray:
     """Squared typical second difference over one, two and four rows, which no smooth torque reaches [(N·m)²]."""
     spans = [(rows[:, 2 * k :] - 2.0 * rows[:, k:-k] + rows[:, : -2 * k])[:, slides[k:-k]] for k in (1, 2, 4)]
     return np.array([max(float(np.median(np.abs(one))) ** 2, 1e-30) for one in spans])
 
 
-def _presliding(problem: Problem, plant: Plant, effects: Sequence[Contribution]) -> list[FloatArray]:
+def _compute_presliding(problem: Problem, plant: Plant, effects: Sequence[Contribution]) -> list[FloatArray]:
     """How far each row moves with the law of the bristle, which no recording fixes to the last digit [N·m].
 
     The base has one bristle of one stiffness; real presliding has a spectrum of them [albender2005gms]. The rows
@@ -181,29 +183,29 @@ def _smooth(track: Track) -> FloatArray:
     return smooth
 
 
-def _null(
+def _draw_null(
     track: Track, position: FloatArray, applied: FloatArray, noise: TorqueNoise, rng: np.random.Generator
 ) -> Track:
     """The recording of a joint moved along `position` by `applied`: fresh noise, rounding and a small delay."""
-    torque = shifted(applied, rng.normal(0.0, _DELAY_SPREAD) / track.dt)
+    torque = shift(applied, rng.normal(0.0, _DELAY_SPREAD) / track.dt)
     if track.jitter > 0.0:
         late = track.jitter / track.dt * rng.standard_normal(track.size)
         torque, position = torque + late * np.gradient(torque), position + late * np.gradient(position)
-    torque = without_spikes(torque + noise.draw(track.size, rng), max(noise.size, track.torque_noise.size))
+    torque = remove_spikes(torque + noise.draw(track.size, rng), max(noise.size, track.torque_noise.size))
     if track.resolution > 0.0:
         position = np.round(position / track.resolution + rng.uniform()) * track.resolution
-    return replace(track, position=position, torque=torque, velocity=smooth_derivative(position, track.dt))
+    return replace(track, position=position, torque=torque, velocity=differentiate(position, track.dt))
 
 
-def _weights(rows: Sequence[FloatArray], presliding: Sequence[FloatArray]) -> Weights:
+def _build_weights(rows: Sequence[FloatArray], presliding: Sequence[FloatArray]) -> Weights:
     mean = tuple(r.mean(axis=0) for r in rows)
-    noise = [_row_spread(r, m) for r, m in zip(rows, mean, strict=True)]
+    noise = [_compute_row_spread(r, m) for r, m in zip(rows, mean, strict=True)]
     spread = tuple(np.hypot(s, _DOUBT * p) for s, p in zip(noise, presliding, strict=True))
     unit = [(r - m) / s for r, m, s in zip(rows, mean, noise, strict=True)]
-    return Weights(mean, spread, _whitener(unit))
+    return Weights(mean, spread, _build_whitener(unit))
 
 
-def _row_spread(rows: FloatArray, mean: FloatArray) -> FloatArray:
+def _compute_row_spread(rows: FloatArray, mean: FloatArray) -> FloatArray:
     """Spread of each row, steadied by its neighbours; half of the nulls' own bias counts as uncertain."""
     spread = np.hypot(rows.std(axis=0, ddof=1), 0.5 * mean)
     steady = 0.5 * np.maximum(spread, median_filter(spread, 5)) + 0.5 * uniform_filter1d(spread, 3)
@@ -211,7 +213,7 @@ def _row_spread(rows: FloatArray, mean: FloatArray) -> FloatArray:
     return floor
 
 
-def _whitener(unit: Sequence[FloatArray]) -> FloatArray:
+def _build_whitener(unit: Sequence[FloatArray]) -> FloatArray:
     """AR filter from the pooled autocorrelation of the nulls, scaled to unit innovation variance."""
     lags = np.array(
         [np.mean([np.mean(u[:, lag:] * u[:, : u.shape[1] - lag]) for u in unit]) for lag in range(_AR_ORDER + 1)]

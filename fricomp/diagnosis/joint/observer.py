@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..inputs.delay import ahead_of, behind, shifted
+from ..inputs.delay import apply_lags, shift, undo_lags
 from ..inputs.track import FloatArray, Track
 from .kernel import FRICTION_SLOTS, LANES, observe
 
@@ -20,12 +20,12 @@ __all__ = [
     "Observation",
     "Observer",
     "Plant",
-    "lanes_for",
-    "level_of",
-    "missing_torques",
-    "plants_of",
+    "broadcast_level",
+    "choose_lanes",
+    "compute_missing_torques",
+    "compute_torque",
     "simulate_all",
-    "torque_of",
+    "stack_plants",
 ]
 
 THREADS = 2
@@ -182,7 +182,7 @@ def simulate_all(jobs: Sequence[Job], observer: Observer, gains: tuple[float, fl
     return [Observation(*one) for one in _run_all(jobs, observer, gains, seen=4)]
 
 
-def missing_torques(jobs: Sequence[Job], observer: Observer, gains: tuple[float, float]) -> list[FloatArray]:
+def compute_missing_torques(jobs: Sequence[Job], observer: Observer, gains: tuple[float, float]) -> list[FloatArray]:
     """What `simulate_all` gives as `missing`, without the rest, which takes time to write down. Shapes (n,)."""
     return [missing for (missing,) in _run_all(jobs, observer, gains, seen=1)]
 
@@ -206,77 +206,77 @@ def _run_all(
 
 def _simulate(jobs: Sequence[Job], settings: tuple[float, ...], seen: int) -> list[tuple[FloatArray, ...]]:
     """Run simulations of tracks of one length, no more than the kernel has lanes."""
-    first, lanes = jobs[0].track, lanes_for(len(jobs))
+    first, lanes = jobs[0].track, choose_lanes(len(jobs))
     assert first.substeps.size == first.size, "the track is none of a problem: observer_for fixes its substeps"
     out = np.empty((seen, len(lanes), first.size))
     observer = np.array([first.dt, *settings])
-    signals, rows = _signals_of(jobs, lanes)
-    observe(signals, rows, plants_of(jobs, lanes), observer, first.substeps, lanes, out)
-    return [(ahead_of(out[0, lane], job.contribution.lags, first.dt), *out[1:, lane]) for lane, job in enumerate(jobs)]
+    signals, rows = _stack_signals(jobs, lanes)
+    observe(signals, rows, stack_plants(jobs, lanes), observer, first.substeps, lanes, out)
+    return [(undo_lags(out[0, lane], job.contribution.lags, first.dt), *out[1:, lane]) for lane, job in enumerate(jobs)]
 
 
-def lanes_for(count: int) -> tuple[int, ...]:
+def choose_lanes(count: int) -> tuple[int, ...]:
     """The fewest lanes of a kernel that hold `count` joints; those left over repeat the last one."""
     return tuple(range(next(lanes for lanes in LANES if lanes >= count)))
 
 
-def plants_of(jobs: Sequence[Job], lanes: tuple[int, ...]) -> FloatArray:
+def stack_plants(jobs: Sequence[Job], lanes: tuple[int, ...]) -> FloatArray:
     """Numbers of the plant of each lane. Shape (18, n_lanes)."""
-    each = [_plant(job).slots() for job in jobs]
+    each = [_replace_plant(job).slots() for job in jobs]
     return np.stack([each[min(lane, len(jobs) - 1)] for lane in lanes], axis=1)
 
 
-def _plant(job: Job) -> Plant:
+def _replace_plant(job: Job) -> Plant:
     return replace(job.plant, **job.contribution.plant) if job.contribution.plant else job.plant
 
 
-def _signals_of(jobs: Sequence[Job], lanes: tuple[int, ...]) -> tuple[tuple[FloatArray, ...], NDArray[np.int64]]:
+def _stack_signals(jobs: Sequence[Job], lanes: tuple[int, ...]) -> tuple[tuple[FloatArray, ...], NDArray[np.int64]]:
     """Position, velocity, torque and level as `observe` takes them, and which row of each is a lane's.
 
     Points of a Jacobian differ by one parameter: most of them share all signals.
     """
-    keys = [(id(job.track), _driven_by(job), _identity(job.contribution.level)) for job in jobs]
+    keys = [(id(job.track), _key_drive(job), _identify(job.contribution.level)) for job in jobs]
     tracks, driven, levels = (dict(zip(column, jobs, strict=True)) for column in zip(*keys, strict=True))
     recorded: dict[tuple[object, ...], FloatArray] = {}
     position, velocity = (
         np.stack([getattr(job.track, n) for job in tracks.values()]) for n in ("position", "velocity")
     )
-    torque = np.stack([_torque(job, recorded) for job in driven.values()])
-    level = np.stack([level_of(job) for job in levels.values()])
+    torque = np.stack([_compute_torque(job, recorded) for job in driven.values()])
+    level = np.stack([broadcast_level(job) for job in levels.values()])
     places = [{key: row for row, key in enumerate(table)} for table in (tracks, tracks, driven, levels)]
     each = [[place[key] for place, key in zip(places, (one[0], *one), strict=True)] for one in keys]
     rows = np.array([each[min(lane, len(jobs) - 1)] for lane in lanes]).T.copy()
     return (position, velocity, torque, level), rows
 
 
-def level_of(job: Job) -> FloatArray:
+def broadcast_level(job: Job) -> FloatArray:
     """Torque that effects add to the dry friction level [N·m]. Shape (n,)."""
     return np.broadcast_to(np.asarray(job.contribution.level, dtype=np.float64), job.track.position.shape)
 
 
-def _driven_by(job: Job) -> tuple[object, ...]:
+def _key_drive(job: Job) -> tuple[object, ...]:
     """What the torque of a simulation depends on."""
-    plant, added = _plant(job), job.contribution
-    return id(job.track), plant.delay + added.delay, added.lags, plant.gravity, plant.offset, _identity(added.additive)
+    plant, added = _replace_plant(job), job.contribution
+    return id(job.track), plant.delay + added.delay, added.lags, plant.gravity, plant.offset, _identify(added.additive)
 
 
-def _identity(values: FloatArray | float) -> object:
+def _identify(values: FloatArray | float) -> object:
     """The same for what is the same: a number by its value, an array by its place."""
     return id(values) if isinstance(values, np.ndarray) else ("number", float(values))
 
 
-def torque_of(job: Job) -> FloatArray:
+def compute_torque(job: Job) -> FloatArray:
     """Torque that drives the bristle: the recorded one less gravity, offset and what effects add. Shape (n,)."""
-    return _torque(job, {})
+    return _compute_torque(job, {})
 
 
-def _torque(job: Job, recorded: dict[tuple[object, ...], FloatArray]) -> FloatArray:
+def _compute_torque(job: Job, recorded: dict[tuple[object, ...], FloatArray]) -> FloatArray:
     """The same, with recorded torques by track, delay and lags where they are known."""
-    track, plant, added = job.track, _plant(job), job.contribution
+    track, plant, added = job.track, _replace_plant(job), job.contribution
     delay = plant.delay + added.delay
     key = (id(track), delay, added.lags)
     if key not in recorded:
-        recorded[key] = behind(shifted(track.torque, delay / track.dt), added.lags, track.dt)
+        recorded[key] = apply_lags(shift(track.torque, delay / track.dt), added.lags, track.dt)
     held = plant.static_torque(*track.waves) if track.rotary else plant.offset
     result: FloatArray = recorded[key] - held - added.additive
     return result

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion
 
-from ..inputs.track import FloatArray, Track, smooth_derivative
+from ..inputs.track import FloatArray, Track, differentiate
 from .base import SOFTEST, unpack
-from .observer import Contribution, Job, Observation, Observer, Plant, missing_torques, simulate_all
+from .observer import Contribution, Job, Observation, Observer, Plant, compute_missing_torques, simulate_all
 from .rows import RowGrid
 
-__all__ = ["Problem", "Weights", "observer_for"]
+__all__ = ["Problem", "Weights", "build_problem"]
 
 # Torque that effects add along each recording, for their parameters.
 Effects = Callable[[FloatArray], list[Contribution]]
@@ -85,7 +85,7 @@ class Problem:
 
     def vectors(self, plants: Sequence[Plant], contributions: Sequence[Sequence[Contribution]]) -> list[FloatArray]:
         """The residual as one weighted vector, for every plant. Shapes (m,)."""
-        flat = missing_torques(self._jobs(plants, contributions), self.observer, self.gains)
+        flat = compute_missing_torques(self._jobs(plants, contributions), self.observer, self.gains)
         rows = [grid.of(one) for grid, one in zip(cycle(self.grids), flat, strict=False)]
         n = len(self.tracks)
         return [self._weighed(rows[i : i + n]) for i in range(0, len(rows), n)]
@@ -124,20 +124,22 @@ class Problem:
 
     def timed_for(self, plant: Plant) -> Problem:
         """The same problem with samples cut as finely as `plant` asks for."""
-        tracks = [replace(track, substeps=_substeps(track, plant, self.observer, self.gains)) for track in self.tracks]
+        tracks = [
+            replace(track, substeps=_choose_substeps(track, plant, self.observer, self.gains)) for track in self.tracks
+        ]
         return replace(self, tracks=tuple(tracks))
 
     def with_velocity_of(self, plant: Plant) -> Problem:
         """The same problem with velocities improved by the simulation: its own plus that of the slow innovation."""
         (runs,) = self.runs([plant], [[Contribution()] * len(self.tracks)])
         tracks = tuple(
-            improved(track, one, self.observer.returning(track, plant, one))
+            improve_track(track, one, self.observer.returning(track, plant, one))
             for track, one in zip(self.tracks, runs, strict=True)
         )
         return replace(self, tracks=tracks)
 
 
-def improved(track: Track, observation: Observation, returning: FloatArray) -> Track:
+def improve_track(track: Track, observation: Observation, returning: FloatArray) -> Track:
     """`track` with the velocity of the observed model, corrected by the slope of what it missed.
 
     Args:
@@ -146,11 +148,11 @@ def improved(track: Track, observation: Observation, returning: FloatArray) -> T
         returning: What the observer adds to the velocity of a resting model's position [rad/s]. Left out, a bristle
             that is too soft would say that the joint moves while the encoder stands still, and be kept soft by it.
     """
-    slope = smooth_derivative(track.position - observation.position, track.dt, _INNOVATION_WINDOW)
+    slope = differentiate(track.position - observation.position, track.dt, _INNOVATION_WINDOW)
     return replace(track, velocity=observation.velocity + returning + slope)
 
 
-def observer_for(tracks: Sequence[Track], plant: Plant, observer: Observer) -> Problem:
+def build_problem(tracks: Sequence[Track], plant: Plant, observer: Observer) -> Problem:
     """The problem for a first plant: gains that hold the model through its steepest falling Stribeck slope."""
     inertia, omega = plant.inertia, observer.bandwidth
     slope = max(0.858 * (s - c) / v - f for c, s, v, f in (plant.forward, plant.reverse))
@@ -160,7 +162,7 @@ def observer_for(tracks: Sequence[Track], plant: Plant, observer: Observer) -> P
     return Problem(tuple(tracks), tuple(grids), observer, gains).timed_for(plant)
 
 
-def _substeps(track: Track, plant: Plant, observer: Observer, gains: tuple[float, float]) -> NDArray[np.int64]:
+def _choose_substeps(track: Track, plant: Plant, observer: Observer, gains: tuple[float, float]) -> NDArray[np.int64]:
     """Steps of each sample: many while the bristle may be stretched, few where it has long yielded. Shape (n,).
 
     A bristle at its level follows the speed at once, and the stiffness that asks for short steps is gone.

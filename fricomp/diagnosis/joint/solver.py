@@ -11,7 +11,7 @@ from scipy.linalg import block_diag
 
 from ..inputs.track import FloatArray
 
-__all__ = ["Box", "Descent", "Fit", "at_least", "descend", "inward_steps", "minimise", "together"]
+__all__ = ["Box", "Descent", "Fit", "choose_steps", "descend", "minimise", "raise_diagonal", "run_together"]
 
 _DIFFERENCE = 0.02  # of a parameter's scale
 _DAMPINGS = (1.0, 30.0, 900.0)  # tried at once, as simulations come in batches
@@ -80,7 +80,7 @@ class Fit:
     cost: float
 
 
-def at_least(matrix: FloatArray, floor: float) -> FloatArray:
+def raise_diagonal(matrix: FloatArray, floor: float) -> FloatArray:
     """`matrix` with its diagonal raised to `floor`. Shape (p, p)."""
     result: FloatArray = matrix + np.diag(np.maximum(floor - np.diag(matrix), 0.0))
     return result
@@ -101,11 +101,11 @@ def minimise(
 ) -> Fit:
     """Least squares from `theta`, for residuals that are evaluated at several points at once."""
     descent = descend(theta, box, iterations=iterations, refresh=refresh, tolerance=tolerance)
-    (fit,) = together([descent], lambda asked: [evaluate(asked[0])])
+    (fit,) = run_together([descent], lambda asked: [evaluate(asked[0])])
     return fit
 
 
-def together(
+def run_together(
     descents: Sequence[Descent], evaluate: Callable[[list[list[FloatArray]]], list[list[FloatArray]]]
 ) -> list[Fit]:
     """Run minimisations side by side, so that their simulations share calls.
@@ -148,21 +148,21 @@ def descend(
     """
     theta = box.clip(theta)
     known = np.zeros((0, 0)) if jacobian is None else jacobian
-    steps = inward_steps(theta, box)
-    free = [i for i in _free(box) if i >= known.shape[1]]
-    at, *moved = yield [theta, *_points(theta, steps, free)]
-    residual, cost = at, _cost(at, theta, box)
+    steps = choose_steps(theta, box)
+    free = [i for i in _list_free(box) if i >= known.shape[1]]
+    at, *moved = yield [theta, *_move_points(theta, steps, free)]
+    residual, cost = at, _compute_cost(at, theta, box)
     if not np.isfinite(cost):  # a start that does not simulate
         return Fit(theta, residual, np.zeros((at.size, theta.size)), cost)
-    J = _columns(moved, at, steps, free)
+    J = _build_columns(moved, at, steps, free)
     J[:, : known.shape[1]] = known.reshape(at.size, -1)
     damping, age = 1e-3, 0
     for _ in range(iterations):
         normal = _Normal(J, residual, box)
-        trials = [_step(normal, theta, box, damping * factor) for factor in _DAMPINGS]
+        trials = [_compute_step(normal, theta, box, damping * factor) for factor in _DAMPINGS]
         trials += [theta + part * (trials[0] - theta) for part in _PARTS]
         values = yield trials
-        costs = [_cost(value, trial, box) for value, trial in zip(values, trials, strict=True)]
+        costs = [_compute_cost(value, trial, box) for value, trial in zip(values, trials, strict=True)]
         best = int(np.argmin(costs))
         gain = cost - costs[best]
         if not gain > 0.0:
@@ -170,7 +170,7 @@ def descend(
                 break
             damping *= 100.0
             if age:
-                J, age = (yield from _jacobian(theta, residual, box)), 0
+                J, age = (yield from _compute_jacobian(theta, residual, box)), 0
             continue
         move = trials[best] - theta
         J = J + np.outer(values[best] - residual - J @ move, move / box.scale**2) / max(
@@ -182,34 +182,36 @@ def descend(
         if gain < tolerance * cost / residual.size and (age == 1 or refresh > iterations):
             break
         if age >= refresh:
-            J, age = (yield from _jacobian(theta, residual, box)), 0
+            J, age = (yield from _compute_jacobian(theta, residual, box)), 0
     return Fit(theta, residual, J, cost)
 
 
-def _jacobian(theta: FloatArray, at: FloatArray, box: Box) -> Generator[list[FloatArray], list[FloatArray], FloatArray]:
+def _compute_jacobian(
+    theta: FloatArray, at: FloatArray, box: Box
+) -> Generator[list[FloatArray], list[FloatArray], FloatArray]:
     """Fresh Jacobian at `theta`, where the residual is `at`. Shape (m, p)."""
-    steps = inward_steps(theta, box)
-    free = _free(box)
-    moved = yield _points(theta, steps, free)
-    return _columns(moved, at, steps, free)
+    steps = choose_steps(theta, box)
+    free = _list_free(box)
+    moved = yield _move_points(theta, steps, free)
+    return _build_columns(moved, at, steps, free)
 
 
-def _free(box: Box) -> list[int]:
+def _list_free(box: Box) -> list[int]:
     """Parameters that are not held: those whose bounds differ."""
     return [int(i) for i in np.flatnonzero(box.lower < box.upper)]
 
 
-def inward_steps(theta: FloatArray, box: Box, part: float = _DIFFERENCE) -> FloatArray:
+def choose_steps(theta: FloatArray, box: Box, part: float = _DIFFERENCE) -> FloatArray:
     """One-sided steps for differences, `part` of each parameter's scale, that stay inside. Shape (p,)."""
     step = part * box.scale
     return np.where(theta + step > box.upper, -step, step)
 
 
-def _points(theta: FloatArray, steps: FloatArray, which: Sequence[int]) -> list[FloatArray]:
+def _move_points(theta: FloatArray, steps: FloatArray, which: Sequence[int]) -> list[FloatArray]:
     return [theta + steps[i] * np.eye(theta.size)[i] for i in which]
 
 
-def _columns(moved: Sequence[FloatArray], at: FloatArray, steps: FloatArray, which: Sequence[int]) -> FloatArray:
+def _build_columns(moved: Sequence[FloatArray], at: FloatArray, steps: FloatArray, which: Sequence[int]) -> FloatArray:
     """Derivatives by the parameters `which`, in columns of their own; 0 by all others. Shape (m, p)."""
     result = np.zeros((at.size, steps.size))
     for i, value in zip(which, moved, strict=True):
@@ -220,13 +222,13 @@ def _columns(moved: Sequence[FloatArray], at: FloatArray, steps: FloatArray, whi
     return result
 
 
-def _cost(residual: FloatArray, theta: FloatArray, box: Box) -> float:
+def _compute_cost(residual: FloatArray, theta: FloatArray, box: Box) -> float:
     away = theta - box.centre
     value = float(residual @ residual + away @ box.precision @ away)
     return value if np.isfinite(value) else np.inf
 
 
-def _step(normal: _Normal, theta: FloatArray, box: Box, damping: float) -> FloatArray:
+def _compute_step(normal: _Normal, theta: FloatArray, box: Box, damping: float) -> FloatArray:
     """Damped step in scaled parameters; those that would leave the box stay at its edge."""
     free = box.lower < box.upper
     target = theta

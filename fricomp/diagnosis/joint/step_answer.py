@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..inputs.controller import Controller
-from ..inputs.delay import shifted
+from ..inputs.delay import shift
 from ..inputs.track import FloatArray, Track
 from .kernel import LANES, close_loop
-from .observer import THREADS, Job, Observation, lanes_for, level_of, plants_of, torque_of
+from .observer import THREADS, Job, Observation, broadcast_level, choose_lanes, compute_torque, stack_plants
 
-__all__ = ["StepAnswer", "step_answers"]
+__all__ = ["StepAnswer", "simulate_step_answers"]
 
 _LOUD = 0.5  # of the noise seen in the torque, below which the answer is not worth a simulation
 _ASTRAY = 10.0  # steps of the encoder that the joint may be off, else it is no loop that moved a joint
@@ -32,7 +32,9 @@ class StepAnswer(NamedTuple):
     torque: FloatArray
 
 
-def step_answers(job: Job, truth: Observation, applied: FloatArray, *, count: int, seed: int) -> list[StepAnswer]:
+def simulate_step_answers(
+    job: Job, truth: Observation, applied: FloatArray, *, count: int, seed: int
+) -> list[StepAnswer]:
     """Simulate the loop of a recording `count` times, each time with another origin of the encoder.
 
     What the steps change is taken from a simulation without them, and added to the motion: a resting joint is held to
@@ -57,7 +59,7 @@ def step_answers(job: Job, truth: Observation, applied: FloatArray, *, count: in
     batches = [encoders[:, i : i + LANES[-1]] for i in range(0, count + 1, LANES[-1])]
     first = _run(told, loop, batches[0])
     smooth, stepped = first[0], first[1]
-    if not _credible(stepped, smooth, truth, track):
+    if not _is_credible(stepped, smooth, truth, track):
         return []
     with ThreadPoolExecutor(THREADS) as pool:
         runs = [
@@ -67,22 +69,22 @@ def step_answers(job: Job, truth: Observation, applied: FloatArray, *, count: in
     # The answer is held for a sample; the torque of a recording runs straight from sample to sample.
     late = -0.5 - job.plant.delay / track.dt
     return [
-        StepAnswer(truth.position + run.position - smooth.position, shifted(run.torque - smooth.torque, late))
+        StepAnswer(truth.position + run.position - smooth.position, shift(run.torque - smooth.torque, late))
         for run in runs
     ]
 
 
 def _run(job: Job, loop: Controller, encoders: FloatArray) -> list[StepAnswer]:
     """Joints under the loop, each with its encoder, no more than the kernel has lanes."""
-    track, lanes = job.track, lanes_for(encoders.shape[1])
-    signals = np.stack([track.position, track.velocity, torque_of(job), level_of(job)])
+    track, lanes = job.track, choose_lanes(encoders.shape[1])
+    signals = np.stack([track.position, track.velocity, compute_torque(job), broadcast_level(job)])
     settings = (track.dt, loop.proportional_gain, loop.derivative_gain, loop.filtered(track.dt))
     each, out = np.resize(encoders.T, (len(lanes), 2)).T.copy(), np.empty((2, len(lanes), track.size))
-    close_loop(signals, plants_of([job], lanes), settings, each, track.substeps, lanes, out)
+    close_loop(signals, stack_plants([job], lanes), settings, each, track.substeps, lanes, out)
     return [StepAnswer(out[1, lane], out[0, lane]) for lane in range(encoders.shape[1])]
 
 
-def _credible(stepped: StepAnswer, smooth: StepAnswer, truth: Observation, track: Track) -> bool:
+def _is_credible(stepped: StepAnswer, smooth: StepAnswer, truth: Observation, track: Track) -> bool:
     """Whether the loop leaves the joint where it was, and its answer stands out of the torque's noise."""
     with np.errstate(over="ignore", invalid="ignore"):  # a loop that swings up
         far = max(float(np.std(one.position - truth.position)) for one in (stepped, smooth))

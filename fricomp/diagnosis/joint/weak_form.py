@@ -19,7 +19,7 @@ from fricomp.errors import DiagnosisError
 from ..inputs.track import FloatArray, Track
 from .observer import Plant
 
-__all__ = ["estimate_plants", "rest_speed_of"]
+__all__ = ["estimate_plants", "estimate_rest_speed"]
 
 _MOST_ROWS = 6000
 _REST_SPEED = 5e-3  # [rad/s] or [m/s] of a joint of the usual speed
@@ -27,7 +27,7 @@ _REST_SHARE = 0.05  # of the top speed, for slower ones
 _SLOW = 0.1  # share of the rows that are the slowest
 
 
-def rest_speed_of(tracks: Sequence[Track], width: float = 0.042) -> float:
+def estimate_rest_speed(tracks: Sequence[Track], width: float = 0.042) -> float:
     """Speed below which samples say nothing about sliding [rad/s] or [m/s]: a small part of what the joint reaches,
     not below what one encoder step in a window of `width` [s] looks like."""
     top = max(float(np.quantile(np.abs(track.velocity), 0.98)) for track in tracks)
@@ -54,13 +54,13 @@ def estimate_plants(
     Args:
         tracks: Recordings of one joint.
         width: Window of the test function [s].
-        rest_speed: Slower samples take no part [rad/s]; None for that of `rest_speed_of`.
+        rest_speed: Slower samples take no part [rad/s]; None for that of `estimate_rest_speed`.
 
     Raises:
         DiagnosisError: Too few samples are faster.
     """
-    rest_speed = rest_speed_of(tracks, width) if rest_speed is None else rest_speed
-    rows = [_weak_rows(track, width, rest_speed) for track in tracks]
+    rest_speed = estimate_rest_speed(tracks, width) if rest_speed is None else rest_speed
+    rows = [_build_rows(track, width, rest_speed) for track in tracks]
     joined = WeakRows(*(np.concatenate(part) for part in zip(*rows, strict=True)))
     if joined.torque.size < 20:
         raise DiagnosisError(
@@ -71,13 +71,15 @@ def estimate_plants(
     joined = WeakRows(*(part[keep] for part in joined))
     top = float(np.quantile(np.abs(joined.velocity), 0.98))
     grid = np.log(np.geomspace(max(2 * rest_speed, 0.01 * top), 0.5 * top, 6))
-    start = min((_cost(np.array([a, a]), joined), a) for a in grid)[1]
-    found = minimize(_cost, np.array([start, start]), args=(joined,), method="Nelder-Mead", options={"maxiter": 80})
-    usual, level = (_plant(found.x, joined, hold=hold) for hold in (False, True))
+    start = min((_compute_cost(np.array([a, a]), joined), a) for a in grid)[1]
+    found = minimize(
+        _compute_cost, np.array([start, start]), args=(joined,), method="Nelder-Mead", options={"maxiter": 80}
+    )
+    usual, level = (_build_plant(found.x, joined, hold=hold) for hold in (False, True))
     return (usual,) if usual == level else (usual, level)
 
 
-def _weak_rows(track: Track, width: float, rest_speed: float) -> WeakRows:
+def _build_rows(track: Track, width: float, rest_speed: float) -> WeakRows:
     length = max(5, 2 * round(width / track.dt / 2) + 1)
     s = (np.arange(length) + 1.0) / (length + 1)
     phi = 0.5 - 0.5 * np.cos(2 * np.pi * s)
@@ -107,7 +109,7 @@ def _weak_rows(track: Track, width: float, rest_speed: float) -> WeakRows:
     )
 
 
-def _columns(log_speeds: FloatArray, rows: WeakRows) -> FloatArray:
+def _build_columns(log_speeds: FloatArray, rows: WeakRows) -> FloatArray:
     columns = [rows.inertia, *rows.gravity.T]
     for speed, sign in zip(np.exp(log_speeds), (1.0, -1.0), strict=True):
         on = rows.direction == sign
@@ -118,7 +120,7 @@ def _columns(log_speeds: FloatArray, rows: WeakRows) -> FloatArray:
 
 def _solve(log_speeds: FloatArray, rows: WeakRows) -> tuple[FloatArray, float]:
     """Least squares with inertia and friction not negative, gravity and offset free, and a touch of ridge."""
-    A = _columns(log_speeds, rows)
+    A = _build_columns(log_speeds, rows)
     free = rows.gravity.shape[1]
     split = np.concatenate([A, -A[:, 1 : 1 + free]], axis=1)
     norm = np.linalg.norm(split, axis=0) + 1e-12
@@ -132,11 +134,11 @@ def _solve(log_speeds: FloatArray, rows: WeakRows) -> tuple[FloatArray, float]:
     return x[: A.shape[1]], float(cost)
 
 
-def _cost(log_speeds: FloatArray, rows: WeakRows) -> float:
+def _compute_cost(log_speeds: FloatArray, rows: WeakRows) -> float:
     return _solve(log_speeds, rows)[1]
 
 
-def _plant(log_speeds: FloatArray, rows: WeakRows, *, hold: bool) -> Plant:
+def _build_plant(log_speeds: FloatArray, rows: WeakRows, *, hold: bool) -> Plant:
     x, _ = _solve(log_speeds, rows)
     free = rows.gravity.shape[1]
     gravity = (float(x[2]), float(x[3])) if free == 3 else (0.0, 0.0)
@@ -144,7 +146,7 @@ def _plant(log_speeds: FloatArray, rows: WeakRows, *, hold: bool) -> Plant:
     speeds = np.exp(log_speeds)
     floor = 1e-3 * float(np.std(rows.torque))
     slowest = float(np.quantile(np.abs(rows.velocity), _SLOW)) if hold else np.inf
-    forward, reverse = (_curve(part, floor, float(vs), slowest) for part, vs in zip((f, r), speeds, strict=True))
+    forward, reverse = (_bound_curve(part, floor, float(vs), slowest) for part, vs in zip((f, r), speeds, strict=True))
     inertia = max(float(x[0]), 1e-3 * float(np.std(rows.torque) / (np.std(rows.inertia) + 1e-9)))
     return Plant(
         inertia=inertia,
@@ -156,7 +158,9 @@ def _plant(log_speeds: FloatArray, rows: WeakRows, *, hold: bool) -> Plant:
     )
 
 
-def _curve(found: tuple[float, ...], floor: float, speed: float, slowest: float) -> tuple[float, float, float, float]:
+def _bound_curve(
+    found: tuple[float, ...], floor: float, speed: float, slowest: float
+) -> tuple[float, float, float, float]:
     """Coulomb and static torque, Stribeck velocity, viscous coefficient.
 
     The Coulomb torque is at least half of the dry friction at the speed `slowest`, and the static torque at most twice

@@ -13,7 +13,7 @@ import numpy as np
 
 from fricomp.recording import Recording
 
-from ..inputs.delay import behind
+from ..inputs.delay import apply_lags
 from ..inputs.track import FloatArray
 from .fine_ripple import error_on_left_out_blocks
 
@@ -92,7 +92,7 @@ def _shapes(dt: float) -> dict[str, _Late]:
         return shifted
 
     def lagging(signal: FloatArray, constant: float) -> FloatArray:
-        return behind(signal, (constant,), dt) if constant > 0.0 else signal
+        return apply_lags(signal, (constant,), dt) if constant > 0.0 else signal
 
     return {"torque_delay": delayed, "drive_lag": lagging}
 

@@ -15,7 +15,7 @@ from scipy.signal import savgol_filter
 
 from fricomp.recording import Recording
 
-from ..inputs.left_out import fits_without_blocks
+from ..inputs.left_out import fit_without_blocks
 from ..inputs.track import FloatArray
 
 __all__ = [
@@ -267,7 +267,7 @@ def error_on_left_out_blocks(table: FloatArray, torque: FloatArray) -> FloatArra
     """Error on each block of a fit to the others. Shape (n_samples,)."""
     result = np.empty(torque.size)
     gap = max(5, min(torque.size // 100, 32))
-    for part, weights in fits_without_blocks(table, torque, _FOLDS, rcond=1e-6, gap=(gap, gap - 1)):
+    for part, weights in fit_without_blocks(table, torque, _FOLDS, rcond=1e-6, gap=(gap, gap - 1)):
         result[part] = torque[part] - table[part] @ weights
     return result
 
@@ -284,7 +284,7 @@ def _harmonics(
         q * (weights[2 * k] * waves[:, 2 * k + 1] - weights[2 * k + 1] * waves[:, 2 * k]) for k in range(len(chosen))
     ]
     table = np.column_stack([table, *slopes])
-    drawn = fits_without_blocks(table, torque, _FOLDS, rcond=1e-6)
+    drawn = fit_without_blocks(table, torque, _FOLDS, rcond=1e-6)
     values = np.array([weights[base.shape[1] :] for _, weights in drawn])
     amplitude = np.hypot(values[:, 0 : 2 * len(chosen) : 2], values[:, 1 : 2 * len(chosen) : 2])
     errors = np.sqrt((_FOLDS - 1) * np.var(np.column_stack([amplitude, values[:, 2 * len(chosen) :]]), axis=0))

@@ -13,7 +13,7 @@ import numpy as np
 
 from fricomp.recording import Recording
 
-from ..inputs.track import FloatArray, smooth_derivative
+from ..inputs.track import FloatArray, differentiate
 from ..record.result import Quantity
 from .fine_ripple import LEAST_FALL, FineRipple, fall_by
 from .soft_presliding import bristle, find_soft_presliding
@@ -42,8 +42,8 @@ def _base_torque(recording: Recording, base: Mapping[str, Quantity]) -> FloatArr
     """Torque that moves the base along the recorded position [N·m]. Shape (n,)."""
     q, dt = np.asarray(recording.position), recording.sample_period
     value = {name: quantity.value for name, quantity in base.items()}
-    v = smooth_derivative(q, dt)
-    a = smooth_derivative(v, dt)
+    v = differentiate(q, dt)
+    a = differentiate(v, dt)
     curve = {side: _stribeck(v, value, side) for side in ("forward", "reverse")}
     level, viscous = (np.where(v > 0.0, curve["forward"][k], curve["reverse"][k]) for k in (0, 1))
     creeps = value.get("creep_velocity", 0.0) > 0.0

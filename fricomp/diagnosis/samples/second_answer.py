@@ -16,7 +16,7 @@ from ..evidence.location import excess_maps
 from ..inputs.track import FloatArray
 from ..record.result import Diagnosis, DiagnosisRecord, Evidence, HeldOut, NamedEffect, Quantity, Rival, RowSeries
 from ..record.sentence import sentences
-from ..search.generic import time_since_reversal
+from ..search.generic import measure_time_since_reversal
 from .drive_path import DrivePath
 from .fine_ripple import FineRipple, Harmonic
 from .soft_presliding import SoftPresliding
@@ -248,7 +248,7 @@ def _series(name: str, samples: dict[str, FloatArray], sides: tuple[FloatArray, 
         velocity=samples["velocity"],
         acceleration=samples["acceleration"],
         load_torque=np.zeros(time.size),
-        time_since_reversal=time_since_reversal(samples["velocity"], dt),
+        time_since_reversal=measure_time_since_reversal(samples["velocity"], dt),
         temperature=None,
         before=sides[0],
         after=sides[1],

@@ -14,8 +14,8 @@ import numpy as np
 from fricomp.laws import FrictionLaw, LuGre, StribeckCurve
 from fricomp.recording import Recording
 
-from ..inputs.track import FloatArray, encoder_step, smooth_derivative
-from ..joint.kernel import compiled
+from ..inputs.track import FloatArray, differentiate, find_encoder_step
+from ..joint.kernel import compile_kernel
 from .fine_ripple import error_on_left_out_blocks
 
 __all__ = ["SoftPresliding", "bristle", "find_soft_presliding"]
@@ -66,7 +66,7 @@ class SoftPresliding:
         return FrictionLaw((LuGre(forward, reverse, sigma_0=self.level / self.distance, sigma_1=0.0),))
 
 
-@compiled
+@compile_kernel
 def bristle(position: np.ndarray, distance: float) -> np.ndarray:
     """Deflection of a Dahl bristle as part of the largest, for a driven joint [dahl1968]. Shape (n,)."""
     out = np.zeros_like(position)
@@ -119,8 +119,8 @@ class _Motion:
         t = np.asarray(recording.time) - recording.time[0]
         grid = np.arange(int(t[-1] / dt) + 1, dtype=np.float64) * np.float64(dt)
         position, torque = (np.interp(grid, t, one) for one in (recording.position, recording.torque))
-        velocity = smooth_derivative(position, dt)
-        acceleration = smooth_derivative(velocity, dt)
+        velocity = differentiate(position, dt)
+        acceleration = differentiate(velocity, dt)
         return cls(
             grid, position, velocity, acceleration, torque, np.arange(0, grid.size, 1 + grid.size // _MOST_SAMPLES)
         )
@@ -133,7 +133,7 @@ class _Motion:
     def limits(self, recording: Recording) -> tuple[float, float]:
         """Shortest and longest breakaway distance that are looked for."""
         travel = float(np.ptp(self.position))
-        step = recording.metadata.encoder_resolution or encoder_step(self.position)
+        step = recording.metadata.encoder_resolution or find_encoder_step(self.position)
         stiff = _STIFF if recording.metadata.motion == "rotary" else _STIFF_SHARE * travel
         return max(stiff, 2.0 * step), _SOFTEST * travel
 

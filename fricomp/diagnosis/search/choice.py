@@ -6,10 +6,10 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from .explanation import Explanation, evidence
+from .explanation import Explanation, compute_evidence
 from .preparation import Prepared
 
-__all__ = ["ENOUGH", "acceptable", "choose", "close_to"]
+__all__ = ["ENOUGH", "choose", "rank_acceptable", "select_finalists"]
 
 ENOUGH = 0.98  # coverage at which a generic basis sees nothing more
 _ANOTHER = 0.08  # of the gain, that one more effect must add: less is the form of the first one not quite met
@@ -29,52 +29,54 @@ _MORE_FORMS = {"load_quadratic": 0.998}  # the same for an effect that has a for
 _NEAR, _FINALISTS = 0.1, 2  # of its gain that a rival may lack, and how many of them there are
 
 
-def acceptable(tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
+def rank_acceptable(tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
     """Explanations that are physical and stand out, best first."""
     passing = [e for e in tried if not e.refused and e.certain > threshold]
-    return sorted(passing, key=lambda explanation: -_weighed(explanation))
+    return sorted(passing, key=lambda explanation: -_weigh(explanation))
 
 
 def choose(prepared: Prepared, tried: Sequence[Explanation], threshold: float) -> Explanation | None:
     """The smallest explanation that no larger one beats by a material gain and coverage."""
     best: Explanation | None = None
     for size in (1, 2, 3):
-        options = acceptable([e for e in tried if len(e.names) == size], threshold)
+        options = rank_acceptable([e for e in tried if len(e.names) == size], threshold)
         if not options:
             continue
         top = options[0]
-        if (best is None or _better(prepared, top, best, threshold)) and not _idle(prepared, top, tried, threshold):
+        if (best is None or _is_better(prepared, top, best, threshold)) and not _is_idle(
+            prepared, top, tried, threshold
+        ):
             best = top
     return best
 
 
-def _idle(prepared: Prepared, larger: Explanation, tried: Sequence[Explanation], threshold: float) -> bool:
+def _is_idle(prepared: Prepared, larger: Explanation, tried: Sequence[Explanation], threshold: float) -> bool:
     """Whether some of its effects explain about all alone, be they refused: the others would only carry them."""
     return any(
         set(part.names) < set(larger.names)
-        and _weighed(larger) < _weighed(part) + _worth(part, threshold)
-        and not _completes(prepared, larger, part, threshold)
-        and not _stands_apart(prepared, larger, part, threshold)
+        and _weigh(larger) < _weigh(part) + _compute_worth(part, threshold)
+        and not _can_complete(prepared, larger, part, threshold)
+        and not _is_apart(prepared, larger, part, threshold)
         for part in tried
     )
 
 
-def _better(prepared: Prepared, larger: Explanation, best: Explanation, threshold: float) -> bool:
+def _is_better(prepared: Prepared, larger: Explanation, best: Explanation, threshold: float) -> bool:
     """Whether the further effects of a larger explanation add enough, and where they can be seen."""
-    shown = evidence(prepared, set(larger.names) - set(best.names), best.fit, larger.fit)
-    more = _weighed(larger) - _weighed(best)
-    if _completes(prepared, larger, best, threshold):
+    shown = compute_evidence(prepared, set(larger.names) - set(best.names), best.fit, larger.fit)
+    more = _weigh(larger) - _weigh(best)
+    if _can_complete(prepared, larger, best, threshold):
         return shown > threshold or more > max(_OVERWHELMING * threshold, _ANOTHER * best.gain)
     wider = best.coverage + min(_WIDER, _OF_THE_REST * (1.0 - best.coverage))
     visible = shown > max(threshold, _ANOTHER * best.certain)
     return (
-        more > _worth(best, threshold)
+        more > _compute_worth(best, threshold)
         and (visible or more > max(_OVERWHELMING * threshold, _MOST * best.gain))
         and larger.coverage > min(wider, ENOUGH)
-    ) or _stands_apart(prepared, larger, best, threshold)
+    ) or _is_apart(prepared, larger, best, threshold)
 
 
-def _stands_apart(prepared: Prepared, larger: Explanation, part: Explanation, threshold: float) -> bool:
+def _is_apart(prepared: Prepared, larger: Explanation, part: Explanation, threshold: float) -> bool:
     """Whether its further effects show in rows that the first ones do not reach, so that no form of those makes them.
 
     A stop explains so much about the end of the range that little of all is left for friction elsewhere.
@@ -82,45 +84,45 @@ def _stands_apart(prepared: Prepared, larger: Explanation, part: Explanation, th
     further = set(larger.names) - set(part.names)
     # What both leave unexplained is taken for noise: as much of it as they leave can be fitted by anything.
     needed = _APART * threshold * max(1.0, larger.fit.cost / larger.fit.residual.size)
-    if _fill_in(further) or _weighed(larger) < _weighed(part) + needed:
+    if _can_fill_in(further) or _weigh(larger) < _weigh(part) + needed:
         return False
     untouched = np.abs(part.reach(prepared)) < _UNTOUCHED
-    shown = evidence(prepared, further, part.fit, larger.fit, at=untouched) if np.any(untouched) else 0.0
+    shown = compute_evidence(prepared, further, part.fit, larger.fit, at=untouched) if np.any(untouched) else 0.0
     return shown > needed
 
 
-def _worth(part: Explanation, threshold: float) -> float:
+def _compute_worth(part: Explanation, threshold: float) -> float:
     """Gain that further effects must add: less is the form of the first ones not quite met."""
     return max(threshold, _ANOTHER * part.gain)
 
 
-def _completes(prepared: Prepared, larger: Explanation, part: Explanation, threshold: float) -> bool:
+def _can_complete(prepared: Prepared, larger: Explanation, part: Explanation, threshold: float) -> bool:
     """Whether its further effects take away nearly all that is left, as none does of a form that is not quite met."""
-    clear = _weighed(larger) > _weighed(part) + max(_MUCH * threshold, _MATERIAL * part.gain)
-    takes_all = larger.left < _REMNANT * part.left or _silences(prepared, larger, part)
-    fills_in = _fill_in(set(larger.names) - set(part.names))
+    clear = _weigh(larger) > _weigh(part) + max(_MUCH * threshold, _MATERIAL * part.gain)
+    takes_all = larger.left < _REMNANT * part.left or _can_silence(prepared, larger, part)
+    fills_in = _can_fill_in(set(larger.names) - set(part.names))
     return clear and larger.coverage > ENOUGH and takes_all and not fills_in
 
 
-def _silences(prepared: Prepared, larger: Explanation, part: Explanation) -> bool:
+def _can_silence(prepared: Prepared, larger: Explanation, part: Explanation) -> bool:
     """Whether most of what a part leaves beyond the noise goes, about reversals too, where no generic basis sees it."""
     noise = float(np.mean([null @ null for null in prepared.null_residuals]))
     before, after = (float(one.fit.residual @ one.fit.residual) - noise for one in (part, larger))
     return before > _LOUD * noise and after < _SILENCED * before
 
 
-def _fill_in(names: Collection[str]) -> bool:
+def _can_fill_in(names: Collection[str]) -> bool:
     """Whether any of these effects fills in for others."""
     return not _FILLS_IN.keys().isdisjoint(names)
 
 
-def _weighed(explanation: Explanation) -> float:
+def _weigh(explanation: Explanation) -> float:
     """Gain, less a share for effects that fill in for others, or have more forms than those."""
     shares = _FILLS_IN | _MORE_FORMS
     return explanation.gain * min(shares.get(name, 1.0) for name in explanation.names)
 
 
-def close_to(best: Explanation, accepted: Sequence[Explanation]) -> list[Explanation]:
+def select_finalists(best: Explanation, accepted: Sequence[Explanation]) -> list[Explanation]:
     """The chosen explanation and the rivals that the last steps could still bring before it."""
     near = [e for e in accepted if e is not best and e.gain > (1.0 - _NEAR) * best.gain]
     return [best, *sorted(near, key=lambda rival: -rival.gain)[:_FINALISTS]]

@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from ..effects.structure import Structure
-from ..inputs.track import FloatArray, Track, smooth_derivative
+from ..inputs.track import FloatArray, Track, differentiate
 from ..joint.observer import Observation, Plant
-from ..joint.problem import Problem, observer_for
+from ..joint.problem import Problem, build_problem
 from ..joint.rows import RowGrid
 from .preparation import Prepared
 
-__all__ = ["effect_energy"]
+__all__ = ["compute_effect_energy"]
 
 _SAME = 1e-9  # part of a column, below which it is one of the others
 _FEWEST = 50  # rows in which the joint slides that tell the noise
@@ -23,7 +23,7 @@ _STIFFER = 4.0  # at least, than the bristle
 _FASTEST = 10.0  # [rad] a sample, which its substeps still follow
 
 
-def effect_energy(
+def compute_effect_energy(
     prepared: Prepared, structure: Structure, theta: FloatArray, names: Collection[str]
 ) -> list[FloatArray]:
     """Energy of the effects' torque that a refit of a rigid joint with Stribeck friction leaves, over the noise.
@@ -43,17 +43,17 @@ def effect_energy(
         Energy of each sample, by recording; 0 where no window fits. Shapes (n_samples,).
     """
     problem, plant = prepared.problem, structure.plant(theta)
-    tight = _held_tightly(problem, plant)
+    tight = _hold_tightly(problem, plant)
     complete, without = structure.with_and_without(tight, theta, names)
     torque, columns = [], []
     for i, (track, grid) in enumerate(zip(tight.tracks, tight.grids, strict=True)):
         rests = (np.abs(track.velocity) < problem.observer.rest_speed).astype(float)
-        level = _noise(prepared.nulls.weights.spread[i], problem.grids[i].of(rests))
+        level = _measure_noise(prepared.nulls.weights.spread[i], problem.grids[i].of(rests))
         step = plant.sigma_0 * track.resolution / np.sqrt(12.0)
         noise = np.hypot(level, grid.everywhere(rests) * step)
-        added = _centred(without[i].missing - complete[i].missing)
+        added = _centre(without[i].missing - complete[i].missing)
         torque.append(grid.everywhere(added) / noise)
-        columns.append(_plain_joint(track, grid, without[i], plant) / noise[:, None])
+        columns.append(_build_plain_joint(track, grid, without[i], plant) / noise[:, None])
     missing, known = np.concatenate(torque), np.concatenate(columns)
     known = known / np.maximum(np.linalg.norm(known, axis=0), 1e-30)
     left = missing - known @ np.linalg.lstsq(known, missing, rcond=_SAME)[0]
@@ -61,7 +61,7 @@ def effect_energy(
     return [np.pad(part, grid.window.size // 2) for part, grid in zip(parts, tight.grids, strict=True)]
 
 
-def _held_tightly(problem: Problem, plant: Plant) -> Problem:
+def _hold_tightly(problem: Problem, plant: Plant) -> Problem:
     """The same recordings, smoothed as far as that keeps reversals, and an observer that holds joints to them tightly.
 
     That of the residual must not answer to the noise of the encoder, so that it answers an effect late and blurred, and
@@ -71,31 +71,31 @@ def _held_tightly(problem: Problem, plant: Plant) -> Problem:
     tracks = [
         replace(
             track,
-            position=smooth_derivative(track.position, track.dt, order=0),
-            velocity=smooth_derivative(track.position, track.dt),
+            position=differentiate(track.position, track.dt, order=0),
+            velocity=differentiate(track.position, track.dt),
         )
         for track in problem.tracks
     ]
     bandwidth = max(_TIGHTER * problem.observer.bandwidth, float(np.sqrt(_STIFFER * plant.sigma_0 / plant.inertia)))
     bandwidth = min(bandwidth, _FASTEST / max(track.dt for track in tracks))
-    return observer_for(tracks, plant, replace(problem.observer, bandwidth=bandwidth))
+    return build_problem(tracks, plant, replace(problem.observer, bandwidth=bandwidth))
 
 
-def _noise(spread: FloatArray, resting: FloatArray) -> float:
+def _measure_noise(spread: FloatArray, resting: FloatArray) -> float:
     """Noise of a row in which the joint slides [N·m]."""
     sliding = resting == 0.0
     return float(np.median(spread[sliding] if np.sum(sliding) >= _FEWEST else spread))
 
 
-def _centred(means: FloatArray) -> FloatArray:
+def _centre(means: FloatArray) -> FloatArray:
     """Means from each sample to the next as means about each sample. Shape (n,)."""
     result: FloatArray = 0.5 * (means + np.concatenate([means[:1], means[:-1]]))
     return result
 
 
-def _plain_joint(track: Track, grid: RowGrid, seen: Observation, plant: Plant) -> FloatArray:
+def _build_plain_joint(track: Track, grid: RowGrid, seen: Observation, plant: Plant) -> FloatArray:
     """What the parameters of a rigid joint with Stribeck friction add along its motion. Shape (n - m + 1, k)."""
-    v, bristle = track.velocity, _centred(seen.bristle)
+    v, bristle = track.velocity, _centre(seen.bristle)
     samples = [np.gradient(v, track.dt), np.ones_like(v)]
     if track.rotary:
         samples += [np.cos(track.position), np.sin(track.position)]

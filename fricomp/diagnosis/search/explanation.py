@@ -13,9 +13,9 @@ from ..effects.structure import N_BASE, Candidate, Structure
 from ..inputs.track import FloatArray
 from ..joint.solver import Box, Fit
 from .preparation import Prepared
-from .screening import orthonormal, project_out
+from .screening import orthonormalise, project_out
 
-__all__ = ["Explanation", "curbed", "evidence", "judged", "refusal", "spread_excess"]
+__all__ = ["Explanation", "compute_evidence", "compute_spread_excess", "curb", "find_refusal", "judge"]
 
 _MOST_OF_A_ROW = 9.0  # gain that one row may add to what counts against the threshold
 _FAIR = 0.5  # of what an effect of sliding would explain in the rows that slide, were it spread evenly, that it must
@@ -115,19 +115,19 @@ class Explanation:
         return tuple(Candidate(c.name, tuple(values[c.name].items())) for c in self.structure.candidates)
 
 
-def judged(prepared: Prepared, structure: Structure, fit: Fit, box: Box) -> Explanation:
+def judge(prepared: Prepared, structure: Structure, fit: Fit, box: Box) -> Explanation:
     """What speaks for a structure whose base was fitted in `box`, and against it."""
     fall = prepared.fit.cost - fit.cost
     penalty = structure.freedom * float(np.log(fit.residual.size))
-    left = _left(prepared, fit)
+    left = _compute_left(prepared, fit)
     coverage = fall / (fall + left) if fall > 0.0 else 0.0
     plain = fall > _PLAIN * fit.residual.size and coverage > _PLAINLY_COVERED
-    certain = evidence(prepared, structure.names, prepared.fit, fit, plain=plain)
-    refused = refusal(structure, fit)
+    certain = compute_evidence(prepared, structure.names, prepared.fit, fit, plain=plain)
+    refused = find_refusal(structure, fit)
     return Explanation(structure, fit, box, fall - penalty, certain - penalty, float(coverage), left, refused)
 
 
-def evidence(
+def compute_evidence(
     prepared: Prepared,
     names: Collection[str],
     before: Fit,
@@ -150,7 +150,7 @@ def evidence(
         plain: Whether they bring and cover so much that they count wherever they show.
         at: Rows that are looked at, shape (m,); None for all of them.
     """
-    fall, rows = _falls(before, after), prepared.sliding
+    fall, rows = _compute_falls(before, after), prepared.sliding
     if at is not None:
         fall, rows = fall[at], rows[at]
     about_rest = float(np.mean(fall[~rows])) if not np.all(rows) else 0.0
@@ -162,27 +162,30 @@ def evidence(
     return sliding if sliding > _FAIR * fair else min(sliding, 0.0)
 
 
-def _falls(before: Fit, after: Fit) -> FloatArray:
+def _compute_falls(before: Fit, after: Fit) -> FloatArray:
     """Fall of the cost in each row, none counting for more than a few. Shape (m,)."""
     return np.clip(before.residual**2 - after.residual**2, -_MOST_OF_A_ROW, _MOST_OF_A_ROW)
 
 
-def _left(prepared: Prepared, fit: Fit) -> float:
+def _compute_left(prepared: Prepared, fit: Fit) -> float:
     """Energy that the generic basis explains of what a fit leaves, beyond chance and the form of the bristle."""
-    span, about_rest = orthonormal(project_out(prepared.generic, orthonormal(fit.jacobian)), 1e-4), ~prepared.sliding
-    bristle = _excess(span * about_rest[:, None], fit.residual)
+    span, about_rest = (
+        orthonormalise(project_out(prepared.generic, orthonormalise(fit.jacobian)), 1e-4),
+        ~prepared.sliding,
+    )
+    bristle = _compute_excess(span * about_rest[:, None], fit.residual)
     of_its_form = float(np.clip(bristle, 0.0, _BRISTLE * np.sum(about_rest)))
-    return max(_excess(span, fit.residual) - of_its_form, 0.0)
+    return max(_compute_excess(span, fit.residual) - of_its_form, 0.0)
 
 
-def refusal(structure: Structure, fit: Fit) -> str:
+def find_refusal(structure: Structure, fit: Fit) -> str:
     """Why a fit is not physical; empty where it is."""
     values = structure.values(fit.theta[N_BASE:])
     reasons = [c.effect.refuse(values[c.name], structure.contexts) for c in structure.candidates]
-    return "; ".join(reason for reason in (*reasons, _cancelling(values)) if reason)
+    return "; ".join(reason for reason in (*reasons, _find_cancelling(values)) if reason)
 
 
-def _cancelling(values: Mapping[str, Mapping[str, float]]) -> str | None:
+def _find_cancelling(values: Mapping[str, Mapping[str, float]]) -> str | None:
     """Why a torque that is recorded late and acts late by the same time is neither: hardly anything is left of both."""
     if not {_LATE, _LAGGING} <= values.keys():
         return None
@@ -190,17 +193,17 @@ def _cancelling(values: Mapping[str, Mapping[str, float]]) -> str | None:
     return "delay and lag would cancel" if abs(delay - lag) < _ALIKE * max(delay, lag) else None
 
 
-def _excess(span: FloatArray, residual: FloatArray) -> float:
+def _compute_excess(span: FloatArray, residual: FloatArray) -> float:
     """Energy explained by `span`, orthonormal or some rows of it, beyond what noise gives."""
     return float(np.sum((span.T @ residual) ** 2) - np.sum(span**2))
 
 
-def spread_excess(span: FloatArray, residual: FloatArray) -> float:
+def compute_spread_excess(span: FloatArray, residual: FloatArray) -> float:
     """The same where no row counts for more than a few: one bad moment is no physics."""
-    return _excess(span, curbed(residual))
+    return _compute_excess(span, curb(residual))
 
 
-def curbed(residual: FloatArray) -> FloatArray:
+def curb(residual: FloatArray) -> FloatArray:
     """A residual in which no row is more than a few times the noise. Shape (m,)."""
     limit = float(np.sqrt(_MOST_OF_A_ROW))
     return np.clip(residual, -limit, limit)

@@ -10,33 +10,33 @@ from ..effects import Context
 from ..inputs.track import FloatArray
 from ..joint.problem import Problem
 
-__all__ = ["generic_rows", "time_since_reversal"]
+__all__ = ["build_generic_rows", "measure_time_since_reversal"]
 
 _BINS = {"velocity": 7, "position": 8, "acceleration": 5, "load": 5, "reversal": 6, "time": 10, "level": 6, "slow": 4}
 
 
-def generic_rows(problem: Problem, contexts: Sequence[Context]) -> FloatArray:
+def build_generic_rows(problem: Problem, contexts: Sequence[Context]) -> FloatArray:
     """Weighted rows of the generic basis. Shape (m, d)."""
     assert problem.weights is not None
     zero = problem.weights.mean
     parts = []
-    quantities = [_quantities(context) for context in contexts]
+    quantities = [_list_quantities(context) for context in contexts]
     for name in quantities[0]:
         values = np.concatenate([q[name][0] for q in quantities])
-        knots = _knots(values, _BINS.get(name.split(":")[0], 5))
-        columns = [_hats(q[name][0], knots) * q[name][1][:, None] for q in quantities]
+        knots = _place_knots(values, _BINS.get(name.split(":")[0], 5))
+        columns = [_build_hats(q[name][0], knots) * q[name][1][:, None] for q in quantities]
         for i in range(knots.size):
             rows = [grid.of(c[:, i]) + mean for grid, c, mean in zip(problem.grids, columns, zero, strict=True)]
             parts.append(problem.weights.apply(rows))
     return np.stack(parts, axis=1)
 
 
-def _quantities(context: Context) -> dict[str, tuple[FloatArray, FloatArray]]:
+def _list_quantities(context: Context) -> dict[str, tuple[FloatArray, FloatArray]]:
     """Argument of each spline, and the factor it is multiplied with."""
     v = context.velocity
     top = max(float(np.quantile(np.abs(v), 0.95)), 1e-6)
     one, sign = np.ones_like(v), np.sign(v) * (np.abs(v) > min(2e-3, 0.02 * top))
-    since = np.log10(time_since_reversal(v, context.dt, min(3e-3, 0.03 * top)) + 0.01)
+    since = np.log10(measure_time_since_reversal(v, context.dt, min(3e-3, 0.03 * top)) + 0.01)
     speed = np.sign(v) * np.sqrt(np.abs(v) / top)
     return {
         "velocity": (speed, one),
@@ -52,19 +52,19 @@ def _quantities(context: Context) -> dict[str, tuple[FloatArray, FloatArray]]:
     }
 
 
-def _knots(values: FloatArray, count: int) -> FloatArray:
+def _place_knots(values: FloatArray, count: int) -> FloatArray:
     """Knots at quantiles, thinned where they fall together."""
     knots = np.unique(np.quantile(values, np.linspace(0.0, 1.0, count)))
     keep = np.concatenate([[True], np.diff(knots) > 0.02 * (knots[-1] - knots[0])])
     return knots[keep] if keep.sum() > 1 else np.array([values.min(), values.max() + 1e-9])
 
 
-def _hats(values: FloatArray, knots: FloatArray) -> FloatArray:
+def _build_hats(values: FloatArray, knots: FloatArray) -> FloatArray:
     """Piecewise linear hat functions at the knots. Shape (n, knots)."""
     return np.stack([np.interp(values, knots, unit) for unit in np.eye(knots.size)], axis=1, dtype=np.float64)
 
 
-def time_since_reversal(velocity: FloatArray, dt: float, threshold: float = 3e-3) -> FloatArray:
+def measure_time_since_reversal(velocity: FloatArray, dt: float, threshold: float = 3e-3) -> FloatArray:
     """Time since the direction of motion last changed or motion began [s]. Shape (n,)."""
     direction = np.sign(velocity) * (np.abs(velocity) > threshold)
     moving = direction != 0.0

@@ -15,7 +15,7 @@ from ..inputs.track import FloatArray
 from ..joint.problem import Problem
 from .screening import project_out
 
-__all__ = ["narrowed"]
+__all__ = ["narrow_starts"]
 
 _Values = tuple[float, ...]
 _Mask = NDArray[np.bool_]
@@ -63,7 +63,7 @@ class _Scan:
 
     def falls(self, points: Sequence[FloatArray]) -> FloatArray:
         """Fall of the sum of squares at each point, the base following linearly. Shape (n_points,)."""
-        changes = _columns(self.problem, self.alone, points)
+        changes = _build_columns(self.problem, self.alone, points)
         change = project_out(np.where(np.isfinite(changes), changes, 0.0), self.basis)
         along, size = change.T @ self.residual, np.maximum(np.sum(change**2, axis=0), 1e-12)
         amplitude = -along / size
@@ -73,7 +73,9 @@ class _Scan:
         return result
 
 
-def narrowed(problem: Problem, structure: Structure, residual: FloatArray, basis: FloatArray) -> dict[str, _Values]:
+def narrow_starts(
+    problem: Problem, structure: Structure, residual: FloatArray, basis: FloatArray
+) -> dict[str, _Values]:
     """The best starts of each effect that has more of them than can be fitted, by `start:` and its name.
 
     Args:
@@ -95,7 +97,7 @@ def narrowed(problem: Problem, structure: Structure, residual: FloatArray, basis
     return found
 
 
-def _columns(problem: Problem, alone: Structure, points: Sequence[FloatArray]) -> FloatArray:
+def _build_columns(problem: Problem, alone: Structure, points: Sequence[FloatArray]) -> FloatArray:
     """What the effect adds to the weighted rows at each point, as far as the joint slides. Shape (m, n_points).
 
     There the observer is a second-order low pass; at rest the bristle takes what comes.

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from ..effects.structure import N_BASE
 from ..joint.base import BASE_NAMES
-from ..joint.base_fit import creep_starts
-from .preparation import Prepared, top_speed
+from ..joint.base_fit import propose_creep_starts
+from .preparation import Prepared, find_top_speed
 from .refit import fit_from
 from .search import Found
 
-__all__ = ["creeps_beside"]
+__all__ = ["has_late_creep"]
 
 _LOUD = 1.5  # residual over noise that the best explanation leaves
 # Cost with creep, of that with a bristle, below which the joint creeps.
@@ -17,7 +17,7 @@ _COST_WITH_CREEP = 0.5
 _CREEP = BASE_NAMES.index("creep_velocity")
 
 
-def creeps_beside(prepared: Prepared, found: Found) -> bool:
+def has_late_creep(prepared: Prepared, found: Found) -> bool:
     """Whether the best explanation leaves far less where its joint has friction that creeps in place of a bristle.
 
     A strong effect, such as a ripple as large as the friction, hides from the base alone what its friction does. A
@@ -29,6 +29,6 @@ def creeps_beside(prepared: Prepared, found: Found) -> bool:
     residual = best.fit.residual
     if float(residual @ residual) < _LOUD**2 * residual.size and not best.foreign_curve:
         return False
-    starts = creep_starts(best.fit.theta[:N_BASE], prepared.box, top_speed(prepared.problem.tracks))
+    starts = propose_creep_starts(best.fit.theta[:N_BASE], prepared.box, find_top_speed(prepared.problem.tracks))
     fits = [one for start, box in starts for one in fit_from(prepared, [(best.settled, start)], box)]
     return min(one.fit.cost for one in fits) < _COST_WITH_CREEP * best.fit.cost

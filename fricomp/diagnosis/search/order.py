@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..effects import Context
-from ..effects.two_masses import uneven_running
+from ..effects.two_masses import compute_uneven_running
 from ..inputs.track import FloatArray
 from ..joint.problem import Problem
 
-__all__ = ["OrderSpectrum", "order_hints", "order_spectrum"]
+__all__ = ["OrderSpectrum", "compute_order_spectrum", "find_orders"]
 
 ComplexArray = NDArray[np.complex128]
 
@@ -31,17 +31,17 @@ class OrderSpectrum(NamedTuple):
     energy: FloatArray
 
 
-def order_hints(
+def find_orders(
     problem: Problem, contexts: Sequence[Context], residual: FloatArray, basis: FloatArray
 ) -> dict[str, tuple[float, ...]]:
     """The three strongest orders for ripples of the torque, of the friction level and of the gear's running."""
     hints = {}
     for key, shape in _SHAPES.items():
-        hints[key] = _peaks(order_spectrum(problem, contexts, residual, basis, shape))
+        hints[key] = _find_peaks(compute_order_spectrum(problem, contexts, residual, basis, shape))
     return hints
 
 
-def order_spectrum(
+def compute_order_spectrum(
     problem: Problem, contexts: Sequence[Context], residual: FloatArray, basis: FloatArray, shape: str = "additive"
 ) -> OrderSpectrum:
     """Energy by order.
@@ -64,11 +64,11 @@ def order_spectrum(
     elif contexts[0].rotary:
         orders = np.unique(np.concatenate([np.arange(np.ceil(lowest), 41.0), orders]))
     blocks = np.array_split(orders, max(1, orders.size // 64))
-    energy = np.concatenate([_energy(problem, contexts, residual, basis, block, shape) for block in blocks])
+    energy = np.concatenate([_compute_energy(problem, contexts, residual, basis, block, shape) for block in blocks])
     return OrderSpectrum(orders, energy)
 
 
-def _energy(
+def _compute_energy(
     problem: Problem,
     contexts: Sequence[Context],
     residual: FloatArray,
@@ -76,20 +76,20 @@ def _energy(
     orders: FloatArray,
     shape: str,
 ) -> FloatArray:
-    ripple = ripple_rows(problem, contexts, orders, shape)
+    ripple = build_ripple_rows(problem, contexts, orders, shape)
     if shape == "additive" and len(contexts) > 1:  # each recording has a phase of its own
         ends = np.cumsum([0, *(grid.centres.size for grid in problem.grids)])
         each = []
         for a, b in pairwise(ends):
             alone = np.zeros_like(ripple)
             alone[a:b] = ripple[a:b]
-            each.append(_explained(alone - basis @ (basis.T @ alone), residual))
+            each.append(_compute_explained(alone - basis @ (basis.T @ alone), residual))
         total: FloatArray = np.sum(each, axis=0)
         return total
-    return _explained(ripple - basis @ (basis.T @ ripple), residual)
+    return _compute_explained(ripple - basis @ (basis.T @ ripple), residual)
 
 
-def _explained(ripple: ComplexArray, residual: FloatArray) -> FloatArray:
+def _compute_explained(ripple: ComplexArray, residual: FloatArray) -> FloatArray:
     """Energy of `residual` that cosine and sine of each ripple explain. Shape (n_orders,)."""
     C, S = ripple.real, ripple.imag
     cc, ss, cs = np.sum(C * C, axis=0), np.sum(S * S, axis=0), np.sum(C * S, axis=0)
@@ -99,7 +99,7 @@ def _explained(ripple: ComplexArray, residual: FloatArray) -> FloatArray:
     return result
 
 
-def ripple_rows(problem: Problem, contexts: Sequence[Context], orders: FloatArray, shape: str) -> ComplexArray:
+def build_ripple_rows(problem: Problem, contexts: Sequence[Context], orders: FloatArray, shape: str) -> ComplexArray:
     """Weighted rows of ripples, through window and observer as for steady motion. Shape (m, n_orders).
 
     The real part is the ripple's cosine, the imaginary part its sine.
@@ -122,12 +122,12 @@ def ripple_rows(problem: Problem, contexts: Sequence[Context], orders: FloatArra
             ripple = ripple * np.sign(v)
         elif shape == "dynamic":
             here = replace(context, position=q, velocity=v, acceleration=context.acceleration[grid.centres, None])
-            ripple = ripple * uneven_running(here, orders, _LOAD_SHARE) / orders
+            ripple = ripple * compute_uneven_running(here, orders, _LOAD_SHARE) / orders
         rows.append(problem.weights.whitened(ripple))
     return np.concatenate(rows)
 
 
-def _peaks(spectrum: OrderSpectrum) -> tuple[float, ...]:
+def _find_peaks(spectrum: OrderSpectrum) -> tuple[float, ...]:
     e = np.pad(spectrum.energy, 1, constant_values=-1.0)
     peak = (e[1:-1] >= e[:-2]) & (e[1:-1] > e[2:])
     ranked = sorted(np.flatnonzero(peak), key=lambda i: -spectrum.energy[i])

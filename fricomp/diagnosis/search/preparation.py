@@ -14,23 +14,23 @@ from scipy.signal import lfilter
 
 from ..effects.context import build_contexts
 from ..effects.structure import Structure
-from ..effects.time_window import time_windows
+from ..effects.time_window import find_time_windows
 from ..inputs.rigid import RigidJoint
 from ..inputs.track import FloatArray, Track
 from ..joint.base import BASE_NAMES, BaseModel, unpack
-from ..joint.base_fit import creeping, fit_base, loud, with_other_bristle
+from ..joint.base_fit import fit_base, fit_creep, is_loud, try_other_bristle
 from ..joint.nulls import Nulls, make_nulls
 from ..joint.observer import Contribution, Observer
-from ..joint.problem import Problem, observer_for
+from ..joint.problem import Problem, build_problem
 from ..joint.solver import Box, Fit, minimise
-from ..joint.spectrum import floor_of, is_structured
+from ..joint.spectrum import estimate_floor, is_structured
 from ..joint.weak_form import estimate_plants
-from .generic import generic_rows
-from .hypotheses import narrowed
-from .order import order_hints
-from .screening import orthonormal, project_out
+from .generic import build_generic_rows
+from .hypotheses import narrow_starts
+from .order import find_orders
+from .screening import orthonormalise, project_out
 
-__all__ = ["Prepared", "prepare", "top_speed"]
+__all__ = ["Prepared", "find_top_speed", "prepare"]
 
 _SLIDING = 2.0  # rest speeds
 _SETTLED = 0.16  # [s] about a row, in which observer and whitener still answer to a start or a stop
@@ -76,17 +76,17 @@ class Prepared:
     @cached_property
     def basis(self) -> FloatArray:
         """Orthonormal columns of the base model. Shape (m, p)."""
-        return orthonormal(self.fit.jacobian)
+        return orthonormalise(self.fit.jacobian)
 
     @cached_property
     def generic(self) -> FloatArray:
         """Weighted rows of the generic basis. Shape (m, d)."""
-        return generic_rows(self.problem, self.structure.contexts)
+        return build_generic_rows(self.problem, self.structure.contexts)
 
     @cached_property
     def null_residuals(self) -> list[FloatArray]:
         """Nulls after the base is refitted to them, in weighted rows. Shapes (m,)."""
-        basis = self.basis if self.recolouring is None else orthonormal(self._jacobian_of_nulls(self.recolouring))
+        basis = self.basis if self.recolouring is None else orthonormalise(self._jacobian_of_nulls(self.recolouring))
         return [vector - basis @ (basis.T @ vector) for vector in self.nulls.vectors()]
 
     def _jacobian_of_nulls(self, recolouring: FloatArray) -> FloatArray:
@@ -136,36 +136,36 @@ def prepare(
         rigid: Inertia and gravity as the simulation has them; a motion at one speed says nothing about the inertia.
         creeps: The friction is known to creep.
     """
-    raw, fit, box = _first_fit(tracks, observer, rigid)
+    raw, fit, box = _fit_first(tracks, observer, rigid)
     fit, problem, _ = _reweigh(raw, fit, box, _FIRST_NULLS, seed)
-    fit = with_other_bristle(problem, fit, box)
-    fit, box = _with_creep(raw, problem, fit, box, seed, creeps)
+    fit = try_other_bristle(problem, fit, box)
+    fit, box = _try_creep(raw, problem, fit, box, seed, creeps)
     fit, problem, found = _reweigh(raw, fit, box, nulls, seed)
-    prepared = Prepared(problem, _structure(problem, fit, box), fit, box, found)
-    return _level_noise(_recoloured(prepared))
+    prepared = Prepared(problem, _build_structure(problem, fit, box), fit, box, found)
+    return _level_noise(_recolour(prepared))
 
 
-def _first_fit(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | None) -> tuple[Problem, Fit, Box]:
+def _fit_first(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | None) -> tuple[Problem, Fit, Box]:
     """The base fitted without weights; from the second start only where the first one leads far astray."""
-    top, tried = top_speed(tracks), []
+    top, tried = find_top_speed(tracks), []
     for plant in estimate_plants(tracks):
         start = plant if rigid is None else replace(plant, inertia=rigid.inertia)
         base = BaseModel.around(start, dt=tracks[0].dt, top_speed=top, rotary=tracks[0].rotary, known=rigid)
-        problem = observer_for(tracks, start, observer)
+        problem = build_problem(tracks, start, observer)
         evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
         tried.append((problem, minimise(evaluate, base.start, base.box, iterations=10, refresh=2), base.box))
     usual, *others = tried
     return next((other for other in others if other[1].cost < _ASTRAY * usual[1].cost), usual)
 
 
-def _with_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int, creeps: bool = False) -> tuple[Fit, Box]:
+def _try_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int, creeps: bool = False) -> tuple[Fit, Box]:
     """The fit and its domain, or those of friction that never holds, where it leaves no more than its own nulls do.
 
     Whatever is missing may look a little like creep, so it must explain all of a loud residual, all but a trace, or so
     much that no joint which sticks has been seen to let it explain. A joint that creeps shows more noise at rest than
     one that sticks, so it is judged by nulls of its own.
     """
-    tried = creeping(problem, fit, box, top_speed(raw.tracks)) if loud(fit) else None
+    tried = fit_creep(problem, fit, box, find_top_speed(raw.tracks)) if is_loud(fit) else None
     if tried is None:
         return fit, box
     found, free = tried
@@ -181,14 +181,14 @@ def _with_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int, c
     return (found, free) if accepted else (fit, box)
 
 
-def top_speed(tracks: Sequence[Track]) -> float:
+def find_top_speed(tracks: Sequence[Track]) -> float:
     """Speed that next to nothing exceeds [rad/s]."""
     return max(float(np.quantile(np.abs(track.velocity), 0.995)) for track in tracks)
 
 
-def _noise_parts(prepared: Prepared) -> tuple[FloatArray, list[FloatArray]]:
+def _split_noise(prepared: Prepared) -> tuple[FloatArray, list[FloatArray]]:
     """What neither the base nor any smooth torque reaches: of the residual, shape (m,), and of each null."""
-    span = orthonormal(
+    span = orthonormalise(
         np.concatenate([prepared.fit.jacobian, prepared.generic], axis=1),
         1e-6,
     )
@@ -196,18 +196,18 @@ def _noise_parts(prepared: Prepared) -> tuple[FloatArray, list[FloatArray]]:
     return ours, theirs
 
 
-def _recoloured(prepared: Prepared) -> Prepared:
+def _recolour(prepared: Prepared) -> Prepared:
     """Whiten the residual by its own correlation where it is not that of the nulls, which keep theirs.
 
     What swings at frequencies of its own is correlated as well, and is no noise.
     """
-    ours, theirs = _noise_parts(prepared)
+    ours, theirs = _split_noise(prepared)
     if is_structured(ours, theirs):
         return replace(prepared, structured=True)
-    trimmed, bulk = (_ratio(ours, theirs, size) for size in (_trimmed, _typical))
+    trimmed, bulk = (_compute_ratio(ours, theirs, size) for size in (_compute_trimmed, _compute_typical))
     if trimmed > min(_LEVEL[1], bulk / _EVEN):
         return prepared
-    recolouring = _colour_filter(ours, np.mean([_correlation(one) for one in theirs], axis=0))
+    recolouring = _build_colour_filter(ours, np.mean([_correlate(one) for one in theirs], axis=0))
     if recolouring.size == 1:
         return prepared
     weights = prepared.nulls.weights
@@ -218,24 +218,24 @@ def _recoloured(prepared: Prepared) -> Prepared:
     return replace(prepared, problem=problem, fit=fit, recolouring=recolouring)
 
 
-def _colour_filter(values: FloatArray, correlation: FloatArray) -> FloatArray:
+def _build_colour_filter(values: FloatArray, correlation: FloatArray) -> FloatArray:
     """Filter that gives `values` this correlation over one to three rows and keeps their size; (1,) where it is theirs.
 
     In several half steps: what the base takes out correlates rows as well, so correlations do not simply add.
     """
     found, filtered = np.ones(1), values
     for _ in range(_HALF_STEPS):
-        shift = _correlation(filtered) - correlation
+        shift = _correlate(filtered) - correlation
         if np.max(np.abs(shift)) < _SAME_COLOUR:
             break
-        extra = _stable(0.5 * shift)
+        extra = _predict_stably(0.5 * shift)
         found = np.convolve(found, [1.0, *-extra])
         filtered = lfilter(found, [1.0], values)
-    result: FloatArray = found * _typical(values) / _typical(filtered)
+    result: FloatArray = found * _compute_typical(values) / _compute_typical(filtered)
     return result
 
 
-def _stable(shift: FloatArray) -> FloatArray:
+def _predict_stably(shift: FloatArray) -> FloatArray:
     """Prediction from the last three rows by the correlations `shift`, fainter ones until its inverse dies away."""
     for _ in range(_FAINTER):
         extra: FloatArray = solve_toeplitz(np.array([1.0, *shift[:-1]]), shift)
@@ -245,17 +245,21 @@ def _stable(shift: FloatArray) -> FloatArray:
     return np.zeros_like(shift)
 
 
-def _correlation(values: FloatArray) -> FloatArray:
+def _correlate(values: FloatArray) -> FloatArray:
     """Correlation over one to three rows, of values clipped at two typical deviations. Shape (3,)."""
-    x = np.clip(values, -2.0 * _typical(values), 2.0 * _typical(values))
+    x = np.clip(values, -2.0 * _compute_typical(values), 2.0 * _compute_typical(values))
     return np.array([float(x[lag:] @ x[:-lag]) for lag in (1, 2, 3)]) / float(x @ x)
 
 
 def _level_noise(prepared: Prepared) -> Prepared:
     """Scale the nulls to the part of the residual that neither the base nor any smooth torque reaches."""
-    ours, theirs = _noise_parts(prepared)
-    usual = max(_ratio(ours, theirs, _typical), _USUAL)
-    found = _ratio(ours, theirs, floor_of) if prepared.structured else min(_ratio(ours, theirs, _trimmed), usual)
+    ours, theirs = _split_noise(prepared)
+    usual = max(_compute_ratio(ours, theirs, _compute_typical), _USUAL)
+    found = (
+        _compute_ratio(ours, theirs, estimate_floor)
+        if prepared.structured
+        else min(_compute_ratio(ours, theirs, _compute_trimmed), usual)
+    )
     factor = float(np.clip(found, *_LEVEL))
     nulls, fit, own = prepared.nulls.scaled(factor), prepared.fit, prepared.problem.weights
     # The priors in the cost know nothing of the noise.
@@ -265,17 +269,17 @@ def _level_noise(prepared: Prepared) -> Prepared:
     return replace(prepared, problem=replace(prepared.problem, weights=weights), fit=fit, nulls=nulls)
 
 
-def _ratio(ours: FloatArray, theirs: Sequence[FloatArray], size: Callable[[FloatArray], float]) -> float:
+def _compute_ratio(ours: FloatArray, theirs: Sequence[FloatArray], size: Callable[[FloatArray], float]) -> float:
     return float(size(ours) / np.mean([size(one) for one in theirs]))
 
 
-def _trimmed(values: FloatArray) -> float:
+def _compute_trimmed(values: FloatArray) -> float:
     """Standard deviation in which values beyond three robust ones count as three."""
-    limit = 3.0 * _typical(values)
+    limit = 3.0 * _compute_typical(values)
     return float(np.sqrt(np.mean(np.minimum(values**2, limit**2))))
 
 
-def _typical(values: FloatArray) -> float:
+def _compute_typical(values: FloatArray) -> float:
     """Standard deviation of the bulk: a bristle or a gap that is missed shows in few rows, noise in all."""
     return float(np.median(np.abs(values))) / 0.6745
 
@@ -289,12 +293,12 @@ def _reweigh(problem: Problem, fit: Fit, box: Box, count: int, seed: int) -> tup
     return fit_base(problem, fit.theta, box), problem, nulls
 
 
-def _structure(problem: Problem, fit: Fit, box: Box) -> Structure:
+def _build_structure(problem: Problem, fit: Fit, box: Box) -> Structure:
     plant = unpack(fit.theta)
     runs = problem.runs([plant], [[Contribution()] * len(problem.tracks)])[0]
     contexts = build_contexts(problem, plant, runs, {})
-    basis = orthonormal(fit.jacobian)
-    hints = order_hints(problem, contexts, project_out(fit.residual[:, None], basis)[:, 0], basis)
-    hints["window"] = time_windows(problem, contexts, fit, box)
-    hints |= narrowed(problem, Structure(tuple(contexts)), fit.residual, basis)
+    basis = orthonormalise(fit.jacobian)
+    hints = find_orders(problem, contexts, project_out(fit.residual[:, None], basis)[:, 0], basis)
+    hints["window"] = find_time_windows(problem, contexts, fit, box)
+    hints |= narrow_starts(problem, Structure(tuple(contexts)), fit.residual, basis)
     return Structure(tuple(replace(context, hints=hints) for context in contexts))

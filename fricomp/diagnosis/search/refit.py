@@ -7,15 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..effects import Context
-from ..effects.context import moved
+from ..effects.context import move_context
 from ..effects.structure import N_BASE, Candidate, Structure, fit_all
 from ..inputs.track import FloatArray
-from ..joint.base import evened
+from ..joint.base import even_directions
 from ..joint.solver import Box, Descent
-from .explanation import Explanation, judged
+from .explanation import Explanation, judge
 from .preparation import Prepared
 
-__all__ = ["LAST_STEPS", "fit_from", "polish", "preference", "refit"]
+__all__ = ["LAST_STEPS", "compute_preference", "fit_from", "polish", "refit"]
 
 LAST_STEPS = 12  # of an explanation that was chosen and of rivals close to it
 # Polishes, and the part of the gain that the last one must have brought, and of the load by which it must have moved
@@ -35,7 +35,7 @@ def refit(
         start = np.concatenate([fit.theta[:N_BASE], structure.start()])
         descent = structure.descent(start, prepared.box, jacobian=fit.jacobian, iterations=5, refresh=99)
         descents.append((structure, descent))
-    return _fitted(prepared, descents, [prepared.box] * len(descents))
+    return _fit_and_judge(prepared, descents, [prepared.box] * len(descents))
 
 
 def polish(
@@ -45,16 +45,16 @@ def polish(
 
     Again for those whose load moves with it, while they gain by that.
     """
-    before, result = list(explanations), _polished(prepared, explanations, iterations, refresh)
+    before, result = list(explanations), _polish_once(prepared, explanations, iterations, refresh)
     for _ in range(_ROUNDS - 1):
-        unsettled = [i for i, pair in enumerate(zip(before, result, strict=True)) if _unsettled(*pair)]
-        again = _polished(prepared, [result[i] for i in unsettled], iterations, refresh)
+        unsettled = [i for i, pair in enumerate(zip(before, result, strict=True)) if _is_unsettled(*pair)]
+        again = _polish_once(prepared, [result[i] for i in unsettled], iterations, refresh)
         before, further = result, dict(zip(unsettled, again, strict=True))
         result = [further.get(i, one) for i, one in enumerate(result)]
     return result
 
 
-def _unsettled(old: Explanation, new: Explanation) -> bool:
+def _is_unsettled(old: Explanation, new: Explanation) -> bool:
     """Whether a polish gained much, and moved the load."""
     if new is old or new.refused or new.gain - old.gain < _STILL_GAINING * new.gain:
         return False
@@ -63,31 +63,31 @@ def _unsettled(old: Explanation, new: Explanation) -> bool:
     return bool(np.max(moved) > _STILL_MOVING * max(float(np.max(np.abs(c.load_torque))) for c in there))
 
 
-def _polished(
+def _polish_once(
     prepared: Prepared, explanations: Sequence[Explanation], iterations: int, refresh: int
 ) -> list[Explanation]:
     """Each at the minimum of fresh Jacobians with the contexts of its own joint, from where it was and with both
     directions evened, or as it was where that is better."""
     descents, owners = [], []
     for i, explanation in enumerate(explanations):
-        structure = Structure(_contexts_of(prepared, explanation), explanation.settled)
-        for start in (explanation.fit.theta, evened(explanation.fit.theta)):
+        structure = Structure(_rebuild_contexts(prepared, explanation), explanation.settled)
+        for start in (explanation.fit.theta, even_directions(explanation.fit.theta)):
             if start is not None:
                 descent = structure.descent(start, explanation.box, iterations=iterations, refresh=refresh)
                 descents.append((structure, descent))
                 owners.append(i)
     result = list(explanations)
-    for i, fitted in zip(owners, _fitted(prepared, descents, [result[i].box for i in owners]), strict=True):
-        result[i] = max(result[i], fitted, key=preference)
+    for i, fitted in zip(owners, _fit_and_judge(prepared, descents, [result[i].box for i in owners]), strict=True):
+        result[i] = max(result[i], fitted, key=compute_preference)
     return result
 
 
-def _contexts_of(prepared: Prepared, explanation: Explanation) -> tuple[Context, ...]:
+def _rebuild_contexts(prepared: Prepared, explanation: Explanation) -> tuple[Context, ...]:
     """Each recording with load and position of the joint that was found: one without its effects is elsewhere."""
     structure, theta = explanation.structure, explanation.fit.theta
     seen = structure.observe(prepared.problem, theta)
     contexts = structure.contexts_at(theta)
-    return tuple(moved(*each) for each in zip(contexts, prepared.problem.tracks, seen, strict=True))
+    return tuple(move_context(*each) for each in zip(contexts, prepared.problem.tracks, seen, strict=True))
 
 
 def fit_from(
@@ -105,17 +105,17 @@ def fit_from(
         structure = Structure(prepared.structure.contexts, tuple(candidates))
         start = np.concatenate([theta, structure.start()])
         descents.append((structure, structure.descent(start, box, iterations=LAST_STEPS, refresh=2)))
-    return _fitted(prepared, descents, [box] * len(descents))
+    return _fit_and_judge(prepared, descents, [box] * len(descents))
 
 
-def _fitted(
+def _fit_and_judge(
     prepared: Prepared, descents: Sequence[tuple[Structure, Descent]], boxes: Sequence[Box]
 ) -> list[Explanation]:
     """Run fits side by side, each with the domain of its base, and judge what they leave."""
     fits = fit_all(prepared.problem, descents)
-    return [judged(prepared, s, fit, box) for (s, _), fit, box in zip(descents, fits, boxes, strict=True)]
+    return [judge(prepared, s, fit, box) for (s, _), fit, box in zip(descents, fits, boxes, strict=True)]
 
 
-def preference(explanation: Explanation) -> float:
+def compute_preference(explanation: Explanation) -> float:
     """Gain, with explanations that are not physical behind all others."""
     return explanation.gain - 1e9 * bool(explanation.refused)

@@ -13,7 +13,7 @@ from ..effects.structure import Candidate, Structure
 from ..inputs.track import FloatArray
 from ..joint.problem import Problem
 
-__all__ = ["Column", "Screen", "candidates_for", "orthonormal", "project_out", "screen"]
+__all__ = ["Column", "Screen", "list_candidates", "orthonormalise", "project_out", "screen"]
 
 _COARSE = 1e-5  # tolerance from which squares of the columns tell a basis as well as the columns
 
@@ -53,7 +53,7 @@ class Screen:
             if a.candidate.name == b.candidate.name:
                 continue
             rest = b.span - a.span @ (a.span.T @ b.span)
-            Q = orthonormal(rest, 1e-2)
+            Q = orthonormalise(rest, 1e-2)
             scored.append((a.energy + float(np.sum((Q.T @ residual) ** 2)), a.candidate, b.candidate))
         scored.sort(key=lambda item: -item[0])
         seen: dict[tuple[str, ...], tuple[Candidate, Candidate]] = {}
@@ -64,7 +64,7 @@ class Screen:
         return list(seen.values())
 
 
-def candidates_for(contexts: Sequence[Context], without: Sequence[str] = ()) -> list[Candidate]:
+def list_candidates(contexts: Sequence[Context], without: Sequence[str] = ()) -> list[Candidate]:
     """Every available effect with each of its starting hypotheses."""
     return [
         Candidate(name, tuple(start.items()))
@@ -83,11 +83,11 @@ def screen(
     candidates: Sequence[Candidate] | None = None,
 ) -> Screen:
     """Score `candidates`, or every effect that `structure` does not have yet, linearised about `theta`."""
-    basis = orthonormal(jacobian)
-    candidates = candidates_for(structure.contexts, structure.names) if candidates is None else candidates
+    basis = orthonormalise(jacobian)
+    candidates = list_candidates(structure.contexts, structure.names) if candidates is None else candidates
     points: list[tuple[Candidate, FloatArray, float]] = []
     for candidate in candidates:
-        points += _points(structure, candidate)
+        points += _list_points(structure, candidate)
     contributions = [
         [
             a + b
@@ -107,12 +107,12 @@ def screen(
     for candidate, parts in columns.items():
         if not all(np.all(np.isfinite(part)) for part in parts):
             continue  # its hypothesis does not simulate on this recording
-        span = orthonormal(project_out(np.stack(parts, axis=1), basis), 1e-3)
+        span = orthonormalise(project_out(np.stack(parts, axis=1), basis), 1e-3)
         result.append(Column(candidate, span, float(np.sum((span.T @ residual) ** 2))))
     return Screen(tuple(sorted(result, key=lambda column: -column.energy)))
 
 
-def _points(structure: Structure, candidate: Candidate) -> list[tuple[Candidate, FloatArray, float]]:
+def _list_points(structure: Structure, candidate: Candidate) -> list[tuple[Candidate, FloatArray, float]]:
     """Effect parameters to simulate for the columns of `candidate`, with the step each column is divided by."""
     alone = Structure(structure.contexts, (candidate,))
     start = alone.start()
@@ -127,7 +127,7 @@ def _points(structure: Structure, candidate: Candidate) -> list[tuple[Candidate,
     return points
 
 
-def orthonormal(columns: FloatArray, tolerance: float = 1e-10) -> FloatArray:
+def orthonormalise(columns: FloatArray, tolerance: float = 1e-10) -> FloatArray:
     """Orthonormal basis of the columns, those below `tolerance` of the largest singular value left out."""
     if columns.shape[1] == 0:
         return columns

@@ -10,12 +10,12 @@ import numpy as np
 from ..effects import EFFECTS
 from ..effects.structure import N_BASE, Candidate, Structure
 from ..joint.solver import Fit
-from .choice import ENOUGH, acceptable, choose, close_to
-from .explanation import Explanation, curbed, spread_excess
-from .hypotheses import narrowed
+from .choice import ENOUGH, choose, rank_acceptable, select_finalists
+from .explanation import Explanation, compute_spread_excess, curb
+from .hypotheses import narrow_starts
 from .preparation import Prepared
-from .refit import LAST_STEPS, fit_from, polish, preference, refit
-from .screening import Column, Screen, orthonormal, project_out, screen
+from .refit import LAST_STEPS, compute_preference, fit_from, polish, refit
+from .screening import Column, Screen, orthonormalise, project_out, screen
 
 __all__ = ["Found", "search"]
 
@@ -64,67 +64,67 @@ def search(prepared: Prepared) -> Found:
     """Find the effects that explain the residual of the base model."""
     fit = prepared.fit
     first = screen(prepared.problem, prepared.structure, fit.theta, fit.residual, fit.jacobian)
-    threshold = max(_LEAST_GAIN, _MATERIAL * fit.residual.size, _null_gain(prepared, first))
-    span = orthonormal(project_out(prepared.generic, prepared.basis), 1e-4)
-    explainable = spread_excess(span, fit.residual)
-    null = float(np.quantile([spread_excess(span, v) for v in prepared.null_residuals], _QUANTILE))
-    tried = _singles(prepared, first)
-    accepted = acceptable(tried, threshold)
+    threshold = max(_LEAST_GAIN, _MATERIAL * fit.residual.size, _compute_null_gain(prepared, first))
+    span = orthonormalise(project_out(prepared.generic, prepared.basis), 1e-4)
+    explainable = compute_spread_excess(span, fit.residual)
+    null = float(np.quantile([compute_spread_excess(span, v) for v in prepared.null_residuals], _QUANTILE))
+    tried = _fit_singles(prepared, first)
+    accepted = rank_acceptable(tried, threshold)
     if accepted:
         tried += _grow(prepared, tried, accepted[:1], threshold, first)
-        tried += _grow(prepared, tried, _partners(tried, accepted[0], threshold), threshold)
-        tried += _grow(prepared, tried, _pairs(tried, threshold)[:1], threshold)
-        tried += _swapped(prepared, tried, threshold)
+        tried += _grow(prepared, tried, _select_partners(tried, accepted[0], threshold), threshold)
+        tried += _grow(prepared, tried, _rank_pairs(tried, threshold)[:1], threshold)
+        tried += _swap_pairs(prepared, tried, threshold)
     best = choose(prepared, tried, threshold)
     if best is not None:
-        close = close_to(best, acceptable(tried, threshold))
+        close = select_finalists(best, rank_acceptable(tried, threshold))
         finished = polish(prepared, close, iterations=LAST_STEPS, refresh=2)
         tried = finished + [explanation for explanation in tried if explanation not in close]
-        for whole in _wholes(tried, choose(prepared, tried, threshold), threshold):
-            tried += _parts(prepared, whole)
+        for whole in _select_wholes(tried, choose(prepared, tried, threshold), threshold):
+            tried += _fit_parts(prepared, whole)
         best = choose(prepared, tried, threshold)
-        if best is not None and _holds_idle(prepared, best):
-            tried += _parts(prepared, best)
+        if best is not None and _has_idle(prepared, best):
+            tried += _fit_parts(prepared, best)
             best = choose(prepared, tried, threshold)
     tried.sort(key=lambda explanation: -explanation.gain)
     return Found(tuple(tried), best, threshold, explainable, null, first)
 
 
-def _partners(tried: Sequence[Explanation], seed: Explanation, threshold: float) -> list[Explanation]:
+def _select_partners(tried: Sequence[Explanation], seed: Explanation, threshold: float) -> list[Explanation]:
     """The other effects of the best pair, alone: beside them its partner may be of another form, or another effect."""
-    pairs = _pairs(tried, threshold)
+    pairs = _rank_pairs(tried, threshold)
     others = set(pairs[0].names) - set(seed.names) if pairs else set()
     return [e for e in tried if len(e.names) == 1 and others.issuperset(e.names)]
 
 
-def _pairs(tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
-    return [e for e in acceptable(tried, threshold) if len(e.names) == 2]
+def _rank_pairs(tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
+    return [e for e in rank_acceptable(tried, threshold) if len(e.names) == 2]
 
 
-def _swapped(prepared: Prepared, tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
+def _swap_pairs(prepared: Prepared, tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
     """The best triple with other pairs beneath its third effect, of those that explain nearly as much as its own."""
-    pairs, triples = _pairs(tried, threshold), [e for e in acceptable(tried, threshold) if len(e.names) == 3]
+    pairs, triples = _rank_pairs(tried, threshold), [e for e in rank_acceptable(tried, threshold) if len(e.names) == 3]
     own = [pair for pair in pairs if triples and set(pair.names) < set(triples[0].names)]
     if not own:
         return []
     third = tuple(c for c in triples[0].settled if c.name not in own[0].names)
     others = [
         p
-        for p in close_to(own[0], pairs)[1:]
+        for p in select_finalists(own[0], pairs)[1:]
         if len({*p.names, *triples[0].names}) == 4 and third[0].name not in p.names
     ]
     return refit(prepared, [((*pair.settled, *third), pair) for pair in others])
 
 
-def _wholes(tried: Sequence[Explanation], best: Explanation | None, threshold: float) -> list[Explanation]:
+def _select_wholes(tried: Sequence[Explanation], best: Explanation | None, threshold: float) -> list[Explanation]:
     """What was chosen, and the one that leaves least where that is far less: what it lacks may have led it there."""
     if best is None:
         return []
-    top = acceptable(tried, threshold)[0]
+    top = rank_acceptable(tried, threshold)[0]
     return [best, top] if top.gain > best.gain + _CLEARLY * threshold else [best]
 
 
-def _parts(prepared: Prepared, best: Explanation | None) -> list[Explanation]:
+def _fit_parts(prepared: Prepared, best: Explanation | None) -> list[Explanation]:
     """An explanation without each of its effects, from where it ended: alone a part may not have got that far."""
     if best is None or len(best.names) == 1 or best.coverage < _NAMEABLE:
         return []
@@ -132,13 +132,13 @@ def _parts(prepared: Prepared, best: Explanation | None) -> list[Explanation]:
     return fit_from(prepared, [(candidates, best.fit.theta[:N_BASE]) for candidates in kept], prepared.box)
 
 
-def _holds_idle(prepared: Prepared, best: Explanation) -> bool:
+def _has_idle(prepared: Prepared, best: Explanation) -> bool:
     """Whether one of its effects does nothing, such as a lag of no length: it only led the others to their minimum."""
     added = [best.structure.added(prepared.problem, best.fit.theta, [name]) for name in best.names]
     return len(added) > 1 and min(float(np.max(np.abs(one))) for one in added) < _NOTHING
 
 
-def _null_gain(prepared: Prepared, screened: Screen) -> float:
+def _compute_null_gain(prepared: Prepared, screened: Screen) -> float:
     """Largest BIC gain of any effect on a null, at the quantile that fixes the rate of false alarms.
 
     No row counts for more than a few, as in what is compared with it.
@@ -146,52 +146,52 @@ def _null_gain(prepared: Prepared, screened: Screen) -> float:
     rows = np.log(prepared.fit.residual.size)
     gains = [
         max(
-            float(np.sum((column.span.T @ vector) ** 2)) - _freedom(prepared, column) * float(rows)
+            float(np.sum((column.span.T @ vector) ** 2)) - _count_freedom(prepared, column) * float(rows)
             for column in screened.columns
         )
-        for vector in (curbed(null) for null in prepared.null_residuals)
+        for vector in (curb(null) for null in prepared.null_residuals)
     ]
     return float(np.quantile(gains, _QUANTILE))
 
 
-def _freedom(prepared: Prepared, column: Column) -> int:
+def _count_freedom(prepared: Prepared, column: Column) -> int:
     return Structure(prepared.structure.contexts, (column.candidate,)).freedom
 
 
-def _singles(prepared: Prepared, first: Screen) -> list[Explanation]:
+def _fit_singles(prepared: Prepared, first: Screen) -> list[Explanation]:
     """Each strong effect on its own: a quick refit of its best hypotheses, and a careful one of the best effects; all
     other effects where none of those explains most, as a base that is bent far screens badly.
     """
-    strong, contexts = _ranked(first, _SINGLES), prepared.structure.contexts
-    replacing = _replacing(prepared, first)
-    suspected = [group for group in _grouped(first) if group[0].candidate.effect.suspected(contexts)]
+    strong, contexts = _rank_groups(first, _SINGLES), prepared.structure.contexts
+    replacing = _select_replacing(prepared, first)
+    suspected = [group for group in _group_columns(first) if group[0].candidate.effect.suspected(contexts)]
     groups = [*strong, *(group for group in suspected if group not in strong)]
-    tried = _refitted(prepared, [group for group in groups if group not in replacing])
-    tried += _with_care(prepared, replacing, (), prepared.fit)
+    tried = _refit_groups(prepared, [group for group in groups if group not in replacing])
+    tried += _fit_with_care(prepared, replacing, (), prepared.fit)
     if prepared.noise_ratio > _BENT and all(explanation.coverage < _MOST for explanation in tried):
-        tried += _refitted(prepared, [group for group in _grouped(first) if group not in groups])
-        tried += _from_afar(prepared)
-    return sorted(tried, key=preference, reverse=True)
+        tried += _refit_groups(prepared, [group for group in _group_columns(first) if group not in groups])
+        tried += _fit_from_afar(prepared)
+    return sorted(tried, key=compute_preference, reverse=True)
 
 
-def _replacing(at: Prepared | Explanation, screened: Screen) -> list[list[Column]]:
+def _select_replacing(at: Prepared | Explanation, screened: Screen) -> list[list[Column]]:
     """Candidates, grouped by effect, that take the place of parameters which stand at a bound in a fitted base."""
-    suspected, contexts = _suspected(at, screened), at.structure.contexts_at(at.fit.theta)
+    suspected, contexts = _select_suspected(at, screened), at.structure.contexts_at(at.fit.theta)
     alone = [Structure(contexts, (group[0].candidate,)) for group in suspected]
     added = [structure.contributions(structure.start()) for structure in alone]
     return [group for group, each in zip(suspected, added, strict=True) if any(one.plant for one in each)]
 
 
-def _suspected(at: Prepared | Explanation, screened: Screen) -> list[list[Column]]:
+def _select_suspected(at: Prepared | Explanation, screened: Screen) -> list[list[Column]]:
     """Candidates, grouped by effect, at which a fitted base points itself: one of its parameters stands at a bound.
 
     Its own column hides theirs there, however much they would add beyond the bound.
     """
     contexts = at.structure.contexts_at(at.fit.theta)
-    return [group for group in _grouped(screened) if group[0].candidate.effect.suspected(contexts)]
+    return [group for group in _group_columns(screened) if group[0].candidate.effect.suspected(contexts)]
 
 
-def _with_care(
+def _fit_with_care(
     prepared: Prepared, groups: Sequence[Sequence[Column]], beside: tuple[Candidate, ...], fit: Fit
 ) -> list[Explanation]:
     """Effects that take over what stands at its bound in the base, with fresh Jacobians: all else there is bent to make
@@ -201,26 +201,26 @@ def _with_care(
     return fit_from(prepared, wanted, prepared.box)
 
 
-def _from_afar(prepared: Prepared) -> list[Explanation]:
+def _fit_from_afar(prepared: Prepared) -> list[Explanation]:
     """Effects with many minima, from starts far from each other."""
     contexts, theta = prepared.structure.contexts, prepared.fit.theta
     starts = [(name, start) for name, effect in EFFECTS.items() for start in effect.far_starts(contexts)]
     return fit_from(prepared, [((Candidate(name, tuple(s.items())),), theta) for name, s in starts], prepared.box)
 
 
-def _refitted(prepared: Prepared, groups: Sequence[Sequence[Column]]) -> list[Explanation]:
+def _refit_groups(prepared: Prepared, groups: Sequence[Sequence[Column]]) -> list[Explanation]:
     """The best hypothesis of each effect refitted; the best effects with care."""
-    options = [_options(prepared, group) for group in groups]
+    options = [_select_options(prepared, group) for group in groups]
     trials = iter(refit(prepared, [((c.candidate,), prepared) for part in options for c in part]))
-    quick = [max((next(trials) for _ in part), key=preference) for part in options if part]
-    quick.sort(key=preference, reverse=True)
+    quick = [max((next(trials) for _ in part), key=compute_preference) for part in options if part]
+    quick.sort(key=compute_preference, reverse=True)
     careful = polish(prepared, quick[:_CAREFUL])
     if all(explanation.coverage < ENOUGH for explanation in careful):
         careful += polish(prepared, quick[_CAREFUL:_MORE_CAREFUL])
     return careful + quick[len(careful) :]
 
 
-def _options(prepared: Prepared, group: Sequence[Column]) -> Sequence[Column]:
+def _select_options(prepared: Prepared, group: Sequence[Column]) -> Sequence[Column]:
     """The hypotheses of one effect that are worth a refit."""
     if group[0].candidate.effect.suspected(prepared.structure.contexts):
         return group[:_HYPOTHESES]
@@ -228,13 +228,13 @@ def _options(prepared: Prepared, group: Sequence[Column]) -> Sequence[Column]:
     return [column for column in group if column.energy > least][:_HYPOTHESES]
 
 
-def _ranked(screened: Screen, count: int) -> list[list[Column]]:
+def _rank_groups(screened: Screen, count: int) -> list[list[Column]]:
     """Candidates grouped by effect, strongest effect first, the faintest left out."""
     strongest = screened.columns[0].energy if screened.columns else 0.0
-    return [group for group in _grouped(screened) if group[0].energy > _FAINT * strongest][:count]
+    return [group for group in _group_columns(screened) if group[0].energy > _FAINT * strongest][:count]
 
 
-def _grouped(screened: Screen) -> list[list[Column]]:
+def _group_columns(screened: Screen) -> list[list[Column]]:
     """Candidates grouped by effect, strongest effect first."""
     groups: dict[str, list[Column]] = {}
     for column in screened.columns:
@@ -257,13 +257,13 @@ def _grow(
     grown: list[Explanation] = []
     wanted: list[tuple[tuple[Candidate, ...], Prepared | Explanation]] = []
     seen: set[tuple[str, ...]] = set()
-    for seed in (_looked_at_again(prepared, seed) for seed in seeds):
+    for seed in (_renew_starts(prepared, seed) for seed in seeds):
         screened = screen(prepared.problem, seed.structure, seed.fit.theta, seed.fit.residual, seed.fit.jacobian)
-        suspected = [g for g in _suspected(seed, screened) if _names(seed, g) not in known | seen]
-        grown += _with_care(prepared, suspected, seed.settled, seed.fit)
-        seen |= {_names(seed, group) for group in suspected}
-        for columns in _ranked(screened, _PARTNERS):
-            names = _names(seed, columns)
+        suspected = [g for g in _select_suspected(seed, screened) if _join_names(seed, g) not in known | seen]
+        grown += _fit_with_care(prepared, suspected, seed.settled, seed.fit)
+        seen |= {_join_names(seed, group) for group in suspected}
+        for columns in _rank_groups(screened, _PARTNERS):
+            names = _join_names(seed, columns)
             if names in seen or (seed.coverage > ENOUGH and columns[0].energy < _STANDS_OUT * threshold):
                 continue
             seen.add(names)
@@ -278,7 +278,7 @@ def _grow(
     return grown + refit(prepared, wanted)
 
 
-def _looked_at_again(prepared: Prepared, seed: Explanation) -> Explanation:
+def _renew_starts(prepared: Prepared, seed: Explanation) -> Explanation:
     """The seed, with its own starts for effects that have too many of them, where it explains most and leaves much.
 
     Those that stand out of what the base leaves are of the seed then, as with a gap beside a stop.
@@ -286,10 +286,10 @@ def _looked_at_again(prepared: Prepared, seed: Explanation) -> Explanation:
     if seed.left < _MUCH_LEFT or seed.coverage < _MOST:
         return seed
     fit, contexts = seed.fit, seed.structure.contexts
-    starts = narrowed(prepared.problem, Structure(contexts), fit.residual, orthonormal(fit.jacobian))
+    starts = narrow_starts(prepared.problem, Structure(contexts), fit.residual, orthonormalise(fit.jacobian))
     contexts = tuple(replace(context, hints={**context.hints, **starts}) for context in contexts)
     return replace(seed, structure=replace(seed.structure, contexts=contexts))
 
 
-def _names(seed: Explanation, group: Sequence[Column]) -> tuple[str, ...]:
+def _join_names(seed: Explanation, group: Sequence[Column]) -> tuple[str, ...]:
     return tuple(sorted((*seed.names, group[0].candidate.name)))

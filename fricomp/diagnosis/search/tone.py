@@ -41,20 +41,20 @@ def find_tone(prepared: Prepared) -> Tone:
     lines = []
     for part, grid, track in zip(np.split(prepared.fit.residual, ends), problem.grids, problem.tracks, strict=True):
         step = float(grid.centres[1] - grid.centres[0]) * track.dt
-        energy, frequency, share = _strongest(part, _highest_of_motion(track.velocity[grid.centres]))
+        energy, frequency, share = _find_strongest(part, _find_highest_of_motion(track.velocity[grid.centres]))
         lines.append((energy, frequency / step, 1.0 / (part.size * step), share))
     energy, frequency, width, share = max(lines)
-    nulls = [max(_strongest(part, 0.0)[0] for part in np.split(null, ends)) for null in prepared.null_residuals]
+    nulls = [max(_find_strongest(part, 0.0)[0] for part in np.split(null, ends)) for null in prepared.null_residuals]
     return Tone(frequency, width, energy, max(nulls), share)
 
 
-def _highest_of_motion(velocity: FloatArray) -> float:
+def _find_highest_of_motion(velocity: FloatArray) -> float:
     """Frequency below which the joint moves, in cycles per row."""
     frequency, energy = periodogram(velocity, 1.0, detrend="constant")
     return float(frequency[int(np.searchsorted(np.cumsum(energy), _MOTION * energy.sum()))])
 
 
-def _strongest(rows: FloatArray, above: float) -> tuple[float, float, float]:
+def _find_strongest(rows: FloatArray, above: float) -> tuple[float, float, float]:
     """Energy and frequency (in cycles per row) of the strongest line above a frequency, and its share of the excess."""
     clipped = np.clip(rows, -_LIMIT, _LIMIT)
     frequency, energy = periodogram(clipped, 1.0, detrend="constant")

@@ -17,10 +17,10 @@ from scipy.signal import lfilter
 from ..effects import Context
 from ..effects.context import build_contexts
 from ..effects.structure import N_BASE
-from ..inputs.track import FloatArray, Track, smooth_derivative
+from ..inputs.track import FloatArray, Track, differentiate
 from ..joint.observer import Contribution, Job, Plant
-from ..joint.problem import Problem, observer_for
-from ..joint.solver import Box, inward_steps
+from ..joint.problem import Problem, build_problem
+from ..joint.solver import Box, choose_steps
 from ..search.explanation import Explanation
 from ..search.preparation import Prepared
 
@@ -116,7 +116,7 @@ class _Motion:
     def build(cls, prepared: Prepared, position: FloatArray) -> _Motion:
         """The motion along `position`, seen through the observer of the recordings."""
         track, plant = _virtual(prepared, position)
-        problem = observer_for([track], plant, prepared.problem.observer)
+        problem = build_problem([track], plant, prepared.problem.observer)
         seen = problem.observe([Job(problem.tracks[0], plant, Contribution())])
         context = build_contexts(problem, plant, seen, prepared.structure.contexts[0].hints)[0]
         weights = prepared.nulls.weights
@@ -140,7 +140,7 @@ class _Motion:
         0 where one of the two, or the rival beside its fit, does not simulate on this motion.
         """
         box, theta = box.joined(rival.structure.box()), rival.fit.theta
-        steps = inward_steps(theta, box, _DIFFERENCE)
+        steps = choose_steps(theta, box, _DIFFERENCE)
         free = np.flatnonzero(box.scale > _HELD)
         at, *moved = self.rows(rival, [theta, *(theta + steps[i] * np.eye(theta.size)[i] for i in free)])
         difference = at - self.rows(chosen, [chosen.fit.theta])[0]
@@ -170,8 +170,8 @@ def _virtual(prepared: Prepared, position: FloatArray) -> tuple[Track, Plant]:
     """The recording that the base model would give on a motion, without noise."""
     plant = prepared.structure.plant(prepared.fit.theta)
     old = prepared.problem.tracks[0]
-    v = smooth_derivative(position, old.dt)
-    a = smooth_derivative(v, old.dt)
+    v = differentiate(position, old.dt)
+    a = differentiate(v, old.dt)
     speed = np.abs(v)
     curves = []
     for coulomb, static, stribeck, viscous in (plant.forward, plant.reverse):

@@ -11,7 +11,7 @@ from fricomp.model import FrictionModel, Provenance, Validity
 from fricomp.recording import Recording
 
 from ..effects import Context
-from ..effects.spring import SPRING, whole_spring
+from ..effects.spring import SPRING, combine_springs
 from ..effects.structure import N_BASE
 from ..inputs.rigid import Spring
 from ..inputs.track import FloatArray
@@ -47,7 +47,7 @@ def extended_model(
         contribution = candidate.effect.contribution(chosen.structure.contexts[0], values[candidate.name])
         changes |= {name: value for name, value in contribution.plant.items() if name in _OF_THE_CORE}
         if candidate.name == SPRING and given is not None:
-            term, plant = whole_spring(values[candidate.name], plant, given)
+            term, plant = combine_springs(values[candidate.name], plant, given)
         else:
             term = candidate.effect.term(values[candidate.name], plant, chosen.structure.contexts)
         terms += [term] if term is not None else []

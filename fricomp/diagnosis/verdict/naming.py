@@ -8,14 +8,14 @@ import numpy as np
 from msgspec.structs import replace as with_fields
 
 from ..effects import EFFECTS
-from ..effects.spring import as_it_shows
+from ..effects.spring import describe_spring
 from ..evidence.alias import aliases
 from ..evidence.answer import Answer
 from ..evidence.location import locate
 from ..evidence.refitted import Refitted
 from ..inputs.track import FloatArray
 from ..record.result import Location, NamedEffect, RowSeries
-from ..search.effect_energy import effect_energy
+from ..search.effect_energy import compute_effect_energy
 from ..search.explanation import Explanation
 from ..search.tone import Tone
 from .overtone import explained_by_overtone, overtones
@@ -48,7 +48,7 @@ def name_effects(
         drawn = [name for name, (other, _) in forms.items() if other == effect.name]
         own = sums[effect.name] + sum(sums[name] for name in drawn)
         effects.append(
-            as_it_shows(
+            describe_spring(
                 NamedEffect(
                     name=effect.name,
                     kind=effect.kind,
@@ -89,7 +89,7 @@ def each_once(named: Sequence[NamedEffect], compared: Sequence[NamedEffect]) -> 
 
 
 def _energy(answer: Answer, chosen: Explanation, names: Collection[str]) -> list[FloatArray]:
-    return effect_energy(answer.prepared, chosen.structure, chosen.fit.theta, names)
+    return compute_effect_energy(answer.prepared, chosen.structure, chosen.fit.theta, names)
 
 
 def _located(answer: Answer, series: tuple[RowSeries, ...], energy: Sequence[FloatArray]) -> Location:

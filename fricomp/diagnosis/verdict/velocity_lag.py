@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 
 from fricomp.recording import Recording
 
-from ..inputs.track import smooth_derivative
+from ..inputs.track import differentiate
 from ..record.result import NamedEffect, Quantity
 
 __all__ = ["velocity_lag"]
@@ -47,7 +47,7 @@ def _lag(recording: Recording) -> float | None:
     if recording.velocity is None or recording.sample_period > 5e-3:
         return None
     dt = recording.sample_period
-    truth = gaussian_filter1d(smooth_derivative(np.asarray(recording.position), dt), _SMOOTH / dt)
+    truth = gaussian_filter1d(differentiate(np.asarray(recording.position), dt), _SMOOTH / dt)
     seen = gaussian_filter1d(np.asarray(recording.velocity), _SMOOTH / dt)
     grid = np.arange(0.0, 0.041, 5e-4)
     errors, scales = [], []

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from msgspec.structs import replace as with_fields
 
-from ..effects.spring import spring_change
+from ..effects.spring import compare_spring
 from ..evidence.agreement import agreeing, hold
 from ..evidence.alias import distinguishability, told
 from ..evidence.answer import Answer, compare_given, fit_given, moved_parameters
@@ -34,7 +34,7 @@ from ..record.result import (
 )
 from ..record.sentence import FOREIGN_CURVE, NO_MOTION, detent_sentence, sentences
 from ..search.explanation import Explanation
-from ..search.order import order_spectrum
+from ..search.order import compute_order_spectrum
 from ..search.preparation import Prepared
 from ..search.search import Found
 from .experiment import propose
@@ -102,7 +102,7 @@ def conclude(answer: Answer) -> Diagnosis:
         noise_ratio=_loudness(prepared, held, chosen),
         coverage=best.coverage if best is not None else None,
         base=refitted.base(answer.unit, answer.position_unit),
-        changes=(*compared.changes, *spring_change(named, answer.spring)),
+        changes=(*compared.changes, *compare_spring(named, answer.spring)),
         rivals=_rivals(found, chosen, failed),
         distinguishability=distinguishability(prepared, found.first),
         recordings=tuple(track.name for track in prepared.problem.tracks),
@@ -193,7 +193,9 @@ def _rivals(found: Found, chosen: Explanation | None, failed: Explanation | None
 
 def _evidence(answer: Answer, series: tuple[RowSeries, ...]) -> Evidence:
     prepared = answer.prepared
-    spectrum = order_spectrum(prepared.problem, prepared.structure.contexts, prepared.fit.residual, prepared.basis)
+    spectrum = compute_order_spectrum(
+        prepared.problem, prepared.structure.contexts, prepared.fit.residual, prepared.basis
+    )
     return Evidence(
         series=series,
         maps=excess_maps(series, answer.seed),

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis.effects import Context
-from fricomp.diagnosis.effects.context import _position, without_noise
-from fricomp.diagnosis.inputs.track import Track, torque_noise, without_spikes
+from fricomp.diagnosis.effects.context import _correct_position, remove_noise
+from fricomp.diagnosis.inputs.track import Track, measure_torque_noise, remove_spikes
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observation, Plant
-from fricomp.diagnosis.search.generic import time_since_reversal
-from fricomp.diagnosis.search.refit import _contexts_of
+from fricomp.diagnosis.search.generic import measure_time_since_reversal
+from fricomp.diagnosis.search.refit import _rebuild_contexts
 from fricomp.recording import Recording
 from fricomp.recording.metadata import TorqueKind
 
@@ -27,7 +27,7 @@ def test_a_recorded_load_loses_its_noise_and_keeps_its_shape() -> None:
     load = 5.0 * np.sin(position + 0.3) + 0.2 * acceleration
     track = Track.build(1e-3, position, load)
     noise = 0.05 * rng.standard_normal(time.size)
-    clean = without_noise(load + noise, position, acceleration, track)
+    clean = remove_noise(load + noise, position, acceleration, track)
     assert np.std(clean - load) < 0.05 * np.std(noise)
     assert abs(np.corrcoef(clean - load, noise)[0, 1]) < 0.05
 
@@ -38,7 +38,7 @@ def test_rounding_of_the_encoder_is_no_motion_and_what_it_contradicts_is(swing: 
     model = 0.3 * np.sin(2.0 * time)
     drift, fast = 3.0 * step * np.cos(time), swing * step * np.sin(2.0 * np.pi * 20.0 * time)
     track = Track.build(1e-3, np.round((model + drift + fast) / step) * step, np.zeros_like(time))
-    position = _position(track, Observation(model, model, model, model))
+    position = _correct_position(track, Observation(model, model, model, model))
     error = (position - model - drift - fast)[200:-200] / step
     assert np.std(error) < off  # of a step; rounding is 0.29, and 0.13 over 15 ms
 
@@ -54,7 +54,7 @@ def test_effects_follow_the_joint_that_was_found_and_not_the_one_without_them() 
     structure = SimpleNamespace(observe=lambda *_: seen, contexts_at=lambda _: (before,))
     explanation = SimpleNamespace(structure=structure, fit=SimpleNamespace(theta=zero))
     prepared = SimpleNamespace(problem=SimpleNamespace(tracks=(track,)))
-    (after,) = _contexts_of(cast(Any, prepared), cast(Any, explanation))
+    (after,) = _rebuild_contexts(cast(Any, prepared), cast(Any, explanation))
     assert np.std((after.position - there)[200:-200]) < 0.1 * step
 
 
@@ -67,7 +67,7 @@ def test_white_and_coloured_noise_are_told_apart(memory: float) -> None:
     noise[0] = kicks[0]
     for k in range(1, noise.size):
         noise[k] = memory * noise[k - 1] + np.sqrt(1.0 - memory**2) * kicks[k]
-    found = torque_noise(3.0 * np.sin(time) + 0.05 * noise)
+    found = measure_torque_noise(3.0 * np.sin(time) + 0.05 * noise)
     assert found.size == pytest.approx(0.05, rel=0.1)
     assert (found.coloured > found.white) == (memory > 0.0)
 
@@ -76,12 +76,12 @@ def test_a_lone_spike_is_taken_out_and_a_step_is_kept() -> None:
     step = np.where(np.arange(200) < 100, 0.0, 2.0)
     spiked = step.copy()
     spiked[50] = 30.0
-    assert np.array_equal(without_spikes(spiked, 0.1), step)
+    assert np.array_equal(remove_spikes(spiked, 0.1), step)
 
 
 def test_time_since_reversal_starts_anew_at_each_reversal() -> None:
     velocity = np.concatenate([np.full(100, 0.5), np.full(100, -0.5)])
-    since = time_since_reversal(velocity, 1e-3)
+    since = measure_time_since_reversal(velocity, 1e-3)
     assert since[99] == pytest.approx(0.099)
     assert since[100] == 0.0
 

@@ -10,8 +10,8 @@ import pytest
 
 from fricomp.diagnosis import RigidJoint, diagnose
 from fricomp.diagnosis.effects.forward_part import ForwardPart
-from fricomp.diagnosis.effects.spring import as_it_shows, spring_change, whole_spring
-from fricomp.diagnosis.forward.forward import with_spring
+from fricomp.diagnosis.effects.spring import combine_springs, compare_spring, describe_spring
+from fricomp.diagnosis.forward.forward import add_spring
 from fricomp.diagnosis.inputs.arm_dynamics import ArmMotion, read_arm
 from fricomp.diagnosis.inputs.rigid import Spring, read_simulation
 from fricomp.diagnosis.joint.loading import build_tracks
@@ -59,44 +59,44 @@ def test_its_torque_is_taken_off_the_recorded_one() -> None:
 def test_a_forward_simulation_has_it_back() -> None:
     measured = recording(ToyJoint(spring=(6.0, 0.3, 0.0)), "fourier", 10.0)
     (plain,), (track,) = build_tracks([measured]), build_tracks([measured], (), Spring((6.0,), 0.3))
-    whole, added = with_spring(track, ForwardPart(Contribution(additive=1.0)))
+    whole, added = add_spring(track, ForwardPart(Contribution(additive=1.0)))
     np.testing.assert_allclose(whole.torque, plain.torque, atol=1e-12)
     np.testing.assert_allclose(added.along.additive, 1.0 + 6.0 * (plain.position - 0.3), atol=2e-3)
-    assert with_spring(plain, added) == (plain, added)
+    assert add_spring(plain, added) == (plain, added)
 
 
 @pytest.mark.parametrize(("change", "words"), [(-1.96, "does not show"), (1.0, "3 N·m/rad")])
 def test_another_spring_than_the_simulation_s_is_a_parameter(change: float, words: str) -> None:
     given = Spring((2.0,))
-    effect = as_it_shows(_named(change, 0.2), given)
+    effect = describe_spring(_named(change, 0.2), given)
     assert effect.kind == "parameter"
     assert words in effect.sentence
     assert effect.parameters["stiffness_change"].value == change
-    (moved,) = spring_change([effect], given)
+    (moved,) = compare_spring([effect], given)
     assert moved.given == 2.0
     assert moved.refitted.value == pytest.approx(2.0 + change)
 
 
 def test_a_spring_beside_a_simulation_without_one_and_one_that_stiffens_are_physics() -> None:
-    assert as_it_shows(_named(1.5, 0.1), None).kind == "physics"
-    assert spring_change([_named(1.5, 0.1)], None) == ()
-    assert as_it_shows(_named(1.5, 0.1, (0.2, 0.4)), Spring((2.0,))).kind == "physics"
+    assert describe_spring(_named(1.5, 0.1), None).kind == "physics"
+    assert compare_spring([_named(1.5, 0.1)], None) == ()
+    assert describe_spring(_named(1.5, 0.1, (0.2, 0.4)), Spring((2.0,))).kind == "physics"
 
 
 def test_the_centre_of_a_straight_spring_is_no_number_and_that_of_one_that_stiffens_is() -> None:
-    straight = as_it_shows(_named(1.5, 0.1), None)
+    straight = describe_spring(_named(1.5, 0.1), None)
     assert set(straight.parameters) == {"stiffness", "hardening"}
     assert "centre is not determined" in straight.sentence
     stiffens = _named(1.5, 0.1, (0.2, 0.4))
-    assert as_it_shows(stiffens, None) == stiffens
-    assert "centre" not in as_it_shows(_named(-1.5, 0.1), Spring((2.0,))).parameters
+    assert describe_spring(stiffens, None) == stiffens
+    assert "centre" not in describe_spring(_named(-1.5, 0.1), Spring((2.0,))).parameters
 
 
 @pytest.mark.parametrize("hardening", [0.0, 0.3])
 def test_the_written_spring_stands_for_that_of_the_simulation_too(hardening: float) -> None:
     given, position = Spring((2.0,), 0.4), np.linspace(-1.0, 1.0, 9)
     found = {"stiffness": 1.5, "centre": -0.2, "hardening": hardening}
-    term, plant = whole_spring(found, _PLANT, given)
+    term, plant = combine_springs(found, _PLANT, given)
     assert term is not None
     written = np.array([float(term.torque(OperatingPoint(velocity=1.0, position=q))) for q in position])
     stretch = position + 0.2
@@ -105,7 +105,7 @@ def test_the_written_spring_stands_for_that_of_the_simulation_too(hardening: flo
 
 
 def test_a_spring_that_the_joint_lacks_is_written_as_none() -> None:
-    term, _ = whole_spring({"stiffness": -2.1, "centre": 0.0, "hardening": 0.0}, _PLANT, Spring((2.0,), 0.4))
+    term, _ = combine_springs({"stiffness": -2.1, "centre": 0.0, "hardening": 0.0}, _PLANT, Spring((2.0,), 0.4))
     assert term == SpringTorque(0.0, 0.4, 0.0)
 
 

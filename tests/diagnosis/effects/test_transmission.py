@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis.effects import EFFECTS, Context
-from fricomp.diagnosis.effects.two_masses import Transmission, carried
+from fricomp.diagnosis.effects.two_masses import Transmission, compute_carried
 from fricomp.diagnosis.joint.observer import Plant
 
 FREQUENCY = 12.0  # [rad/s] of the motion
@@ -26,13 +26,13 @@ def context() -> Context:
 
 
 def test_a_stiff_transmission_adds_nothing(context: Context) -> None:
-    torque = carried(context, Transmission(0.3, 0.3 * 3000.0**2, 0.3))
+    torque = compute_carried(context, Transmission(0.3, 0.3 * 3000.0**2, 0.3))
     assert np.abs(torque[1000:-100]).max() < 1e-3 * 0.3 * np.abs(context.acceleration).max()
 
 
 def test_a_spring_amplifies_the_load_as_below_its_resonance(context: Context) -> None:
     inertia, own = 0.3, 60.0
-    torque = carried(context, Transmission(inertia, inertia * own**2, 0.05))
+    torque = compute_carried(context, Transmission(inertia, inertia * own**2, 0.05))
     expected = inertia * context.acceleration * FREQUENCY**2 / (own**2 - FREQUENCY**2)
     late = slice(4000, -100)
     gain = float(torque[late] @ expected[late]) / float(expected[late] @ expected[late])
@@ -42,14 +42,14 @@ def test_a_spring_amplifies_the_load_as_below_its_resonance(context: Context) ->
 def test_gravity_turns_with_the_load_and_not_with_the_motor(context: Context) -> None:
     still = replace(context, position=np.full(3000, 0.3), plant=replace(context.plant, gravity=(0.0, 5.0)))
     stiffness = 400.0
-    torque = carried(still, Transmission(0.3, stiffness, 0.7))
+    torque = compute_carried(still, Transmission(0.3, stiffness, 0.7))
     load = 5.0 * np.sin(0.3)
     assert torque[-200] == pytest.approx(-5.0 * np.cos(0.3) * load / stiffness, rel=0.02)
 
 
 def test_a_gap_changes_no_momentum_over_a_period(context: Context) -> None:
     gap, inertia = 2e-3, 0.3
-    torque = carried(context, Transmission(inertia, inertia * 600.0**2, 0.2, gap))
+    torque = compute_carried(context, Transmission(inertia, inertia * 600.0**2, 0.2, gap))
     period = round(2.0 * np.pi / FREQUENCY / 1e-3)
     assert np.abs(torque).max() > 0.2
     assert abs(torque[2000 : 2000 + 10 * period].mean()) < 0.01 * np.abs(torque).max()

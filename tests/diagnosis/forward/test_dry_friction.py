@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fricomp.diagnosis.forward.dry_friction import FrictionCurve, bristle_rate, dry_friction
+from fricomp.diagnosis.forward.dry_friction import FrictionCurve, build_dry_friction, compute_bristle_rate
 from fricomp.diagnosis.joint.observer import Plant
 from fricomp.laws import LuGre, OperatingPoint, StribeckCurve
 from fricomp.laws.term import Scalar
@@ -20,7 +20,7 @@ _VELOCITY = 0.05 * np.sin(np.arange(20_000) * _STEP * 5.0) + 0.03 * np.sin(np.ar
 
 def _followed(plant: Plant) -> np.ndarray:
     """Friction torque along a slow motion with many turns [N·m]. Shape (n,)."""
-    curve, dry = FrictionCurve(plant, _STEP, 0.0), dry_friction(plant, plant.inertia, _STEP, 0.0)
+    curve, dry = FrictionCurve(plant, _STEP, 0.0), build_dry_friction(plant, plant.inertia, _STEP, 0.0)
     torque = np.empty(_VELOCITY.size)
     for k, w in enumerate(_VELOCITY.tolist()):
         level, viscous = curve.follow(w)
@@ -40,7 +40,7 @@ def test_a_bristle_is_that_of_the_friction_law() -> None:
 
 def test_elements_that_yield_abruptly_have_their_stiffness_at_a_turn_and_then_their_level() -> None:
     plant = replace(_PLANT, sigma_1=0.0, sharpness=1.0, spread=1.5)
-    dry, turn = dry_friction(plant, plant.inertia, _STEP, 1.0), 1e-3
+    dry, turn = build_dry_friction(plant, plant.inertia, _STEP, 1.0), 1e-3
     assert dry.follow(turn, 1.0, 0.0) == (1.0, 0.0)
     small = dry.follow(-turn, 1.0, 0.0)[0]
     assert 1.0 - small == pytest.approx(plant.sigma_0 * turn * _STEP * (1.5 + 1.0 + 1.0 / 1.5) / 3.0)
@@ -49,12 +49,12 @@ def test_elements_that_yield_abruptly_have_their_stiffness_at_a_turn_and_then_th
 
 def test_a_bristle_too_stiff_for_the_step_is_friction_loss() -> None:
     stiff = replace(_PLANT, sigma_0=1e9)
-    assert bristle_rate(stiff, stiff.inertia) * _STEP > 0.5
-    assert dry_friction(stiff, stiff.inertia, _STEP, 0.0).follow(0.1, 1.7, 0.0) == (0.0, 1.7)
+    assert compute_bristle_rate(stiff, stiff.inertia) * _STEP > 0.5
+    assert build_dry_friction(stiff, stiff.inertia, _STEP, 0.0).follow(0.1, 1.7, 0.0) == (0.0, 1.7)
 
 
 def test_friction_that_creeps_never_takes_more_than_it_is_given() -> None:
-    dry = dry_friction(replace(_PLANT, creep_velocity=1e-3), _PLANT.inertia, _STEP, 0.0)
+    dry = build_dry_friction(replace(_PLANT, creep_velocity=1e-3), _PLANT.inertia, _STEP, 0.0)
     for net in (0.0, 0.5, 1.0, 20.0):
         torque, loss = dry.follow(0.0, 1.5, net)
         assert loss == 0.0

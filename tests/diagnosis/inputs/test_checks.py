@@ -12,7 +12,7 @@ from scipy.signal import lfilter
 from fricomp.diagnosis import Diagnosis, RigidJoint, diagnose
 from fricomp.diagnosis.inputs.checks import inertia_against, kind_against, reasons_against, remarks_on
 from fricomp.diagnosis.joint.loading import build_tracks
-from fricomp.diagnosis.joint.weak_form import rest_speed_of
+from fricomp.diagnosis.joint.weak_form import estimate_rest_speed
 from fricomp.diagnosis.verdict.velocity_lag import velocity_lag
 from fricomp.errors import DiagnosisError, RecordingError
 from fricomp.recording import Recording, RecordingMetadata
@@ -169,6 +169,6 @@ def test_a_scaled_velocity_is_told_and_is_no_lag(good: Recording) -> None:
 
 def test_the_speed_of_rest_shrinks_with_the_joint_s_own(good: Recording) -> None:
     slow = Recording(good.time, 1e-3 * np.asarray(good.position), good.torque)
-    usual, small = (rest_speed_of(build_tracks([one])) for one in (good, slow))
+    usual, small = (estimate_rest_speed(build_tracks([one])) for one in (good, slow))
     assert usual == 5e-3
     assert small < 1e-4

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis.inputs.controller import Controller
-from fricomp.diagnosis.inputs.controller_check import controller_remarks
+from fricomp.diagnosis.inputs.controller_check import check_controller
 from fricomp.recording import Recording
 
 _P, _D, _I = 77.0, 4.0, 30.0
@@ -28,12 +28,12 @@ def moved() -> Recording:
 
 @pytest.mark.parametrize("gain", [0.9, 1.0, 1.1])
 def test_a_loop_that_is_about_right_is_believed(gain: float, moved: Recording) -> None:
-    assert controller_remarks(Controller(gain * _P, gain * _D, gain * _I), [moved]) == []
+    assert check_controller(Controller(gain * _P, gain * _D, gain * _I), [moved]) == []
 
 
 @pytest.mark.parametrize(("gain", "says"), [(3.0, "explains only 7% of"), (-77.0, "explains nothing of")])
 def test_a_wrong_gain_is_told_beside_that_of_the_recording(gain: float, says: str, moved: Recording) -> None:
-    (said,) = controller_remarks(Controller(gain), [moved])
+    (said,) = check_controller(Controller(gain), [moved])
     assert f"proportional {gain:.4g} N·m/rad) {says}" in said
     assert "proportional 7" in said.partition("and one with ")[2]
     assert "--controller" in said
@@ -41,11 +41,11 @@ def test_a_wrong_gain_is_told_beside_that_of_the_recording(gain: float, says: st
 
 def test_a_torque_of_no_loop_speaks_against_any(moved: Recording) -> None:
     noise = replace(moved, torque=np.random.default_rng(0).standard_normal(len(moved)))
-    (said,) = controller_remarks(Controller(_P, _D), [noise])
+    (said,) = check_controller(Controller(_P, _D), [noise])
     assert "no PD or PID loop does" in said
 
 
 def test_nothing_is_said_without_a_reference_and_each_recording_has_its_own(moved: Recording) -> None:
-    assert controller_remarks(Controller(3.0), [replace(moved, position_reference=None)]) == []
-    (said,) = controller_remarks(Controller(_P, _D, _I), [moved, replace(moved, torque=3.0 * np.asarray(moved.torque))])
+    assert check_controller(Controller(3.0), [replace(moved, position_reference=None)]) == []
+    (said,) = check_controller(Controller(_P, _D, _I), [moved, replace(moved, torque=3.0 * np.asarray(moved.torque))])
     assert said.startswith("recording 2: ")

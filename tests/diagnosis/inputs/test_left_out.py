@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fricomp.diagnosis.inputs.left_out import fits_without_blocks
+from fricomp.diagnosis.inputs.left_out import fit_without_blocks
 
 
 @pytest.mark.parametrize("gap", [(0, 0), (7, 6), (400, 400)])
@@ -11,7 +11,7 @@ from fricomp.diagnosis.inputs.left_out import fits_without_blocks
 def test_each_block_is_left_out_with_its_gaps(gap: tuple[int, int], size: int) -> None:
     rng = np.random.default_rng(3)
     table, target = rng.standard_normal((size, 4)), rng.standard_normal(size)
-    blocks = list(fits_without_blocks(table, target, 5, rcond=1e-9, gap=gap))
+    blocks = list(fit_without_blocks(table, target, 5, rcond=1e-9, gap=gap))
     np.testing.assert_array_equal(np.concatenate([part for part, _ in blocks]), np.arange(size))
     for part, weights in blocks:
         index = np.arange(size)
@@ -22,5 +22,5 @@ def test_each_block_is_left_out_with_its_gaps(gap: tuple[int, int], size: int) -
 
 def test_columns_that_are_one_share_their_weight() -> None:
     column = np.linspace(0.0, 1.0, 60)
-    for _, weights in fits_without_blocks(np.stack([column, column], axis=1), column, 4, rcond=1e-6):
+    for _, weights in fit_without_blocks(np.stack([column, column], axis=1), column, 4, rcond=1e-6):
         np.testing.assert_allclose(weights, 0.5)

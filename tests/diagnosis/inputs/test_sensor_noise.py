@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fricomp.diagnosis.inputs.sensor_noise import as_sensed, sensor_noise
+from fricomp.diagnosis.inputs.sensor_noise import add_sensor_noise, measure_sensor_noise
 from fricomp.diagnosis.inputs.track import FloatArray
 from fricomp.recording import Recording
 
@@ -24,11 +24,11 @@ def _recording(rate: float = 1000.0, hiss: float = 0.0, blur: float = 0.0, step:
 
 
 def test_noise_of_torque_and_position_is_seen() -> None:
-    rounded = sensor_noise(_recording(hiss=HISS, step=STEP))
+    rounded = measure_sensor_noise(_recording(hiss=HISS, step=STEP))
     assert rounded.torque == pytest.approx(HISS, rel=0.05)
     assert rounded.encoder_step == pytest.approx(STEP, rel=1e-6)
     assert rounded.position == 0.0
-    blurred = sensor_noise(_recording(hiss=HISS, blur=BLUR))
+    blurred = measure_sensor_noise(_recording(hiss=HISS, blur=BLUR))
     assert blurred.position == pytest.approx(BLUR, rel=0.1)
     assert blurred.encoder_step == 0.0
 
@@ -36,30 +36,32 @@ def test_noise_of_torque_and_position_is_seen() -> None:
 @pytest.mark.parametrize(("step", "blur"), [(STEP, 0.0), (0.0, BLUR)])
 def test_a_recording_without_noise_gets_it_and_one_that_has_it_does_not(step: float, blur: float) -> None:
     real, bare = _recording(hiss=HISS, step=step, blur=blur), _recording()
-    sensed = as_sensed(bare, [real])
-    ours, theirs = sensor_noise(sensed), sensor_noise(real)
+    sensed = add_sensor_noise(bare, [real])
+    ours, theirs = measure_sensor_noise(sensed), measure_sensor_noise(real)
     assert ours.torque == pytest.approx(theirs.torque, rel=0.05)
     assert ours.position == pytest.approx(theirs.position, rel=0.1)
     assert ours.encoder_step == pytest.approx(theirs.encoder_step)
     assert sensed.position_reference is None
-    assert np.array_equal(sensed.torque, as_sensed(bare, [real]).torque)
-    assert not np.array_equal(sensed.torque, as_sensed(bare, [real], seed=1).torque)
+    assert np.array_equal(sensed.torque, add_sensor_noise(bare, [real]).torque)
+    assert not np.array_equal(sensed.torque, add_sensor_noise(bare, [real], seed=1).torque)
     louder = _recording(hiss=1.2 * HISS, step=2.0 * step, blur=1.2 * blur)
-    assert as_sensed(louder, [real]) is louder
+    assert add_sensor_noise(louder, [real]) is louder
 
 
 def test_the_quietest_counts_and_noise_weighs_as_much_in_more_samples() -> None:
     quiet, loud = _recording(hiss=HISS, step=STEP), _recording(hiss=3.0 * HISS, step=4.0 * STEP)
-    sensed = sensor_noise(as_sensed(_recording(), [loud, quiet]))
+    sensed = measure_sensor_noise(add_sensor_noise(_recording(), [loud, quiet]))
     assert sensed.torque == pytest.approx(HISS, rel=0.05)
     assert sensed.encoder_step == pytest.approx(STEP, rel=1e-6)
     slow = _recording(rate=250.0, hiss=HISS, step=STEP)
-    assert sensor_noise(as_sensed(_recording(), [slow])).torque == pytest.approx(2.0 * HISS, rel=0.1)
+    assert measure_sensor_noise(add_sensor_noise(_recording(), [slow])).torque == pytest.approx(2.0 * HISS, rel=0.1)
 
 
 def test_sensors_without_visible_noise_count_as_very_good_ones() -> None:
     bare = _recording()
-    assert sensor_noise(as_sensed(bare, [bare])).torque == pytest.approx(1e-3 * np.std(bare.torque), rel=0.05)
+    assert measure_sensor_noise(add_sensor_noise(bare, [bare])).torque == pytest.approx(
+        1e-3 * np.std(bare.torque), rel=0.05
+    )
     amperes = _recording(hiss=HISS, step=STEP).with_metadata(torque_unit="A")
     amperes = amperes.with_channels(torque=0.5 * amperes.torque)
-    assert sensor_noise(as_sensed(bare, [amperes])).torque == pytest.approx(HISS, rel=0.06)
+    assert measure_sensor_noise(add_sensor_noise(bare, [amperes])).torque == pytest.approx(HISS, rel=0.06)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fricomp.diagnosis.joint.base import BASE_NAMES, SOFTEST, BaseModel, evened, falling_alike, pack, unpack
+from fricomp.diagnosis.joint.base import BASE_NAMES, SOFTEST, BaseModel, align_falls, even_directions, pack, unpack
 from fricomp.diagnosis.joint.observer import Observer, Plant
 
 _PLANT = Plant(
@@ -76,7 +76,7 @@ def test_the_stiffest_bristle_hides_its_travel_from_the_observer() -> None:
 def test_evened_directions_slide_as_before() -> None:
     """Sliding feels offset plus or less the Coulomb torque: both sums stay, and effects behind the base stay too."""
     theta = np.append(pack(_PLANT), [7.0, 8.0])
-    even = evened(theta)
+    even = even_directions(theta)
     assert even is not None
     before, after = unpack(theta[:-2]), unpack(even[:-2])
     assert after.forward[0] == pytest.approx(after.reverse[0])
@@ -85,13 +85,13 @@ def test_evened_directions_slide_as_before() -> None:
         assert slid[0] == pytest.approx(slid[1])
     assert after.static_torque(np.array(1.0), np.array(0.0)) != before.static_torque(np.array(1.0), np.array(0.0))
     np.testing.assert_array_equal(even[-2:], [7.0, 8.0])
-    assert evened(even) is None
+    assert even_directions(even) is None
 
 
 def test_a_direction_whose_stribeck_velocity_ran_away_gets_that_of_the_other() -> None:
     alike = replace(_PLANT, forward=(2.0, 3.0, 0.05, 1.0), reverse=(2.2, 3.4, 0.1, 1.1))
-    assert falling_alike(pack(alike)) is None
-    ran = falling_alike(np.append(pack(replace(alike, reverse=(2.2, 2.3, 1.9, 1.1))), 7.0))
+    assert align_falls(pack(alike)) is None
+    ran = align_falls(np.append(pack(replace(alike, reverse=(2.2, 2.3, 1.9, 1.1))), 7.0))
     assert ran is not None
     after = unpack(ran[:-1])
     assert after.reverse == pytest.approx((2.2, 3.2, 0.05, 1.1))

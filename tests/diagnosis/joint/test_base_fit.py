@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis.joint.base import BASE_NAMES, SOFTEST
-from fricomp.diagnosis.joint.base_fit import with_other_bristle
+from fricomp.diagnosis.joint.base_fit import try_other_bristle
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer
 from fricomp.diagnosis.joint.solver import Fit, minimise
@@ -38,16 +38,16 @@ def _run_away(prepared: Prepared) -> Fit:
 def test_a_fit_that_ran_away_is_brought_back(prepared: Prepared) -> None:
     away = _run_away(prepared)
     assert away.cost > 1.5 * prepared.fit.cost
-    back = with_other_bristle(prepared.problem, away, prepared.box)
+    back = try_other_bristle(prepared.problem, away, prepared.box)
     assert back.cost < 1.1 * prepared.fit.cost
     travel = np.exp(back.theta[BASE_NAMES.index("log_breakaway")])
     assert travel < 0.1 * SOFTEST
 
 
 def test_a_quiet_fit_stays(prepared: Prepared) -> None:
-    assert with_other_bristle(prepared.problem, prepared.fit, prepared.box) is prepared.fit
+    assert try_other_bristle(prepared.problem, prepared.fit, prepared.box) is prepared.fit
 
 
 def test_a_loud_fit_with_little_damping_stays(prepared: Prepared) -> None:
     loud = replace(prepared.fit, residual=5.0 * prepared.fit.residual)
-    assert with_other_bristle(prepared.problem, loud, prepared.box) is loud
+    assert try_other_bristle(prepared.problem, loud, prepared.box) is loud

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis.inputs.controller import Controller
-from fricomp.diagnosis.inputs.delay import shifted
-from fricomp.diagnosis.inputs.track import FloatArray, TorqueNoise, smooth_derivative
+from fricomp.diagnosis.inputs.delay import shift
+from fricomp.diagnosis.inputs.track import FloatArray, TorqueNoise, differentiate
 from fricomp.diagnosis.joint.loading import build_tracks
-from fricomp.diagnosis.joint.nulls import _sliding, _variation
+from fricomp.diagnosis.joint.nulls import _compute_variation, _find_sliding
 from fricomp.diagnosis.joint.observer import Contribution, Job, Observation, Observer
-from fricomp.diagnosis.joint.problem import Problem, Weights, observer_for
-from fricomp.diagnosis.joint.step_answer import StepAnswer, step_answers
+from fricomp.diagnosis.joint.problem import Problem, Weights, build_problem
+from fricomp.diagnosis.joint.step_answer import StepAnswer, simulate_step_answers
 from fricomp.diagnosis.search.preparation import prepare
 
 from ..toy_joint import ToyJoint, recording
@@ -30,7 +30,7 @@ def problem_of(loop: Controller | None = LOOP, noise: float = 0.02, resolution: 
     """The problem of a recording of the toy."""
     track = build_tracks([recording(JOINT, "fourier", 15.0)], [loop])[0]
     track = replace(track, torque_noise=TorqueNoise(noise, 0.0, 0.0), resolution=resolution)
-    return observer_for([track], true_plant(JOINT), Observer())
+    return build_problem([track], true_plant(JOINT), Observer())
 
 
 def answer_in(problem: Problem) -> tuple[Observation, FloatArray, list[StepAnswer]]:
@@ -39,14 +39,14 @@ def answer_in(problem: Problem) -> tuple[Observation, FloatArray, list[StepAnswe
     window = np.hanning(13)
     smooth = np.convolve(np.pad(track.torque, 6, mode="edge"), window / window.sum(), mode="valid")
     truth = problem.observe([Job(replace(track, torque=smooth), plant, Contribution())])[0]
-    torque = smooth + shifted(truth.missing, -plant.delay / track.dt)
-    return truth, torque, step_answers(Job(track, plant, Contribution()), truth, torque, count=2, seed=0)
+    torque = smooth + shift(truth.missing, -plant.delay / track.dt)
+    return truth, torque, simulate_step_answers(Job(track, plant, Contribution()), truth, torque, count=2, seed=0)
 
 
 def row_size(problem: Problem, position: FloatArray, torque: FloatArray) -> float:
     """Typical size of the rows where the joint is at `position` under `torque` [N·m]."""
     track = problem.tracks[0]
-    moved = replace(track, position=position, torque=torque, velocity=smooth_derivative(position, track.dt))
+    moved = replace(track, position=position, torque=torque, velocity=differentiate(position, track.dt))
     run = problem.observe([Job(moved, true_plant(JOINT), Contribution())])[0]
     return float(np.median(np.abs(np.diff(problem.grids[0].of(run.missing), 2))))
 
@@ -90,18 +90,20 @@ def test_what_moved_the_joint_is_no_noise_of_its_nulls() -> None:
 def test_noise_is_matched_where_the_joint_slides() -> None:
     problem = problem_of()
     still = replace(problem.tracks[0], velocity=np.where(np.arange(problem.tracks[0].size) < 7000, 0.0, 1.0))
-    slides = _sliding(replace(problem, tracks=(still,)), 0)
+    slides = _find_sliding(replace(problem, tracks=(still,)), 0)
     rows = np.random.default_rng(0).normal(size=(4, slides.size)) * np.where(slides, 1.0, 1e-3)
     assert 0.4 < np.mean(slides) < 0.6
-    whole = _variation(rows, slides)
-    assert whole == pytest.approx(_variation(rows[:, slides], np.ones(np.count_nonzero(slides), dtype=bool)), rel=0.1)
-    assert np.all(_variation(rows, np.ones_like(slides)) < 0.5 * whole)
+    whole = _compute_variation(rows, slides)
+    assert whole == pytest.approx(
+        _compute_variation(rows[:, slides], np.ones(np.count_nonzero(slides), dtype=bool)), rel=0.1
+    )
+    assert np.all(_compute_variation(rows, np.ones_like(slides)) < 0.5 * whole)
 
 
 def test_where_the_joint_hardly_slides_all_rows_count() -> None:
     problem = problem_of()
     resting = replace(problem.tracks[0], velocity=np.zeros(problem.tracks[0].size))
-    assert np.all(_sliding(replace(problem, tracks=(resting,)), 0))
+    assert np.all(_find_sliding(replace(problem, tracks=(resting,)), 0))
 
 
 def test_columns_are_whitened_as_rows_are() -> None:

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fricomp.diagnosis.inputs.delay import ahead_of, behind
+from fricomp.diagnosis.inputs.delay import apply_lags, undo_lags
 from fricomp.diagnosis.inputs.track import FloatArray, TorqueNoise, Track
-from fricomp.diagnosis.joint.kernel import _falling
-from fricomp.diagnosis.joint.observer import Contribution, Job, Observation, Observer, Plant, missing_torques
-from fricomp.diagnosis.joint.problem import improved, observer_for
-from fricomp.diagnosis.joint.weak_form import _curve, estimate_plants
+from fricomp.diagnosis.joint.kernel import _compute_fall
+from fricomp.diagnosis.joint.observer import Contribution, Job, Observation, Observer, Plant, compute_missing_torques
+from fricomp.diagnosis.joint.problem import build_problem, improve_track
+from fricomp.diagnosis.joint.weak_form import _bound_curve, estimate_plants
 
 from ..toy_joint import ToyJoint, record
 
@@ -34,7 +34,7 @@ def test_true_plant_leaves_the_sensor_noise_in_motion(kind: str) -> None:
     joint = ToyJoint()
     track = track_of(joint, kind, 20.0)
     plant = true_plant(joint)
-    problem = observer_for([track], plant, Observer())
+    problem = build_problem([track], plant, Observer())
     run = problem.observe([Job(problem.tracks[0], plant, Contribution())])[0]
     grid = problem.grids[0]
     rows, moving = grid.of(run.missing), np.abs(track.velocity[grid.centres]) > 0.05
@@ -46,7 +46,7 @@ def test_missing_torque_is_seen_with_its_size_and_sign() -> None:
     joint = ToyJoint()
     track = track_of(joint, "fourier", 15.0)
     plant = true_plant(joint)
-    problem = observer_for([track], plant, Observer())
+    problem = build_problem([track], plant, Observer())
     base, pushed = problem.observe([Job(problem.tracks[0], plant, Contribution(additive=a)) for a in (0.0, 0.5)])
     moving = np.abs(track.velocity) > 0.1
     assert np.mean((pushed.missing - base.missing)[moving]) == pytest.approx(0.5, rel=0.05)
@@ -55,10 +55,10 @@ def test_missing_torque_is_seen_with_its_size_and_sign() -> None:
 def test_a_lag_of_the_drive_is_undone_and_takes_no_noise_away() -> None:
     joint, lags = ToyJoint(), (4e-3, 4e-3)
     track, plant = track_of(joint, "fourier", 15.0), true_plant(joint)
-    calm = replace(track, torque=ahead_of(behind(track.torque, (0.01,), 1e-3), lags, 1e-3))
-    np.testing.assert_allclose(behind(calm.torque, lags, 1e-3), behind(track.torque, (0.01,), 1e-3), atol=1e-9)
+    calm = replace(track, torque=undo_lags(apply_lags(track.torque, (0.01,), 1e-3), lags, 1e-3))
+    np.testing.assert_allclose(apply_lags(calm.torque, lags, 1e-3), apply_lags(track.torque, (0.01,), 1e-3), atol=1e-9)
     noise = 0.05 * np.random.default_rng(3).standard_normal(track.size)
-    problem = observer_for([calm, replace(calm, torque=calm.torque + noise)], plant, Observer())
+    problem = build_problem([calm, replace(calm, torque=calm.torque + noise)], plant, Observer())
     rows = []
     for added in (Contribution(), Contribution(lags=lags)):
         quiet, noisy = (problem.observe([Job(one, plant, added)])[0] for one in problem.tracks)
@@ -79,16 +79,16 @@ def test_weak_form_recovers_the_joint() -> None:
 
 def test_friction_that_falls_over_all_speeds_has_a_second_start_with_a_level() -> None:
     fall, speed = (0.0, 4.0, 6.0), 0.9
-    usual = _curve(fall, 0.01, speed, np.inf)
+    usual = _bound_curve(fall, 0.01, speed, np.inf)
     assert usual == (0.01, 0.02, speed, 6.0)
-    coulomb, static, *_ = _curve(fall, 0.01, speed, 0.09)
+    coulomb, static, *_ = _bound_curve(fall, 0.01, speed, 0.09)
     assert coulomb == pytest.approx(2.0, rel=0.01)
     assert static == pytest.approx(4.0, rel=0.01)
 
 
 def test_a_fall_that_no_slow_row_holds_is_no_level() -> None:
     found = (1.0, 30.0, 0.2)
-    assert _curve(found, 0.01, 0.02, 0.2) == pytest.approx((1.0, 2.0, 0.02, 0.2))
+    assert _bound_curve(found, 0.01, 0.02, 0.2) == pytest.approx((1.0, 2.0, 0.02, 0.2))
     assert len(estimate_plants([track_of(ToyJoint(), "rich", 40.0)])) == 1
 
 
@@ -102,7 +102,7 @@ def test_encoder_step_and_noise_are_found() -> None:
 def test_lanes_answer_alike_however_many_run_side_by_side() -> None:
     joint = ToyJoint()
     plant = true_plant(joint)
-    problem = observer_for([track_of(joint, "rich", 6.0)], plant, Observer())
+    problem = build_problem([track_of(joint, "rich", 6.0)], plant, Observer())
     jobs = [Job(problem.tracks[0], replace(plant, sigma_0=plant.sigma_0 * f), Contribution()) for f in (0.7, 1.0, 1.4)]
     together = problem.observe(jobs * 4)
     for job, run, again in zip(jobs, together, together[9:], strict=False):
@@ -114,7 +114,7 @@ def test_lanes_answer_alike_however_many_run_side_by_side() -> None:
 def test_few_substeps_where_the_bristle_has_yielded_change_little() -> None:
     joint = ToyJoint()
     plant = true_plant(joint)
-    problem = observer_for([track_of(joint, "fourier", 15.0)], plant, Observer())
+    problem = build_problem([track_of(joint, "fourier", 15.0)], plant, Observer())
     track = problem.tracks[0]
     assert track.substeps.min() < track.substeps.max()
     fine = replace(track, substeps=np.full(track.size, track.substeps.max()))
@@ -143,7 +143,7 @@ def test_friction_is_felt_when_it_acts_however_long_the_steps(substeps: int, lag
         dt, time - 0.5 / frequency * np.cos(frequency * time), velocity(time), acceleration + coulomb + viscous * felt,
         0.0, TorqueNoise(0.0, 0.0, 0.0), substeps=np.full(time.size, substeps),
     )  # fmt: skip
-    (missing,) = missing_torques([Job(track, plant, Contribution())], Observer(), (1e4, 2e2))
+    (missing,) = compute_missing_torques([Job(track, plant, Contribution())], Observer(), (1e4, 2e2))
     middle, kept = time + 0.5 * dt, slice(2000, 7500)
     waves = np.stack([np.cos(frequency * middle), np.sin(frequency * middle), np.ones_like(middle)], axis=1)[kept]
     along_acceleration = np.linalg.lstsq(waves, missing[kept], rcond=None)[0][0] / (0.5 * frequency)
@@ -153,7 +153,7 @@ def test_friction_is_felt_when_it_acts_however_long_the_steps(substeps: int, lag
 def test_another_stribeck_exponent_in_one_lane_leaves_the_others_as_they_are() -> None:
     joint = ToyJoint()
     plant = true_plant(joint)
-    problem = observer_for([track_of(joint, "rich", 6.0)], plant, Observer())
+    problem = build_problem([track_of(joint, "rich", 6.0)], plant, Observer())
     jobs = [Job(problem.tracks[0], replace(plant, stribeck_exponent=one), Contribution()) for one in (2.0, 1.2)]
     squared, other = (run.missing for run in problem.observe(jobs))
     alone = [problem.observe([job])[0].missing for job in jobs]
@@ -164,7 +164,7 @@ def test_another_stribeck_exponent_in_one_lane_leaves_the_others_as_they_are() -
 
 def test_the_exponential_of_the_lanes_is_that_of_numpy() -> None:
     x = np.concatenate([np.linspace(0.0, 45.0, 2000), np.geomspace(1e-9, 1.0, 200)])
-    assert np.max(np.abs([_falling(float(one)) for one in x] - np.exp(-x))) < 1e-9
+    assert np.max(np.abs([_compute_fall(float(one)) for one in x] - np.exp(-x))) < 1e-9
 
 
 @pytest.mark.parametrize(("creep_velocity", "seen"), [(0.0, 0.0), (0.02, 1e-3)])
@@ -174,7 +174,7 @@ def test_a_model_pulled_back_to_a_resting_encoder_rests_as_well(creep_velocity: 
     track = Track.build(1e-3, np.full(n, 0.3), 0.1 * np.random.default_rng(0).standard_normal(n))
     observation = Observation(np.zeros(n), track.position + 1e-3 / observer.leak, np.full(n, 1e-3), np.zeros(n))
     plant = replace(true_plant(ToyJoint()), creep_velocity=creep_velocity)
-    velocity = improved(track, observation, observer.returning(track, plant, observation)).velocity
+    velocity = improve_track(track, observation, observer.returning(track, plant, observation)).velocity
     assert velocity == pytest.approx(np.full(n, seen), abs=1e-12)
 
 

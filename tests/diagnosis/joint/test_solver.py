@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis.inputs.track import FloatArray
-from fricomp.diagnosis.joint.solver import Box, at_least, descend, minimise, together
+from fricomp.diagnosis.joint.solver import Box, descend, minimise, raise_diagonal, run_together
 
 _A = np.random.default_rng(3).standard_normal((20, 3)) @ np.diag([1.0, 4.0, 0.5])
 _Y = np.random.default_rng(4).standard_normal(20)
@@ -60,7 +60,7 @@ def test_minimisations_side_by_side_end_where_each_ends_alone() -> None:
         return [one(points) for one, points in zip(residuals, asked, strict=True)]
 
     start = np.array([-1.2, 1.0, 0.0])
-    both = together([descend(start, _box(), iterations=40) for _ in residuals], evaluate)
+    both = run_together([descend(start, _box(), iterations=40) for _ in residuals], evaluate)
     for one, found in zip(residuals, both, strict=True):
         alone = minimise(one, start, _box(), iterations=40)
         assert np.array_equal(found.theta, alone.theta)
@@ -94,7 +94,7 @@ def test_columns_that_are_known_are_not_asked_for() -> None:
     descent = descend(np.zeros(3), _box(), jacobian=_A[:, :2])
     start, moved = next(descent)
     np.testing.assert_array_equal(np.flatnonzero(moved - start), [2])
-    assert together([], lambda asked: []) == []
+    assert run_together([], lambda asked: []) == []
 
 
 def test_a_step_to_where_nothing_simulates_is_not_taken() -> None:
@@ -124,7 +124,7 @@ def test_a_prior_is_measured_in_scales() -> None:
 
 
 def test_a_floor_raises_the_diagonal_alone() -> None:
-    raised = at_least(np.array([[0.25, -0.25, 0.0], [-0.25, 0.25, 0.0], [0.0, 0.0, 0.0]]), 0.1)
+    raised = raise_diagonal(np.array([[0.25, -0.25, 0.0], [-0.25, 0.25, 0.0], [0.0, 0.0, 0.0]]), 0.1)
     np.testing.assert_array_equal(raised, [[0.25, -0.25, 0.0], [-0.25, 0.25, 0.0], [0.0, 0.0, 0.1]])
 
 
@@ -132,6 +132,6 @@ def test_a_start_that_does_not_simulate_ends_its_own_descent_only() -> None:
     def evaluate(asked: list[list[FloatArray]]) -> list[list[FloatArray]]:
         return [[np.full(20, np.nan) for _ in asked[0]], _line(asked[1])]
 
-    lost, found = together([descend(np.zeros(3), _box(), jacobian=_A), descend(np.zeros(3), _box())], evaluate)
+    lost, found = run_together([descend(np.zeros(3), _box(), jacobian=_A), descend(np.zeros(3), _box())], evaluate)
     assert not np.isfinite(lost.cost)
     np.testing.assert_allclose(found.theta, np.linalg.lstsq(_A, _Y, rcond=None)[0], atol=1e-4)

@@ -7,7 +7,7 @@ import pytest
 from scipy.signal import lfilter
 
 from fricomp.diagnosis.inputs.track import FloatArray
-from fricomp.diagnosis.joint.spectrum import floor_of, is_structured
+from fricomp.diagnosis.joint.spectrum import estimate_floor, is_structured
 
 _M = 4000
 _RNG = np.random.default_rng(11)
@@ -57,5 +57,5 @@ def test_lines_do_not_raise_the_floor() -> None:
     noise, time = 0.3 * _NULLS[3], np.arange(_M)
     lines = sum(np.sin(2.0 * np.pi * frequency * time) for frequency in (0.05, 0.137, 0.31))
     assert np.std(noise + lines) > 1.0
-    assert floor_of(noise + lines) == pytest.approx(0.3, rel=0.1)
-    assert floor_of(noise) == pytest.approx(0.3, rel=0.05)
+    assert estimate_floor(noise + lines) == pytest.approx(0.3, rel=0.1)
+    assert estimate_floor(noise) == pytest.approx(0.3, rel=0.05)

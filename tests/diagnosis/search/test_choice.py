@@ -9,8 +9,8 @@ from typing import cast
 import numpy as np
 import pytest
 
-from fricomp.diagnosis.search.choice import acceptable, choose
-from fricomp.diagnosis.search.explanation import evidence
+from fricomp.diagnosis.search.choice import choose, rank_acceptable
+from fricomp.diagnosis.search.explanation import compute_evidence
 from fricomp.diagnosis.search.preparation import Prepared
 
 from ..known import fit_of, known
@@ -36,8 +36,8 @@ def test_an_effect_like_a_bristle_yields_what_the_form_of_the_bristle_leaves() -
     rest = int(np.sum(~_SLIDING))
     for per_row in (0.76, 0.2):
         before = fit_of(np.where(_SLIDING, 0.0, np.sqrt(per_row)))
-        rises = evidence(_PREPARED, ["dwell_stiction"], before, fit_of(np.zeros(_ROWS)))
-        stops = evidence(_PREPARED, ["end_stop"], before, fit_of(np.zeros(_ROWS)))
+        rises = compute_evidence(_PREPARED, ["dwell_stiction"], before, fit_of(np.zeros(_ROWS)))
+        stops = compute_evidence(_PREPARED, ["end_stop"], before, fit_of(np.zeros(_ROWS)))
         assert stops == pytest.approx(per_row * rest)
         assert rises == pytest.approx((per_row - 0.1) * rest)
 
@@ -70,16 +70,16 @@ def test_only_what_is_certain_passes_the_threshold() -> None:
     loud = known(("backlash",), 900.0, _QUIET, certain=20.0)
     sure = known(("cogging",), 400.0, _QUIET, certain=300.0)
     refused = known(("end_stop",), 999.0, _QUIET, refused="pulls outwards")
-    assert acceptable([loud, sure, refused], 30.0) == [sure]
+    assert rank_acceptable([loud, sure, refused], 30.0) == [sure]
 
 
 @pytest.mark.parametrize(("filling", "share"), [("position_coulomb", 0.99), ("external_disturbance", 0.85)])
 def test_what_fills_in_for_others_yields_to_what_fits_about_as_well(filling: str, share: float) -> None:
     fills = known((filling,), 1000.0, _QUIET)
     plain = known(("load_coulomb",), share * 1000.0, _QUIET)
-    assert acceptable([fills, plain], 30.0) == [plain, fills]
+    assert rank_acceptable([fills, plain], 30.0) == [plain, fills]
     clear = known(("load_coulomb",), 0.7 * 1000.0, _QUIET)
-    assert acceptable([fills, clear], 30.0) == [fills, clear]
+    assert rank_acceptable([fills, clear], 30.0) == [fills, clear]
 
 
 @pytest.mark.parametrize(("second", "chosen"), [("thermal_friction", True), ("position_coulomb", False)])

@@ -12,8 +12,8 @@ import pytest
 from fricomp.diagnosis.effects.structure import Structure
 from fricomp.diagnosis.inputs.track import FloatArray, Track
 from fricomp.diagnosis.joint.observer import Contribution, Observation, Observer, Plant
-from fricomp.diagnosis.joint.problem import Problem, observer_for
-from fricomp.diagnosis.search.effect_energy import effect_energy
+from fricomp.diagnosis.joint.problem import Problem, build_problem
+from fricomp.diagnosis.search.effect_energy import compute_effect_energy
 from fricomp.diagnosis.search.preparation import Prepared
 
 _DT, _INERTIA = 1e-3, 0.3
@@ -29,7 +29,7 @@ def _energy(
 ) -> FloatArray:
     """Energy, sample by sample, of effects that add `torque` to a joint with this motion."""
     track = replace(Track.build(_DT, position, np.zeros_like(_TIME)), resolution=resolution)
-    problem = observer_for([track], _PLANT, Observer())
+    problem = build_problem([track], _PLANT, Observer())
     forth, back = (c + (s - c) * np.exp(-((_VELOCITY / v) ** 2)) for c, s, v, _ in (_PLANT.forward, _PLANT.reverse))
     complete = Observation(np.zeros_like(torque), _POSITION, _VELOCITY, _SENSE * np.where(_SENSE > 0.0, forth, back))
     runs = [complete], [complete._replace(missing=torque)]
@@ -37,7 +37,7 @@ def _energy(
     spreads = [np.broadcast_to(spread, problem.grids[0].centres.shape)]
     weights = SimpleNamespace(weights=SimpleNamespace(spread=spreads))
     prepared = cast(Prepared, SimpleNamespace(problem=problem, nulls=weights))
-    (energy,) = effect_energy(prepared, cast(Structure, structure), np.zeros(0), {"end_stop"})
+    (energy,) = compute_effect_energy(prepared, cast(Structure, structure), np.zeros(0), {"end_stop"})
     assert energy.shape == torque.shape
     return energy
 
@@ -77,7 +77,7 @@ def test_where_the_bristle_holds_a_torque_below_one_step_of_the_encoder_is_no_tr
 
 def test_what_nulls_know_badly_of_one_row_is_no_trace() -> None:
     torque = 40.0 * np.maximum(_POSITION - 0.9, 0.0)
-    rows = observer_for([Track.build(_DT, _POSITION, np.zeros_like(_TIME))], _PLANT, Observer()).grids[0].centres.size
+    rows = build_problem([Track.build(_DT, _POSITION, np.zeros_like(_TIME))], _PLANT, Observer()).grids[0].centres.size
     strayed = _energy(torque, spread=0.1 * np.random.default_rng(1).uniform(0.5, 1.5, rows))
     plain = _energy(torque)
     assert np.allclose(strayed / np.sum(strayed), plain / np.sum(plain), atol=1e-12)
@@ -85,7 +85,7 @@ def test_what_nulls_know_badly_of_one_row_is_no_trace() -> None:
 
 def test_an_impact_shorter_than_the_way_between_rows_shows_when_it_happens() -> None:
     """Two joints that the observer holds differ in 10 ms of torque half way between two rows."""
-    problem = observer_for([Track.build(_DT, _POSITION, np.zeros_like(_TIME))], _PLANT, Observer())
+    problem = build_problem([Track.build(_DT, _POSITION, np.zeros_like(_TIME))], _PLANT, Observer())
     at = int(np.sum(problem.grids[0].centres[130:132])) // 2
     kick = Contribution(additive=np.where(np.abs(np.arange(_TIME.size) - at) <= 5, 0.5, 0.0))
 
@@ -96,6 +96,6 @@ def test_an_impact_shorter_than_the_way_between_rows_shows_when_it_happens() -> 
     spreads = [np.full(problem.grids[0].centres.size, 0.1)]
     nulls = SimpleNamespace(weights=SimpleNamespace(spread=spreads))
     prepared = cast(Prepared, SimpleNamespace(problem=problem, nulls=nulls))
-    (energy,) = effect_energy(prepared, cast(Structure, structure), np.zeros(0), {"external_disturbance"})
+    (energy,) = compute_effect_energy(prepared, cast(Structure, structure), np.zeros(0), {"external_disturbance"})
     assert abs(int(np.argmax(energy)) - at) <= 1
     assert np.sum(energy[at - 15 : at + 16]) > 0.9 * np.sum(energy)

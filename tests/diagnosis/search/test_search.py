@@ -7,7 +7,7 @@ import pytest
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer
 from fricomp.diagnosis.search.preparation import prepare
-from fricomp.diagnosis.search.search import _wholes, search
+from fricomp.diagnosis.search.search import _select_wholes, search
 from fricomp.recording import Recording
 
 from ..known import known
@@ -19,9 +19,9 @@ def test_what_leaves_far_less_than_the_chosen_one_is_taken_apart_too() -> None:
     little = known(("encoder_eccentricity", "spring_torque"), 5100.0)
     far = known(("encoder_eccentricity", "spring_torque", "supply_sag"), 5400.0)
     refused = known(("end_stop", "spring_torque"), 6000.0, refused="the stop would pull outwards")
-    assert _wholes([chosen, little, refused], chosen, 30.0) == [chosen]
-    assert _wholes([chosen, little, refused, far], chosen, 30.0) == [chosen, far]
-    assert _wholes([refused], None, 30.0) == []
+    assert _select_wholes([chosen, little, refused], chosen, 30.0) == [chosen]
+    assert _select_wholes([chosen, little, refused, far], chosen, 30.0) == [chosen, far]
+    assert _select_wholes([refused], None, 30.0) == []
 
 
 @pytest.mark.slow

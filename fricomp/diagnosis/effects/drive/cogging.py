@@ -10,7 +10,7 @@ from fricomp.laws import Cogging as CoggingTerm
 from fricomp.laws import Term
 
 from ...joint.observer import Contribution, Plant
-from ..effect import Context, Effect, EffectParameter, Values, lowest_order, register, too_long
+from ..effect import Context, Effect, EffectParameter, Values, compute_lowest_order, refuse_long_wave, register
 
 
 @register
@@ -26,7 +26,7 @@ class Cogging(Effect):
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = 0.02 * contexts[0].scale
         waves = [EffectParameter(name, "{torque}", scale, -1e4, 1e4) for name in ("sine", "cosine")]
-        order = EffectParameter("order", "1/{position}", 0.05, lowest_order(contexts), 1e5, linear=False)
+        order = EffectParameter("order", "1/{position}", 0.05, compute_lowest_order(contexts), 1e5, linear=False)
         further = [
             EffectParameter(f"{wave.name}_{number}", wave.unit, scale, wave.lower, wave.upper)
             for number in range(2, len(contexts) + 1)
@@ -35,7 +35,7 @@ class Cogging(Effect):
         return (*waves, order, *further)
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        lowest = lowest_order(contexts)
+        lowest = compute_lowest_order(contexts)
         return [{"order": n} for n in contexts[0].hints.get("order", ()) if n >= lowest]
 
     def contribution(self, context: Context, values: Values) -> Contribution:
@@ -45,7 +45,7 @@ class Cogging(Effect):
         return Contribution(additive=sine * np.sin(angle) + cosine * np.cos(angle))
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        return too_long(values["order"], contexts)
+        return refuse_long_wave(values["order"], contexts)
 
     def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return CoggingTerm(values["sine"], values["cosine"], values["order"])

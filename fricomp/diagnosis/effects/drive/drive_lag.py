@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...joint.base import at_earliest
+from ...joint.base import is_at_earliest
 from ...joint.observer import Contribution
 from ..effect import Context, Effect, EffectParameter, Values, register
 
@@ -32,7 +32,7 @@ class DriveLag(Effect):
 
     def suspected(self, contexts: Sequence[Context]) -> bool:
         """The torque of the base is recorded as early as it may be."""
-        return at_earliest(contexts[0].plant, contexts[0].dt)
+        return is_at_earliest(contexts[0].plant, contexts[0].dt)
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         """The recorded torque itself is filtered: where the joint sticks, the torque that a base without the lag needs

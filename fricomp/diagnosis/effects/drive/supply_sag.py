@@ -36,14 +36,14 @@ class SupplySag(Effect):
         )
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        return Contribution(additive=_share(context, values) * context.torque)
+        return Contribution(additive=_compute_share(context, values) * context.torque)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        falls = any(float(np.sum(_share(c, values) * c.torque**2)) > 0.0 for c in contexts)
+        falls = any(float(np.sum(_compute_share(c, values) * c.torque**2)) > 0.0 for c in contexts)
         return None if falls else "the torque would rise as the supply sags"
 
 
-def _share(context: Context, values: Values) -> FloatArray:
+def _compute_share(context: Context, values: Values) -> FloatArray:
     """Part of the torque that is missing [1]. Shape (n,)."""
     voltage = context.channels.get("voltage")
     sag = np.abs(context.velocity) if voltage is None else np.max(voltage) - voltage

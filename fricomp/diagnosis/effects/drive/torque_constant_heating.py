@@ -9,8 +9,8 @@ import numpy as np
 
 from ...joint.observer import Contribution
 from ..effect import Context, Effect, EffectParameter, Values, register
-from ..heating_time import HEATING_TIME, heating_times
-from ..warming import warming
+from ..heating_time import HEATING_TIME, propose_heating_times
+from ..warming import compute_warming
 
 # A motor that loses much of its torque over 15 s was given 23 and 29 s: up to twice as long.
 _WINDING_TIME = replace(HEATING_TIME, form=0.4)
@@ -31,10 +31,10 @@ class TorqueConstantHeating(Effect):
         return EffectParameter("loss", "1", 0.02, -0.9, 0.9), _WINDING_TIME
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        return heating_times()
+        return propose_heating_times()
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        heat = warming(context.torque**2, context.dt, float(np.exp(values["time_constant"])))
+        heat = compute_warming(context.torque**2, context.dt, float(np.exp(values["time_constant"])))
         return Contribution(additive=values["loss"] * heat * context.torque)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:

@@ -35,8 +35,8 @@ class DwellStiction(Effect):
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (
             EffectParameter("rise", "{torque}", 0.05 * contexts[0].scale, -1e4, 1e4, form=0.4),
-            _size("time_constant", "s", (0.05, 60.0), prior=0.6, form=0.5),
-            _size("travel", "{position}", (1e-3, 0.1), prior=1.1, form=0.2),
+            _build_size("time_constant", "s", (0.05, 60.0), prior=0.6, form=0.5),
+            _build_size("travel", "{position}", (1e-3, 0.1), prior=1.1, form=0.2),
         )
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
@@ -44,7 +44,7 @@ class DwellStiction(Effect):
         return [{"time_constant": float(np.log(t)), "travel": float(np.log(d))} for t, d in sizes]
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        return Contribution(level=values["rise"] * _grown(context, values))
+        return Contribution(level=values["rise"] * _compute_growth(context, values))
 
     def forward_part(self, context: Context, values: Values) -> ForwardPart:
         return ForwardPart(states=(_Age(context, values),))
@@ -56,7 +56,8 @@ class DwellStiction(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         if values["rise"] <= 0.0:
             return "the static friction would fall at rest"
-        grown = max(float(np.max(_grown(context, values))) for context in contexts)  # rests may be short beside tau
+        # Rests may be short beside the time constant.
+        grown = max(float(np.max(_compute_growth(context, values))) for context in contexts)
         if values["rise"] * grown > _MOST * contexts[0].plant.level:
             return "a rest would hold the joint with many times its sliding friction"
         return None
@@ -74,7 +75,7 @@ class _Age(HiddenState):
         self.time, self.travel = np.exp(values["time_constant"]), float(np.exp(values["travel"]))
 
     def begin(self, sample: int, step: float) -> None:
-        self.grown = float(_grown(self.context, self.values)[sample])
+        self.grown = float(_compute_growth(self.context, self.values)[sample])
         self.gain, self.per_speed = 1.0 - float(np.exp(-step / self.time)), step / self.travel
 
     def follow(self, velocity: float, friction: float) -> tuple[float, float]:
@@ -85,13 +86,13 @@ class _Age(HiddenState):
         return 0.0, self.rise * self.grown
 
 
-def _grown(context: Context, values: Values) -> FloatArray:
+def _compute_growth(context: Context, values: Values) -> FloatArray:
     """Share of the rise that rests have brought. Shape (n,)."""
     time, travel = np.exp(values["time_constant"]), np.exp(values["travel"])
     return dwell(context.velocity, np.array([context.dt, time, travel, _REST_SPEED]))
 
 
-def _size(name: str, unit: str, limits: tuple[float, float], *, prior: float, form: float) -> EffectParameter:
+def _build_size(name: str, unit: str, limits: tuple[float, float], *, prior: float, form: float) -> EffectParameter:
     """A positive number that a recording may hardly fix, fitted as its logarithm."""
     low, high = (float(np.log(limit)) for limit in limits)
     known = (high - low) / (2.0 * 1.96)  # its domain, which starts may lie all over

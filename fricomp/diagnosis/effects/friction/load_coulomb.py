@@ -11,7 +11,7 @@ from fricomp.laws import Term
 
 from ...joint.observer import Contribution, Plant
 from ..effect import Context, Effect, EffectParameter, Values, register
-from .load_share import SHARE, felt_load, share_starts
+from .load_share import SHARE, compute_felt_load, propose_shares
 
 
 @register
@@ -28,10 +28,10 @@ class LoadCoulomb(Effect):
         return (EffectParameter("coefficient", "{torque}/{torque}", 0.02, -0.2, 2.0), SHARE)
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        return share_starts(contexts)
+        return propose_shares(contexts)
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        return Contribution(level=values["coefficient"] * np.abs(felt_load(context, values)))
+        return Contribution(level=values["coefficient"] * np.abs(compute_felt_load(context, values)))
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return "friction would fall with load" if values["coefficient"] <= 0.0 else None

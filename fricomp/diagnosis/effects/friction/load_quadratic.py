@@ -11,7 +11,7 @@ from fricomp.laws import Term
 
 from ...joint.observer import Contribution, Plant
 from ..effect import Context, Effect, EffectParameter, Values, register
-from .load_share import SHARE, felt_load, share_starts
+from .load_share import SHARE, compute_felt_load, propose_shares
 
 
 @register
@@ -33,10 +33,10 @@ class LoadQuadratic(Effect):
         )
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        return [{"split": split, **share} for split in (0.0, 1.0) for share in share_starts(contexts)]
+        return [{"split": split, **share} for split in (0.0, 1.0) for share in propose_shares(contexts)]
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        load = felt_load(context, values)
+        load = compute_felt_load(context, values)
         split = context.usual_load * np.abs(load) * (load * context.velocity > 0.0)
         return Contribution(level=values["coefficient"] * (split if values["split"] > 0.5 else load**2))
 

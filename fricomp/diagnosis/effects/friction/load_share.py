@@ -7,18 +7,18 @@ from collections.abc import Sequence
 from ...inputs.track import FloatArray
 from ..effect import Context, EffectParameter, Values
 
-__all__ = ["SHARE", "felt_load", "share_starts"]
+__all__ = ["SHARE", "compute_felt_load", "propose_shares"]
 
 SHARE = EffectParameter("inertia_share", "1", 0.2, 0.0, 1.0, linear=False, prior=0.5)
 
 
-def share_starts(contexts: Sequence[Context]) -> list[dict[str, float]]:
+def propose_shares(contexts: Sequence[Context]) -> list[dict[str, float]]:
     """Gravity alone, and gravity with all inertia; one hypothesis where the load was recorded."""
     recorded = all("load_torque" in c.channels for c in contexts)
     return [{"inertia_share": 0.0}] if recorded else [{"inertia_share": 0.0}, {"inertia_share": 0.9}]
 
 
-def felt_load(context: Context, values: Values) -> FloatArray:
+def compute_felt_load(context: Context, values: Values) -> FloatArray:
     """Transmitted load [N·m]: as recorded, else gravity and a share of the inertia."""
     if "load_torque" in context.channels:
         return context.load_torque

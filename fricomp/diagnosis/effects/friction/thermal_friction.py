@@ -14,8 +14,8 @@ from fricomp.laws.thermal_friction import STRONGEST_FALL
 from ...joint.observer import Contribution, Plant
 from ..effect import Context, Effect, EffectParameter, Values, register
 from ..forward_part import ForwardPart, HiddenState
-from ..heating_time import HEATING_TIME, heating_times
-from ..warming import heat_of, losses, warming
+from ..heating_time import HEATING_TIME, propose_heating_times
+from ..warming import compute_heat, compute_losses, compute_warming
 
 
 @register
@@ -30,8 +30,8 @@ class ThermalFriction(Effect):
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         viscous = max(max(c.plant.forward[3], c.plant.reverse[3]) for c in contexts)
-        largest = max(float(np.max(np.abs(heat_of(c, 30.0)))) for c in contexts)
-        recorded = _recorded(contexts)
+        largest = max(float(np.max(np.abs(compute_heat(c, 30.0)))) for c in contexts)
+        recorded = _is_recorded(contexts)
         per_kelvin = "/K" if recorded else ""
         slope = 0.05 * (viscous + 0.1 * contexts[0].scale) / largest
         level = 0.05 * contexts[0].scale / largest
@@ -41,11 +41,11 @@ class ThermalFriction(Effect):
         return viscous_slope, EffectParameter("coulomb_slope", "{torque}" + per_kelvin, level, -1e6, 1e6)
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        return [{}] if _recorded(contexts) else heating_times()
+        return [{}] if _is_recorded(contexts) else propose_heating_times()
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        heat = heat_of(context, _time_constant(values))
-        viscous = np.where(context.velocity >= 0.0, *_viscous(context))
+        heat = compute_heat(context, _read_time_constant(values))
+        viscous = np.where(context.velocity >= 0.0, *_bound_viscous(context))
         fall = np.clip(values["viscous_slope"] * heat / viscous, -STRONGEST_FALL, STRONGEST_FALL)
         return Contribution(
             additive=viscous * np.expm1(-fall) * context.velocity, level=-values.get("coulomb_slope", 0.0) * heat
@@ -62,28 +62,28 @@ class ThermalFriction(Effect):
         return "friction would rise with temperature" if rises else None
 
     def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
-        if not _recorded(contexts):
+        if not _is_recorded(contexts):
             return None  # the estimate follows from all friction since the joint was cold, and no term knows either
         slopes = values["viscous_slope"], values["coulomb_slope"]
-        return ThermalFrictionTerm(*_viscous(contexts[0]), *slopes, contexts[0].usual_temperature)
+        return ThermalFrictionTerm(*_bound_viscous(contexts[0]), *slopes, contexts[0].usual_temperature)
 
 
-def _viscous(context: Context) -> tuple[float, float]:
+def _bound_viscous(context: Context) -> tuple[float, float]:
     """Viscous friction of both directions that the heat changes, held above nothing [N·m·s/rad]."""
     least = 0.1 * context.scale / max(float(np.max(np.abs(context.velocity))), 1e-9)
     return max(context.plant.forward[3], least), max(context.plant.reverse[3], least)
 
 
 class _Warmth(HiddenState):
-    """The temperature that the losses of the simulated motion bring, as `heat_of` estimates it."""
+    """The temperature that the losses of the simulated motion bring, as `compute_heat` estimates it."""
 
     def __init__(self, context: Context, values: Values) -> None:
-        self.context, self.slope, self.time_constant = context, values["viscous_slope"], _time_constant(values)
-        self.forward, self.reverse = _viscous(context)
+        self.context, self.slope, self.time_constant = context, values["viscous_slope"], _read_time_constant(values)
+        self.forward, self.reverse = _bound_viscous(context)
 
     def begin(self, sample: int, step: float) -> None:
-        power = losses(self.context)
-        rise = warming(power, self.context.dt, self.time_constant)
+        power = compute_losses(self.context)
+        rise = compute_warming(power, self.context.dt, self.time_constant)
         self.rise, self.usual, self.mean = float(rise[sample]), float(np.mean(rise)), max(float(np.mean(power)), 1e-12)
         self.gain = 1.0 - exp(-step / self.time_constant)
 
@@ -94,11 +94,11 @@ class _Warmth(HiddenState):
         return viscous * expm1(-fall) * velocity, 0.0
 
 
-def _time_constant(values: Values) -> float:
+def _read_time_constant(values: Values) -> float:
     """Of the estimated temperature [s]."""
     return float(np.exp(values.get("time_constant", 0.0)))
 
 
-def _recorded(contexts: Sequence[Context]) -> bool:
+def _is_recorded(contexts: Sequence[Context]) -> bool:
     """Whether the temperature stands in every recording."""
     return all("temperature" in context.channels for context in contexts)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...joint.kernel import compiled
+from ...joint.kernel import compile_kernel
 from ...joint.observer import Contribution
 from ..effect import Context, Effect, EffectParameter, Values, register
 
@@ -14,8 +14,8 @@ _LARGEST = 0.1  # [rad] that a disc off its centre can read wrong, and more than
 _ROUNDS = 4  # towards the position at which the error is made
 
 
-@compiled
-def _at_source(
+@compile_kernel
+def _trace_to_source(
     wave: tuple[np.ndarray, np.ndarray], position: tuple[np.ndarray, np.ndarray], settings: np.ndarray
 ) -> np.ndarray:
     """The encoder's error e(q) at the position at which it is made, for the recorded one.
@@ -37,20 +37,20 @@ def _at_source(
         c, s = wave_cosine[k], wave_sine[k]
         last = error = sine * s + cosine * c
         for _ in range(_ROUNDS):
-            turned_cosine, turned_sine = _small_angle(order * error)
+            turned_cosine, turned_sine = _expand_small_angle(order * error)
             last = error
             c = wave_cosine[k] * turned_cosine + wave_sine[k] * turned_sine
             s = wave_sine[k] * turned_cosine - wave_cosine[k] * turned_sine
             error = sine * s + cosine * c
-        turned_cosine, turned_sine = _small_angle(last)
+        turned_cosine, turned_sine = _expand_small_angle(last)
         out[0, k], out[1, k] = error, order * (sine * c - cosine * s)
         out[2, k] = position_cosine[k] * turned_cosine + position_sine[k] * turned_sine
         out[3, k] = position_sine[k] * turned_cosine - position_cosine[k] * turned_sine
     return out
 
 
-@compiled
-def _small_angle(x: float) -> tuple[float, float]:
+@compile_kernel
+def _expand_small_angle(x: float) -> tuple[float, float]:
     """Cosine and sine, to 1e-15 up to 0.3 rad."""
     z = x * x
     sine = 1.0 - z / 6.0 * (1.0 - z / 20.0 * (1.0 - z / 42.0 * (1.0 - z / 72.0 * (1.0 - z / 110.0))))
@@ -82,7 +82,7 @@ class EncoderEccentricity(Effect):
         sine, cosine, order = values["sine"], values["cosine"], values["order"]
         usual = context.waves
         waves = usual if order == 1.0 else (np.cos(order * context.position), np.sin(order * context.position))
-        wave, slope, cosine_there, sine_there = _at_source(waves, usual, np.array([sine, cosine, order]))
+        wave, slope, cosine_there, sine_there = _trace_to_source(waves, usual, np.array([sine, cosine, order]))
         v = context.velocity / (1.0 + slope)
         a = (context.acceleration + order**2 * wave * v**2) / (1.0 + slope)
         plant = context.plant

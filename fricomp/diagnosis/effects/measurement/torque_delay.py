@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...joint.base import at_latest
+from ...joint.base import is_at_latest
 from ...joint.observer import Contribution
 from ..effect import Context, Effect, EffectParameter, Values, register
 
@@ -27,7 +27,7 @@ class TorqueDelay(Effect):
 
     def suspected(self, contexts: Sequence[Context]) -> bool:
         """The base's own delay is as long as it may be."""
-        return at_latest(contexts[0].plant)
+        return is_at_latest(contexts[0].plant)
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(delay=values["delay"])

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...joint.kernel import compiled
+from ...joint.kernel import compile_kernel
 from ...joint.observer import Contribution
 from ..effect import Context, Effect, EffectParameter, Values, register
 
@@ -16,8 +16,8 @@ _SELDOM = 0.01  # share of the samples
 _WIDEST, _ABOVE_NOISE = 0.8, 10.0
 
 
-@compiled
-def loop(torque: np.ndarray, width: float, exponent: float, initial: float) -> np.ndarray:
+@compile_kernel
+def follow_loop(torque: np.ndarray, width: float, exponent: float, initial: float) -> np.ndarray:
     """The part of a torque that follows it in a loop and saturates at `width` [N·m]. Shape (n,).
 
     Bouc and Wen: z' = tau' (1 - |z / w|^n) while z grows, tau' while it falls; a sharp play for large n.
@@ -47,7 +47,7 @@ class TorqueSensorHysteresis(Effect):
     says = "the torque reading lags behind the load in a loop"
 
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        low, high = (float(value) for value in np.log(_widths(contexts)))
+        low, high = (float(value) for value in np.log(_bound_widths(contexts)))
         return (
             EffectParameter("height", "1", 0.01, -0.5, 0.5),
             EffectParameter("width", "{torque}", 0.2, low, high, linear=False, logarithmic=True, form=0.3),
@@ -59,7 +59,7 @@ class TorqueSensorHysteresis(Effect):
         return self.kept(contexts)
 
     def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        narrowest, widest = _widths(contexts)
+        narrowest, widest = _bound_widths(contexts)
         usual = np.geomspace(0.02, 0.5, 8) * widest / _WIDEST
         widths = np.log(np.unique(np.maximum(usual, narrowest)))
         return [
@@ -71,14 +71,14 @@ class TorqueSensorHysteresis(Effect):
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         width, exponent = (float(np.exp(values[name])) for name in ("width", "exponent"))
-        state = loop(context.recorded, width, exponent, values["initial"])
+        state = follow_loop(context.recorded, width, exponent, values["initial"])
         return Contribution(additive=values["height"] * state)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return "the reading would run ahead of the load" if values["height"] >= 0.0 else None
 
 
-def _widths(contexts: Sequence[Context]) -> tuple[float, float]:
+def _bound_widths(contexts: Sequence[Context]) -> tuple[float, float]:
     """Narrowest and widest loop that shows as one [N·m]: it is no noise, and saturates again and again."""
     ends = [np.quantile(context.recorded, [_SELDOM, 1.0 - _SELDOM]) for context in contexts]
     reach = max(0.5 * float(high - low) for low, high in ends)

@@ -35,7 +35,7 @@ class EndStop(Effect):
         )
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        low, high = _range(contexts)
+        low, high = _find_range(contexts)
         span = high - low
         upper = [{"edge": high - f * span, "side": 1.0} for f in (0.02, 0.06, 0.12, 0.2)]
         return upper + [{"edge": low + f * span, "side": -1.0} for f in (0.02, 0.06, 0.12, 0.2)]
@@ -49,7 +49,7 @@ class EndStop(Effect):
         if values["stiffness"] <= 0.0:
             return "the stop would pull outwards"
         inside = [np.mean(values["side"] * (c.position - values["edge"]) > 0.0) for c in contexts]
-        low, high = _range(contexts)
+        low, high = _find_range(contexts)
         reach = high - values["edge"] if values["side"] > 0.0 else values["edge"] - low
         widest = max(float(np.mean(inside)), reach / (high - low))
         return "it would act over more than a third of the range" if widest > _WIDEST else None
@@ -58,6 +58,6 @@ class EndStop(Effect):
         return EndStopTerm(values["stiffness"], values["edge"], values["side"])
 
 
-def _range(contexts: Sequence[Context]) -> tuple[float, float]:
+def _find_range(contexts: Sequence[Context]) -> tuple[float, float]:
     """Least and largest position of all recordings [rad] or [m]."""
     return min(float(c.position.min()) for c in contexts), max(float(c.position.max()) for c in contexts)

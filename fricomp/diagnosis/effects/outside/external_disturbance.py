@@ -8,7 +8,7 @@ import numpy as np
 
 from ...joint.observer import Contribution
 from ..effect import Context, Effect, EffectParameter, Values, register
-from ..time_window import push
+from ..time_window import shape_push
 
 _SHORTEST = 0.2  # [s] of the longest window: ten rows; shorter ones have been seen of drives that could not follow
 # [s] A push with sharp edges is not the power of a sine that is fitted: such ends were 5 to 81 ms off (38 ms rms), and
@@ -29,7 +29,7 @@ class ExternalDisturbance(Effect):
     def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = 0.05 * contexts[0].scale
         found: list[EffectParameter] = []
-        for k in range(1, len(_windows(contexts)) + 1):
+        for k in range(1, len(_list_windows(contexts)) + 1):
             found += [
                 EffectParameter(f"torque_{k}", "{torque}", scale, -1e5, 1e5, form=0.05),
                 EffectParameter(f"start_{k}", "s", 0.05, 0.0, 1e6, linear=False, least_form=_EDGE),
@@ -39,27 +39,27 @@ class ExternalDisturbance(Effect):
         return tuple(found)
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        windows = _windows(contexts)
+        windows = _list_windows(contexts)
         values = {f"start_{k}": start for k, (_, start, _) in enumerate(windows, start=1)}
         values |= {f"end_{k}": end for k, (_, _, end) in enumerate(windows, start=1)}
         return [values] if windows else []
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         torque = np.zeros_like(context.position)
-        for k, (which, _, _) in enumerate(_windows([context]), start=1):
+        for k, (which, _, _) in enumerate(_list_windows([context]), start=1):
             if which == context.index:
                 roundness = float(np.exp(values[f"roundness_{k}"]))
-                shape = push(context.time, values[f"start_{k}"], values[f"end_{k}"], roundness)
+                shape = shape_push(context.time, values[f"start_{k}"], values[f"end_{k}"], roundness)
                 torque += values[f"torque_{k}"] * shape
         return Contribution(additive=torque)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        count = len(_windows(contexts))
+        count = len(_list_windows(contexts))
         longest = max(values[f"end_{k}"] - values[f"start_{k}"] for k in range(1, count + 1))
         return "so short a push shows no more than that something was amiss" if longest < _SHORTEST else None
 
 
-def _windows(contexts: Sequence[Context]) -> list[tuple[float, float, float]]:
+def _list_windows(contexts: Sequence[Context]) -> list[tuple[float, float, float]]:
     """Recording, start and end of the windows that stand out of the base's residual."""
     hints = contexts[0].hints.get("window", ())
     return list(zip(hints[::3], hints[1::3], hints[2::3], strict=True))

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...inputs.track import smooth_derivative
+from ...inputs.track import differentiate
 from ...joint.observer import Contribution
 from ..effect import Context, Effect, EffectParameter, Values, register
 
@@ -31,8 +31,8 @@ class NeighbourCoupling(Effect):
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         q = context.channels.get("neighbour_position", np.zeros_like(context.position))  # at rest where unknown
-        v = smooth_derivative(q, context.dt)
-        a = smooth_derivative(v, context.dt)
+        v = differentiate(q, context.dt)
+        a = differentiate(v, context.dt)
         torque = values["inertia"] * a * np.cos(q) + values["centrifugal"] * v**2 * np.sin(q)
         return Contribution(additive=torque)
 

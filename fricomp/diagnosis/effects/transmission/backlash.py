@@ -9,7 +9,7 @@ import numpy as np
 from ...joint.observer import Contribution
 from ..effect import Context, Effect, EffectParameter, Values, register
 from ..forward_part import ForwardPart
-from ..two_masses import Transmission, carried
+from ..two_masses import Transmission, compute_carried
 
 _STIFF = 600.0  # [rad/s] of the load on the teeth once they touch: faster than any row can show
 _DAMPING_RATIO = 0.5  # and lossy, as lubricated teeth are: bounces lie below a row
@@ -43,10 +43,10 @@ class Backlash(Effect):
         return [{"gap": float(gap), "load_share": float(share)} for gap in gaps for share in shares]
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        return Contribution(additive=carried(context, _transmission(context, values)))
+        return Contribution(additive=compute_carried(context, _build_transmission(context, values)))
 
     def forward_part(self, context: Context, values: Values) -> ForwardPart:
-        return ForwardPart(coupling=_transmission(context, values).coupling(context))
+        return ForwardPart(coupling=_build_transmission(context, values).coupling(context))
 
     def unavailable(self, contexts: Sequence[Context]) -> str | None:
         transmitted = [c.gravity + 0.6 * c.plant.inertia * c.acceleration for c in contexts]
@@ -54,6 +54,6 @@ class Backlash(Effect):
         return "the transmitted torque never changes sign" if crosses < 2 else None
 
 
-def _transmission(context: Context, values: Values) -> Transmission:
+def _build_transmission(context: Context, values: Values) -> Transmission:
     inertia = context.plant.inertia * values["load_share"]
     return Transmission(inertia, inertia * _STIFF**2, _DAMPING_RATIO, float(np.exp(values["gap"])))

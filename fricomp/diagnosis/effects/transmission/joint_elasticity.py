@@ -10,7 +10,7 @@ from ...inputs.track import FloatArray
 from ...joint.observer import Contribution
 from ..effect import Context, Effect, EffectParameter, Values, register
 from ..forward_part import ForwardPart
-from ..two_masses import Transmission, carried
+from ..two_masses import Transmission, compute_carried
 
 # Below its resonance a spring shows over the square of the load's share: MuJoCo's were given 1 to 3 % too much, others
 # up to 21 % too little.
@@ -43,24 +43,24 @@ class JointElasticity(Effect):
         return self.kept(contexts)
 
     def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        return _resonances(contexts, np.geomspace(40.0, 500.0, 40))
+        return _propose_resonances(contexts, np.geomspace(40.0, 500.0, 40))
 
     def far_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        return _resonances(contexts, np.geomspace(50.0, 300.0, 8))
+        return _propose_resonances(contexts, np.geomspace(50.0, 300.0, 8))
 
     def contribution(self, context: Context, values: Values) -> Contribution:
-        return Contribution(additive=carried(context, _transmission(context, values)))
+        return Contribution(additive=compute_carried(context, _build_transmission(context, values)))
 
     def forward_part(self, context: Context, values: Values) -> ForwardPart:
-        return ForwardPart(coupling=_transmission(context, values).coupling(context))
+        return ForwardPart(coupling=_build_transmission(context, values).coupling(context))
 
 
-def _transmission(context: Context, values: Values) -> Transmission:
+def _build_transmission(context: Context, values: Values) -> Transmission:
     stiffness, ratio = (float(np.exp(values[name])) for name in ("stiffness", "damping_ratio"))
     return Transmission(context.plant.inertia * values["load_share"], stiffness, ratio, hardening=values["hardening"])
 
 
-def _resonances(contexts: Sequence[Context], frequencies: FloatArray) -> list[dict[str, float]]:
+def _propose_resonances(contexts: Sequence[Context], frequencies: FloatArray) -> list[dict[str, float]]:
     """A usual load on springs on which it swings at these frequencies [rad/s]."""
     share, ratio = 0.6, float(np.log(0.06))
     stiffness = np.log(share * contexts[0].plant.inertia * frequencies**2)

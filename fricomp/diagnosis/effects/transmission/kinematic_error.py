@@ -10,8 +10,8 @@ from fricomp.laws import KinematicError as KinematicErrorTerm
 from fricomp.laws import Term
 
 from ...joint.observer import Contribution, Plant
-from ..effect import Context, Effect, EffectParameter, Values, lowest_order, register, too_long
-from ..two_masses import uneven_running
+from ..effect import Context, Effect, EffectParameter, Values, compute_lowest_order, refuse_long_wave, register
+from ..two_masses import compute_uneven_running
 
 
 @register
@@ -28,22 +28,22 @@ class KinematicError(Effect):
         return (
             EffectParameter("sine", "{position}", 1e-4, -0.1, 0.1),
             EffectParameter("cosine", "{position}", 1e-4, -0.1, 0.1),
-            EffectParameter("order", "1/{position}", 0.05, lowest_order(contexts), 1e5, linear=False),
+            EffectParameter("order", "1/{position}", 0.05, compute_lowest_order(contexts), 1e5, linear=False),
             EffectParameter("load_share", "1", 0.1, 0.05, 1.0, linear=False, prior=0.2),
         )
 
     def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        lowest = lowest_order(contexts)
+        lowest = compute_lowest_order(contexts)
         orders = contexts[0].hints.get("dynamic_order", ())
         return [{"order": n, "load_share": 0.6} for n in orders if n >= lowest]
 
     def contribution(self, context: Context, values: Values) -> Contribution:
         wave = np.exp(1j * values["order"] * context.position)
-        torque = wave * uneven_running(context, values["order"], values["load_share"])
+        torque = wave * compute_uneven_running(context, values["order"], values["load_share"])
         return Contribution(additive=values["sine"] * torque.imag + values["cosine"] * torque.real)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        return too_long(values["order"], contexts)
+        return refuse_long_wave(values["order"], contexts)
 
     def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         # The joint that the contribution was fitted along, which stays as it is while the plant is refitted.
