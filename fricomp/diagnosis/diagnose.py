@@ -29,8 +29,8 @@ from .record.result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord
 from .record.sentence import forward_sentence
 from .samples.second_look import second_look
 from .search.late_creep import has_late_creep
-from .search.preparation import Prepared, prepare
-from .search.search import Found, search
+from .search.preparation import Baseline, prepare
+from .search.search import SearchResult, search
 from .verdict.verdict import agreed, conclude
 
 __all__ = ["diagnose", "with_remarks"]
@@ -151,7 +151,7 @@ def _not_compared(
 
 
 def _with_forward(
-    diagnosis: Diagnosis, recording: Recording, prepared: Prepared, found: Found, loop: Controller | None
+    diagnosis: Diagnosis, recording: Recording, prepared: Baseline, found: SearchResult, loop: Controller | None
 ) -> Diagnosis:
     """The diagnosis with a forward simulation of the held-out end of the first recording, where a loop is known."""
     if loop is None:

@@ -167,7 +167,7 @@ class _Rows:
         edge = round(_EDGE / dt)
         kept = slice(edge, grid.size - edge, max(1, round(1.0 / (_RATE * dt))))
         motion = ArmMotion(position[kept], velocity[kept], acceleration[kept])
-        columns = [arm.body_columns(motion, body) for body in arm.bodies]
+        columns = [arm.compute_body_columns(motion, body) for body in arm.bodies]
         return cls(motion, torque[kept], np.concatenate(columns, axis=2), columns[-1])
 
 

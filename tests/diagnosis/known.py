@@ -12,7 +12,7 @@ from fricomp.diagnosis.effects.structure import Candidate, Structure
 from fricomp.diagnosis.inputs.track import FloatArray
 from fricomp.diagnosis.joint.solver import Fit
 from fricomp.diagnosis.search.explanation import Explanation
-from fricomp.diagnosis.search.preparation import Prepared
+from fricomp.diagnosis.search.preparation import Baseline
 
 _FAR = 5.0  # in units of a row's noise, by which effects reach a row unless it is said otherwise
 
@@ -23,7 +23,7 @@ class Known(Explanation):
 
     reached: FloatArray | None = None
 
-    def reach(self, prepared: Prepared) -> FloatArray:
+    def compute_reach(self, prepared: Baseline) -> FloatArray:
         return np.full(self.fit.residual.size, _FAR) if self.reached is None else self.reached
 
 
@@ -36,5 +36,5 @@ def known(names: Sequence[str], gain: float, residual: FloatArray | None = None,
     """An explanation by the effects `names`, all of whose gain is certain; `more` are its other attributes."""
     structure = Structure((), tuple(Candidate(name, ()) for name in names))
     fit = fit_of(np.zeros(1) if residual is None else residual)
-    plain = Known(structure, fit, Structure((), ()).box(), gain, gain, 0.9)
+    plain = Known(structure, fit, Structure((), ()).build_box(), gain, gain, 0.9)
     return replace(plain, **more)

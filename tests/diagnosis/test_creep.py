@@ -10,14 +10,14 @@ from fricomp.diagnosis.joint.base import unpack
 from fricomp.diagnosis.joint.kernel import LANES, observe
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer, Plant
-from fricomp.diagnosis.search.preparation import Prepared, prepare
+from fricomp.diagnosis.search.preparation import Baseline, prepare
 
 from .friction_loss import STICKING, FrictionLoss, recording
 
 DT, LEVEL, CREEP = 1e-3, 1.0, 0.02
 
 
-def _prepared(truth: FrictionLoss, kind: str, rate: int) -> Prepared:
+def _prepared(truth: FrictionLoss, kind: str, rate: int) -> Baseline:
     tracks = build_tracks([recording(truth, kind, duration=16.0, rate=rate)], [None])
     return prepare(tracks, observer=Observer(), nulls=8, seed=0)
 
@@ -29,7 +29,7 @@ def _held(plant: Plant, speed: float, substeps: int) -> FloatArray:
     lanes = tuple(range(LANES[0]))
     signals = (speed * time, np.full_like(time, speed), 0 * time, 0 * time)
     rows = np.zeros((4, len(lanes)), dtype=np.int64)
-    plants, out = np.tile(plant.slots()[:, None], len(lanes)), np.empty((4, len(lanes), time.size))
+    plants, out = np.tile(plant.to_slots()[:, None], len(lanes)), np.empty((4, len(lanes), time.size))
     observe(tuple(one[None] for one in signals), rows, plants, settings, steps, lanes, out)
     return np.asarray(out[3, 0])
 

@@ -23,13 +23,13 @@ from fricomp.diagnosis.joint.problem import build_problem
 from fricomp.diagnosis.joint.solver import Box, Fit
 from fricomp.diagnosis.search.explanation import Explanation, _compute_left, compute_evidence
 from fricomp.diagnosis.search.preparation import (
-    Prepared,
+    Baseline,
     _build_colour_filter,
     _compute_typical,
     _correlate,
     _predict_stably,
 )
-from fricomp.diagnosis.search.search import Found
+from fricomp.diagnosis.search.search import SearchResult
 
 from .known import fit_of, known
 
@@ -45,12 +45,12 @@ def _track() -> Track:
 
 
 @pytest.fixture(scope="module")
-def prepared() -> Prepared:
+def prepared() -> Baseline:
     none = cast(Any, None)
-    return Prepared(build_problem([_track()], _PLANT, Observer()), none, none, none, none)
+    return Baseline(build_problem([_track()], _PLANT, Observer()), none, none, none, none)
 
 
-def test_rows_whose_window_touches_rest_do_not_slide(prepared: Prepared) -> None:
+def test_rows_whose_window_touches_rest_do_not_slide(prepared: Baseline) -> None:
     time = prepared.problem.grids[0].centres * 1e-3
     at_rest = (time > 4.05) & (time < 5.95)
     assert not prepared.sliding[at_rest].any()
@@ -58,14 +58,14 @@ def test_rows_whose_window_touches_rest_do_not_slide(prepared: Prepared) -> None
     assert not prepared.sliding[np.abs(time - 3.0) < 0.01].any()  # it turns there
 
 
-def test_a_joint_that_hardly_ever_slides_has_all_rows(prepared: Prepared) -> None:
+def test_a_joint_that_hardly_ever_slides_has_all_rows(prepared: Baseline) -> None:
     track = prepared.problem.tracks[0]
     still = replace(track, velocity=np.zeros(track.size))
     resting = replace(prepared, problem=replace(prepared.problem, tracks=(still,)))
     assert resting.sliding.all()
 
 
-def test_rest_speaks_only_for_effects_that_show_there(prepared: Prepared) -> None:
+def test_rest_speaks_only_for_effects_that_show_there(prepared: Baseline) -> None:
     sliding = prepared.sliding
     before, after = np.full(sliding.size, 0.7), np.full(sliding.size, 0.7)
     after[~sliding] = 0.0
@@ -77,13 +77,13 @@ def test_rest_speaks_only_for_effects_that_show_there(prepared: Prepared) -> Non
     )
 
 
-def test_a_fall_about_rest_that_no_bristle_reaches_speaks_for_any_effect(prepared: Prepared) -> None:
+def test_a_fall_about_rest_that_no_bristle_reaches_speaks_for_any_effect(prepared: Baseline) -> None:
     loud = np.where(prepared.sliding, 1.0, 2.0)
     shown = compute_evidence(prepared, ("load_coulomb",), fit_of(loud), fit_of(np.ones(loud.size)))
     assert shown == pytest.approx(3.0 * np.sum(~prepared.sliding))
 
 
-def test_no_row_counts_for_more_than_three_deviations(prepared: Prepared) -> None:
+def test_no_row_counts_for_more_than_three_deviations(prepared: Baseline) -> None:
     before = np.zeros(prepared.sliding.size)
     first, second = np.flatnonzero(prepared.sliding)[:2]
     before[first] = 100.0
@@ -108,7 +108,7 @@ class _Known:
 def _held(structure: _Known, theta: FloatArray) -> FloatArray:
     size = theta.size
     box = Box(-np.full(size, 9.0), np.full(size, 9.0), np.ones(size), np.zeros(size), np.eye(size), np.ones(size))
-    prepared = cast(Prepared, SimpleNamespace(problem=None, box=box))
+    prepared = cast(Baseline, SimpleNamespace(problem=None, box=box))
     return _held_out(
         prepared, cast(Any, structure), Fit(theta, np.zeros(0), structure.table, 0.0), _folds([structure.torque.size])
     )
@@ -193,7 +193,7 @@ def test_a_fall_is_sure_over_blocks_or_by_its_size(
 
 def test_samples_are_cut_finely_where_a_bristle_may_be_stretched() -> None:
     problem = build_problem([_track()], _PLANT, Observer())
-    stiff, soft = (problem.timed_for(replace(_PLANT, sigma_0=one)).tracks[0].substeps for one in (4e5, 1e4))
+    stiff, soft = (problem.cut_samples_for(replace(_PLANT, sigma_0=one)).tracks[0].substeps for one in (4e5, 1e4))
     assert stiff.min() == soft.min() >= 2
     assert stiff.max() > soft.max() > 2
     assert np.all(stiff >= soft)
@@ -203,10 +203,10 @@ def test_samples_are_cut_finely_where_a_bristle_may_be_stretched() -> None:
     assert np.all(stiff[(time > 2.1) & (time < 2.9)] == stiff.min())
     longest = 1e-3 / stiff.max() * np.sqrt((3.0 * 4e5 + problem.gains[0]) / _PLANT.inertia)
     assert longest <= problem.observer.step
-    np.testing.assert_array_equal(problem.tracks[0].substeps, problem.timed_for(_PLANT).tracks[0].substeps)
+    np.testing.assert_array_equal(problem.tracks[0].substeps, problem.cut_samples_for(_PLANT).tracks[0].substeps)
 
 
-def test_what_lies_mostly_about_rest_speaks_for_no_effect_of_sliding(prepared: Prepared) -> None:
+def test_what_lies_mostly_about_rest_speaks_for_no_effect_of_sliding(prepared: Baseline) -> None:
     """Both bring 20 where the joint slides; the second far more about rest, as a bent bristle would."""
     rows = prepared.sliding
     none = fit_of(np.zeros(rows.size))
@@ -235,8 +235,8 @@ def test_the_residuals_own_colour_never_makes_a_filter_that_grows(shift: tuple[f
         np.testing.assert_array_equal(extra, solve_toeplitz([1.0, *shift[:-1]], shift))
 
 
-def _found(best: Explanation, *rivals: Explanation, null: float = 0.0) -> Found:
-    return Found((best, *rivals), best, 30.0, 0.0, null, cast(Any, None))
+def _found(best: Explanation, *rivals: Explanation, null: float = 0.0) -> SearchResult:
+    return SearchResult((best, *rivals), best, 30.0, 0.0, null, cast(Any, None))
 
 
 @pytest.mark.parametrize(("left", "null", "printed"), [(0.0, 0.0, False), (0.0, 25.0, True), (25.0, 0.0, True)])
@@ -253,10 +253,10 @@ def test_a_set_is_never_wider_than_another_form_of_a_law() -> None:
 
 
 @pytest.mark.parametrize("seen", ["sliding", "about rest"])
-def test_the_form_of_the_bristle_is_not_held_against_an_explanation(seen: str, prepared: Prepared) -> None:
+def test_the_form_of_the_bristle_is_not_held_against_an_explanation(seen: str, prepared: Baseline) -> None:
     rows = prepared.sliding if seen == "sliding" else np.logical_not(prepared.sliding)
     generic = rows[:, None] / np.sqrt(np.sum(rows))
-    known = cast(Prepared, SimpleNamespace(generic=generic, sliding=prepared.sliding))
+    known = cast(Baseline, SimpleNamespace(generic=generic, sliding=prepared.sliding))
     energy = 0.2 * float(np.sum(rows))
     left = _compute_left(known, fit_of(np.sqrt(0.2) * rows))
     assert left == pytest.approx(energy - 1.0 if seen == "sliding" else 0.0)
@@ -279,7 +279,7 @@ def test_the_form_of_the_bristle_is_not_held_against_an_explanation(seen: str, p
 )
 def test_what_is_named_covers_the_mismatch(coverage: float, left: float, certain: float, named: bool) -> None:
     best = known(("cogging",), 100.0, certain=certain, coverage=coverage, left=left)
-    base = cast(Prepared, SimpleNamespace(fit=fit_of(np.zeros(1000))))
+    base = cast(Baseline, SimpleNamespace(fit=fit_of(np.zeros(1000))))
     assert covers(best, _found(best, null=20.0), base) == named
 
 
@@ -299,8 +299,8 @@ def test_what_is_named_covers_the_mismatch(coverage: float, left: float, certain
 def test_something_smooth_or_swinging_that_is_heard_is_unknown(
     ratio: float, structured: bool, explainable: float, null: float, unknown: bool
 ) -> None:
-    found = Found((), None, 30.0, explainable, null, cast(Any, None))
-    base = cast(Prepared, SimpleNamespace(fit=fit_of(np.zeros(2000)), noise_ratio=ratio, structured=structured))
+    found = SearchResult((), None, 30.0, explainable, null, cast(Any, None))
+    base = cast(Baseline, SimpleNamespace(fit=fit_of(np.zeros(2000)), noise_ratio=ratio, structured=structured))
     assert stands_out(found, base) == unknown
 
 

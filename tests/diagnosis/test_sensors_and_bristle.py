@@ -69,7 +69,7 @@ def reversal_torque(plant: Plant, travel: float) -> FloatArray:
     lanes = tuple(range(LANES[0]))
     signals = (position, velocity, 0.0 * position, 0.0 * position)
     rows = np.zeros((4, len(lanes)), dtype=np.int64)
-    plants, out = np.tile(plant.slots()[:, None], len(lanes)), np.empty((4, len(lanes), position.size))
+    plants, out = np.tile(plant.to_slots()[:, None], len(lanes)), np.empty((4, len(lanes), position.size))
     observe(tuple(one[None] for one in signals), rows, plants, settings, substeps, lanes, out)
     return np.asarray(out[3, 0])
 

@@ -38,7 +38,7 @@ def _build_context(track: Track, plant: Plant, seen: Observation, hints: Mapping
     velocity = differentiate(track.position, track.dt, _SMOOTH)
     acceleration = differentiate(velocity, track.dt, _SMOOTH)
     load = track.channels.get("load_torque")
-    gravity = plant.gravity_torque(position, track.rotary)
+    gravity = plant.compute_gravity_torque(position, track.rotary)
     load = gravity - plant.offset if load is None else remove_noise(load, position, acceleration, track)
     v = seen.velocity
     viscous = np.where(v >= 0.0, plant.forward[3], plant.reverse[3]) * v
@@ -83,7 +83,7 @@ def move_context(context: Context, track: Track, seen: Observation) -> Context:
 
 def add_load(context: Context, plant: Plant, further: FloatArray) -> Context:
     """The same motion of another plant, which carries a further load [N·m]; a recorded load stays. Shape (n,)."""
-    gravity = plant.gravity_torque(context.position, context.rotary) - plant.offset + further
+    gravity = plant.compute_gravity_torque(context.position, context.rotary) - plant.offset + further
     recorded = "load_torque" in context.channels
     return replace(context, plant=plant, gravity=gravity, load_torque=context.load_torque if recorded else gravity)
 

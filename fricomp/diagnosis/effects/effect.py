@@ -132,7 +132,7 @@ class EffectParameter:
     least_form: float = 0.0
     with_delay: float = 0.0
 
-    def deviation_of_form(self, value: float) -> float:
+    def compute_form_deviation(self, value: float) -> float:
         """Standard deviation that the law's form leaves, in the solver's coordinates."""
         usual = _FORM if self.linear or self.logarithmic else 0.0
         relative = usual if self.form is None else self.form
@@ -152,45 +152,45 @@ class Effect(ABC):
     scales_torque: ClassVar[bool] = False  # by a factor that changes with time, but hardly over the whole recording
 
     @abstractmethod
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         """The effect's numbers, with scales for these recordings."""
 
     @abstractmethod
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         """What the effect adds to the joint along one recording."""
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         """Hypotheses for the parameters in which the contribution is not linear."""
         return [{}]
 
-    def other_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_other_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         """Hypotheses that are tried where the fitted ones ask for another inertia or gravity than the simulation's."""
-        return self.starts(contexts)
+        return self.propose_starts(contexts)
 
-    def far_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_far_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         """Hypotheses far from each other, fitted with care where the base is bent so far that nothing explains most."""
         return []
 
     def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        """Many hypotheses, of which simulation keeps the best as starts; none where `starts` is enough."""
+        """Many hypotheses, of which simulation keeps the best as starts; none where `propose_starts` is enough."""
         return []
 
-    def kept(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def recall_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         """The hypotheses that were kept of `scan`; all of them where none was narrowed down."""
-        names = [p.name for p in self.parameters(contexts)]
+        names = [p.name for p in self.list_parameters(contexts)]
         values = contexts[0].hints.get(f"start:{self.name}", ())
         found = [dict(zip(names, values[i : i + len(names)], strict=True)) for i in range(0, len(values), len(names))]
         return found or self.scan(contexts)
 
-    def unavailable(self, contexts: Sequence[Context]) -> str | None:
+    def find_obstacle(self, contexts: Sequence[Context]) -> str | None:
         """Why this recording cannot show the effect; None where it can."""
         return None
 
-    def suspected(self, contexts: Sequence[Context]) -> bool:
+    def is_suspected(self, contexts: Sequence[Context]) -> bool:
         """Whether the base model itself points at the effect, so that it is refitted however faint its column is."""
         return False
 
-    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+    def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         """The effect as a term beside the friction of the fitted `plant`; None where it is none.
 
         `contexts` are those that its contribution was fitted along. What changes the curves or the bristle themselves
@@ -198,11 +198,11 @@ class Effect(ABC):
         """
         return None
 
-    def forward_part(self, context: Context, values: Values) -> ForwardPart:
+    def build_forward_part(self, context: Context, values: Values) -> ForwardPart:
         """What the effect is in a forward simulation; what it adds along the recorded motion where it has no state."""
-        return ForwardPart(self.contribution(context, values))
+        return ForwardPart(self.compute_contribution(context, values))
 
-    def load(self, context: Context, values: Values) -> FloatArray | float:
+    def compute_load(self, context: Context, values: Values) -> FloatArray | float:
         """Further load that the joint carries by this effect, which others feel as well [N·m]. Shape (n,)."""
         return 0.0
 
@@ -210,7 +210,7 @@ class Effect(ABC):
         """Why these values are not physical, or too faint to be named; None where they are neither."""
         return None
 
-    def faint(self, values: Values, contexts: Sequence[Context]) -> bool:
+    def is_faint(self, values: Values, contexts: Sequence[Context]) -> bool:
         """Whether these values are physical and refused as too faint: something else may look like them."""
         return False
 

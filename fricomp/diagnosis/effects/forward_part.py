@@ -43,5 +43,5 @@ class ForwardPart:
 
     def __add__(self, other: ForwardPart) -> ForwardPart:
         both = [one for one in (self.coupling, other.coupling) if one is not None]
-        coupling = both[0].joined(both[1]) if len(both) == 2 else next(iter(both), None)
+        coupling = both[0].join(both[1]) if len(both) == 2 else next(iter(both), None)
         return ForwardPart(self.along + other.along, self.states + other.states, coupling)

@@ -57,34 +57,30 @@ class Structure:
         """Names of the effects, sorted."""
         return tuple(sorted(candidate.name for candidate in self.candidates))
 
-    def parameters(self) -> list[tuple[str, EffectParameter]]:
-        """Effect name and parameter, in the order of the vector."""
-        return self._parameters
-
     @cached_property
-    def _parameters(self) -> list[tuple[str, EffectParameter]]:
-        """The same; their scales are asked of whole recordings, and they are needed at every point of a fit."""
-        return [(c.name, p) for c in self.candidates for p in c.effect.parameters(self.contexts)]
+    def parameters(self) -> list[tuple[str, EffectParameter]]:
+        """Effect name and parameter, in the order of the vector; computed once, since every point of a fit asks."""
+        return [(c.name, p) for c in self.candidates for p in c.effect.list_parameters(self.contexts)]
 
     @property
     def freedom(self) -> int:
         """Number of effect parameters that are fitted."""
-        return sum(p.scale > 0.0 for _, p in self.parameters())
+        return sum(p.scale > 0.0 for _, p in self.parameters)
 
-    def start(self) -> FloatArray:
+    def build_start(self) -> FloatArray:
         """Starting values of the effect parameters."""
         return np.array(
-            [dict(c.values).get(p.name, 0.0) for c in self.candidates for p in c.effect.parameters(self.contexts)]
+            [dict(c.values).get(p.name, 0.0) for c in self.candidates for p in c.effect.list_parameters(self.contexts)]
         )
 
-    def known(self) -> Box:
+    def build_known_box(self) -> Box:
         """The same domain, with what is known of the effect parameters wherever a fit of them began."""
-        known = [parameter.known or parameter.prior for _, parameter in self.parameters()]
-        return replace(self.box(), precision=np.diag([1.0 / one**2 if one > 0.0 else 0.0 for one in known]))
+        known = [parameter.known or parameter.prior for _, parameter in self.parameters]
+        return replace(self.build_box(), precision=np.diag([1.0 / one**2 if one > 0.0 else 0.0 for one in known]))
 
-    def box(self) -> Box:
+    def build_box(self) -> Box:
         """Domain of the effect parameters; one with scale zero is held at its start."""
-        start, parameters = self.start(), [p for _, p in self.parameters()]
+        start, parameters = self.build_start(), [p for _, p in self.parameters]
         fixed = np.array([p.scale == 0.0 for p in parameters], dtype=bool)
         lower = np.where(fixed, start, [p.lower for p in parameters])
         upper = np.where(fixed, start, [p.upper for p in parameters])
@@ -93,66 +89,68 @@ class Structure:
         reach = np.array([1000.0 if p.linear else 2.0 for p in parameters])
         return Box(lower, upper, scale, start.copy(), precision, reach)
 
-    def values(self, vector: FloatArray) -> dict[str, dict[str, float]]:
+    def name_values(self, vector: FloatArray) -> dict[str, dict[str, float]]:
         """Effect parameters by effect and name."""
         result: dict[str, dict[str, float]] = {}
-        for (name, parameter), value in zip(self.parameters(), vector, strict=True):
+        for (name, parameter), value in zip(self.parameters, vector, strict=True):
             result.setdefault(name, {})[parameter.name] = float(value)
         return result
 
-    def contributions(self, vector: FloatArray) -> list[Contribution]:
+    def compute_contributions(self, vector: FloatArray) -> list[Contribution]:
         """What the effects add to each recording."""
-        values = self.values(vector)
-        return [self.contribution(context, values) for context in self.contexts]
+        values = self.name_values(vector)
+        return [self.compute_contribution(context, values) for context in self.contexts]
 
-    def contribution(self, context: Context, values: Mapping[str, Mapping[str, float]]) -> Contribution:
+    def compute_contribution(self, context: Context, values: Mapping[str, Mapping[str, float]]) -> Contribution:
         """What the effects add along one motion, with parameters by effect and name."""
         total = Contribution()
         for candidate in self.candidates:
-            total = total + candidate.effect.contribution(context, values[candidate.name])
+            total = total + candidate.effect.compute_contribution(context, values[candidate.name])
         return total
 
     def observe(self, problem: Problem, theta: FloatArray) -> list[Observation]:
         """Observed simulations at `theta`."""
-        return problem.runs([self.plant(theta)], [self.contributions(theta[N_BASE:])])[0]
+        return problem.observe_all([self.unpack_plant(theta)], [self.compute_contributions(theta[N_BASE:])])[0]
 
-    def with_and_without(
+    def observe_with_and_without(
         self, problem: Problem, theta: FloatArray, names: Collection[str]
     ) -> tuple[list[Observation], list[Observation]]:
         """Observed simulations at `theta`, and the same without the effects `names`."""
         kept = [c for c in self.candidates if c.name not in names]
-        held = np.array([owner not in names for owner, _ in self.parameters()], dtype=bool)
-        less = Structure(self.contexts, tuple(kept)).contributions(theta[N_BASE:][held])
-        complete, without = problem.runs([self.plant(theta)] * 2, [self.contributions(theta[N_BASE:]), less])
+        held = np.array([owner not in names for owner, _ in self.parameters], dtype=bool)
+        less = Structure(self.contexts, tuple(kept)).compute_contributions(theta[N_BASE:][held])
+        complete, without = problem.observe_all(
+            [self.unpack_plant(theta)] * 2, [self.compute_contributions(theta[N_BASE:]), less]
+        )
         return complete, without
 
-    def added(self, problem: Problem, theta: FloatArray, names: Collection[str]) -> FloatArray:
+    def compute_added(self, problem: Problem, theta: FloatArray, names: Collection[str]) -> FloatArray:
         """What the effects `names` add to the weighted rows at `theta`. Shape (m,)."""
-        complete, without = self.with_and_without(problem, theta, names)
-        return problem.vector(complete) - problem.vector(without)
+        complete, without = self.observe_with_and_without(problem, theta, names)
+        return problem.compute_vector(complete) - problem.compute_vector(without)
 
-    def plant(self, theta: FloatArray) -> Plant:
+    def unpack_plant(self, theta: FloatArray) -> Plant:
         """The base part of `theta`."""
         return unpack(theta[:N_BASE])
 
-    def contexts_at(self, theta: FloatArray) -> tuple[Context, ...]:
+    def move_contexts(self, theta: FloatArray) -> tuple[Context, ...]:
         """The motion of each recording, with the joint of `theta` and the load that it carries there.
 
         A base that is fitted without friction under load bends its gravity, and with it the load.
         """
-        plant, values = self.plant(theta), self.values(theta[N_BASE:])
+        plant, values = self.unpack_plant(theta), self.name_values(theta[N_BASE:])
 
         def further(context: Context) -> FloatArray:
-            carried = [candidate.effect.load(context, values[candidate.name]) for candidate in self.candidates]
+            carried = [candidate.effect.compute_load(context, values[candidate.name]) for candidate in self.candidates]
             return np.zeros_like(context.position) + sum(carried)
 
         return tuple(add_load(context, plant, further(context)) for context in self.contexts)
 
-    def residuals(self, problem: Problem, points: Sequence[FloatArray]) -> list[FloatArray]:
+    def compute_residuals(self, problem: Problem, points: Sequence[FloatArray]) -> list[FloatArray]:
         """Weighted residual vectors at several points."""
-        return problem.residual(self.contributions, N_BASE)(points)
+        return problem.build_residual(self.compute_contributions, N_BASE)(points)
 
-    def descent(
+    def start_descent(
         self,
         theta: FloatArray,
         base_box: Box,
@@ -170,7 +168,7 @@ class Structure:
             iterations: Most steps.
             refresh: Steps between fresh Jacobians.
         """
-        box = base_box.joined(self.box())
+        box = base_box.join(self.build_box())
         return descend(theta, box, jacobian=jacobian, iterations=iterations, refresh=refresh)
 
 
@@ -180,7 +178,7 @@ def fit_all(problem: Problem, descents: Sequence[tuple[Structure, Descent]]) -> 
 
     def evaluate(asked: list[list[FloatArray]]) -> list[list[FloatArray]]:
         pairs = [(s, point) for s, points in zip(structures, asked, strict=True) for point in points]
-        vectors = iter(problem.vectors([s.plant(p) for s, p in pairs], _compute_contributions(pairs)))
+        vectors = iter(problem.compute_vectors([s.unpack_plant(p) for s, p in pairs], _compute_contributions(pairs)))
         return [[next(vectors) for _ in points] for points in asked]
 
     return run_together([descent for _, descent in descents], evaluate)
@@ -199,4 +197,4 @@ def _compute_at(pair: tuple[Structure, FloatArray]) -> list[Contribution]:
     """What the effects add at a point, on a thread of its own: a point that does not simulate may overflow."""
     structure, point = pair
     with np.errstate(over="ignore", invalid="ignore"):
-        return structure.contributions(point[N_BASE:])
+        return structure.compute_contributions(point[N_BASE:])

@@ -42,7 +42,7 @@ class Transmission:
     gap: float = 0.0
     hardening: float = 0.0
 
-    def coupling(self, context: Context) -> Coupling:
+    def build_coupling(self, context: Context) -> Coupling:
         """The numbers of its equation of motion, under the loads of one recording."""
         largest = max(float(np.hypot(*context.plant.gravity)) if context.rotary else 0.0, context.scale)
         damping = 2.0 * self.damping_ratio * float(np.sqrt(self.stiffness / self.inertia)) * self.inertia
@@ -66,16 +66,16 @@ class Coupling(NamedTuple):
     half_gap: float = 0.0
     hardening: float = 0.0
 
-    def joined(self, other: Coupling) -> Coupling:
+    def join(self, other: Coupling) -> Coupling:
         """One load behind both: the softer spring, and both gaps."""
         softer = min(self, other, key=lambda one: one.stiffness)
         return softer._replace(half_gap=self.half_gap + other.half_gap)
 
-    def rate(self, inertia: float) -> float:
+    def compute_rate(self, inertia: float) -> float:
         """Rate of the load on its spring with a motor side of `inertia` [kg·m²] at the other end [1/s]."""
         return float(np.sqrt(self.stiffness * (1.0 / self.inertia + 1.0 / inertia)))
 
-    def rest(self, gravity: float) -> float:
+    def compute_rest(self, gravity: float) -> float:
         """Load less motor position where the spring holds this torque [rad]."""
         return -gravity / self.stiffness - (self.half_gap if gravity >= 0.0 else -self.half_gap)
 
@@ -143,7 +143,7 @@ def compute_carried(context: Context, transmission: Transmission) -> FloatArray:
     gravity, gradient = _compute_gravity(context)
     frequency = np.sqrt(t.stiffness / t.inertia)
     substeps = int(np.clip(np.ceil(frequency * context.dt / _FINEST), 1, 20))
-    s = simulate_twist(q, gravity, gradient, np.array([context.dt, substeps, *t.coupling(context)]))
+    s = simulate_twist(q, gravity, gradient, np.array([context.dt, substeps, *t.build_coupling(context)]))
     window = max(5, 2 * round(_WINDOW / context.dt / 2) + 1)
     curvature = np.convolve(s, _compute_curvature_weights(window, context.dt), mode="same")
     curvature[: window // 2] = curvature[-(window // 2) :] = 0.0

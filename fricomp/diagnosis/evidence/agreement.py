@@ -14,9 +14,9 @@ from ..inputs.rigid import RigidJoint
 from ..inputs.track import FloatArray
 from ..joint.solver import Box
 from ..search.explanation import Explanation
-from ..search.preparation import Prepared
+from ..search.preparation import Baseline
 from ..search.refit import LAST_STEPS, compute_preference, fit_from, polish
-from ..search.search import Found
+from ..search.search import SearchResult
 from .alias import CLOSE, alternatives, as_good, told
 from .comparison import AGREES, NAMED, Doubt
 
@@ -31,8 +31,8 @@ _BENT = "needs another inertia or gravity than the simulation's"
 
 
 def agreeing(
-    prepared: Prepared, found: Found, rigid: RigidJoint | None, differs: Callable[[Explanation, Doubt], bool]
-) -> Found:
+    prepared: Baseline, found: SearchResult, rigid: RigidJoint | None, differs: Callable[[Explanation, Doubt], bool]
+) -> SearchResult:
     """What was found, with a best explanation that agrees with the simulation where one fits as well.
 
     Friction that differs between driving and braking, for example, looks like friction under load and another gravity;
@@ -70,7 +70,7 @@ def _fits(one: Explanation, least: float) -> bool:
     return one.gain > least and not one.refused
 
 
-def _finished(prepared: Prepared, held: Sequence[Explanation], best: Explanation, number: int) -> list[Explanation]:
+def _finished(prepared: Baseline, held: Sequence[Explanation], best: Explanation, number: int) -> list[Explanation]:
     """The same, the first of them at its minimum, and others too that come near `best`, up to `number` in all.
 
     From its parameters to the simulation's gravity a narrow valley of offset, gravity and friction bends, which a fit
@@ -92,8 +92,8 @@ def _kept(
 
 
 def _without_bent(
-    prepared: Prepared, found: Found, rigid: RigidJoint, differs: Callable[[Explanation, Doubt], bool]
-) -> Found:
+    prepared: Baseline, found: SearchResult, rigid: RigidJoint, differs: Callable[[Explanation, Doubt], bool]
+) -> SearchResult:
     """What was found, each rival that moves the simulation as it fits with the simulation's parameters, or refused."""
     best = found.best
     bent = [rival for rival in told(found) if differs(rival, AGREES)]
@@ -108,7 +108,7 @@ def _without_bent(
     return replace(found, explanations=(best, *rest))
 
 
-def _near(found: Found, best: Explanation) -> list[Explanation]:
+def _near(found: SearchResult, best: Explanation) -> list[Explanation]:
     """The best explanation and others that come near it, of each set of effects the best one."""
     near = {best.names: best}
     for rival in found.explanations:
@@ -117,7 +117,7 @@ def _near(found: Found, best: Explanation) -> list[Explanation]:
     return list(near.values())[:_MOST_NEAR]
 
 
-def _held(prepared: Prepared, near: Sequence[Explanation], rigid: RigidJoint) -> list[Explanation]:
+def _held(prepared: Baseline, near: Sequence[Explanation], rigid: RigidJoint) -> list[Explanation]:
     """The effects of each explanation in all their forms, with inertia and gravity held at those of the simulation."""
     box = hold(prepared.box, rigid)
     wanted = []
@@ -143,7 +143,7 @@ def moved_to(body: FloatArray, theta: FloatArray, contexts: Sequence[Context]) -
 
 
 def _others(contexts: Sequence[Context], name: str) -> list[Candidate]:
-    starts = EFFECTS[name].other_starts(contexts)
+    starts = EFFECTS[name].propose_other_starts(contexts)
     return [Candidate(name, tuple(start.items())) for start in starts if any(start.values())]
 
 

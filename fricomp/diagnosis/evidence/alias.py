@@ -6,9 +6,9 @@ import numpy as np
 
 from ..record.result import Distinguishability
 from ..search.explanation import Explanation
-from ..search.preparation import Prepared
+from ..search.preparation import Baseline
 from ..search.screening import Screen, orthonormalise
-from ..search.search import Found
+from ..search.search import SearchResult
 
 __all__ = ["CLOSE", "aliases", "alternatives", "as_good", "distinguishability", "told"]
 
@@ -18,7 +18,7 @@ CLOSE = 12.0
 _FORM = 0.03  # of the gain, that a law of slightly another form may lack
 
 
-def aliases(found: Found, name: str) -> tuple[str, ...]:
+def aliases(found: SearchResult, name: str) -> tuple[str, ...]:
     """Effects that could stand in the place of `name` in the best explanation."""
     best = found.best
     if best is None:
@@ -30,14 +30,14 @@ def aliases(found: Found, name: str) -> tuple[str, ...]:
     return tuple(sorted({next(iter(set(rival.names) - others)) for rival in rivals}))
 
 
-def told(found: Found) -> list[Explanation]:
+def told(found: SearchResult) -> list[Explanation]:
     """Rivals with an effect that is told as what a named one cannot be told from, best first."""
     own = found.best.names if found.best is not None else ()
     others = {alias for name in own for alias in aliases(found, name)}
     return [rival for rival in alternatives(found) if others & (set(rival.names) - set(own))]
 
 
-def alternatives(found: Found) -> list[Explanation]:
+def alternatives(found: SearchResult) -> list[Explanation]:
     """Explanations by other effects, as many of them, that fit about as well as the best one, best first."""
     best = found.best
     if best is None:
@@ -51,9 +51,9 @@ def as_good(rival: Explanation, best: Explanation) -> bool:
     return rival.gain > best.gain - max(CLOSE, _FORM * best.gain)
 
 
-def distinguishability(prepared: Prepared, screened: Screen) -> Distinguishability:
+def distinguishability(prepared: Baseline, screened: Screen) -> Distinguishability:
     """One minus R² of each effect by each other, after the base is refitted."""
-    best = screened.best_by_name()
+    best = screened.select_best()
     names = tuple(sorted(best))
     spans = [best[name].span for name in names]
     matrix = [[_distance(a, b) for b in spans] for a in spans]

@@ -16,8 +16,8 @@ from ..inputs.rigid import RigidJoint, Spring
 from ..joint.base import BODY_AND_CURVES
 from ..joint.solver import Fit
 from ..record.result import Location, NamedEffect, RowSeries
-from ..search.preparation import Prepared
-from ..search.search import Found
+from ..search.preparation import Baseline
+from ..search.search import SearchResult
 from .as_given import fit_as_given
 from .comparison import Comparison, Doubt
 from .friction_comparison import GivenFriction, compare_friction, friction_changes
@@ -40,8 +40,8 @@ class Answer:
     """
 
     recordings: tuple[Recording, ...]
-    prepared: Prepared
-    found: Found
+    prepared: Baseline
+    found: SearchResult
     rigid: RigidJoint | None
     friction: FrictionModel | None
     seed: int

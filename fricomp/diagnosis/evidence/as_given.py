@@ -14,7 +14,7 @@ from ..inputs.rigid import RigidJoint
 from ..inputs.track import FloatArray
 from ..joint.base import BASE_NAMES
 from ..joint.solver import Fit, minimise
-from ..search.preparation import Prepared
+from ..search.preparation import Baseline
 
 __all__ = ["fit_as_given"]
 
@@ -29,7 +29,7 @@ _ITERATIONS = 6
 
 
 def fit_as_given(
-    prepared: Prepared, names: Collection[str], rigid: RigidJoint | None, friction: FrictionModel | None
+    prepared: Baseline, names: Collection[str], rigid: RigidJoint | None, friction: FrictionModel | None
 ) -> Fit | None:
     """The base fitted with the parameters of the effects `names` as given; None where these were not given.
 
@@ -46,7 +46,7 @@ def fit_as_given(
     at = [BASE_NAMES.index(name) for name in fixed]
     lower, upper, start = (values.copy() for values in (prepared.box.lower, prepared.box.upper, prepared.fit.theta))
     lower[at] = upper[at] = start[at] = list(fixed.values())
-    evaluate = prepared.problem.residual(prepared.problem.nothing, N_BASE)
+    evaluate = prepared.problem.build_residual(prepared.problem.add_nothing, N_BASE)
     box = replace(prepared.box, lower=lower, upper=upper)
     fit = minimise(evaluate, start, box, iterations=_ITERATIONS, refresh=2)
     jacobian = fit.jacobian.copy()

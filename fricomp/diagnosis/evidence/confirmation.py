@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..effects.structure import Structure
 from ..inputs.track import FloatArray
 from ..joint.solver import Box, Fit, raise_diagonal
-from ..search.preparation import Prepared
+from ..search.preparation import Baseline
 
 __all__ = ["Confirmation", "confirm", "covariance"]
 
@@ -45,7 +45,7 @@ class Confirmation:
     explained: float
 
 
-def confirm(prepared: Prepared, structure: Structure, fit: Fit, seed: int, *, given: Fit | None = None) -> Confirmation:
+def confirm(prepared: Baseline, structure: Structure, fit: Fit, seed: int, *, given: Fit | None = None) -> Confirmation:
     """Refit base and effects on all blocks but one, about their joint minimum, and judge them on that one.
 
     Args:
@@ -86,7 +86,7 @@ def confirm(prepared: Prepared, structure: Structure, fit: Fit, seed: int, *, gi
     )
 
 
-def _typical_noise(prepared: Prepared) -> float:
+def _typical_noise(prepared: Baseline) -> float:
     """Median over all rows of the standard deviation between nulls [N·m]."""
     nulls = prepared.nulls
     squares = [np.mean((r - m) ** 2, axis=0) for r, m in zip(nulls.rows, nulls.weights.mean, strict=True)]
@@ -110,7 +110,7 @@ def _folds(sizes: list[int]) -> list[tuple[FloatArray, FloatArray]]:
 
 
 def _held_out(
-    prepared: Prepared,
+    prepared: Baseline,
     structure: Structure,
     fit: Fit,
     folds: list[tuple[FloatArray, FloatArray]],
@@ -120,10 +120,12 @@ def _held_out(
     About the joint minimum each fold takes a step on its own rows. It is simulated, and taken where those gain by it:
     a bristle or a gap is no line, and what a line promises may be far from what comes.
     """
-    theta, residual = fit.theta, structure.residuals(prepared.problem, [fit.theta])[0]
-    box = prepared.box.joined(structure.box()) if structure.candidates else prepared.box
+    theta, residual = fit.theta, structure.compute_residuals(prepared.problem, [fit.theta])[0]
+    box = prepared.box.join(structure.build_box()) if structure.candidates else prepared.box
     moves = [_move(residual, fit.jacobian, box, train) for train, _ in folds]
-    values = structure.residuals(prepared.problem, [box.clip(theta + part * move) for move in moves for part in _PARTS])
+    values = structure.compute_residuals(
+        prepared.problem, [box.clip(theta + part * move) for move in moves for part in _PARTS]
+    )
     result = residual.copy()
     for i, (train, test) in enumerate(folds):
         options = values[i * len(_PARTS) : (i + 1) * len(_PARTS)]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..search.explanation import Explanation
-from ..search.preparation import Prepared
-from ..search.search import Found
+from ..search.preparation import Baseline
+from ..search.search import SearchResult
 from ..search.tone import Tone, find_tone
 from .confirmation import Confirmation, confirm
 
@@ -47,7 +47,7 @@ class Trial(NamedTuple):
     held: Confirmation | None = None
 
 
-def put_to_trial(prepared: Prepared, found: Found, seed: int) -> Trial:
+def put_to_trial(prepared: Baseline, found: SearchResult, seed: int) -> Trial:
     """Confirm the best explanation, where it covers the mismatch and is what its names say: no one part that ripples
     torque and friction, no other curve over speed.
 
@@ -60,11 +60,11 @@ def put_to_trial(prepared: Prepared, found: Found, seed: int) -> Trial:
     if best is None or not covers(best, found, prepared) or best.common_order is not None or best.foreign_curve:
         return Trial()
     held = confirm(prepared, best.structure, best.fit, seed, given=best.before)
-    sure = confirmed(held, best, found.threshold, prepared.loudness(best.fit))
+    sure = confirmed(held, best, found.threshold, prepared.measure_loudness(best.fit))
     return Trial(chosen=best, held=held) if sure else Trial(failed=best)
 
 
-def covers(best: Explanation, found: Found, prepared: Prepared) -> bool:
+def covers(best: Explanation, found: SearchResult, prepared: Baseline) -> bool:
     """Whether little is left beside `best`: of what it explains, or of what would stand out by itself."""
     faint = max(_FAINT_NULLS * found.explainable_null, _FAINT * prepared.fit.residual.size)
     clear = best.certain > _CLEAR * found.threshold
@@ -94,13 +94,13 @@ def confirmed(held: Confirmation, chosen: Explanation, threshold: float, loudnes
     return held.ci95_reduction[0] > 0.0 or (rare and held.rmse_after < held.rmse_before)
 
 
-def vibration(prepared: Prepared) -> Tone | None:
+def vibration(prepared: Baseline) -> Tone | None:
     """The strongest line in the spectrum of what the base leaves; None where nulls have such lines."""
     tone = find_tone(prepared)
     return tone if tone.energy > _TONE * tone.energy_null and tone.share > _ALONE else None
 
 
-def stands_out(found: Found, prepared: Prepared) -> bool:
+def stands_out(found: SearchResult, prepared: Baseline) -> bool:
     """Whether something is missing that no accepted effect covers: it is smooth, or swings as no noise does."""
     rows, ratio = prepared.fit.residual.size, prepared.noise_ratio
     if prepared.structured and ratio > _SWINGING:

@@ -14,7 +14,7 @@ from ..inputs.rigid import RigidJoint
 from ..joint.solver import Box, Fit
 from ..record.result import NamedEffect
 from ..search.explanation import Explanation, compute_evidence, judge
-from ..search.preparation import Prepared
+from ..search.preparation import Baseline
 from ..search.refit import fit_from
 from ..search.screening import screen
 from .agreement import moved_to
@@ -114,9 +114,13 @@ def _question(answer: Answer) -> _Question | None:
     return _Question(moved, replace(given, fit=replace(given.fit, jacobian=jacobian)), box)
 
 
-def _held(prepared: Prepared, rigid: RigidJoint) -> Box:
+def _held(prepared: Baseline, rigid: RigidJoint) -> Box:
     """The base's domain with inertia and gravity of the simulation, as far as they are known and a comparison tells."""
-    box, plant, contexts = prepared.box, prepared.structure.plant(prepared.fit.theta), prepared.structure.contexts
+    box, plant, contexts = (
+        prepared.box,
+        prepared.structure.unpack_plant(prepared.fit.theta),
+        prepared.structure.contexts,
+    )
     acceleration = float(np.sqrt(np.mean(np.concatenate([c.acceleration for c in contexts]) ** 2)))
     spread = np.diag(body_strays(plant, float(np.hypot(*rigid.gravity)), PLAIN, acceleration) ** 2)
     spread = spread if rigid.covariance is None else spread + rigid.covariance[:3, :3]
@@ -130,7 +134,7 @@ def _tried(answer: Answer, question: _Question) -> list[Candidate]:
     """Effects that may explain what the simulation as given leaves, the most likely ones of them."""
     prepared, fit = answer.prepared, question.given.fit
     about = Structure(prepared.structure.contexts)
-    columns = screen(prepared.problem, about, fit.theta, fit.residual, fit.jacobian).best_by_name().values()
+    columns = screen(prepared.problem, about, fit.theta, fit.residual, fit.jacobian).select_best().values()
     strong = [c.candidate for c in columns if c.energy > _SHARE * question.cost and c.candidate.name not in _BODY]
     single = [one for one in answer.found.explanations if len(one.names) == 1 and _physical(one)]
     found = [candidate for one in single[:_FITTED] for candidate in one.settled if candidate.name not in _BODY]
@@ -142,10 +146,10 @@ def _physical(one: Explanation) -> bool:
     if not one.refused:
         return True
     values = one.values
-    return all(EFFECTS[name].faint(values[name], one.structure.contexts) for name in one.names)
+    return all(EFFECTS[name].is_faint(values[name], one.structure.contexts) for name in one.names)
 
 
-def _standing(prepared: Prepared, one: Explanation, given: Fit) -> Explanation:
+def _standing(prepared: Baseline, one: Explanation, given: Fit) -> Explanation:
     """An explanation judged beside the simulation as given."""
     penalty = one.structure.freedom * float(np.log(given.residual.size))
     return replace(one, certain=compute_evidence(prepared, one.names, given, one.fit) - penalty, before=given)

@@ -9,7 +9,7 @@ import numpy as np
 from ..inputs.track import FloatArray
 from ..record.result import Interval, Location, RowSeries
 from ..search.generic import measure_time_since_reversal
-from ..search.preparation import Prepared
+from ..search.preparation import Baseline
 
 __all__ = ["change_points", "excess_maps", "locate", "row_series"]
 
@@ -19,7 +19,7 @@ _BOOTSTRAPS = 200
 _BLOCK = 25  # rows: half a second, longer than the residual remembers
 
 
-def row_series(prepared: Prepared, before: Sequence[FloatArray], after: Sequence[FloatArray]) -> tuple[RowSeries, ...]:
+def row_series(prepared: Baseline, before: Sequence[FloatArray], after: Sequence[FloatArray]) -> tuple[RowSeries, ...]:
     """Residual rows of each recording with the state of the joint."""
     result = []
     for i, (track, grid, context) in enumerate(

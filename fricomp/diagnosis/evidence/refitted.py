@@ -14,7 +14,7 @@ from ..joint.observer import Plant
 from ..joint.solver import Fit
 from ..record.result import Quantity
 from ..search.explanation import Explanation
-from ..search.preparation import Prepared
+from ..search.preparation import Baseline
 from .comparison import SPLIT
 from .confirmation import covariance
 
@@ -42,17 +42,17 @@ class Refitted:
     covariance: FloatArray
 
     @classmethod
-    def of(cls, prepared: Prepared, chosen: Explanation | None) -> Refitted:
+    def of(cls, prepared: Baseline, chosen: Explanation | None) -> Refitted:
         """The base with the chosen effects; alone where none are. Derivatives are fresh: a descent updates its own."""
         one = prepared if chosen is None else chosen
-        descent = one.structure.descent(one.fit.theta, one.box, iterations=0)
+        descent = one.structure.start_descent(one.fit.theta, one.box, iterations=0)
         (fit,) = fit_all(prepared.problem, [(one.structure, descent)])
-        return cls(one.structure, fit, covariance(fit, one.box.joined(one.structure.known())))
+        return cls(one.structure, fit, covariance(fit, one.box.join(one.structure.build_known_box())))
 
     @cached_property
     def plant(self) -> Plant:
         """Its base."""
-        return self.structure.plant(self.fit.theta)
+        return self.structure.unpack_plant(self.fit.theta)
 
     @cached_property
     def deviations(self) -> FloatArray:
@@ -63,7 +63,7 @@ class Refitted:
     def parameters(self, name: str, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
         """Parameters of the effect `name`, with their intervals, which end where the parameter's domain does."""
         result = {}
-        for index, (owner, parameter) in enumerate(self.structure.parameters(), N_BASE):
+        for index, (owner, parameter) in enumerate(self.structure.parameters, N_BASE):
             value, deviation = self.fit.theta[index], self.deviations[index]
             if owner != name:
                 continue
@@ -72,7 +72,7 @@ class Refitted:
                 value, deviation = self._beside_usual_delay(index, parameter.with_delay)
             if parameter.name == "order":
                 deviation = float(np.hypot(deviation, abs(value) * self._uneven_reading))
-            half = 1.96 * float(np.hypot(deviation, parameter.deviation_of_form(float(value))))
+            half = 1.96 * float(np.hypot(deviation, parameter.compute_form_deviation(float(value))))
             half = half if parameter.scale > 0.0 else 0.0
             low, high = max(float(value) - half, parameter.lower), min(float(value) + half, parameter.upper)
             result[parameter.name] = _quantity((low, float(value), high), unit, logarithmic=parameter.logarithmic)
@@ -92,7 +92,7 @@ class Refitted:
     @property
     def _uneven_reading(self) -> float:
         """RMS of the slope of the encoder's error: ripples are counted over what it reads [1]."""
-        disc = self.structure.values(self.fit.theta[N_BASE:]).get("encoder_eccentricity")
+        disc = self.structure.name_values(self.fit.theta[N_BASE:]).get("encoder_eccentricity")
         return 0.0 if disc is None else float(disc["order"] * np.hypot(disc["sine"], disc["cosine"]) / np.sqrt(2.0))
 
     def base(self, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
@@ -113,7 +113,7 @@ class Refitted:
         split = [BASE_NAMES.index(name) for name in SPLIT_BY_PRESLIDING]
         deviation[split] = np.hypot(deviation[split], SPLIT * self.plant.level)
         theta, result = self.fit.theta[:N_BASE].copy(), {}
-        if any(parameter.with_delay for _, parameter in self.structure.parameters()):
+        if any(parameter.with_delay for _, parameter in self.structure.parameters):
             theta[_DELAY], deviation[_DELAY] = self.structure.contexts[0].usual_delay
         for name, value, half in zip(BASE_NAMES, theta, 1.96 * deviation, strict=True):
             if name in ("creep_velocity", "creep_lead") and self.plant.creep_velocity == 0.0:

@@ -21,7 +21,7 @@ from ..joint.observer import Contribution
 from ..joint.solver import Box, raise_diagonal
 from ..record.result import Forward
 from ..search.explanation import Explanation
-from ..search.preparation import Prepared
+from ..search.preparation import Baseline
 from .forward_joint import Run, simulate_forward
 
 __all__ = ["add_spring", "measure_forward_error"]
@@ -34,7 +34,7 @@ _SETTLE = 0.1  # of the stretch, in which the initial state dies out
 
 
 def measure_forward_error(
-    recording: Recording, prepared: Prepared, chosen: Explanation | None, controller: Controller
+    recording: Recording, prepared: Baseline, chosen: Explanation | None, controller: Controller
 ) -> Forward | None:
     """Position errors of the base and of the extended model on the last part of the first recording.
 
@@ -77,14 +77,14 @@ def _set_rate(controller: Controller, recording: Recording, track: Track) -> Con
 
 def _build_run(
     recording: Recording,
-    prepared: Prepared,
+    prepared: Baseline,
     model: tuple[Structure, FloatArray],
     controller: Controller,
     start: int,
 ) -> Run:
     structure, theta = model
     track, effects = add_spring(prepared.problem.tracks[0], _collect_effects(structure, theta))
-    plant = replace(structure.plant(theta), **effects.along.plant)
+    plant = replace(structure.unpack_plant(theta), **effects.along.plant)
     time = np.asarray(recording.time) - recording.time[0]
     position = np.interp(track.time, time, np.asarray(recording.position_reference))
     told = recording.velocity_reference
@@ -94,8 +94,8 @@ def _build_run(
 
 def _collect_effects(structure: Structure, theta: FloatArray) -> ForwardPart:
     """What the effects are along the first recording."""
-    values, context = structure.values(theta[N_BASE:]), structure.contexts[0]
-    parts = [one.effect.forward_part(context, values[one.name]) for one in structure.candidates]
+    values, context = structure.name_values(theta[N_BASE:]), structure.contexts[0]
+    parts = [one.effect.build_forward_part(context, values[one.name]) for one in structure.candidates]
     return sum(parts, ForwardPart())
 
 
@@ -107,14 +107,14 @@ def add_spring(track: Track, effects: ForwardPart) -> tuple[Track, ForwardPart]:
     return replace(track, torque=track.torque + spring), effects + ForwardPart(Contribution(additive=spring))
 
 
-def _train(prepared: Prepared, model: tuple[Structure, FloatArray, FloatArray], start: int) -> FloatArray:
+def _train(prepared: Baseline, model: tuple[Structure, FloatArray, FloatArray], start: int) -> FloatArray:
     """Parameters from the rows before `start` of the first recording and all of the others: one step from the fit."""
     structure, theta, jacobian = model
-    residual = structure.residuals(prepared.problem, [theta])[0]
+    residual = structure.compute_residuals(prepared.problem, [theta])[0]
     first = prepared.problem.grids[0].centres
     kept = np.ones(residual.size, dtype=bool)
     kept[: first.size] = first < start - _GAP / prepared.problem.tracks[0].dt
-    box: Box = prepared.box.joined(structure.box())
+    box: Box = prepared.box.join(structure.build_box())
     A = jacobian[kept] * box.scale
     prior = raise_diagonal(box.scaled_precision, 0.1)
     step = np.linalg.solve(A.T @ A + prior, -A.T @ residual[kept])

@@ -69,7 +69,7 @@ class Run:
         """Steps of a sample: fine enough for the loop, the load on its spring, and a bristle unless none would be; of
         such numbers the first that is a whole one for each answer of the loop, or comes closest.
         """
-        rates = [] if self.effects.coupling is None else [self.effects.coupling.rate(self.motor)]
+        rates = [] if self.effects.coupling is None else [self.effects.coupling.compute_rate(self.motor)]
         bristle = compute_bristle_rate(self.plant, self.motor)
         rates += [bristle] if bristle * _SHORTEST <= SOFT else []
         frequency, most = self.controller.frequency, self.track.dt / _SHORTEST
@@ -141,7 +141,7 @@ class _Joint:
         self.offset = run.plant.offset
         level, viscous = self.curve.follow(w)
         level = max(level + self.level[k], _LEAST_LEVEL)
-        held = torque - self.offset - self.additive[k] - viscous - gravity.at(q)
+        held = torque - self.offset - self.additive[k] - viscous - gravity.compute_torque(q)
         self.dry = build_dry_friction(run.plant, run.motor, step, min(max(held, -level), level))
 
     def push(self, k: int) -> None:
@@ -149,7 +149,7 @@ class _Joint:
         q, w = self.q.item(0), self.w.item(0)
         level, viscous = self.curve.follow(w)
         level += self.level[k]
-        command = self.loop.torque(k, q)
+        command = self.loop.compute_torque(k, q)
         net = (self.drive.follow(command) if self.lagging else command) - self.offset - viscous - self.additive[k]
         for state in self.states:
             added, raised = state.follow(w, self.friction)
@@ -166,7 +166,7 @@ class _Gravity:
     def __init__(self, plant: Plant, rotary: bool) -> None:
         self.cosine, self.sine = plant.gravity if rotary else (0.0, 0.0)
 
-    def at(self, position: float) -> float:
+    def compute_torque(self, position: float) -> float:
         """Torque at this position of the load [N·m]."""
         return self.cosine * cos(position) + self.sine * sin(position)
 
@@ -179,7 +179,7 @@ class _Rigid:
 
     def follow(self, q: float) -> tuple[float, float]:
         """Gravity, and torque that the load takes from the motor side [N·m], at the motor position [rad]."""
-        torque = self.gravity.at(q)
+        torque = self.gravity.compute_torque(q)
         return torque, torque
 
 
@@ -189,12 +189,12 @@ class _Coupled:
     def __init__(self, gravity: _Gravity, coupling: Coupling, model: Any, data: Any) -> None:
         self.gravity, self.coupling, self.damping = gravity, coupling, model.dof_damping
         self.q, self.w, self.applied = data.qpos, data.qvel, data.qfrc_applied
-        self.q[1] = coupling.rest(gravity.at(data.qpos.item(0)))
+        self.q[1] = coupling.compute_rest(gravity.compute_torque(data.qpos.item(0)))
 
     def follow(self, q: float) -> tuple[float, float]:
         """The same as of a rigid one; sets what acts on the load."""
         lead, rate = self.q.item(1), self.w.item(1)
-        torque = self.gravity.at(q + lead)
+        torque = self.gravity.compute_torque(q + lead)
         pull, damping = self.coupling.pull(lead, rate)
         self.applied[1], self.damping[1] = pull - torque, damping
         return torque, pull - damping * rate

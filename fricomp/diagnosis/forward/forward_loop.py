@@ -19,7 +19,7 @@ class Loop:
         self.controller = controller
         self.every = 1 if controller.frequency is None else max(1, round(1.0 / (controller.frequency * step)))
         self.period, self.wait, self.answer = self.every * step, 0, 0.0
-        self.keep = controller.filtered(self.period)
+        self.keep = controller.compute_filter_memory(self.period)
         self.wanted: list[float] = reference[0].tolist()
         self.speed: list[float] = reference[1].tolist()
         self.acceleration: list[float] = np.gradient(reference[1], track.dt).tolist()
@@ -27,19 +27,19 @@ class Loop:
         self.before = q - self.seen * self.period
         if controller.integral_gain:
             begun = self.before, self.seen
-            rest = float(track.torque[start]) - self._unlimited(start, q)
+            rest = float(track.torque[start]) - self._compute_unlimited(start, q)
             (self.before, self.seen), self.integral = begun, rest / controller.integral_gain
 
-    def torque(self, k: int, q: float) -> float:
+    def compute_torque(self, k: int, q: float) -> float:
         """Torque in sample `k` at the simulated position [N·m], which holds until the loop sees the next one."""
         if self.wait == 0:
-            wanted, limit = self._unlimited(k, q), self.controller.torque_limit
+            wanted, limit = self._compute_unlimited(k, q), self.controller.torque_limit
             self.answer = wanted if limit is None else min(max(wanted, -limit), limit)
             self.wait = self.every
         self.wait -= 1
         return self.answer
 
-    def _unlimited(self, k: int, q: float) -> float:
+    def _compute_unlimited(self, k: int, q: float) -> float:
         """Torque that the loop would give without a limit [N·m]."""
         c = self.controller
         rate, self.before = (q - self.before) / self.period, q

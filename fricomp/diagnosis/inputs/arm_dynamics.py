@@ -44,16 +44,16 @@ class ArmDynamics:
     last: int
     model: Any
 
-    def body_columns(self, motion: ArmMotion, body: int) -> FloatArray:
+    def compute_body_columns(self, motion: ArmMotion, body: int) -> FloatArray:
         """Joint torques for each of ten point masses of 1 kg on a body, which span all it can weigh.
 
         Returns:
             Shape (n, n_joints, 10); the mass of the body is the sum of the ten weights, and its first moments are the
             weighted sum of `place_points`.
         """
-        return np.stack([self._torques(motion, body, point) for point in place_points()], axis=2)
+        return np.stack([self._compute_torques(motion, body, point) for point in place_points()], axis=2)
 
-    def _torques(self, motion: ArmMotion, body: int, point: FloatArray) -> FloatArray:
+    def _compute_torques(self, motion: ArmMotion, body: int, point: FloatArray) -> FloatArray:
         import mujoco
 
         model: Any = self.model

@@ -57,7 +57,7 @@ class Controller:
     source: str = "given"
     explained: float = 1.0
 
-    def filtered(self, step: float) -> float:
+    def compute_filter_memory(self, step: float) -> float:
         """What the velocity filter keeps of its state over `step` [s]."""
         return _compute_memory(self.velocity_filter_frequency, step)
 
@@ -69,9 +69,9 @@ class Controller:
     def describe(self, torque: str, position: str) -> str:
         """Kind and gains in one line, in these units of torque and position."""
         how = f"estimated, explains {self.explained:.1%} of the torque" if self.source == "estimated" else self.source
-        return f"{self.kind} controller ({how}): {self.gains(torque, position)}"
+        return f"{self.kind} controller ({how}): {self.describe_gains(torque, position)}"
 
-    def gains(self, torque: str, position: str) -> str:
+    def describe_gains(self, torque: str, position: str) -> str:
         """The gains in one line, in these units of torque and position."""
         parts = [f"proportional {self.proportional_gain:.4g} {torque}/{position}"]
         if self.integral_gain:

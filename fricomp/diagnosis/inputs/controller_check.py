@@ -31,12 +31,12 @@ def check_controller(controller: Controller, recordings: Sequence[Recording]) ->
         other = (
             "no PD or PID loop does"
             if estimated is None
-            else f"one with {estimated.gains(*units)} explains {estimated.explained:.1%}"
+            else f"one with {estimated.describe_gains(*units)} explains {estimated.explained:.1%}"
         )
         share = f"only {explained:.0%}" if explained > 0.0 else "nothing"
         remarks.append(
-            f"{prefix}Careful: the loop that was given ({controller.gains(*units)}) explains {share} of the recorded "
-            f"torque, and {other}: check the file of --controller, or leave it out."
+            f"{prefix}Careful: the loop that was given ({controller.describe_gains(*units)}) explains {share} of the "
+            f"recorded torque, and {other}: check the file of --controller, or leave it out."
         )
     return remarks
 

@@ -33,7 +33,7 @@ class Spring:
         """At rest [N·m/rad] or [N/m]."""
         return self.coefficients[0]
 
-    def torque(self, position: FloatArray) -> FloatArray:
+    def compute_torque(self, position: FloatArray) -> FloatArray:
         """Torque that holds the joint against the spring [N·m] or [N]. Shape (n,)."""
         powers = np.array([*self.coefficients[::-1], 0.0], dtype=np.float64)
         return np.asarray(np.polyval(powers, position - self.reference), dtype=np.float64)

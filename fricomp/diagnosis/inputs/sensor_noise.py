@@ -41,7 +41,7 @@ class SensorNoise:
     encoder_step: float
     position: float
 
-    def at(self, period: float) -> SensorNoise:
+    def scale_to(self, period: float) -> SensorNoise:
         """The noise that weighs as much over the same time in samples of another period [s]."""
         scale = float(np.sqrt(self.period / period))
         return SensorNoise(period, scale * self.torque, self.encoder_step, scale * self.position)
@@ -74,7 +74,10 @@ def add_sensor_noise(recording: Recording, like: Sequence[Recording], seed: int 
         seed: Of the noise.
     """
     rng = np.random.default_rng([seed, len(recording)])
-    own, others = measure_sensor_noise(recording), [_measure_visible(one).at(recording.sample_period) for one in like]
+    own, others = (
+        measure_sensor_noise(recording),
+        [_measure_visible(one).scale_to(recording.sample_period) for one in like],
+    )
     loud = [_compute_scale(recording, one) * noise.torque for one, noise in zip(like, others, strict=True)]
     hiss = _subtract_variance(min(loud), own.torque)
     blur = _subtract_variance(min(one.position for one in others), own.position)

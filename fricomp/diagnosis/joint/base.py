@@ -175,7 +175,7 @@ class BaseModel:
     box: Box
 
     @classmethod
-    def around(
+    def build_around(
         cls, plant: Plant, *, dt: float, top_speed: float, rotary: bool, known: RigidJoint | None = None
     ) -> BaseModel:
         """The domain around a first estimate of the plant; inertia and gravity of a simulation bind weakly."""

@@ -37,7 +37,7 @@ _STEPS, _SETTLED = 48, 0.3
 def fit_base(problem: Problem, theta: FloatArray, box: Box) -> Fit:
     """The base fitted from `theta` with the problem's weights, to the bottom of its valley, and from there with both
     directions evened, or falling alike, where they differ much."""
-    evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
+    evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
     fitted = partial(minimise, evaluate, box=box, iterations=_STEPS, refresh=2, tolerance=_SETTLED)
     fit = fitted(theta)
     others = [start for start in (even_directions(fit.theta), align_falls(fit.theta)) if start is not None]
@@ -95,7 +95,7 @@ def fit_creep(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[F
         box: Domain of the base parameters.
         top_speed: Of the recorded motion [rad/s].
     """
-    evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
+    evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
     tried = [
         (minimise(evaluate, start, free, iterations=_FIRST_STEPS, refresh=2), free)
         for start, free in propose_creep_starts(fit.theta, box, top_speed)

@@ -76,7 +76,7 @@ def _estimate_usual_delay(recording: Recording) -> tuple[float, float]:
 
 def _remove_spring(track: Track, spring: Spring) -> Track:
     """The track without the torque that the simulation's spring takes, which is kept as a channel."""
-    taken = spring.torque(differentiate(track.position, track.dt, order=0))
+    taken = spring.compute_torque(differentiate(track.position, track.dt, order=0))
     more = {SIMULATED_SPRING: taken, SIMULATED_STIFFNESS: np.full(track.size, spring.stiffness)}
     return replace(track, torque=track.torque - taken, channels={**track.channels, **more})
 

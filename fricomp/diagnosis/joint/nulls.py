@@ -49,13 +49,13 @@ class Nulls:
         """Number of nulls."""
         return int(self.rows[0].shape[0])
 
-    def scaled(self, factor: float) -> Nulls:
+    def scale(self, factor: float) -> Nulls:
         """The same nulls with noise larger by `factor`."""
         rows = tuple(m + factor * (r - m) for r, m in zip(self.rows, self.weights.mean, strict=True))
         spread = tuple(factor * s for s in self.weights.spread)
         return Nulls(rows, replace(self.weights, spread=spread))
 
-    def vectors(self) -> list[FloatArray]:
+    def build_vectors(self) -> list[FloatArray]:
         """Each null as a weighted residual vector."""
         return [self.weights.apply([rows[i] for rows in self.rows]) for i in range(self.count)]
 
@@ -66,9 +66,9 @@ def make_nulls(problem: Problem, plant: Plant, effects: Sequence[Contribution], 
     Raises:
         FloatingPointError: The plant does not simulate with that noise.
     """
-    data = problem.rows(problem.runs([plant], [effects])[0])
+    data = problem.compute_rows(problem.observe_all([plant], [effects])[0])
     calm = replace(problem, tracks=tuple(replace(track, torque=_smooth(track)) for track in problem.tracks))
-    truth = calm.runs([plant], [effects])[0]
+    truth = calm.observe_all([plant], [effects])[0]
     applied = tuple(
         track.torque + shift(one.missing, -plant.delay / track.dt)
         for track, one in zip(calm.tracks, truth, strict=True)
@@ -79,7 +79,7 @@ def make_nulls(problem: Problem, plant: Plant, effects: Sequence[Contribution], 
     )
     chain = _Chain(problem, plant, tuple(effects), tuple(truth), applied, answers)
     noises = [_match_noise(chain, index, rows, seed) for index, rows in enumerate(data)]
-    rows = [chain.rows(index, noise, count, seed + 1) for index, noise in enumerate(noises)]
+    rows = [chain.simulate_rows(index, noise, count, seed + 1) for index, noise in enumerate(noises)]
     return Nulls(tuple(rows), _build_weights(rows, _compute_presliding(problem, plant, effects)))
 
 
@@ -103,7 +103,7 @@ class _Chain:
     applied: tuple[FloatArray, ...]
     answers: tuple[list[StepAnswer], ...]
 
-    def rows(self, index: int, noise: TorqueNoise, count: int, seed: int) -> FloatArray:
+    def simulate_rows(self, index: int, noise: TorqueNoise, count: int, seed: int) -> FloatArray:
         """Rows of `count` nulls of one recording, shape (count, n_rows) [N·m]."""
         track, effect = self.problem.tracks[index], self.effects[index]
         rng = np.random.default_rng([seed, index])
@@ -114,12 +114,12 @@ class _Chain:
         first = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
         if not all(np.all(np.isfinite(run.missing)) for run in first):
             raise FloatingPointError("a joint that the recording hardly determines does not simulate with its noise")
-        returning = self.problem.observer.returning
+        returning = self.problem.observer.compute_return
         nulls = [
             improve_track(null, run, returning(null, self.plant, run)) for null, run in zip(nulls, first, strict=True)
         ]
         runs = self.problem.observe([Job(null, self.plant, effect) for null in nulls])
-        return np.stack([self.problem.grids[index].of(run.missing) for run in runs])
+        return np.stack([self.problem.grids[index].average(run.missing) for run in runs])
 
 
 def _match_noise(chain: _Chain, index: int, data: FloatArray, seed: int) -> TorqueNoise:
@@ -133,12 +133,14 @@ def _match_noise(chain: _Chain, index: int, data: FloatArray, seed: int) -> Torq
     size = seen.size or 1e-3 * float(np.std(track.torque))
     memory = seen.memory if seen.coloured > 0.0 else _MEMORY
     kinds = (TorqueNoise(0.0, 0.0, 0.0), TorqueNoise(size, 0.0, 0.0, seen.freedom), TorqueNoise(0.0, size, memory))
-    without, white, coloured = (_compute_variation(chain.rows(index, kind, _FEW, seed), slides) for kind in kinds)
+    without, white, coloured = (
+        _compute_variation(chain.simulate_rows(index, kind, _FEW, seed), slides) for kind in kinds
+    )
     target = _compute_variation(data[None], slides)
     columns = np.stack([white - without, coloured - without], axis=1) / target[:, None]
     found, _ = nnls(np.maximum(columns, 0.0), np.maximum(target - without, 0.0) / target)
     noise = TorqueNoise(size * float(np.sqrt(found[0])), size * float(np.sqrt(found[1])), memory, seen.freedom)
-    again = _compute_variation(chain.rows(index, noise, _FEW, seed), slides)
+    again = _compute_variation(chain.simulate_rows(index, noise, _FEW, seed), slides)
     factor = float(np.clip(np.sqrt(target[0] / again[0]), *_CORRECTION))
     return noise._replace(white=factor * noise.white, coloured=factor * noise.coloured)
 
@@ -150,7 +152,7 @@ def _find_sliding(problem: Problem, index: int) -> NDArray[np.bool_]:
     loop need not repeat exactly, and a median over both kinds of rows would depend on it.
     """
     moves = (np.abs(problem.tracks[index].velocity) > problem.observer.rest_speed).astype(np.float64)
-    rows = problem.grids[index].of(moves) > _THROUGHOUT
+    rows = problem.grids[index].average(moves) > _THROUGHOUT
     return rows if np.count_nonzero(rows) >= _ENOUGH else np.ones_like(rows)
 
 
@@ -171,8 +173,10 @@ def _compute_presliding(problem: Problem, plant: Plant, effects: Sequence[Contri
         replace(plant, sigma_0=plant.sigma_0 * factor, creep_velocity=plant.creep_velocity / slower)
         for factor, slower in ((1.0 / _STIFFNESS, 1.0 / _CREEP), (_STIFFNESS, _CREEP))
     ]
-    softer, stiffer = problem.runs(variants, [effects, effects])
-    return [0.5 * np.abs(a - b) for a, b in zip(problem.rows(softer), problem.rows(stiffer), strict=True)]
+    softer, stiffer = problem.observe_all(variants, [effects, effects])
+    return [
+        0.5 * np.abs(a - b) for a, b in zip(problem.compute_rows(softer), problem.compute_rows(stiffer), strict=True)
+    ]
 
 
 def _smooth(track: Track) -> FloatArray:

@@ -72,7 +72,7 @@ class Plant:
         """Mean Coulomb torque of both directions [N·m]."""
         return 0.5 * (self.forward[0] + self.reverse[0])
 
-    def slots(self) -> FloatArray:
+    def to_slots(self) -> FloatArray:
         """Numbers in the order that the kernel takes."""
         exponent = self.stribeck_exponent
         curves = (*self.forward, exponent, *self.reverse, exponent)
@@ -81,13 +81,13 @@ class Plant:
         assert len(values) == len(FRICTION_SLOTS)
         return np.array(values)
 
-    def gravity_torque(self, position: FloatArray, rotary: bool) -> FloatArray:
+    def compute_gravity_torque(self, position: FloatArray, rotary: bool) -> FloatArray:
         """Gravity and offset at `position` [N·m]."""
         if not rotary:
             return np.full_like(position, self.offset)
-        return self.static_torque(np.cos(position), np.sin(position))
+        return self.compute_static_torque(np.cos(position), np.sin(position))
 
-    def static_torque(self, cosine: FloatArray, sine: FloatArray) -> FloatArray:
+    def compute_static_torque(self, cosine: FloatArray, sine: FloatArray) -> FloatArray:
         """Gravity and offset where cosine and sine of the position are known [N·m]."""
         return self.gravity[0] * cosine + self.gravity[1] * sine + self.offset
 
@@ -136,7 +136,7 @@ class Observer:
     leak: float = 200.0
     step: float = 0.12
 
-    def returning(self, track: Track, plant: Plant, observation: Observation) -> FloatArray:
+    def compute_return(self, track: Track, plant: Plant, observation: Observation) -> FloatArray:
         """How fast the position of a resting model goes back to the recorded one, beside its velocity [rad/s].
 
         Shape (n,). A model that creeps returns by itself.
@@ -222,7 +222,7 @@ def choose_lanes(count: int) -> tuple[int, ...]:
 
 def stack_plants(jobs: Sequence[Job], lanes: tuple[int, ...]) -> FloatArray:
     """Numbers of the plant of each lane. Shape (18, n_lanes)."""
-    each = [_replace_plant(job).slots() for job in jobs]
+    each = [_replace_plant(job).to_slots() for job in jobs]
     return np.stack([each[min(lane, len(jobs) - 1)] for lane in lanes], axis=1)
 
 
@@ -277,6 +277,6 @@ def _compute_torque(job: Job, recorded: dict[tuple[object, ...], FloatArray]) ->
     key = (id(track), delay, added.lags)
     if key not in recorded:
         recorded[key] = apply_lags(shift(track.torque, delay / track.dt), added.lags, track.dt)
-    held = plant.static_torque(*track.waves) if track.rotary else plant.offset
+    held = plant.compute_static_torque(*track.waves) if track.rotary else plant.offset
     result: FloatArray = recorded[key] - held - added.additive
     return result

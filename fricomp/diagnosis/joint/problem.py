@@ -48,7 +48,7 @@ class Weights:
         parts = [(r - m) / s for r, m, s in zip(rows, self.mean, self.spread, strict=True)]
         return np.concatenate([np.convolve(self.whitener, part)[: part.size] for part in parts])
 
-    def whitened(self, columns: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def whiten(self, columns: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Columns of one recording's rows through the whitening filter, which starts from nothing. Shape (n, k)."""
         result: NDArray[np.complex128] = self.whitener[0] * columns
         for lag, weight in enumerate(self.whitener[1:], start=1):
@@ -78,62 +78,66 @@ class Problem:
         """Run simulations with this problem's observer."""
         return simulate_all(jobs, self.observer, self.gains)
 
-    def runs(self, plants: Sequence[Plant], contributions: Sequence[Sequence[Contribution]]) -> list[list[Observation]]:
+    def observe_all(
+        self, plants: Sequence[Plant], contributions: Sequence[Sequence[Contribution]]
+    ) -> list[list[Observation]]:
         """Observe every recording for every plant."""
-        flat, n = self.observe(self._jobs(plants, contributions)), len(self.tracks)
+        flat, n = self.observe(self._list_jobs(plants, contributions)), len(self.tracks)
         return [flat[i : i + n] for i in range(0, len(flat), n)]
 
-    def vectors(self, plants: Sequence[Plant], contributions: Sequence[Sequence[Contribution]]) -> list[FloatArray]:
+    def compute_vectors(
+        self, plants: Sequence[Plant], contributions: Sequence[Sequence[Contribution]]
+    ) -> list[FloatArray]:
         """The residual as one weighted vector, for every plant. Shapes (m,)."""
-        flat = compute_missing_torques(self._jobs(plants, contributions), self.observer, self.gains)
-        rows = [grid.of(one) for grid, one in zip(cycle(self.grids), flat, strict=False)]
+        flat = compute_missing_torques(self._list_jobs(plants, contributions), self.observer, self.gains)
+        rows = [grid.average(one) for grid, one in zip(cycle(self.grids), flat, strict=False)]
         n = len(self.tracks)
-        return [self._weighed(rows[i : i + n]) for i in range(0, len(rows), n)]
+        return [self._weigh(rows[i : i + n]) for i in range(0, len(rows), n)]
 
-    def _jobs(self, plants: Sequence[Plant], contributions: Sequence[Sequence[Contribution]]) -> list[Job]:
+    def _list_jobs(self, plants: Sequence[Plant], contributions: Sequence[Sequence[Contribution]]) -> list[Job]:
         return [
             Job(track, plant, contribution)
             for plant, per_track in zip(plants, contributions, strict=True)
             for track, contribution in zip(self.tracks, per_track, strict=True)
         ]
 
-    def rows(self, observations: Sequence[Observation]) -> list[FloatArray]:
+    def compute_rows(self, observations: Sequence[Observation]) -> list[FloatArray]:
         """Missing torque at the rows of each recording [N·m]."""
-        return [grid.of(one.missing) for grid, one in zip(self.grids, observations, strict=True)]
+        return [grid.average(one.missing) for grid, one in zip(self.grids, observations, strict=True)]
 
-    def vector(self, observations: Sequence[Observation]) -> FloatArray:
+    def compute_vector(self, observations: Sequence[Observation]) -> FloatArray:
         """The residual as one weighted vector. Shape (m,)."""
-        return self._weighed(self.rows(observations))
+        return self._weigh(self.compute_rows(observations))
 
-    def _weighed(self, rows: Sequence[FloatArray]) -> FloatArray:
+    def _weigh(self, rows: Sequence[FloatArray]) -> FloatArray:
         return np.concatenate(rows) if self.weights is None else self.weights.apply(rows)
 
-    def residual(self, effects: Effects, n_base: int) -> Callable[[Sequence[FloatArray]], list[FloatArray]]:
+    def build_residual(self, effects: Effects, n_base: int) -> Callable[[Sequence[FloatArray]], list[FloatArray]]:
         """The residual vector as a function of base and effect parameters."""
 
         def evaluate(points: Sequence[FloatArray]) -> list[FloatArray]:
             plants = [unpack(point[:n_base]) for point in points]
             contributions = [effects(point[n_base:]) for point in points]
-            return self.vectors(plants, contributions)
+            return self.compute_vectors(plants, contributions)
 
         return evaluate
 
-    def nothing(self, _: FloatArray) -> list[Contribution]:
+    def add_nothing(self, _: FloatArray) -> list[Contribution]:
         """No effects."""
         return [Contribution()] * len(self.tracks)
 
-    def timed_for(self, plant: Plant) -> Problem:
+    def cut_samples_for(self, plant: Plant) -> Problem:
         """The same problem with samples cut as finely as `plant` asks for."""
         tracks = [
             replace(track, substeps=_choose_substeps(track, plant, self.observer, self.gains)) for track in self.tracks
         ]
         return replace(self, tracks=tuple(tracks))
 
-    def with_velocity_of(self, plant: Plant) -> Problem:
+    def improve_velocity(self, plant: Plant) -> Problem:
         """The same problem with velocities improved by the simulation: its own plus that of the slow innovation."""
-        (runs,) = self.runs([plant], [[Contribution()] * len(self.tracks)])
+        (runs,) = self.observe_all([plant], [[Contribution()] * len(self.tracks)])
         tracks = tuple(
-            improve_track(track, one, self.observer.returning(track, plant, one))
+            improve_track(track, one, self.observer.compute_return(track, plant, one))
             for track, one in zip(self.tracks, runs, strict=True)
         )
         return replace(self, tracks=tracks)
@@ -159,7 +163,7 @@ def build_problem(tracks: Sequence[Track], plant: Plant, observer: Observer) -> 
     gains = (inertia * omega**2, 2.0 * inertia * omega + max(slope, 0.0))
     scale = max(1.0, 5.0 / (omega * _ROW_WIDTH))
     grids = [RowGrid.build(t, scale * _ROW_WIDTH, scale * _ROW_STEP, 0.5) for t in tracks]
-    return Problem(tuple(tracks), tuple(grids), observer, gains).timed_for(plant)
+    return Problem(tuple(tracks), tuple(grids), observer, gains).cut_samples_for(plant)
 
 
 def _choose_substeps(track: Track, plant: Plant, observer: Observer, gains: tuple[float, float]) -> NDArray[np.int64]:

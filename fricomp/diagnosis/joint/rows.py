@@ -33,12 +33,12 @@ class RowGrid:
         stride = max(1, round(step / track.dt))
         return cls(window / window.sum(), np.arange(edge, track.size - edge, stride))
 
-    def of(self, samples: FloatArray) -> FloatArray:
+    def average(self, samples: FloatArray) -> FloatArray:
         """Windowed means of `samples` at the rows. Shape (n_rows,)."""
         half = self.window.size // 2
         result: FloatArray = sliding_window_view(samples, self.window.size)[self.centres - half] @ self.window
         return result
 
-    def everywhere(self, samples: FloatArray) -> FloatArray:
+    def average_everywhere(self, samples: FloatArray) -> FloatArray:
         """Windowed means of `samples` about each of them, but for half a window at both ends. Shape (n - m + 1,)."""
         return np.convolve(samples, self.window, mode="valid")

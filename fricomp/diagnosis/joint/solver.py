@@ -54,7 +54,7 @@ class Box:
         """The prior's inverse covariance where each parameter is measured in its scale. Shape (p, p)."""
         return self.precision * np.outer(self.scale, self.scale)
 
-    def joined(self, other: Box) -> Box:
+    def join(self, other: Box) -> Box:
         """This domain with further parameters behind."""
         joined = {
             name: block_diag(mine, theirs) if mine.ndim == 2 else np.concatenate([mine, theirs])
@@ -234,7 +234,7 @@ def _compute_step(normal: _Normal, theta: FloatArray, box: Box, damping: float) 
     target = theta
     for _ in range(3):
         S = box.scale[free]
-        A, H = normal.of(free)
+        A, H = normal.reduce_to(free)
         g = (
             A.T @ (normal.residual + normal.jacobian[:, ~free] @ (target - theta)[~free])
             + S * (box.precision @ (np.where(free, theta, target) - box.centre))[free]
@@ -268,7 +268,7 @@ class _Normal:
     box: Box
     known: dict[bytes, tuple[FloatArray, FloatArray]] = field(default_factory=dict)
 
-    def of(self, free: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
+    def reduce_to(self, free: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
         """Scaled columns of the parameters `free`, shape (m, k), and their products with the prior, shape (k, k)."""
         key = free.tobytes()
         if key not in self.known:

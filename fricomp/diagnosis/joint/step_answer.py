@@ -78,7 +78,7 @@ def _run(job: Job, loop: Controller, encoders: FloatArray) -> list[StepAnswer]:
     """Joints under the loop, each with its encoder, no more than the kernel has lanes."""
     track, lanes = job.track, choose_lanes(encoders.shape[1])
     signals = np.stack([track.position, track.velocity, compute_torque(job), broadcast_level(job)])
-    settings = (track.dt, loop.proportional_gain, loop.derivative_gain, loop.filtered(track.dt))
+    settings = (track.dt, loop.proportional_gain, loop.derivative_gain, loop.compute_filter_memory(track.dt))
     each, out = np.resize(encoders.T, (len(lanes), 2)).T.copy(), np.empty((2, len(lanes), track.size))
     close_loop(signals, stack_plants([job], lanes), settings, each, track.substeps, lanes, out)
     return [StepAnswer(out[1, lane], out[0, lane]) for lane in range(encoders.shape[1])]

@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from .explanation import Explanation, compute_evidence
-from .preparation import Prepared
+from .preparation import Baseline
 
 __all__ = ["ENOUGH", "choose", "rank_acceptable", "select_finalists"]
 
@@ -35,7 +35,7 @@ def rank_acceptable(tried: Sequence[Explanation], threshold: float) -> list[Expl
     return sorted(passing, key=lambda explanation: -_weigh(explanation))
 
 
-def choose(prepared: Prepared, tried: Sequence[Explanation], threshold: float) -> Explanation | None:
+def choose(prepared: Baseline, tried: Sequence[Explanation], threshold: float) -> Explanation | None:
     """The smallest explanation that no larger one beats by a material gain and coverage."""
     best: Explanation | None = None
     for size in (1, 2, 3):
@@ -50,7 +50,7 @@ def choose(prepared: Prepared, tried: Sequence[Explanation], threshold: float) -
     return best
 
 
-def _is_idle(prepared: Prepared, larger: Explanation, tried: Sequence[Explanation], threshold: float) -> bool:
+def _is_idle(prepared: Baseline, larger: Explanation, tried: Sequence[Explanation], threshold: float) -> bool:
     """Whether some of its effects explain about all alone, be they refused: the others would only carry them."""
     return any(
         set(part.names) < set(larger.names)
@@ -61,7 +61,7 @@ def _is_idle(prepared: Prepared, larger: Explanation, tried: Sequence[Explanatio
     )
 
 
-def _is_better(prepared: Prepared, larger: Explanation, best: Explanation, threshold: float) -> bool:
+def _is_better(prepared: Baseline, larger: Explanation, best: Explanation, threshold: float) -> bool:
     """Whether the further effects of a larger explanation add enough, and where they can be seen."""
     shown = compute_evidence(prepared, set(larger.names) - set(best.names), best.fit, larger.fit)
     more = _weigh(larger) - _weigh(best)
@@ -76,7 +76,7 @@ def _is_better(prepared: Prepared, larger: Explanation, best: Explanation, thres
     ) or _is_apart(prepared, larger, best, threshold)
 
 
-def _is_apart(prepared: Prepared, larger: Explanation, part: Explanation, threshold: float) -> bool:
+def _is_apart(prepared: Baseline, larger: Explanation, part: Explanation, threshold: float) -> bool:
     """Whether its further effects show in rows that the first ones do not reach, so that no form of those makes them.
 
     A stop explains so much about the end of the range that little of all is left for friction elsewhere.
@@ -86,7 +86,7 @@ def _is_apart(prepared: Prepared, larger: Explanation, part: Explanation, thresh
     needed = _APART * threshold * max(1.0, larger.fit.cost / larger.fit.residual.size)
     if _can_fill_in(further) or _weigh(larger) < _weigh(part) + needed:
         return False
-    untouched = np.abs(part.reach(prepared)) < _UNTOUCHED
+    untouched = np.abs(part.compute_reach(prepared)) < _UNTOUCHED
     shown = compute_evidence(prepared, further, part.fit, larger.fit, at=untouched) if np.any(untouched) else 0.0
     return shown > needed
 
@@ -96,7 +96,7 @@ def _compute_worth(part: Explanation, threshold: float) -> float:
     return max(threshold, _ANOTHER * part.gain)
 
 
-def _can_complete(prepared: Prepared, larger: Explanation, part: Explanation, threshold: float) -> bool:
+def _can_complete(prepared: Baseline, larger: Explanation, part: Explanation, threshold: float) -> bool:
     """Whether its further effects take away nearly all that is left, as none does of a form that is not quite met."""
     clear = _weigh(larger) > _weigh(part) + max(_MUCH * threshold, _MATERIAL * part.gain)
     takes_all = larger.left < _REMNANT * part.left or _can_silence(prepared, larger, part)
@@ -104,7 +104,7 @@ def _can_complete(prepared: Prepared, larger: Explanation, part: Explanation, th
     return clear and larger.coverage > ENOUGH and takes_all and not fills_in
 
 
-def _can_silence(prepared: Prepared, larger: Explanation, part: Explanation) -> bool:
+def _can_silence(prepared: Baseline, larger: Explanation, part: Explanation) -> bool:
     """Whether most of what a part leaves beyond the noise goes, about reversals too, where no generic basis sees it."""
     noise = float(np.mean([null @ null for null in prepared.null_residuals]))
     before, after = (float(one.fit.residual @ one.fit.residual) - noise for one in (part, larger))

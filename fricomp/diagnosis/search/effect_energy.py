@@ -12,7 +12,7 @@ from ..inputs.track import FloatArray, Track, differentiate
 from ..joint.observer import Observation, Plant
 from ..joint.problem import Problem, build_problem
 from ..joint.rows import RowGrid
-from .preparation import Prepared
+from .preparation import Baseline
 
 __all__ = ["compute_effect_energy"]
 
@@ -24,7 +24,7 @@ _FASTEST = 10.0  # [rad] a sample, which its substeps still follow
 
 
 def compute_effect_energy(
-    prepared: Prepared, structure: Structure, theta: FloatArray, names: Collection[str]
+    prepared: Baseline, structure: Structure, theta: FloatArray, names: Collection[str]
 ) -> list[FloatArray]:
     """Energy of the effects' torque that a refit of a rigid joint with Stribeck friction leaves, over the noise.
 
@@ -42,17 +42,17 @@ def compute_effect_energy(
     Returns:
         Energy of each sample, by recording; 0 where no window fits. Shapes (n_samples,).
     """
-    problem, plant = prepared.problem, structure.plant(theta)
+    problem, plant = prepared.problem, structure.unpack_plant(theta)
     tight = _hold_tightly(problem, plant)
-    complete, without = structure.with_and_without(tight, theta, names)
+    complete, without = structure.observe_with_and_without(tight, theta, names)
     torque, columns = [], []
     for i, (track, grid) in enumerate(zip(tight.tracks, tight.grids, strict=True)):
         rests = (np.abs(track.velocity) < problem.observer.rest_speed).astype(float)
-        level = _measure_noise(prepared.nulls.weights.spread[i], problem.grids[i].of(rests))
+        level = _measure_noise(prepared.nulls.weights.spread[i], problem.grids[i].average(rests))
         step = plant.sigma_0 * track.resolution / np.sqrt(12.0)
-        noise = np.hypot(level, grid.everywhere(rests) * step)
+        noise = np.hypot(level, grid.average_everywhere(rests) * step)
         added = _centre(without[i].missing - complete[i].missing)
-        torque.append(grid.everywhere(added) / noise)
+        torque.append(grid.average_everywhere(added) / noise)
         columns.append(_build_plain_joint(track, grid, without[i], plant) / noise[:, None])
     missing, known = np.concatenate(torque), np.concatenate(columns)
     known = known / np.maximum(np.linalg.norm(known, axis=0), 1e-30)
@@ -104,4 +104,4 @@ def _build_plain_joint(track: Track, grid: RowGrid, seen: Observation, plant: Pl
         fall = np.exp(-square)
         dry = np.where(sign * bristle > 0.0, bristle, 0.0) / np.maximum(coulomb + (static - coulomb) * fall, 1e-9)
         samples += [dry, dry * fall, dry * fall * square, v * (sign * v > 0.0)]
-    return np.column_stack([grid.everywhere(column) for column in samples])
+    return np.column_stack([grid.average_everywhere(column) for column in samples])

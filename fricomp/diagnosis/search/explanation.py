@@ -12,7 +12,7 @@ from ..effects import EFFECTS
 from ..effects.structure import N_BASE, Candidate, Structure
 from ..inputs.track import FloatArray
 from ..joint.solver import Box, Fit
-from .preparation import Prepared
+from .preparation import Baseline
 from .screening import orthonormalise, project_out
 
 __all__ = ["Explanation", "compute_evidence", "compute_spread_excess", "curb", "find_refusal", "judge"]
@@ -71,11 +71,11 @@ class Explanation:
     @property
     def values(self) -> dict[str, dict[str, float]]:
         """Fitted parameters of each effect."""
-        return self.structure.values(self.fit.theta[N_BASE:])
+        return self.structure.name_values(self.fit.theta[N_BASE:])
 
-    def reach(self, prepared: Prepared) -> FloatArray:
+    def compute_reach(self, prepared: Baseline) -> FloatArray:
         """What its effects add to each row, in units of the noise. Shape (m,)."""
-        return self.structure.added(prepared.problem, self.fit.theta, self.names)
+        return self.structure.compute_added(prepared.problem, self.fit.theta, self.names)
 
     @property
     def common_order(self) -> float | None:
@@ -97,13 +97,13 @@ class Explanation:
         if _LAW not in values:
             return False
         law, drag = values[_LAW], values.get(_DRAG, {"coefficient": 0.0})
-        plant = self.structure.plant(self.fit.theta)
+        plant = self.structure.unpack_plant(self.fit.theta)
         top = max(float(np.max(np.abs(context.velocity))) for context in self.structure.contexts)
         linear = 0.5 * (plant.forward[3] + plant.reverse[3]) * top
         curved = law["coefficient"] * top ** law["exponent"] + drag["coefficient"] * top**2
         if linear > _TAKEN * (linear + curved):
             return False
-        (exponent,) = (p for owner, p in self.structure.parameters() if (owner, p.name) == (_LAW, "exponent"))
+        (exponent,) = (p for owner, p in self.structure.parameters if (owner, p.name) == (_LAW, "exponent"))
         at_edge = law["exponent"] < exponent.lower + _AT_EDGE
         clearly = max(_CLEARLY, _CLEARLY_PER_ROW * self.fit.residual.size)
         return _DRAG in values or at_edge or (self.coverage < _FITS and self.left > clearly)
@@ -115,7 +115,7 @@ class Explanation:
         return tuple(Candidate(c.name, tuple(values[c.name].items())) for c in self.structure.candidates)
 
 
-def judge(prepared: Prepared, structure: Structure, fit: Fit, box: Box) -> Explanation:
+def judge(prepared: Baseline, structure: Structure, fit: Fit, box: Box) -> Explanation:
     """What speaks for a structure whose base was fitted in `box`, and against it."""
     fall = prepared.fit.cost - fit.cost
     penalty = structure.freedom * float(np.log(fit.residual.size))
@@ -128,7 +128,7 @@ def judge(prepared: Prepared, structure: Structure, fit: Fit, box: Box) -> Expla
 
 
 def compute_evidence(
-    prepared: Prepared,
+    prepared: Baseline,
     names: Collection[str],
     before: Fit,
     after: Fit,
@@ -167,7 +167,7 @@ def _compute_falls(before: Fit, after: Fit) -> FloatArray:
     return np.clip(before.residual**2 - after.residual**2, -_MOST_OF_A_ROW, _MOST_OF_A_ROW)
 
 
-def _compute_left(prepared: Prepared, fit: Fit) -> float:
+def _compute_left(prepared: Baseline, fit: Fit) -> float:
     """Energy that the generic basis explains of what a fit leaves, beyond chance and the form of the bristle."""
     span, about_rest = (
         orthonormalise(project_out(prepared.generic, orthonormalise(fit.jacobian)), 1e-4),
@@ -180,7 +180,7 @@ def _compute_left(prepared: Prepared, fit: Fit) -> float:
 
 def find_refusal(structure: Structure, fit: Fit) -> str:
     """Why a fit is not physical; empty where it is."""
-    values = structure.values(fit.theta[N_BASE:])
+    values = structure.name_values(fit.theta[N_BASE:])
     reasons = [c.effect.refuse(values[c.name], structure.contexts) for c in structure.candidates]
     return "; ".join(reason for reason in (*reasons, _find_cancelling(values)) if reason)
 

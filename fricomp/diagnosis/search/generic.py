@@ -26,7 +26,7 @@ def build_generic_rows(problem: Problem, contexts: Sequence[Context]) -> FloatAr
         knots = _place_knots(values, _BINS.get(name.split(":")[0], 5))
         columns = [_build_hats(q[name][0], knots) * q[name][1][:, None] for q in quantities]
         for i in range(knots.size):
-            rows = [grid.of(c[:, i]) + mean for grid, c, mean in zip(problem.grids, columns, zero, strict=True)]
+            rows = [grid.average(c[:, i]) + mean for grid, c, mean in zip(problem.grids, columns, zero, strict=True)]
             parts.append(problem.weights.apply(rows))
     return np.stack(parts, axis=1)
 

@@ -44,24 +44,24 @@ class _Scan:
     @property
     def linear(self) -> _Mask:
         """Which parameters the torque is proportional to; they stand at their scale, and the size is free."""
-        return np.array([p.linear for _, p in self.alone.parameters()])
+        return np.array([p.linear for _, p in self.alone.parameters])
 
-    def best(self, points: Sequence[FloatArray]) -> list[FloatArray]:
+    def select_best(self, points: Sequence[FloatArray]) -> list[FloatArray]:
         """The hypotheses that take most off the sum of squares, refined along each parameter."""
-        found = [points[i] for i in np.argsort(-self.falls(points))[:_KEPT]]
+        found = [points[i] for i in np.argsort(-self.compute_falls(points))[:_KEPT]]
         for size in 0.5 ** np.arange(_ROUNDS):
-            found = [self.stepped(point, float(size)) for point in found]
+            found = [self.step(point, float(size)) for point in found]
         return found
 
-    def stepped(self, point: FloatArray, size: float) -> FloatArray:
+    def step(self, point: FloatArray, size: float) -> FloatArray:
         """The best of `point` and its neighbours along each parameter, `size` scales away."""
-        box = self.alone.box()
+        box = self.alone.build_box()
         steps = np.diag(np.where(self.linear, 0.0, size * box.scale))
         moves = [np.zeros_like(point)] + [sign * step for step in steps if step.any() for sign in (1.0, -1.0)]
         points: list[FloatArray] = [np.clip(point + move, box.lower, box.upper) for move in moves]
-        return points[int(np.argmax(self.falls(points)))]
+        return points[int(np.argmax(self.compute_falls(points)))]
 
-    def falls(self, points: Sequence[FloatArray]) -> FloatArray:
+    def compute_falls(self, points: Sequence[FloatArray]) -> FloatArray:
         """Fall of the sum of squares at each point, the base following linearly. Shape (n_points,)."""
         changes = _build_columns(self.problem, self.alone, points)
         change = project_out(np.where(np.isfinite(changes), changes, 0.0), self.basis)
@@ -87,12 +87,12 @@ def narrow_starts(
     found: dict[str, _Values] = {}
     for name, effect in sorted(EFFECTS.items()):
         hypotheses = effect.scan(structure.contexts)
-        if not hypotheses or effect.unavailable(structure.contexts) is not None:
+        if not hypotheses or effect.find_obstacle(structure.contexts) is not None:
             continue
         scan = _Scan(problem, Structure(structure.contexts, (Candidate(name, ()),)), residual, basis)
-        parameters = [p for _, p in scan.alone.parameters()]
+        parameters = [p for _, p in scan.alone.parameters]
         points = [np.array([p.scale if p.linear else h.get(p.name, 0.0) for p in parameters]) for h in hypotheses]
-        best = [np.where(scan.linear, 0.0, point) for point in scan.best(points)]
+        best = [np.where(scan.linear, 0.0, point) for point in scan.select_best(points)]
         found[f"start:{name}"] = tuple(float(value) for point in best for value in point)
     return found
 
@@ -108,11 +108,11 @@ def _build_columns(problem: Problem, alone: Structure, points: Sequence[FloatArr
     moving = [np.abs(context.velocity) > 2.0 * problem.observer.rest_speed for context in alone.contexts]
     columns = []
     for point in points:
-        values, rows = alone.values(point)[alone.names[0]], []
+        values, rows = alone.name_values(point)[alone.names[0]], []
         for i, (context, grid) in enumerate(zip(alone.contexts, problem.grids, strict=True)):
             numerator, denominator = passes[i]
-            torque = alone.candidates[0].effect.contribution(context, values).additive
+            torque = alone.candidates[0].effect.compute_contribution(context, values).additive
             seen = lfilter(numerator[0], denominator, torque * moving[i])
-            rows.append(grid.of(seen) + problem.weights.mean[i])
+            rows.append(grid.average(seen) + problem.weights.mean[i])
         columns.append(problem.weights.apply(rows))
     return np.stack(columns, axis=1)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from ..effects.structure import N_BASE
 from ..joint.base import BASE_NAMES
 from ..joint.base_fit import propose_creep_starts
-from .preparation import Prepared, find_top_speed
+from .preparation import Baseline, find_top_speed
 from .refit import fit_from
-from .search import Found
+from .search import SearchResult
 
 __all__ = ["has_late_creep"]
 
@@ -17,7 +17,7 @@ _COST_WITH_CREEP = 0.5
 _CREEP = BASE_NAMES.index("creep_velocity")
 
 
-def has_late_creep(prepared: Prepared, found: Found) -> bool:
+def has_late_creep(prepared: Baseline, found: SearchResult) -> bool:
     """Whether the best explanation leaves far less where its joint has friction that creeps in place of a bristle.
 
     A strong effect, such as a ripple as large as the friction, hides from the base alone what its friction does. A

@@ -123,7 +123,7 @@ def build_ripple_rows(problem: Problem, contexts: Sequence[Context], orders: Flo
         elif shape == "dynamic":
             here = replace(context, position=q, velocity=v, acceleration=context.acceleration[grid.centres, None])
             ripple = ripple * compute_uneven_running(here, orders, _LOAD_SHARE) / orders
-        rows.append(problem.weights.whitened(ripple))
+        rows.append(problem.weights.whiten(ripple))
     return np.concatenate(rows)
 
 

@@ -30,7 +30,7 @@ from .hypotheses import narrow_starts
 from .order import find_orders
 from .screening import orthonormalise, project_out
 
-__all__ = ["Prepared", "find_top_speed", "prepare"]
+__all__ = ["Baseline", "find_top_speed", "prepare"]
 
 _SLIDING = 2.0  # rest speeds
 _SETTLED = 0.16  # [s] about a row, in which observer and whitener still answer to a start or a stop
@@ -52,7 +52,7 @@ _LEVEL = (0.6, 1.8)  # most that the noise found in single samples is corrected 
 
 
 @dataclass(frozen=True)
-class Prepared:
+class Baseline:
     """The base model fitted to the recordings.
 
     Attributes:
@@ -86,10 +86,10 @@ class Prepared:
     @cached_property
     def null_residuals(self) -> list[FloatArray]:
         """Nulls after the base is refitted to them, in weighted rows. Shapes (m,)."""
-        basis = self.basis if self.recolouring is None else orthonormalise(self._jacobian_of_nulls(self.recolouring))
-        return [vector - basis @ (basis.T @ vector) for vector in self.nulls.vectors()]
+        basis = self.basis if self.recolouring is None else orthonormalise(self._whiten_jacobian(self.recolouring))
+        return [vector - basis @ (basis.T @ vector) for vector in self.nulls.build_vectors()]
 
-    def _jacobian_of_nulls(self, recolouring: FloatArray) -> FloatArray:
+    def _whiten_jacobian(self, recolouring: FloatArray) -> FloatArray:
         """The base model's Jacobian, whitened as the nulls are. Shape (m, p)."""
         ends = np.cumsum([grid.centres.size for grid in self.problem.grids])[:-1]
         parts = np.split(self.fit.jacobian, ends)
@@ -109,9 +109,9 @@ class Prepared:
     @cached_property
     def noise_ratio(self) -> float:
         """Weighted residual over that of the nulls."""
-        return self.loudness(self.fit)
+        return self.measure_loudness(self.fit)
 
-    def loudness(self, fit: Fit) -> float:
+    def measure_loudness(self, fit: Fit) -> float:
         """Weighted residual of a fit over that of the nulls."""
         null = np.mean([vector @ vector for vector in self.null_residuals])
         return float(np.sqrt(fit.residual @ fit.residual / null))
@@ -125,7 +125,7 @@ def prepare(
     seed: int,
     rigid: RigidJoint | None = None,
     creeps: bool = False,
-) -> Prepared:
+) -> Baseline:
     """Fit the base model: weak form first, then observed simulation, weighted by nulls of the fitted model.
 
     Args:
@@ -141,7 +141,7 @@ def prepare(
     fit = try_other_bristle(problem, fit, box)
     fit, box = _try_creep(raw, problem, fit, box, seed, creeps)
     fit, problem, found = _reweigh(raw, fit, box, nulls, seed)
-    prepared = Prepared(problem, _build_structure(problem, fit, box), fit, box, found)
+    prepared = Baseline(problem, _build_structure(problem, fit, box), fit, box, found)
     return _level_noise(_recolour(prepared))
 
 
@@ -150,9 +150,9 @@ def _fit_first(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | 
     top, tried = find_top_speed(tracks), []
     for plant in estimate_plants(tracks):
         start = plant if rigid is None else replace(plant, inertia=rigid.inertia)
-        base = BaseModel.around(start, dt=tracks[0].dt, top_speed=top, rotary=tracks[0].rotary, known=rigid)
+        base = BaseModel.build_around(start, dt=tracks[0].dt, top_speed=top, rotary=tracks[0].rotary, known=rigid)
         problem = build_problem(tracks, start, observer)
-        evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
+        evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
         tried.append((problem, minimise(evaluate, base.start, base.box, iterations=10, refresh=2), base.box))
     usual, *others = tried
     return next((other for other in others if other[1].cost < _ASTRAY * usual[1].cost), usual)
@@ -175,7 +175,7 @@ def _try_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int, cr
         found, _, nulls = _reweigh(raw, found, free, _FIRST_NULLS, seed)
     except FloatingPointError:
         return fit, box
-    left = np.mean([vector @ vector for vector in nulls.vectors()])
+    left = np.mean([vector @ vector for vector in nulls.build_vectors()])
     quiet = found.residual @ found.residual <= _QUIET**2 * left
     accepted = creeps or quiet or explained > _MOST or after < _LEFT_WITH_CREEP * before
     return (found, free) if accepted else (fit, box)
@@ -186,17 +186,19 @@ def find_top_speed(tracks: Sequence[Track]) -> float:
     return max(float(np.quantile(np.abs(track.velocity), 0.995)) for track in tracks)
 
 
-def _split_noise(prepared: Prepared) -> tuple[FloatArray, list[FloatArray]]:
+def _split_noise(prepared: Baseline) -> tuple[FloatArray, list[FloatArray]]:
     """What neither the base nor any smooth torque reaches: of the residual, shape (m,), and of each null."""
     span = orthonormalise(
         np.concatenate([prepared.fit.jacobian, prepared.generic], axis=1),
         1e-6,
     )
-    ours, *theirs = (project_out(v[:, None], span)[:, 0] for v in (prepared.fit.residual, *prepared.nulls.vectors()))
+    ours, *theirs = (
+        project_out(v[:, None], span)[:, 0] for v in (prepared.fit.residual, *prepared.nulls.build_vectors())
+    )
     return ours, theirs
 
 
-def _recolour(prepared: Prepared) -> Prepared:
+def _recolour(prepared: Baseline) -> Baseline:
     """Whiten the residual by its own correlation where it is not that of the nulls, which keep theirs.
 
     What swings at frequencies of its own is correlated as well, and is no noise.
@@ -213,7 +215,7 @@ def _recolour(prepared: Prepared) -> Prepared:
     weights = prepared.nulls.weights
     whitener = np.convolve(weights.whitener, recolouring)
     problem = replace(prepared.problem, weights=replace(weights, whitener=whitener))
-    evaluate = problem.residual(problem.nothing, len(BASE_NAMES))
+    evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
     fit = minimise(evaluate, prepared.fit.theta, prepared.box, iterations=6, refresh=2)
     return replace(prepared, problem=problem, fit=fit, recolouring=recolouring)
 
@@ -251,7 +253,7 @@ def _correlate(values: FloatArray) -> FloatArray:
     return np.array([float(x[lag:] @ x[:-lag]) for lag in (1, 2, 3)]) / float(x @ x)
 
 
-def _level_noise(prepared: Prepared) -> Prepared:
+def _level_noise(prepared: Baseline) -> Baseline:
     """Scale the nulls to the part of the residual that neither the base nor any smooth torque reaches."""
     ours, theirs = _split_noise(prepared)
     usual = max(_compute_ratio(ours, theirs, _compute_typical), _USUAL)
@@ -261,7 +263,7 @@ def _level_noise(prepared: Prepared) -> Prepared:
         else min(_compute_ratio(ours, theirs, _compute_trimmed), usual)
     )
     factor = float(np.clip(found, *_LEVEL))
-    nulls, fit, own = prepared.nulls.scaled(factor), prepared.fit, prepared.problem.weights
+    nulls, fit, own = prepared.nulls.scale(factor), prepared.fit, prepared.problem.weights
     # The priors in the cost know nothing of the noise.
     cost = fit.cost + (1.0 / factor**2 - 1.0) * float(fit.residual @ fit.residual)
     fit = replace(fit, residual=fit.residual / factor, jacobian=fit.jacobian / factor, cost=cost)
@@ -287,7 +289,7 @@ def _compute_typical(values: FloatArray) -> float:
 def _reweigh(problem: Problem, fit: Fit, box: Box, count: int, seed: int) -> tuple[Fit, Problem, Nulls]:
     """Improve the velocities once, as in each null, simulate nulls, and fit again with their weights."""
     plant, nothing = unpack(fit.theta), [Contribution()] * len(problem.tracks)
-    problem = replace(problem.timed_for(plant).with_velocity_of(plant), weights=None)
+    problem = replace(problem.cut_samples_for(plant).improve_velocity(plant), weights=None)
     nulls = make_nulls(problem, plant, nothing, count=count, seed=seed)
     problem = replace(problem, weights=nulls.weights)
     return fit_base(problem, fit.theta, box), problem, nulls
@@ -295,7 +297,7 @@ def _reweigh(problem: Problem, fit: Fit, box: Box, count: int, seed: int) -> tup
 
 def _build_structure(problem: Problem, fit: Fit, box: Box) -> Structure:
     plant = unpack(fit.theta)
-    runs = problem.runs([plant], [[Contribution()] * len(problem.tracks)])[0]
+    runs = problem.observe_all([plant], [[Contribution()] * len(problem.tracks)])[0]
     contexts = build_contexts(problem, plant, runs, {})
     basis = orthonormalise(fit.jacobian)
     hints = find_orders(problem, contexts, project_out(fit.residual[:, None], basis)[:, 0], basis)

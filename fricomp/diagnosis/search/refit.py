@@ -13,7 +13,7 @@ from ..inputs.track import FloatArray
 from ..joint.base import even_directions
 from ..joint.solver import Box, Descent
 from .explanation import Explanation, judge
-from .preparation import Prepared
+from .preparation import Baseline
 
 __all__ = ["LAST_STEPS", "compute_preference", "fit_from", "polish", "refit"]
 
@@ -24,7 +24,7 @@ _ROUNDS, _STILL_GAINING, _STILL_MOVING = 4, 0.003, 0.001
 
 
 def refit(
-    prepared: Prepared, wanted: Sequence[tuple[tuple[Candidate, ...], Prepared | Explanation]]
+    prepared: Baseline, wanted: Sequence[tuple[tuple[Candidate, ...], Baseline | Explanation]]
 ) -> list[Explanation]:
     """Fit base and candidates jointly in the simulator, each set from what was fitted without some of them, and judge
     what they leave.
@@ -32,14 +32,14 @@ def refit(
     descents = []
     for candidates, before in wanted:
         structure, fit = Structure(before.structure.contexts, candidates), before.fit
-        start = np.concatenate([fit.theta[:N_BASE], structure.start()])
-        descent = structure.descent(start, prepared.box, jacobian=fit.jacobian, iterations=5, refresh=99)
+        start = np.concatenate([fit.theta[:N_BASE], structure.build_start()])
+        descent = structure.start_descent(start, prepared.box, jacobian=fit.jacobian, iterations=5, refresh=99)
         descents.append((structure, descent))
     return _fit_and_judge(prepared, descents, [prepared.box] * len(descents))
 
 
 def polish(
-    prepared: Prepared, explanations: Sequence[Explanation], *, iterations: int = 4, refresh: int = 2
+    prepared: Baseline, explanations: Sequence[Explanation], *, iterations: int = 4, refresh: int = 2
 ) -> list[Explanation]:
     """The same explanations at the minima of fresh Jacobians, their effects computed for the joint that was found.
 
@@ -58,13 +58,13 @@ def _is_unsettled(old: Explanation, new: Explanation) -> bool:
     """Whether a polish gained much, and moved the load."""
     if new is old or new.refused or new.gain - old.gain < _STILL_GAINING * new.gain:
         return False
-    here, there = (one.structure.contexts_at(one.fit.theta) for one in (old, new))
+    here, there = (one.structure.move_contexts(one.fit.theta) for one in (old, new))
     moved = [np.max(np.abs(a.load_torque - b.load_torque)) for a, b in zip(here, there, strict=True)]
     return bool(np.max(moved) > _STILL_MOVING * max(float(np.max(np.abs(c.load_torque))) for c in there))
 
 
 def _polish_once(
-    prepared: Prepared, explanations: Sequence[Explanation], iterations: int, refresh: int
+    prepared: Baseline, explanations: Sequence[Explanation], iterations: int, refresh: int
 ) -> list[Explanation]:
     """Each at the minimum of fresh Jacobians with the contexts of its own joint, from where it was and with both
     directions evened, or as it was where that is better."""
@@ -73,7 +73,7 @@ def _polish_once(
         structure = Structure(_rebuild_contexts(prepared, explanation), explanation.settled)
         for start in (explanation.fit.theta, even_directions(explanation.fit.theta)):
             if start is not None:
-                descent = structure.descent(start, explanation.box, iterations=iterations, refresh=refresh)
+                descent = structure.start_descent(start, explanation.box, iterations=iterations, refresh=refresh)
                 descents.append((structure, descent))
                 owners.append(i)
     result = list(explanations)
@@ -82,16 +82,16 @@ def _polish_once(
     return result
 
 
-def _rebuild_contexts(prepared: Prepared, explanation: Explanation) -> tuple[Context, ...]:
+def _rebuild_contexts(prepared: Baseline, explanation: Explanation) -> tuple[Context, ...]:
     """Each recording with load and position of the joint that was found: one without its effects is elsewhere."""
     structure, theta = explanation.structure, explanation.fit.theta
     seen = structure.observe(prepared.problem, theta)
-    contexts = structure.contexts_at(theta)
+    contexts = structure.move_contexts(theta)
     return tuple(move_context(*each) for each in zip(contexts, prepared.problem.tracks, seen, strict=True))
 
 
 def fit_from(
-    prepared: Prepared, wanted: Sequence[tuple[Sequence[Candidate], FloatArray]], box: Box
+    prepared: Baseline, wanted: Sequence[tuple[Sequence[Candidate], FloatArray]], box: Box
 ) -> list[Explanation]:
     """Fit base and candidates jointly and with care, maybe in another domain than the usual one.
 
@@ -103,13 +103,13 @@ def fit_from(
     descents = []
     for candidates, theta in wanted:
         structure = Structure(prepared.structure.contexts, tuple(candidates))
-        start = np.concatenate([theta, structure.start()])
-        descents.append((structure, structure.descent(start, box, iterations=LAST_STEPS, refresh=2)))
+        start = np.concatenate([theta, structure.build_start()])
+        descents.append((structure, structure.start_descent(start, box, iterations=LAST_STEPS, refresh=2)))
     return _fit_and_judge(prepared, descents, [box] * len(descents))
 
 
 def _fit_and_judge(
-    prepared: Prepared, descents: Sequence[tuple[Structure, Descent]], boxes: Sequence[Box]
+    prepared: Baseline, descents: Sequence[tuple[Structure, Descent]], boxes: Sequence[Box]
 ) -> list[Explanation]:
     """Run fits side by side, each with the domain of its base, and judge what they leave."""
     fits = fit_all(prepared.problem, descents)

@@ -39,14 +39,14 @@ class Screen:
 
     columns: tuple[Column, ...]
 
-    def best_by_name(self) -> dict[str, Column]:
+    def select_best(self) -> dict[str, Column]:
         """The strongest candidate of each effect, strongest effect first."""
         best: dict[str, Column] = {}
         for column in self.columns:
             best.setdefault(column.candidate.name, column)
         return best
 
-    def pairs(self, residual: FloatArray, keep: int) -> list[tuple[Candidate, Candidate]]:
+    def select_pairs(self, residual: FloatArray, keep: int) -> list[tuple[Candidate, Candidate]]:
         """The pairs of different effects that explain most of `residual` together."""
         scored = []
         for a, b in combinations(self.columns, 2):
@@ -69,8 +69,8 @@ def list_candidates(contexts: Sequence[Context], without: Sequence[str] = ()) ->
     return [
         Candidate(name, tuple(start.items()))
         for name, effect in sorted(EFFECTS.items())
-        if name not in without and effect.unavailable(contexts) is None
-        for start in effect.starts(contexts)
+        if name not in without and effect.find_obstacle(contexts) is None
+        for start in effect.propose_starts(contexts)
     ]
 
 
@@ -92,14 +92,16 @@ def screen(
         [
             a + b
             for a, b in zip(
-                structure.contributions(theta[-structure.start().size :] if structure.candidates else np.zeros(0)),
-                Structure(structure.contexts, (candidate,)).contributions(vector),
+                structure.compute_contributions(
+                    theta[-structure.build_start().size :] if structure.candidates else np.zeros(0)
+                ),
+                Structure(structure.contexts, (candidate,)).compute_contributions(vector),
                 strict=True,
             )
         ]
         for candidate, vector, _ in points
     ]
-    vectors = problem.vectors([structure.plant(theta)] * len(points), contributions)
+    vectors = problem.compute_vectors([structure.unpack_plant(theta)] * len(points), contributions)
     columns: dict[Candidate, list[FloatArray]] = {}
     for (candidate, _, step), vector in zip(points, vectors, strict=True):
         columns.setdefault(candidate, []).append((vector - residual) / step)
@@ -115,14 +117,14 @@ def screen(
 def _list_points(structure: Structure, candidate: Candidate) -> list[tuple[Candidate, FloatArray, float]]:
     """Effect parameters to simulate for the columns of `candidate`, with the step each column is divided by."""
     alone = Structure(structure.contexts, (candidate,))
-    start = alone.start()
-    linear = [i for i, (_, p) in enumerate(alone.parameters()) if p.linear]
+    start = alone.build_start()
+    linear = [i for i, (_, p) in enumerate(alone.parameters) if p.linear]
     if not linear:
         return [(candidate, start, 1.0)]
     points = []
     for i in linear:
         vector = start.copy()
-        vector[i] = alone.parameters()[i][1].scale
+        vector[i] = alone.parameters[i][1].scale
         points.append((candidate, vector, 1.0))
     return points
 

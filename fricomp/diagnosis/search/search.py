@@ -13,11 +13,11 @@ from ..joint.solver import Fit
 from .choice import ENOUGH, choose, rank_acceptable, select_finalists
 from .explanation import Explanation, compute_spread_excess, curb
 from .hypotheses import narrow_starts
-from .preparation import Prepared
+from .preparation import Baseline
 from .refit import LAST_STEPS, compute_preference, fit_from, polish, refit
 from .screening import Column, Screen, orthonormalise, project_out, screen
 
-__all__ = ["Found", "search"]
+__all__ = ["SearchResult", "search"]
 
 _SINGLES = 8  # effects refitted on their own
 _FAINT = 0.03  # of the strongest effect's energy: weaker ones are not refitted
@@ -39,7 +39,7 @@ _MATERIAL = 0.01  # gain per row: below it the base model's own small errors cou
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """What the search found.
 
     Attributes:
@@ -60,7 +60,7 @@ class Found:
     first: Screen
 
 
-def search(prepared: Prepared) -> Found:
+def search(prepared: Baseline) -> SearchResult:
     """Find the effects that explain the residual of the base model."""
     fit = prepared.fit
     first = screen(prepared.problem, prepared.structure, fit.theta, fit.residual, fit.jacobian)
@@ -87,7 +87,7 @@ def search(prepared: Prepared) -> Found:
             tried += _fit_parts(prepared, best)
             best = choose(prepared, tried, threshold)
     tried.sort(key=lambda explanation: -explanation.gain)
-    return Found(tuple(tried), best, threshold, explainable, null, first)
+    return SearchResult(tuple(tried), best, threshold, explainable, null, first)
 
 
 def _select_partners(tried: Sequence[Explanation], seed: Explanation, threshold: float) -> list[Explanation]:
@@ -101,7 +101,7 @@ def _rank_pairs(tried: Sequence[Explanation], threshold: float) -> list[Explanat
     return [e for e in rank_acceptable(tried, threshold) if len(e.names) == 2]
 
 
-def _swap_pairs(prepared: Prepared, tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
+def _swap_pairs(prepared: Baseline, tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
     """The best triple with other pairs beneath its third effect, of those that explain nearly as much as its own."""
     pairs, triples = _rank_pairs(tried, threshold), [e for e in rank_acceptable(tried, threshold) if len(e.names) == 3]
     own = [pair for pair in pairs if triples and set(pair.names) < set(triples[0].names)]
@@ -124,7 +124,7 @@ def _select_wholes(tried: Sequence[Explanation], best: Explanation | None, thres
     return [best, top] if top.gain > best.gain + _CLEARLY * threshold else [best]
 
 
-def _fit_parts(prepared: Prepared, best: Explanation | None) -> list[Explanation]:
+def _fit_parts(prepared: Baseline, best: Explanation | None) -> list[Explanation]:
     """An explanation without each of its effects, from where it ended: alone a part may not have got that far."""
     if best is None or len(best.names) == 1 or best.coverage < _NAMEABLE:
         return []
@@ -132,13 +132,13 @@ def _fit_parts(prepared: Prepared, best: Explanation | None) -> list[Explanation
     return fit_from(prepared, [(candidates, best.fit.theta[:N_BASE]) for candidates in kept], prepared.box)
 
 
-def _has_idle(prepared: Prepared, best: Explanation) -> bool:
+def _has_idle(prepared: Baseline, best: Explanation) -> bool:
     """Whether one of its effects does nothing, such as a lag of no length: it only led the others to their minimum."""
-    added = [best.structure.added(prepared.problem, best.fit.theta, [name]) for name in best.names]
+    added = [best.structure.compute_added(prepared.problem, best.fit.theta, [name]) for name in best.names]
     return len(added) > 1 and min(float(np.max(np.abs(one))) for one in added) < _NOTHING
 
 
-def _compute_null_gain(prepared: Prepared, screened: Screen) -> float:
+def _compute_null_gain(prepared: Baseline, screened: Screen) -> float:
     """Largest BIC gain of any effect on a null, at the quantile that fixes the rate of false alarms.
 
     No row counts for more than a few, as in what is compared with it.
@@ -154,17 +154,17 @@ def _compute_null_gain(prepared: Prepared, screened: Screen) -> float:
     return float(np.quantile(gains, _QUANTILE))
 
 
-def _count_freedom(prepared: Prepared, column: Column) -> int:
+def _count_freedom(prepared: Baseline, column: Column) -> int:
     return Structure(prepared.structure.contexts, (column.candidate,)).freedom
 
 
-def _fit_singles(prepared: Prepared, first: Screen) -> list[Explanation]:
+def _fit_singles(prepared: Baseline, first: Screen) -> list[Explanation]:
     """Each strong effect on its own: a quick refit of its best hypotheses, and a careful one of the best effects; all
     other effects where none of those explains most, as a base that is bent far screens badly.
     """
     strong, contexts = _rank_groups(first, _SINGLES), prepared.structure.contexts
     replacing = _select_replacing(prepared, first)
-    suspected = [group for group in _group_columns(first) if group[0].candidate.effect.suspected(contexts)]
+    suspected = [group for group in _group_columns(first) if group[0].candidate.effect.is_suspected(contexts)]
     groups = [*strong, *(group for group in suspected if group not in strong)]
     tried = _refit_groups(prepared, [group for group in groups if group not in replacing])
     tried += _fit_with_care(prepared, replacing, (), prepared.fit)
@@ -174,25 +174,25 @@ def _fit_singles(prepared: Prepared, first: Screen) -> list[Explanation]:
     return sorted(tried, key=compute_preference, reverse=True)
 
 
-def _select_replacing(at: Prepared | Explanation, screened: Screen) -> list[list[Column]]:
+def _select_replacing(at: Baseline | Explanation, screened: Screen) -> list[list[Column]]:
     """Candidates, grouped by effect, that take the place of parameters which stand at a bound in a fitted base."""
-    suspected, contexts = _select_suspected(at, screened), at.structure.contexts_at(at.fit.theta)
+    suspected, contexts = _select_suspected(at, screened), at.structure.move_contexts(at.fit.theta)
     alone = [Structure(contexts, (group[0].candidate,)) for group in suspected]
-    added = [structure.contributions(structure.start()) for structure in alone]
+    added = [structure.compute_contributions(structure.build_start()) for structure in alone]
     return [group for group, each in zip(suspected, added, strict=True) if any(one.plant for one in each)]
 
 
-def _select_suspected(at: Prepared | Explanation, screened: Screen) -> list[list[Column]]:
+def _select_suspected(at: Baseline | Explanation, screened: Screen) -> list[list[Column]]:
     """Candidates, grouped by effect, at which a fitted base points itself: one of its parameters stands at a bound.
 
     Its own column hides theirs there, however much they would add beyond the bound.
     """
-    contexts = at.structure.contexts_at(at.fit.theta)
-    return [group for group in _group_columns(screened) if group[0].candidate.effect.suspected(contexts)]
+    contexts = at.structure.move_contexts(at.fit.theta)
+    return [group for group in _group_columns(screened) if group[0].candidate.effect.is_suspected(contexts)]
 
 
 def _fit_with_care(
-    prepared: Prepared, groups: Sequence[Sequence[Column]], beside: tuple[Candidate, ...], fit: Fit
+    prepared: Baseline, groups: Sequence[Sequence[Column]], beside: tuple[Candidate, ...], fit: Fit
 ) -> list[Explanation]:
     """Effects that take over what stands at its bound in the base, with fresh Jacobians: all else there is bent to make
     up for that bound, and no column of the base is that of the joint without it.
@@ -201,14 +201,14 @@ def _fit_with_care(
     return fit_from(prepared, wanted, prepared.box)
 
 
-def _fit_from_afar(prepared: Prepared) -> list[Explanation]:
+def _fit_from_afar(prepared: Baseline) -> list[Explanation]:
     """Effects with many minima, from starts far from each other."""
     contexts, theta = prepared.structure.contexts, prepared.fit.theta
-    starts = [(name, start) for name, effect in EFFECTS.items() for start in effect.far_starts(contexts)]
+    starts = [(name, start) for name, effect in EFFECTS.items() for start in effect.propose_far_starts(contexts)]
     return fit_from(prepared, [((Candidate(name, tuple(s.items())),), theta) for name, s in starts], prepared.box)
 
 
-def _refit_groups(prepared: Prepared, groups: Sequence[Sequence[Column]]) -> list[Explanation]:
+def _refit_groups(prepared: Baseline, groups: Sequence[Sequence[Column]]) -> list[Explanation]:
     """The best hypothesis of each effect refitted; the best effects with care."""
     options = [_select_options(prepared, group) for group in groups]
     trials = iter(refit(prepared, [((c.candidate,), prepared) for part in options for c in part]))
@@ -220,9 +220,9 @@ def _refit_groups(prepared: Prepared, groups: Sequence[Sequence[Column]]) -> lis
     return careful + quick[len(careful) :]
 
 
-def _select_options(prepared: Prepared, group: Sequence[Column]) -> Sequence[Column]:
+def _select_options(prepared: Baseline, group: Sequence[Column]) -> Sequence[Column]:
     """The hypotheses of one effect that are worth a refit."""
-    if group[0].candidate.effect.suspected(prepared.structure.contexts):
+    if group[0].candidate.effect.is_suspected(prepared.structure.contexts):
         return group[:_HYPOTHESES]
     least = max(0.3 * group[0].energy, float(np.log(prepared.fit.residual.size)))
     return [column for column in group if column.energy > least][:_HYPOTHESES]
@@ -243,7 +243,7 @@ def _group_columns(screened: Screen) -> list[list[Column]]:
 
 
 def _grow(
-    prepared: Prepared,
+    prepared: Baseline,
     tried: Sequence[Explanation],
     seeds: Sequence[Explanation],
     threshold: float,
@@ -255,7 +255,7 @@ def _grow(
     """
     known = {explanation.names for explanation in tried}
     grown: list[Explanation] = []
-    wanted: list[tuple[tuple[Candidate, ...], Prepared | Explanation]] = []
+    wanted: list[tuple[tuple[Candidate, ...], Baseline | Explanation]] = []
     seen: set[tuple[str, ...]] = set()
     for seed in (_renew_starts(prepared, seed) for seed in seeds):
         screened = screen(prepared.problem, seed.structure, seed.fit.theta, seed.fit.residual, seed.fit.jacobian)
@@ -270,7 +270,7 @@ def _grow(
             alike = [c.candidate for c in columns[:_HYPOTHESES] if c.energy > _ALIKE * columns[0].energy]
             wanted += [((*seed.settled, candidate), seed) for candidate in alike]
     unfinished = any(seed.coverage <= ENOUGH for seed in seeds)
-    for pair in first.pairs(prepared.fit.residual, _PARTNERS) if first is not None and unfinished else ():
+    for pair in first.select_pairs(prepared.fit.residual, _PARTNERS) if first is not None and unfinished else ():
         names = tuple(sorted(c.name for c in pair))
         if names not in seen:
             seen.add(names)
@@ -278,7 +278,7 @@ def _grow(
     return grown + refit(prepared, wanted)
 
 
-def _renew_starts(prepared: Prepared, seed: Explanation) -> Explanation:
+def _renew_starts(prepared: Baseline, seed: Explanation) -> Explanation:
     """The seed, with its own starts for effects that have too many of them, where it explains most and leaves much.
 
     Those that stand out of what the base leaves are of the seed then, as with a gap beside a stop.

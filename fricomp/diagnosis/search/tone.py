@@ -8,7 +8,7 @@ import numpy as np
 from scipy.signal import periodogram
 
 from ..inputs.track import FloatArray
-from .preparation import Prepared
+from .preparation import Baseline
 
 __all__ = ["Tone", "find_tone"]
 
@@ -34,7 +34,7 @@ class Tone(NamedTuple):
     share: float
 
 
-def find_tone(prepared: Prepared) -> Tone:
+def find_tone(prepared: Baseline) -> Tone:
     """The strongest line in the spectra of what the base leaves of each recording."""
     problem = prepared.problem
     ends = np.cumsum([grid.centres.size for grid in problem.grids])[:-1]

@@ -22,7 +22,7 @@ from ..joint.observer import Contribution, Job, Plant
 from ..joint.problem import Problem, build_problem
 from ..joint.solver import Box, choose_steps
 from ..search.explanation import Explanation
-from ..search.preparation import Prepared
+from ..search.preparation import Baseline
 
 __all__ = ["Proposal", "propose"]
 
@@ -59,7 +59,7 @@ class Proposal(NamedTuple):
     difference: float
 
 
-def propose(prepared: Prepared, chosen: Explanation, rivals: Sequence[Explanation], box: Box) -> Proposal | None:
+def propose(prepared: Baseline, chosen: Explanation, rivals: Sequence[Explanation], box: Box) -> Proposal | None:
     """The motion that tells `chosen` from most of its rivals; None where no motion of the menu tells it from any.
 
     Args:
@@ -89,7 +89,7 @@ def _worth(lacks: Sequence[float]) -> tuple[int, float]:
     return sum(lack > _ENOUGH for lack in lacks), sum(min(lack, _PLENTY * _ENOUGH) for lack in lacks)
 
 
-def _range(prepared: Prepared) -> Range:
+def _range(prepared: Baseline) -> Range:
     low = min(float(track.position.min()) for track in prepared.problem.tracks)
     high = max(float(track.position.max()) for track in prepared.problem.tracks)
     speed = max(float(np.quantile(np.abs(track.velocity), 0.99)) for track in prepared.problem.tracks)
@@ -113,7 +113,7 @@ class _Motion:
     whitener: FloatArray
 
     @classmethod
-    def build(cls, prepared: Prepared, position: FloatArray) -> _Motion:
+    def build(cls, prepared: Baseline, position: FloatArray) -> _Motion:
         """The motion along `position`, seen through the observer of the recordings."""
         track, plant = _virtual(prepared, position)
         problem = build_problem([track], plant, prepared.problem.observer)
@@ -129,9 +129,9 @@ class _Motion:
         context = replace(self.context, plant=first.plant, usual_load=first.usual_load)
         for theta in points:
             # By name: of several recordings some effects have parameters of their own; the first ones count here.
-            effects = structure.contribution(context, structure.values(theta[N_BASE:]))
-            jobs.append(Job(self.problem.tracks[0], structure.plant(theta), effects))
-        missing = [self.problem.grids[0].of(one.missing) for one in self.problem.observe(jobs)]
+            effects = structure.compute_contribution(context, structure.name_values(theta[N_BASE:]))
+            jobs.append(Job(self.problem.tracks[0], structure.unpack_plant(theta), effects))
+        missing = [self.problem.grids[0].average(one.missing) for one in self.problem.observe(jobs)]
         return np.asarray(lfilter(self.whitener, [1.0], np.stack(missing) / self.noise, axis=1))
 
     def lacking(self, chosen: Explanation, rival: Explanation, box: Box) -> float:
@@ -139,7 +139,7 @@ class _Motion:
 
         0 where one of the two, or the rival beside its fit, does not simulate on this motion.
         """
-        box, theta = box.joined(rival.structure.box()), rival.fit.theta
+        box, theta = box.join(rival.structure.build_box()), rival.fit.theta
         steps = choose_steps(theta, box, _DIFFERENCE)
         free = np.flatnonzero(box.scale > _HELD)
         at, *moved = self.rows(rival, [theta, *(theta + steps[i] * np.eye(theta.size)[i] for i in free)])
@@ -166,9 +166,9 @@ class _Motion:
         return {"time": time, "position_reference": track.position, "velocity_reference": velocity}
 
 
-def _virtual(prepared: Prepared, position: FloatArray) -> tuple[Track, Plant]:
+def _virtual(prepared: Baseline, position: FloatArray) -> tuple[Track, Plant]:
     """The recording that the base model would give on a motion, without noise."""
-    plant = prepared.structure.plant(prepared.fit.theta)
+    plant = prepared.structure.unpack_plant(prepared.fit.theta)
     old = prepared.problem.tracks[0]
     v = differentiate(position, old.dt)
     a = differentiate(v, old.dt)
@@ -177,7 +177,7 @@ def _virtual(prepared: Prepared, position: FloatArray) -> tuple[Track, Plant]:
     for coulomb, static, stribeck, viscous in (plant.forward, plant.reverse):
         curves.append(coulomb + (static - coulomb) * np.exp(-((speed / stribeck) ** 2)) + viscous * speed)
     friction = np.where(v >= 0.0, curves[0], -curves[1]) * np.tanh(speed / 1e-3)
-    torque = plant.inertia * a + plant.gravity_torque(position, old.rotary) + friction
+    torque = plant.inertia * a + plant.compute_gravity_torque(position, old.rotary) + friction
     channels: dict[str, FloatArray] = {}
     return Track.build(old.dt, position, torque, rotary=old.rotary, channels=channels, name="proposal"), plant
 

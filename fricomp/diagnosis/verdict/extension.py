@@ -17,21 +17,21 @@ from ..inputs.rigid import Spring
 from ..inputs.track import FloatArray
 from ..joint.observer import Plant
 from ..search.explanation import Explanation
-from ..search.preparation import Prepared
+from ..search.preparation import Baseline
 
 __all__ = ["base_model", "extended_model"]
 
 _OF_THE_CORE = ("stribeck_exponent", "sigma_0", "sigma_1", "lag")  # fields of a plant that its curves and bristle have
 
 
-def base_model(recordings: Sequence[Recording], prepared: Prepared) -> FrictionModel:
+def base_model(recordings: Sequence[Recording], prepared: Baseline) -> FrictionModel:
     """Friction of the refitted base."""
-    plant = prepared.structure.plant(prepared.fit.theta)
+    plant = prepared.structure.unpack_plant(prepared.fit.theta)
     return _model(recordings, prepared.structure.contexts, (BidirectionalStribeck(*_pair(plant, 2.0)),), plant)
 
 
 def extended_model(
-    recordings: Sequence[Recording], prepared: Prepared, chosen: Explanation | None, given: Spring | None = None
+    recordings: Sequence[Recording], prepared: Baseline, chosen: Explanation | None, given: Spring | None = None
 ) -> FrictionModel | None:
     """Friction with the named effects, refitted together; None where no effect belongs to a friction law.
 
@@ -39,17 +39,17 @@ def extended_model(
     """
     if chosen is None:
         return None
-    values = chosen.structure.values(chosen.fit.theta[N_BASE:])
-    plant = chosen.structure.plant(chosen.fit.theta)
+    values = chosen.structure.name_values(chosen.fit.theta[N_BASE:])
+    plant = chosen.structure.unpack_plant(chosen.fit.theta)
     terms: list[Term] = []
     changes: dict[str, float] = {}
     for candidate in chosen.structure.candidates:
-        contribution = candidate.effect.contribution(chosen.structure.contexts[0], values[candidate.name])
+        contribution = candidate.effect.compute_contribution(chosen.structure.contexts[0], values[candidate.name])
         changes |= {name: value for name, value in contribution.plant.items() if name in _OF_THE_CORE}
         if candidate.name == SPRING and given is not None:
             term, plant = combine_springs(values[candidate.name], plant, given)
         else:
-            term = candidate.effect.term(values[candidate.name], plant, chosen.structure.contexts)
+            term = candidate.effect.build_term(values[candidate.name], plant, chosen.structure.contexts)
         terms += [term] if term is not None else []
     if not terms and not changes:
         return None

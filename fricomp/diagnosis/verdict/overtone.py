@@ -8,7 +8,7 @@ import numpy as np
 
 from ..effects.structure import Candidate
 from ..search.explanation import Explanation
-from ..search.preparation import Prepared
+from ..search.preparation import Baseline
 from ..search.screening import screen
 
 __all__ = ["explained_by_overtone", "overtones"]
@@ -46,7 +46,7 @@ def overtones(
 
 
 def explained_by_overtone(
-    prepared: Prepared, tried: Sequence[Explanation], chosen: Explanation, name: str, other: str, order: float
+    prepared: Baseline, tried: Sequence[Explanation], chosen: Explanation, name: str, other: str, order: float
 ) -> bool:
     """Whether a wave of `other` at `order`, which is no free parameter, explains as much as the effect `name` does.
 
@@ -64,7 +64,7 @@ def explained_by_overtone(
     part = max((one for one in tried if one.names == kept), key=lambda one: one.gain, default=None)
     if part is None or other not in part.values:
         return False
-    fit, form = part.fit, {p.name for owner, p in part.structure.parameters() if owner == other and not p.linear}
+    fit, form = part.fit, {p.name for owner, p in part.structure.parameters if owner == other and not p.linear}
     start = {key: value for key, value in part.values[other].items() if key in form} | {"order": order}
     wave = Candidate(other, tuple(start.items()))
     waves = screen(prepared.problem, part.structure, fit.theta, fit.residual, fit.jacobian, [wave]).columns

@@ -35,8 +35,8 @@ from ..record.result import (
 from ..record.sentence import FOREIGN_CURVE, NO_MOTION, detent_sentence, sentences
 from ..search.explanation import Explanation
 from ..search.order import compute_order_spectrum
-from ..search.preparation import Prepared
-from ..search.search import Found
+from ..search.preparation import Baseline
+from ..search.search import SearchResult
 from .experiment import propose
 from .extension import base_model, extended_model
 from .naming import each_once, name_effects, where_unknown
@@ -131,7 +131,7 @@ def conclude(answer: Answer) -> Diagnosis:
     )
 
 
-def _loudness(prepared: Prepared, held: Confirmation, chosen: Explanation | None) -> float:
+def _loudness(prepared: Baseline, held: Confirmation, chosen: Explanation | None) -> float:
     """Residual of the base over its noise; what was named may have been taken for a part of that."""
     ratio = prepared.noise_ratio
     return ratio if chosen is None else max(ratio, held.rmse_before / held.noise_floor)
@@ -156,17 +156,17 @@ def _propose(
     return NextExperiment(motion="motion.csv", separates=proposal.separates, why=why), proposal.motion
 
 
-def _series(prepared: Prepared, before: Fit, after: Refitted) -> tuple[RowSeries, ...]:
+def _series(prepared: Baseline, before: Fit, after: Refitted) -> tuple[RowSeries, ...]:
     """Rows of the base, as given or refitted, and of the joint that the verdict is about."""
     problem, weights = prepared.problem, prepared.nulls.weights
-    runs = [problem.rows(prepared.structure.observe(problem, before.theta))]
+    runs = [problem.compute_rows(prepared.structure.observe(problem, before.theta))]
     same = after.fit is before
-    runs.append(runs[0] if same else problem.rows(after.structure.observe(problem, after.fit.theta)))
+    runs.append(runs[0] if same else problem.compute_rows(after.structure.observe(problem, after.fit.theta)))
     corrected = [[r - m for r, m in zip(rows, weights.mean, strict=True)] for rows in runs]
     return row_series(prepared, corrected[0], corrected[1])
 
 
-def _rivals(found: Found, chosen: Explanation | None, failed: Explanation | None) -> tuple[Rival, ...]:
+def _rivals(found: SearchResult, chosen: Explanation | None, failed: Explanation | None) -> tuple[Rival, ...]:
     rivals = []
     listed = found.explanations[:12]
     if chosen is not None and chosen not in listed:

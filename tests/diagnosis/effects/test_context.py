@@ -51,7 +51,7 @@ def test_effects_follow_the_joint_that_was_found_and_not_the_one_without_them() 
     plant = Plant(0.5, (0.0, 0.0), 0.0, curve, curve, 4e4)
     before = Context(1e-3, 0.3 * np.sin(2.0 * time), zero, zero, zero, zero, zero, zero, zero, plant, True, 2.0)
     seen = [Observation(zero, there, zero, zero)]
-    structure = SimpleNamespace(observe=lambda *_: seen, contexts_at=lambda _: (before,))
+    structure = SimpleNamespace(observe=lambda *_: seen, move_contexts=lambda _: (before,))
     explanation = SimpleNamespace(structure=structure, fit=SimpleNamespace(theta=zero))
     prepared = SimpleNamespace(problem=SimpleNamespace(tracks=(track,)))
     (after,) = _rebuild_contexts(cast(Any, prepared), cast(Any, explanation))

@@ -42,7 +42,7 @@ def test_the_spring_of_a_simulation_is_read_with_its_reference(tmp_path: Path) -
     spring = read_simulation(path).spring
     assert spring is not None
     assert (spring.stiffness, spring.reference) == (6.0, 0.3)
-    np.testing.assert_allclose(spring.torque(np.array([0.3, 0.5])), [0.0, 1.2], atol=1e-12)
+    np.testing.assert_allclose(spring.compute_torque(np.array([0.3, 0.5])), [0.0, 1.2], atol=1e-12)
     path.write_text(_MJCF.format(spring=""))
     assert read_simulation(path).spring is None
 
@@ -100,7 +100,7 @@ def test_the_written_spring_stands_for_that_of_the_simulation_too(hardening: flo
     assert term is not None
     written = np.array([float(term.torque(OperatingPoint(velocity=1.0, position=q))) for q in position])
     stretch = position + 0.2
-    wanted = given.torque(position) + 1.5 * stretch * (1.0 + hardening * stretch**2) + _PLANT.offset
+    wanted = given.compute_torque(position) + 1.5 * stretch * (1.0 + hardening * stretch**2) + _PLANT.offset
     np.testing.assert_allclose(written + plant.offset, wanted, atol=1e-9)
 
 
@@ -141,5 +141,5 @@ def test_a_spring_is_no_mass_of_an_arm(tmp_path: Path) -> None:
         path = tmp_path / "arm.xml"
         path.write_text(_MJCF.format(spring=spring))
         arm = read_arm(path)
-        columns.append(arm.body_columns(motion, arm.last))
+        columns.append(arm.compute_body_columns(motion, arm.last))
     np.testing.assert_allclose(columns[1], columns[0])

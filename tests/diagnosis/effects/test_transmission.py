@@ -59,7 +59,7 @@ def test_uneven_running_is_that_of_a_load_that_leads(context: Context) -> None:
     plant = replace(context.plant, gravity=(1.0, 3.0))
     here = replace(context, plant=plant)
     values = {"sine": 1e-3, "cosine": 0.0, "order": 9.0, "load_share": 0.6}
-    torque = np.asarray(EFFECTS["kinematic_error"].contribution(here, values).additive)
+    torque = np.asarray(EFFECTS["kinematic_error"].compute_contribution(here, values).additive)
     # Lagrange: the motor feels the load's torque times the slope of its position by the motor's.
     q, inertia = context.position, 0.6 * plant.inertia
     slope = 1.0 + 9e-3 * np.cos(9.0 * q)
@@ -74,7 +74,7 @@ def test_a_sensor_loop_saturates_at_its_width(context: Context) -> None:
     swinging = replace(context, recorded=3.0 * np.sin(FREQUENCY * context.time))
     values = {"height": 0.1, "width": np.log(0.8), "exponent": np.log(20.0), "initial": 0.0}
     effect = EFFECTS["torque_sensor_hysteresis"]
-    loop = np.asarray(effect.contribution(swinging, values).additive)
+    loop = np.asarray(effect.compute_contribution(swinging, values).additive)
     assert np.abs(loop).max() == pytest.approx(0.08, rel=1e-2)
     later = loop[round(2.0 * np.pi / FREQUENCY / 1e-3) :]
     assert later.max() == pytest.approx(-later.min(), rel=1e-2)
@@ -84,7 +84,7 @@ def test_a_sensor_loop_saturates_at_its_width(context: Context) -> None:
 def test_a_sensor_loop_is_larger_than_the_noise_and_saturates(noise: float, context: Context) -> None:
     swinging = replace(context, recorded=3.0 * np.sin(FREQUENCY * context.time), noise=noise)
     effect = EFFECTS["torque_sensor_hysteresis"]
-    width = effect.parameters([swinging])[1]
+    width = effect.list_parameters([swinging])[1]
     assert np.exp(width.lower) == pytest.approx(max(10.0 * noise, 0.015), rel=0.01)
     assert np.exp(width.upper) == pytest.approx(0.8 * 3.0, rel=0.01)
     assert all(width.lower <= start["width"] <= width.upper for start in effect.scan([swinging]))

@@ -14,15 +14,15 @@ from fricomp.diagnosis.evidence.comparison import PLAIN, Doubt
 from fricomp.diagnosis.inputs.rigid import RigidJoint
 from fricomp.diagnosis.joint.solver import Box
 from fricomp.diagnosis.search.explanation import Explanation
-from fricomp.diagnosis.search.search import Found
+from fricomp.diagnosis.search.search import SearchResult
 
 from ..known import known
 
 _NONE = cast(Any, None)
 
 
-def _found(*explanations: Explanation) -> Found:
-    return Found(explanations, explanations[0], 30.0, 0.0, 0.0, _NONE)
+def _found(*explanations: Explanation) -> SearchResult:
+    return SearchResult(explanations, explanations[0], 30.0, 0.0, 0.0, _NONE)
 
 
 _LOAD, _SPLIT = known(("load_coulomb",), 1000.0), known(("load_quadratic",), 990.0)

@@ -11,7 +11,7 @@ from fricomp.diagnosis.evidence.confirmation import confirm
 from fricomp.diagnosis.joint.base import BASE_NAMES, unpack
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer
-from fricomp.diagnosis.search.preparation import Prepared, prepare
+from fricomp.diagnosis.search.preparation import Baseline, prepare
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel
 
@@ -22,13 +22,13 @@ _GRAVITY = (1.773, 5.732)
 
 
 @pytest.fixture(scope="module")
-def prepared() -> Prepared:
+def prepared() -> Baseline:
     tracks = build_tracks([recording(ToyJoint(), "fourier", 20.0)])
     given = RigidJoint(ToyJoint().inertia, _GRAVITY, 0.0, 0.0, 0.0, True)
     return prepare(tracks, observer=Observer(), nulls=8, seed=0, rigid=given)
 
 
-def test_a_wrong_inertia_stays_and_the_rest_is_refitted(prepared: Prepared) -> None:
+def test_a_wrong_inertia_stays_and_the_rest_is_refitted(prepared: Baseline) -> None:
     wrong = RigidJoint(0.8 * ToyJoint().inertia, _GRAVITY, 0.0, 0.0, 0.0, True)
     fit = fit_as_given(prepared, ["inertia_error"], wrong, None)
     assert fit is not None
@@ -39,7 +39,7 @@ def test_a_wrong_inertia_stays_and_the_rest_is_refitted(prepared: Prepared) -> N
     assert found.rmse_after == confirm(prepared, prepared.structure, prepared.fit, 0).rmse_after
 
 
-def test_directions_that_differ_are_held_together(prepared: Prepared) -> None:
+def test_directions_that_differ_are_held_together(prepared: Baseline) -> None:
     forward, reverse = StribeckCurve(2.6, 2.6, 0.1, 0.5), StribeckCurve(1.7, 1.7, 0.1, 0.5)  # the joint: 2.0 and 2.3
     even = FrictionModel(FrictionLaw((BidirectionalStribeck(forward, reverse),)))
     fit = fit_as_given(prepared, ["direction_asymmetry"], None, even)
@@ -52,7 +52,7 @@ def test_directions_that_differ_are_held_together(prepared: Prepared) -> None:
     assert found.rmse_before > found.rmse_after
 
 
-def test_gravity_of_a_simulation_does_not_take_up_a_constant_torque(prepared: Prepared) -> None:
+def test_gravity_of_a_simulation_does_not_take_up_a_constant_torque(prepared: Baseline) -> None:
     forward, reverse = StribeckCurve(2.6, 2.6, 0.1, 0.5), StribeckCurve(1.7, 1.7, 0.1, 0.5)
     uneven = FrictionModel(FrictionLaw((BidirectionalStribeck(forward, reverse),)))
     rigid = RigidJoint(ToyJoint().inertia, _GRAVITY, 0.0, 0.0, 0.0, True)
@@ -63,6 +63,6 @@ def test_gravity_of_a_simulation_does_not_take_up_a_constant_torque(prepared: Pr
     assert held.cost > 2.0 * free.cost
 
 
-def test_nothing_is_as_given_where_nothing_was(prepared: Prepared) -> None:
+def test_nothing_is_as_given_where_nothing_was(prepared: Baseline) -> None:
     assert fit_as_given(prepared, ["inertia_error", "direction_asymmetry"], None, None) is None
     assert fit_as_given(prepared, ["velocity_filter_lag"], RigidJoint(1.0, _GRAVITY, 0.0, 0.0, 0.0, True), None) is None

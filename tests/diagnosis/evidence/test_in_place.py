@@ -15,7 +15,7 @@ from fricomp.diagnosis.evidence.agreement import moved_to
 from fricomp.diagnosis.evidence.answer import Answer
 from fricomp.diagnosis.evidence.in_place import _Question, beside_moved, in_place
 from fricomp.diagnosis.record.result import NamedEffect
-from fricomp.diagnosis.search.search import Found
+from fricomp.diagnosis.search.search import SearchResult
 
 from ..known import known
 from ..toy_joint import ToyJoint, recording
@@ -62,7 +62,7 @@ def test_an_effect_takes_the_place_of_parameters_only_by_the_threshold(
     monkeypatch.setattr(module, "_tried", lambda *_: [])
     monkeypatch.setattr(module, "fit_from", lambda *_: [known(("cogging",), gain)])
     monkeypatch.setattr(module, "_standing", lambda _, one, given: replace(one, before=given))
-    answer = in_place(Answer((), _NONE, Found((), None, 30.0, 0.0, 0.0, _NONE), None, None, 0))
+    answer = in_place(Answer((), _NONE, SearchResult((), None, 30.0, 0.0, 0.0, _NONE), None, None, 0))
     assert answer.instead == told
     best = answer.found.best
     assert (best is not None) is takes_place
@@ -96,11 +96,11 @@ def test_gravity_that_moves_leaves_the_mean_torque() -> None:
 
 def test_a_lag_too_short_to_be_named_is_faint_and_no_other_is() -> None:
     lag, contexts = EFFECTS["frictional_lag"], [cast(Context, type("Along", (), {"dt": 1e-3}))]
-    assert lag.faint({"lag": 1e-3}, contexts)
+    assert lag.is_faint({"lag": 1e-3}, contexts)
     assert lag.refuse({"lag": 1e-3}, contexts)
-    assert not lag.faint({"lag": 3e-3}, contexts)
+    assert not lag.is_faint({"lag": 3e-3}, contexts)
     assert lag.refuse({"lag": 3e-3}, contexts) is None
-    assert not EFFECTS["cogging"].faint({}, contexts)
+    assert not EFFECTS["cogging"].is_faint({}, contexts)
 
 
 @pytest.mark.slow

@@ -96,7 +96,7 @@ def test_friction_follows_the_simulated_velocity_late() -> None:
 
 @pytest.mark.parametrize("coupling", [_SPRING, _SPRING._replace(hardening=0.02), _GAP, _SPRING._replace(half_gap=2e-3)])
 def test_a_load_moves_on_its_own(coupling: Coupling) -> None:
-    truth = moved(_with_load(_PLANT, coupling), (0.0, 0.0, 0.0, coupling.rest(0.0), 0.0))
+    truth = moved(_with_load(_PLANT, coupling), (0.0, 0.0, 0.0, coupling.compute_rest(0.0), 0.0))
     right, rigid = _error(truth, _PLANT, ForwardPart(coupling=coupling)), _error(truth, _PLANT)
     assert right < _RIGHT
     assert rigid > 10.0 * right
@@ -104,7 +104,7 @@ def test_a_load_moves_on_its_own(coupling: Coupling) -> None:
 
 def test_a_load_on_a_slide_moves_as_one_on_a_hinge() -> None:
     plant = replace(_PLANT, gravity=(0.0, 0.0))
-    track, reference = moved(_with_load(plant, _GAP), (0.0, 0.0, 0.0, _GAP.rest(0.0), 0.0), seconds=1.0)
+    track, reference = moved(_with_load(plant, _GAP), (0.0, 0.0, 0.0, _GAP.compute_rest(0.0), 0.0), seconds=1.0)
     hinge, slide = (
         simulate_forward(run_of(replace(track, rotary=rotary), reference, plant, ForwardPart(coupling=_GAP)))
         for rotary in (True, False)
@@ -114,9 +114,11 @@ def test_a_load_on_a_slide_moves_as_one_on_a_hinge() -> None:
 
 def test_a_recorded_temperature_stays_that_of_the_recording() -> None:
     warm, values = replace(_context(), channels={"temperature": np.linspace(20.0, 30.0, 4000)}), {"viscous_slope": 0.1}
-    part = EFFECTS["thermal_friction"].forward_part(warm, values)
+    part = EFFECTS["thermal_friction"].build_forward_part(warm, values)
     assert part.states == ()
-    np.testing.assert_array_equal(part.along.additive, EFFECTS["thermal_friction"].contribution(warm, values).additive)
+    np.testing.assert_array_equal(
+        part.along.additive, EFFECTS["thermal_friction"].compute_contribution(warm, values).additive
+    )
 
 
 def test_friction_that_creeps_does_so_in_the_simulated_motion() -> None:
@@ -146,7 +148,10 @@ def test_friction_that_creeps_does_so_in_the_simulated_motion() -> None:
 )
 def test_a_state_along_the_recorded_motion_is_what_the_effect_adds_there(effect: str, values: dict[str, float]) -> None:
     context = _context()
-    along, part = EFFECTS[effect].contribution(context, values), EFFECTS[effect].forward_part(context, values)
+    along, part = (
+        EFFECTS[effect].compute_contribution(context, values),
+        EFFECTS[effect].build_forward_part(context, values),
+    )
     (state,) = part.states
     state.begin(1500, context.dt)
     pairs = zip(context.velocity[1501:], context.friction[1501:], strict=True)

@@ -18,28 +18,28 @@ _REFERENCE = np.stack([np.linspace(0.01, 0.11, 200), np.full(200, 0.5)])
 
 def test_a_loop_holds_its_torque_until_it_answers_again() -> None:
     loop = Loop(Controller(100.0, frequency=500.0), _TRACK, _REFERENCE, 0, _STEP)
-    answers = [loop.torque(step // 5, 1e-3 * step) for step in range(20)]
+    answers = [loop.compute_torque(step // 5, 1e-3 * step) for step in range(20)]
     assert answers[:10] == [pytest.approx(1.0)] * 10
     assert answers[10:] == [pytest.approx(100.0 * (_REFERENCE[0, 2] - 0.01))] * 10
 
 
 def test_a_loop_of_no_known_rate_answers_in_every_step_and_sees_the_velocity() -> None:
     loop = Loop(Controller(0.0, 2.0), _TRACK, _REFERENCE, 0, _STEP)
-    loop.torque(0, 0.0)
-    assert loop.torque(0, 0.3 * _STEP) == pytest.approx(2.0 * (0.5 - 0.3))
+    loop.compute_torque(0, 0.0)
+    assert loop.compute_torque(0, 0.3 * _STEP) == pytest.approx(2.0 * (0.5 - 0.3))
 
 
 def test_an_integral_begins_where_the_recorded_torque_is_and_stops_at_the_limit() -> None:
     gains = Controller(100.0, 2.0, 50.0, frequency=1000.0, torque_limit=3.5)
     loop = Loop(gains, _TRACK, _REFERENCE, 100, _STEP)
-    assert loop.torque(100, float(_TRACK.position[100])) == pytest.approx(3.0, abs=1e-2)
-    assert Loop(gains, _TRACK, _REFERENCE, 100, _STEP).torque(100, -1.0) == 3.5
+    assert loop.compute_torque(100, float(_TRACK.position[100])) == pytest.approx(3.0, abs=1e-2)
+    assert Loop(gains, _TRACK, _REFERENCE, 100, _STEP).compute_torque(100, -1.0) == 3.5
 
 
 def test_an_integral_begins_there_too_where_the_other_parts_alone_pass_the_limit() -> None:
     gains = Controller(1000.0, 0.0, 50.0, frequency=1000.0, torque_limit=5.0)
     loop = Loop(gains, _TRACK, _REFERENCE, 100, _STEP)
-    assert loop.torque(100, float(_TRACK.position[100])) == pytest.approx(3.0, abs=1e-2)
+    assert loop.compute_torque(100, float(_TRACK.position[100])) == pytest.approx(3.0, abs=1e-2)
 
 
 @pytest.mark.parametrize(

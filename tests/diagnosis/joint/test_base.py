@@ -18,12 +18,12 @@ _COULOMB = [BASE_NAMES.index(f"{side}.coulomb_torque") for side in ("forward", "
 
 
 def _model() -> BaseModel:
-    return BaseModel.around(_PLANT, dt=1e-3, top_speed=1.5, rotary=True)
+    return BaseModel.build_around(_PLANT, dt=1e-3, top_speed=1.5, rotary=True)
 
 
 def test_a_plant_survives_its_vector() -> None:
     there = unpack(pack(_PLANT))
-    np.testing.assert_allclose(there.slots(), _PLANT.slots(), rtol=1e-12)
+    np.testing.assert_allclose(there.to_slots(), _PLANT.to_slots(), rtol=1e-12)
     assert (there.gravity, there.offset, there.delay) == (_PLANT.gravity, _PLANT.offset, _PLANT.delay)
 
 
@@ -63,7 +63,7 @@ def test_the_start_lies_inside() -> None:
 
 def test_the_stiffest_bristle_hides_its_travel_from_the_observer() -> None:
     inertia, level = 1.4, 5.0  # a heavy joint: the observer holds its model with 1.4e4 N·m/rad
-    model = BaseModel.around(
+    model = BaseModel.build_around(
         Plant(inertia, (0.0, 9.0), 0.0, (level, 7.5, 0.04, 3.0), (level, 7.5, 0.04, 3.0), 1e5),
         dt=1e-3,
         top_speed=1.5,
@@ -83,7 +83,9 @@ def test_evened_directions_slide_as_before() -> None:
     for sign, curve in ((1.0, "forward"), (-1.0, "reverse")):
         slid = [one.offset + sign * getattr(one, curve)[0] for one in (before, after)]
         assert slid[0] == pytest.approx(slid[1])
-    assert after.static_torque(np.array(1.0), np.array(0.0)) != before.static_torque(np.array(1.0), np.array(0.0))
+    assert after.compute_static_torque(np.array(1.0), np.array(0.0)) != before.compute_static_torque(
+        np.array(1.0), np.array(0.0)
+    )
     np.testing.assert_array_equal(even[-2:], [7.0, 8.0])
     assert even_directions(even) is None
 

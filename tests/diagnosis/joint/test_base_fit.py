@@ -12,30 +12,30 @@ from fricomp.diagnosis.joint.base_fit import try_other_bristle
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer
 from fricomp.diagnosis.joint.solver import Fit, minimise
-from fricomp.diagnosis.search.preparation import Prepared, prepare
+from fricomp.diagnosis.search.preparation import Baseline, prepare
 
 from ..toy_joint import ToyJoint, recording
 
 
 @pytest.fixture(scope="module")
-def prepared() -> Prepared:
+def prepared() -> Baseline:
     stiff = ToyJoint(sigma_0=2e6, torque_noise=0.02)
     tracks = build_tracks([recording(stiff, "fourier", 12.0, seed=4)], [None])
     return prepare(tracks, observer=Observer(), nulls=8, seed=0)
 
 
-def _run_away(prepared: Prepared) -> Fit:
+def _run_away(prepared: Baseline) -> Fit:
     """The fit from a soft bristle that is damped as much as it may be, held there."""
     box, theta = prepared.box, prepared.fit.theta.copy()
     held = [BASE_NAMES.index(name) for name in ("log_breakaway", "damping_time")]
     theta[held] = np.log(SOFTEST), box.upper[held[1]]
-    evaluate = prepared.problem.residual(prepared.problem.nothing, len(BASE_NAMES))
+    evaluate = prepared.problem.build_residual(prepared.problem.add_nothing, len(BASE_NAMES))
     lower, upper = box.lower.copy(), box.upper.copy()
     lower[held], upper[held] = theta[held] - 1e-12, theta[held]
     return minimise(evaluate, theta, replace(box, lower=lower, upper=upper))
 
 
-def test_a_fit_that_ran_away_is_brought_back(prepared: Prepared) -> None:
+def test_a_fit_that_ran_away_is_brought_back(prepared: Baseline) -> None:
     away = _run_away(prepared)
     assert away.cost > 1.5 * prepared.fit.cost
     back = try_other_bristle(prepared.problem, away, prepared.box)
@@ -44,10 +44,10 @@ def test_a_fit_that_ran_away_is_brought_back(prepared: Prepared) -> None:
     assert travel < 0.1 * SOFTEST
 
 
-def test_a_quiet_fit_stays(prepared: Prepared) -> None:
+def test_a_quiet_fit_stays(prepared: Baseline) -> None:
     assert try_other_bristle(prepared.problem, prepared.fit, prepared.box) is prepared.fit
 
 
-def test_a_loud_fit_with_little_damping_stays(prepared: Prepared) -> None:
+def test_a_loud_fit_with_little_damping_stays(prepared: Baseline) -> None:
     loud = replace(prepared.fit, residual=5.0 * prepared.fit.residual)
     assert try_other_bristle(prepared.problem, loud, prepared.box) is loud

@@ -48,7 +48,7 @@ def row_size(problem: Problem, position: FloatArray, torque: FloatArray) -> floa
     track = problem.tracks[0]
     moved = replace(track, position=position, torque=torque, velocity=differentiate(position, track.dt))
     run = problem.observe([Job(moved, true_plant(JOINT), Contribution())])[0]
-    return float(np.median(np.abs(np.diff(problem.grids[0].of(run.missing), 2))))
+    return float(np.median(np.abs(np.diff(problem.grids[0].average(run.missing), 2))))
 
 
 def test_the_torque_of_an_answer_moves_the_joint() -> None:
@@ -110,6 +110,6 @@ def test_columns_are_whitened_as_rows_are() -> None:
     rows = np.random.default_rng(2).standard_normal((50, 3))
     weights = Weights((np.zeros(50),), (np.ones(50),), np.array([1.1, -0.4, 0.2, 0.1]))
     known = np.stack([weights.apply([rows[:, 0]]), weights.apply([rows[:, 1]])], axis=1)
-    found = weights.whitened(rows[:, :2] + 1j * rows[:, 2:])
+    found = weights.whiten(rows[:, :2] + 1j * rows[:, 2:])
     np.testing.assert_allclose(found.real, known, atol=1e-12)
     np.testing.assert_allclose(found.imag[:, 0], weights.apply([rows[:, 2]]), atol=1e-12)

@@ -37,7 +37,7 @@ def test_true_plant_leaves_the_sensor_noise_in_motion(kind: str) -> None:
     problem = build_problem([track], plant, Observer())
     run = problem.observe([Job(problem.tracks[0], plant, Contribution())])[0]
     grid = problem.grids[0]
-    rows, moving = grid.of(run.missing), np.abs(track.velocity[grid.centres]) > 0.05
+    rows, moving = grid.average(run.missing), np.abs(track.velocity[grid.centres]) > 0.05
     noise = joint.torque_noise * np.linalg.norm(grid.window)
     assert np.sqrt(np.mean(rows[moving] ** 2)) < 1.35 * noise
 
@@ -63,7 +63,7 @@ def test_a_lag_of_the_drive_is_undone_and_takes_no_noise_away() -> None:
     for added in (Contribution(), Contribution(lags=lags)):
         quiet, noisy = (problem.observe([Job(one, plant, added)])[0] for one in problem.tracks)
         moving = np.abs(track.velocity[problem.grids[0].centres]) > 0.1
-        rows.append(problem.grids[0].of(noisy.missing - quiet.missing)[moving])
+        rows.append(problem.grids[0].average(noisy.missing - quiet.missing)[moving])
     assert np.std(rows[1]) == pytest.approx(np.std(rows[0]), rel=0.05)
 
 
@@ -119,7 +119,7 @@ def test_few_substeps_where_the_bristle_has_yielded_change_little() -> None:
     assert track.substeps.min() < track.substeps.max()
     fine = replace(track, substeps=np.full(track.size, track.substeps.max()))
     mixed, everywhere = (problem.observe([Job(one, plant, Contribution())])[0].missing for one in (track, fine))
-    rows = [problem.grids[0].of(one) for one in (mixed, everywhere)]
+    rows = [problem.grids[0].average(one) for one in (mixed, everywhere)]
     assert np.sqrt(np.mean((rows[0] - rows[1]) ** 2)) < 0.1 * np.std(rows[1])
 
 
@@ -174,14 +174,14 @@ def test_a_model_pulled_back_to_a_resting_encoder_rests_as_well(creep_velocity: 
     track = Track.build(1e-3, np.full(n, 0.3), 0.1 * np.random.default_rng(0).standard_normal(n))
     observation = Observation(np.zeros(n), track.position + 1e-3 / observer.leak, np.full(n, 1e-3), np.zeros(n))
     plant = replace(true_plant(ToyJoint()), creep_velocity=creep_velocity)
-    velocity = improve_track(track, observation, observer.returning(track, plant, observation)).velocity
+    velocity = improve_track(track, observation, observer.compute_return(track, plant, observation)).velocity
     assert velocity == pytest.approx(np.full(n, seen), abs=1e-12)
 
 
 def test_a_moving_model_is_not_pulled_back() -> None:
     track = track_of(ToyJoint(), "fourier", 5.0)
     ahead = Observation(np.zeros(track.size), track.position + 1e-3, track.velocity, np.zeros(track.size))
-    returning = Observer().returning(track, true_plant(ToyJoint()), ahead)
+    returning = Observer().compute_return(track, true_plant(ToyJoint()), ahead)
     moving = np.abs(track.velocity) > Observer().rest_speed
     assert not returning[moving].any()
     assert np.all(returning[~moving] < 0.0)

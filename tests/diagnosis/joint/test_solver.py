@@ -108,13 +108,13 @@ def test_a_step_to_where_nothing_simulates_is_not_taken() -> None:
 
 def test_a_box_joined_to_another_keeps_both_priors_apart() -> None:
     first, second = _box(precision=_COUPLED), _box(upper=5.0, precision=np.eye(3))
-    joined = first.joined(second)
+    joined = first.join(second)
     np.testing.assert_array_equal(joined.upper, [9.0] * 3 + [5.0] * 3)
     np.testing.assert_array_equal(joined.precision[:3, :3], _COUPLED)
     np.testing.assert_array_equal(joined.precision[3:, 3:], np.eye(3))
     assert not joined.precision[:3, 3:].any()
     nothing = Box(*(np.zeros(0),) * 4, np.zeros((0, 0)), np.zeros(0))
-    assert first.joined(nothing).precision.shape == (3, 3)
+    assert first.join(nothing).precision.shape == (3, 3)
 
 
 def test_a_prior_is_measured_in_scales() -> None:

@@ -11,7 +11,7 @@ import pytest
 
 from fricomp.diagnosis.search.choice import choose, rank_acceptable
 from fricomp.diagnosis.search.explanation import compute_evidence
-from fricomp.diagnosis.search.preparation import Prepared
+from fricomp.diagnosis.search.preparation import Baseline
 
 from ..known import fit_of, known
 
@@ -19,7 +19,7 @@ _ROWS = 400
 _SLIDING = np.arange(_ROWS) % 4 > 0
 _QUIET = np.zeros(_ROWS)
 _LOUD_NULLS = (np.full(_ROWS, 9.0),)  # beside which no explanation leaves anything
-_PREPARED = cast(Prepared, SimpleNamespace(sliding=_SLIDING, null_residuals=_LOUD_NULLS))
+_PREPARED = cast(Baseline, SimpleNamespace(sliding=_SLIDING, null_residuals=_LOUD_NULLS))
 
 
 def test_what_rest_alone_gains_does_not_make_a_pair() -> None:
@@ -131,7 +131,7 @@ def test_a_faint_effect_beside_a_strong_one_must_complete_it(
 def test_a_further_effect_may_complete_what_no_generic_basis_sees(
     before: float, after: float, further: str, named: bool
 ) -> None:
-    prepared = cast(Prepared, SimpleNamespace(sliding=_SLIDING, null_residuals=(np.ones(_ROWS),)))
+    prepared = cast(Baseline, SimpleNamespace(sliding=_SLIDING, null_residuals=(np.ones(_ROWS),)))
     first = known(("quadratic_drag",), 9000.0, np.full(_ROWS, before), coverage=1.0)
     pair = known(("quadratic_drag", further), 9500.0, np.full(_ROWS, after), coverage=1.0)
     assert (choose(prepared, [first, pair], 30.0) is pair) == named

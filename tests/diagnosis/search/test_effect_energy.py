@@ -14,7 +14,7 @@ from fricomp.diagnosis.inputs.track import FloatArray, Track
 from fricomp.diagnosis.joint.observer import Contribution, Observation, Observer, Plant
 from fricomp.diagnosis.joint.problem import Problem, build_problem
 from fricomp.diagnosis.search.effect_energy import compute_effect_energy
-from fricomp.diagnosis.search.preparation import Prepared
+from fricomp.diagnosis.search.preparation import Baseline
 
 _DT, _INERTIA = 1e-3, 0.3
 _PLANT = Plant(_INERTIA, (1.0, 6.0), 0.0, (2.0, 2.6, 0.05, 1.0), (2.2, 2.8, 0.06, 1.1), 4e4)
@@ -33,10 +33,10 @@ def _energy(
     forth, back = (c + (s - c) * np.exp(-((_VELOCITY / v) ** 2)) for c, s, v, _ in (_PLANT.forward, _PLANT.reverse))
     complete = Observation(np.zeros_like(torque), _POSITION, _VELOCITY, _SENSE * np.where(_SENSE > 0.0, forth, back))
     runs = [complete], [complete._replace(missing=torque)]
-    structure = SimpleNamespace(plant=lambda theta: _PLANT, with_and_without=lambda *_: runs)
+    structure = SimpleNamespace(unpack_plant=lambda theta: _PLANT, observe_with_and_without=lambda *_: runs)
     spreads = [np.broadcast_to(spread, problem.grids[0].centres.shape)]
     weights = SimpleNamespace(weights=SimpleNamespace(spread=spreads))
-    prepared = cast(Prepared, SimpleNamespace(problem=problem, nulls=weights))
+    prepared = cast(Baseline, SimpleNamespace(problem=problem, nulls=weights))
     (energy,) = compute_effect_energy(prepared, cast(Structure, structure), np.zeros(0), {"end_stop"})
     assert energy.shape == torque.shape
     return energy
@@ -90,12 +90,12 @@ def test_an_impact_shorter_than_the_way_between_rows_shows_when_it_happens() -> 
     kick = Contribution(additive=np.where(np.abs(np.arange(_TIME.size) - at) <= 5, 0.5, 0.0))
 
     def runs(of: Problem, *_: object) -> list[list[Observation]]:
-        return of.runs([_PLANT, _PLANT], [[kick], [Contribution()]])
+        return of.observe_all([_PLANT, _PLANT], [[kick], [Contribution()]])
 
-    structure = SimpleNamespace(plant=lambda theta: _PLANT, with_and_without=runs)
+    structure = SimpleNamespace(unpack_plant=lambda theta: _PLANT, observe_with_and_without=runs)
     spreads = [np.full(problem.grids[0].centres.size, 0.1)]
     nulls = SimpleNamespace(weights=SimpleNamespace(spread=spreads))
-    prepared = cast(Prepared, SimpleNamespace(problem=problem, nulls=nulls))
+    prepared = cast(Baseline, SimpleNamespace(problem=problem, nulls=nulls))
     (energy,) = compute_effect_energy(prepared, cast(Structure, structure), np.zeros(0), {"external_disturbance"})
     assert abs(int(np.argmax(energy)) - at) <= 1
     assert np.sum(energy[at - 15 : at + 16]) > 0.9 * np.sum(energy)

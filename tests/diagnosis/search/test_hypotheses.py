@@ -9,7 +9,7 @@ from scipy.signal import lsim, savgol_filter
 
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer
-from fricomp.diagnosis.search.preparation import Prepared, prepare
+from fricomp.diagnosis.search.preparation import Baseline, prepare
 from fricomp.recording import Recording
 
 from ..toy_joint import ToyJoint, record
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.slow
 JOINT = ToyJoint(gravity=0.0)
 
 
-def prepared(columns: dict[str, NDArray[np.float64]], missing: NDArray[np.float64]) -> Prepared:
+def prepared(columns: dict[str, NDArray[np.float64]], missing: NDArray[np.float64]) -> Baseline:
     """The base fitted to a joint that draws `missing` [N·m] more than its law; the motion is given, so it may."""
     recording = Recording(columns["time"], columns["position"], columns["torque"] + missing)
     return prepare(build_tracks([recording]), observer=Observer(), nulls=12, seed=0)
@@ -30,7 +30,7 @@ def columns() -> dict[str, NDArray[np.float64]]:
     return record(JOINT, "rich", 20.0)
 
 
-def hints(found: Prepared, name: str) -> tuple[float, ...]:
+def hints(found: Baseline, name: str) -> tuple[float, ...]:
     return found.structure.contexts[0].hints.get(name, ())
 
 

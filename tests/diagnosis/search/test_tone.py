@@ -11,13 +11,13 @@ import pytest
 from fricomp.diagnosis.evidence.gates import vibration
 from fricomp.diagnosis.record.result import DIAGNOSIS_SCHEMA, DiagnosisRecord
 from fricomp.diagnosis.record.sentence import sentences
-from fricomp.diagnosis.search.preparation import Prepared
+from fricomp.diagnosis.search.preparation import Baseline
 from fricomp.diagnosis.search.tone import find_tone
 
 _STEP = 0.02  # [s] between rows
 
 
-def _prepared(residual: np.ndarray, parts: int = 1) -> Prepared:
+def _prepared(residual: np.ndarray, parts: int = 1) -> Baseline:
     """Two recordings of equal length where `parts` is 2, rows every 20 ms, to and fro at 0.2 Hz, and twenty nulls."""
     rng = np.random.default_rng(0)
     grid = SimpleNamespace(centres=np.arange(residual.size // parts) * 20)
@@ -25,7 +25,7 @@ def _prepared(residual: np.ndarray, parts: int = 1) -> Prepared:
     problem = SimpleNamespace(grids=[grid] * parts, tracks=[SimpleNamespace(dt=1e-3, velocity=velocity)] * parts)
     nulls = [rng.standard_normal(residual.size) for _ in range(20)]
     fit = SimpleNamespace(residual=residual)
-    return cast(Prepared, SimpleNamespace(problem=problem, fit=fit, null_residuals=nulls))
+    return cast(Baseline, SimpleNamespace(problem=problem, fit=fit, null_residuals=nulls))
 
 
 @pytest.mark.parametrize("parts", [1, 2])

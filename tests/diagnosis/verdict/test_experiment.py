@@ -13,7 +13,7 @@ from fricomp.diagnosis.joint.base import BASE_NAMES
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer
 from fricomp.diagnosis.search.explanation import Explanation
-from fricomp.diagnosis.search.preparation import Prepared, prepare
+from fricomp.diagnosis.search.preparation import Baseline, prepare
 from fricomp.diagnosis.search.refit import fit_from
 from fricomp.diagnosis.verdict.experiment import _ENOUGH, _Motion, _worth, propose
 
@@ -23,13 +23,13 @@ _JOINT = ToyJoint(load_coulomb=0.01)
 
 
 @pytest.fixture(scope="module")
-def prepared() -> Prepared:
+def prepared() -> Baseline:
     tracks = build_tracks([recording(_JOINT, "slow", 15.0)])
     return prepare(tracks, observer=Observer(), nulls=12, seed=0)
 
 
 @pytest.fixture(scope="module")
-def fitted(prepared: Prepared) -> list[Explanation]:
+def fitted(prepared: Baseline) -> list[Explanation]:
     """Friction under load, friction that differs between driving and braking, and a drive that saturates."""
     driving = Candidate("load_quadratic", (("split", 1.0),))
     candidates = (Candidate("load_coulomb", ()), driving, Candidate("torque_saturation", ()))
@@ -37,14 +37,14 @@ def fitted(prepared: Prepared) -> list[Explanation]:
 
 
 def test_no_motion_tells_driving_and_braking_from_friction_under_load_and_another_gravity(
-    prepared: Prepared, fitted: list[Explanation]
+    prepared: Baseline, fitted: list[Explanation]
 ) -> None:
     linear, driving, _ = fitted
     assert driving.gain == pytest.approx(linear.gain, abs=1.0)
     assert propose(prepared, linear, [driving], prepared.box) is None
 
 
-def test_a_faster_motion_tells_what_a_slow_one_cannot(prepared: Prepared, fitted: list[Explanation]) -> None:
+def test_a_faster_motion_tells_what_a_slow_one_cannot(prepared: Baseline, fitted: list[Explanation]) -> None:
     linear, driving, saturating = fitted
     assert saturating.gain == pytest.approx(linear.gain, abs=3.0)  # half of what one more parameter costs
     proposal = propose(prepared, linear, [driving, saturating], prepared.box)
@@ -58,10 +58,10 @@ def test_a_faster_motion_tells_what_a_slow_one_cannot(prepared: Prepared, fitted
 
 
 def test_a_rival_at_the_edge_of_its_domain_is_not_simulated_beyond_it(
-    prepared: Prepared, fitted: list[Explanation], monkeypatch: pytest.MonkeyPatch
+    prepared: Baseline, fitted: list[Explanation], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     linear, driving, _ = fitted
-    box = prepared.box.joined(driving.structure.box())
+    box = prepared.box.join(driving.structure.build_box())
     late = np.arange(box.upper.size) == BASE_NAMES.index("delay")
     at_edge = replace(driving, fit=replace(driving.fit, theta=np.where(late, box.upper, driving.fit.theta)))
     simulated: list[FloatArray] = []
@@ -78,7 +78,7 @@ def test_a_rival_at_the_edge_of_its_domain_is_not_simulated_beyond_it(
 
 
 def test_a_rival_that_does_not_simulate_on_a_motion_is_not_told_by_it(
-    prepared: Prepared, fitted: list[Explanation], monkeypatch: pytest.MonkeyPatch
+    prepared: Baseline, fitted: list[Explanation], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     linear, driving, saturating = fitted
     rows = _Motion.rows

@@ -51,7 +51,7 @@ def draw_motion() -> tuple[FloatArray, FloatArray, FloatArray]:
 @pytest.fixture(scope="module")
 def context() -> Context:
     position, velocity, acceleration = draw_motion()
-    gravity = PLANT.gravity_torque(position, True)
+    gravity = PLANT.compute_gravity_torque(position, True)
     warm = 30.0 + 10.0 * np.sin(np.arange(N) * DT)
     return Context(
         dt=DT,
@@ -75,9 +75,9 @@ def extend(context: Context, **effects: dict[str, float]) -> FrictionModel | Non
     """The extended model of an explanation whose fit ended at these values."""
     candidates = tuple(Candidate(name, tuple(values.items())) for name, values in effects.items())
     structure = Structure((context,), candidates)
-    theta = np.concatenate([pack(PLANT), structure.start()])
+    theta = np.concatenate([pack(PLANT), structure.build_start()])
     fit = Fit(theta, np.zeros(1), np.zeros((1, theta.size)), 0.0)
-    explanation = Explanation(structure, fit, structure.box(), 1.0, 1.0, 1.0)
+    explanation = Explanation(structure, fit, structure.build_box(), 1.0, 1.0, 1.0)
     columns = {"time": context.time, "position": context.position, "torque": context.torque}
     return extended_model([Recording.from_channels(columns)], cast(Any, None), explanation)
 
@@ -117,7 +117,7 @@ def test_the_term_gives_what_the_effect_contributed(
 ) -> None:
     model = extended(context, **{name: values})
     assert isinstance(model.law.term(name), term)
-    contribution = EFFECTS[name].contribution(context, values)
+    contribution = EFFECTS[name].compute_contribution(context, values)
     expected = np.broadcast_to(contribution.additive + contribution.level * np.sign(context.velocity), (N,))
     core = np.asarray(BidirectionalStribeck(model.forward, model.reverse).torque(OperatingPoint(context.velocity)))
     added = follow(model, context) - core
@@ -141,7 +141,7 @@ def observed(plant: Plant, context: Context) -> tuple[FloatArray, FloatArray]:
     """Velocity of the diagnosis' own simulated joint, and all of the friction on it in each step. Shapes (n - 1,)."""
     zeros = np.zeros((1, N))
     signals = (context.position[None].copy(), context.velocity[None].copy(), zeros, zeros)
-    plants, out = np.repeat(plant.slots()[:, None], 8, axis=1), np.empty((4, 8, N))
+    plants, out = np.repeat(plant.to_slots()[:, None], 8, axis=1), np.empty((4, 8, N))
     steps, settings = np.ones(N, dtype=np.int64), np.array([DT, 3000.0, 100.0, 0.0, 0.0])
     observe(signals, np.zeros((4, 8), dtype=np.int64), plants, settings, steps, (0,) * 8, out)
     u, _, w, _ = out[:, 0]
@@ -181,8 +181,8 @@ def test_heat_that_was_only_estimated_is_no_term(context: Context) -> None:
 
 def test_a_linear_joint_has_no_gravity_over_its_position(context: Context) -> None:
     linear = replace(context, rotary=False)
-    term = EFFECTS["kinematic_error"].term(UNEVEN, PLANT, [linear])
+    term = EFFECTS["kinematic_error"].build_term(UNEVEN, PLANT, [linear])
     assert term is not None
-    expected = EFFECTS["kinematic_error"].contribution(linear, UNEVEN).additive
+    expected = EFFECTS["kinematic_error"].compute_contribution(linear, UNEVEN).additive
     point = OperatingPoint(context.velocity, context.position, context.acceleration)
     np.testing.assert_allclose(term.torque(point), expected, atol=1e-12)

@@ -23,7 +23,7 @@ class Cogging(Effect):
     citation = "piccoli2016"
     says = "a torque ripple is fixed in the angle, whatever the speed"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = 0.02 * contexts[0].scale
         waves = [EffectParameter(name, "{torque}", scale, -1e4, 1e4) for name in ("sine", "cosine")]
         order = EffectParameter("order", "1/{position}", 0.05, compute_lowest_order(contexts), 1e5, linear=False)
@@ -34,11 +34,11 @@ class Cogging(Effect):
         ]
         return (*waves, order, *further)
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         lowest = compute_lowest_order(contexts)
         return [{"order": n} for n in contexts[0].hints.get("order", ()) if n >= lowest]
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         angle = values["order"] * context.position
         number = f"_{context.index + 1}" if context.index else ""
         sine, cosine = (values[f"{name}{number}"] for name in ("sine", "cosine"))
@@ -47,5 +47,5 @@ class Cogging(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return refuse_long_wave(values["order"], contexts)
 
-    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+    def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return CoggingTerm(values["sine"], values["cosine"], values["order"])

@@ -21,20 +21,20 @@ class DriveLag(Effect):
     citation = "hollerbach2016"
     says = "the torque that acts follows the recorded one through a low pass"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (
             EffectParameter("time_constant", "s", 2e-3, 0.0, 0.05, linear=False, form=0.05, with_delay=1.0),
             EffectParameter("order", "1", 0.0, 1.0, 2.0, linear=False),
         )
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return [{"time_constant": lag, "order": order} for lag in (2e-3, 6e-3) for order in (1.0, 2.0)]
 
-    def suspected(self, contexts: Sequence[Context]) -> bool:
+    def is_suspected(self, contexts: Sequence[Context]) -> bool:
         """The torque of the base is recorded as early as it may be."""
         return is_at_earliest(contexts[0].plant, contexts[0].dt)
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         """The recorded torque itself is filtered: where the joint sticks, the torque that a base without the lag needs
         is another one.
         """

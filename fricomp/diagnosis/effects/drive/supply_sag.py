@@ -21,7 +21,7 @@ class SupplySag(Effect):
     citation = "duclusaud2025bam"
     says = "the torque falls short as the supply sags"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         top = max(float(np.max(np.abs(c.velocity))) for c in contexts)
         power = max(float(np.max(np.abs(c.velocity * c.torque))) for c in contexts)
         recorded = "voltage" in contexts[0].channels
@@ -35,7 +35,7 @@ class SupplySag(Effect):
             EffectParameter("loss_by_power", "s/({torque}·{position})", by_power, -1e3, 1e3, form=0.1),
         )
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(additive=_compute_share(context, values) * context.torque)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:

@@ -27,13 +27,13 @@ class TorqueConstantHeating(Effect):
     says = "the torque constant falls as the motor warms"
     scales_torque = True
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return EffectParameter("loss", "1", 0.02, -0.9, 0.9), _WINDING_TIME
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return propose_heating_times()
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         heat = compute_warming(context.torque**2, context.dt, float(np.exp(values["time_constant"])))
         return Contribution(additive=values["loss"] * heat * context.torque)
 

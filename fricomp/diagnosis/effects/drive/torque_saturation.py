@@ -20,11 +20,11 @@ class TorqueSaturation(Effect):
     citation = "pillay1989"
     says = "the torque falls short of the recorded one at high torque"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         largest = max(float(np.max(np.abs(c.torque))) for c in contexts)
         return (EffectParameter("coefficient", "1/{torque}²", 0.02 / largest**2, -10.0, 10.0, form=0.15),)
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(additive=values["coefficient"] * context.torque**3)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:

@@ -32,24 +32,24 @@ class DwellStiction(Effect):
     shown_at_rest = True
     like_a_bristle = True
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (
             EffectParameter("rise", "{torque}", 0.05 * contexts[0].scale, -1e4, 1e4, form=0.4),
             _build_size("time_constant", "s", (0.05, 60.0), prior=0.6, form=0.5),
             _build_size("travel", "{position}", (1e-3, 0.1), prior=1.1, form=0.2),
         )
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         sizes = [(t, d) for t in (0.3, 2.0, 10.0) for d in (2e-3, 1e-2)]
         return [{"time_constant": float(np.log(t)), "travel": float(np.log(d))} for t, d in sizes]
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(level=values["rise"] * _compute_growth(context, values))
 
-    def forward_part(self, context: Context, values: Values) -> ForwardPart:
+    def build_forward_part(self, context: Context, values: Values) -> ForwardPart:
         return ForwardPart(states=(_Age(context, values),))
 
-    def unavailable(self, contexts: Sequence[Context]) -> str | None:
+    def find_obstacle(self, contexts: Sequence[Context]) -> str | None:
         rests = max(float(np.mean(np.abs(c.velocity) < _REST_SPEED)) for c in contexts)
         return "the joint never rests" if rests < 0.01 else None
 
@@ -62,7 +62,7 @@ class DwellStiction(Effect):
             return "a rest would hold the joint with many times its sliding friction"
         return None
 
-    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+    def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         time, travel = (float(np.exp(values[name])) for name in ("time_constant", "travel"))
         return DwellStictionTerm(values["rise"], time, travel, _REST_SPEED)
 

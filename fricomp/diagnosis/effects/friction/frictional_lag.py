@@ -20,17 +20,17 @@ class FrictionalLag(Effect):
     citation = "hess1990"
     says = "the friction level follows the velocity with a lag"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (EffectParameter("lag", "s", 2e-3, 0.0, 0.1, linear=False),)
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return [{"lag": 2e-3}, {"lag": 8e-3}, {"lag": 2e-2}]
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(plant={"lag": values["lag"]})
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        return "the lag is shorter than recordings can show" if self.faint(values, contexts) else None
+        return "the lag is shorter than recordings can show" if self.is_faint(values, contexts) else None
 
-    def faint(self, values: Values, contexts: Sequence[Context]) -> bool:
+    def is_faint(self, values: Values, contexts: Sequence[Context]) -> bool:
         return values["lag"] < max(contexts[0].dt, _SHORTEST)

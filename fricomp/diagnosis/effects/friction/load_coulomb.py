@@ -24,17 +24,17 @@ class LoadCoulomb(Effect):
     citation = "bittencourt2010"
     says = "the friction level grows with the transmitted load"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (EffectParameter("coefficient", "{torque}/{torque}", 0.02, -0.2, 2.0), SHARE)
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return propose_shares(contexts)
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(level=values["coefficient"] * np.abs(compute_felt_load(context, values)))
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return "friction would fall with load" if values["coefficient"] <= 0.0 else None
 
-    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+    def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return LoadCoulombTerm(values["coefficient"])

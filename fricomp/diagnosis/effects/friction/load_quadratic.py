@@ -24,7 +24,7 @@ class LoadQuadratic(Effect):
     citation = "duclusaud2025bam"
     says = "friction curves with the load, or differs between driving and braking"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         largest = max(float(np.max(np.abs(c.load_torque))) for c in contexts) or 1.0
         return (
             EffectParameter("coefficient", "1/{torque}", 0.02 / largest, -1.0, 1.0),
@@ -32,10 +32,10 @@ class LoadQuadratic(Effect):
             SHARE,
         )
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return [{"split": split, **share} for split in (0.0, 1.0) for share in propose_shares(contexts)]
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         load = compute_felt_load(context, values)
         split = context.usual_load * np.abs(load) * (load * context.velocity > 0.0)
         return Contribution(level=values["coefficient"] * (split if values["split"] > 0.5 else load**2))
@@ -44,5 +44,5 @@ class LoadQuadratic(Effect):
         # Between driving and braking friction may differ either way.
         return "friction would fall with load" if values["split"] < 0.5 and values["coefficient"] <= 0.0 else None
 
-    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+    def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return LoadQuadraticTerm(values["coefficient"]) if values["split"] < 0.5 else None

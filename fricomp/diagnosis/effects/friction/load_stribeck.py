@@ -26,18 +26,18 @@ class LoadStribeck(Effect):
     like_a_bristle = True
     says = "the extra friction of slow motion grows with the transmitted load"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (EffectParameter("coefficient", "{torque}/{torque}", 0.02, -0.2, 2.0, form=0.15), SHARE)
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return propose_shares(contexts)
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         falling = np.exp(-((context.velocity / context.stribeck_velocity) ** 2))
         return Contribution(level=values["coefficient"] * np.abs(compute_felt_load(context, values)) * falling)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return "static friction would fall with load" if values["coefficient"] <= 0.0 else None
 
-    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+    def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return LoadStribeckTerm(values["coefficient"], 0.5 * (plant.forward[2] + plant.reverse[2]))

@@ -23,7 +23,7 @@ class PositionCoulomb(Effect):
     citation = "bittencourt2010"
     says = "the friction level waves with the position"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = contexts[0].scale
         return (
             EffectParameter("sine", "{torque}", 0.05 * scale, -1e4, 1e4),
@@ -31,12 +31,12 @@ class PositionCoulomb(Effect):
             EffectParameter("order", "1/{position}", 0.05, 0.0, 1e5, linear=False, form=0.05),
         )
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return [{"order": n} for n in contexts[0].hints.get("level_order", ())]
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         angle = values["order"] * context.position
         return Contribution(level=values["sine"] * np.sin(angle) + values["cosine"] * np.cos(angle))
 
-    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+    def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return PositionCoulombTerm(values["sine"], values["cosine"], values["order"])

@@ -23,22 +23,22 @@ class PowerLawViscous(Effect):
     citation = "wolf2018"
     says = "viscous friction is concave in speed"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale, top = contexts[0].scale, max(float(np.max(np.abs(c.velocity))) for c in contexts)
         return (
             EffectParameter("coefficient", "{torque}·(s/{position})^n", 0.1 * scale / top**0.7, -1e6, 1e6, form=0.15),
             EffectParameter("exponent", "1", 0.1, 0.35, 0.92, linear=False, prior=0.15, form=0.2),
         )
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return [{"exponent": 0.5}, {"exponent": 0.75}]
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         v = context.velocity
         return Contribution(additive=values["coefficient"] * np.sign(v) * np.abs(v) ** values["exponent"])
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return "the curve would be convex" if values["coefficient"] <= 0.0 else None
 
-    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+    def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return PowerLawViscousTerm(values["coefficient"], values["exponent"])

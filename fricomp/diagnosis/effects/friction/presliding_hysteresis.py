@@ -25,7 +25,7 @@ class PreslidingHysteresis(Effect):
     shown_at_rest = True
     like_a_bristle = True
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         low, high = float(np.log(_LEAST)), float(np.log(5e-2))
         return (
             EffectParameter(
@@ -34,14 +34,14 @@ class PreslidingHysteresis(Effect):
             EffectParameter("damping_time", "s", 2e-3, 0.0, 0.05, linear=False),
         )
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return [{"breakaway_distance": float(np.log(d)), "damping_time": 0.0} for d in (6e-4, 1.5e-3, 4e-3, 1e-2)]
 
-    def suspected(self, contexts: Sequence[Context]) -> bool:
+    def is_suspected(self, contexts: Sequence[Context]) -> bool:
         """The base's own bristle is as soft as it may be."""
         plant = contexts[0].plant
         return plant.level / plant.sigma_0 > 0.8 * SOFTEST
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         sigma_0 = context.plant.level / float(np.exp(values["breakaway_distance"]))
         return Contribution(plant={"sigma_0": sigma_0, "sigma_1": sigma_0 * values["damping_time"]})

@@ -23,16 +23,16 @@ class QuadraticDrag(Effect):
     citation = "bittencourt2010"
     says = "friction grows faster than in proportion to speed"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale, top = contexts[0].scale, max(float(np.max(np.abs(c.velocity))) for c in contexts)
         return (EffectParameter("coefficient", "{torque}·s²/{position}²", 0.05 * scale / top**2, -1e6, 1e6, form=0.07),)
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         v = context.velocity
         return Contribution(additive=values["coefficient"] * v * np.abs(v))
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return "drag would drive the joint" if values["coefficient"] <= 0.0 else None
 
-    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+    def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return QuadraticDragTerm(values["coefficient"])

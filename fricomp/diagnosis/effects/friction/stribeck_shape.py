@@ -18,13 +18,13 @@ class StribeckShape(Effect):
     citation = "bittencourt2010"
     says = "the Stribeck curve falls with another exponent than two"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (EffectParameter("stribeck_exponent", "1", 0.2, 0.4, 4.0, linear=False, form=0.1),)
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return [{"stribeck_exponent": 1.0}, {"stribeck_exponent": 3.0}]
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(plant={"stribeck_exponent": values["stribeck_exponent"]})
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:

@@ -28,7 +28,7 @@ class ThermalFriction(Effect):
     citation = "simoni2015"
     says = "friction changes with the temperature of the joint"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         viscous = max(max(c.plant.forward[3], c.plant.reverse[3]) for c in contexts)
         largest = max(float(np.max(np.abs(compute_heat(c, 30.0)))) for c in contexts)
         recorded = _is_recorded(contexts)
@@ -40,10 +40,10 @@ class ThermalFriction(Effect):
             return viscous_slope, HEATING_TIME
         return viscous_slope, EffectParameter("coulomb_slope", "{torque}" + per_kelvin, level, -1e6, 1e6)
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return [{}] if _is_recorded(contexts) else propose_heating_times()
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         heat = compute_heat(context, _read_time_constant(values))
         viscous = np.where(context.velocity >= 0.0, *_bound_viscous(context))
         fall = np.clip(values["viscous_slope"] * heat / viscous, -STRONGEST_FALL, STRONGEST_FALL)
@@ -51,9 +51,9 @@ class ThermalFriction(Effect):
             additive=viscous * np.expm1(-fall) * context.velocity, level=-values.get("coulomb_slope", 0.0) * heat
         )
 
-    def forward_part(self, context: Context, values: Values) -> ForwardPart:
+    def build_forward_part(self, context: Context, values: Values) -> ForwardPart:
         if "temperature" in context.channels:
-            return super().forward_part(context, values)
+            return super().build_forward_part(context, values)
         return ForwardPart(states=(_Warmth(context, values),))
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
@@ -61,7 +61,7 @@ class ThermalFriction(Effect):
         rises = values["viscous_slope"] * speed + values.get("coulomb_slope", 0.0) <= 0.0
         return "friction would rise with temperature" if rises else None
 
-    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+    def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         if not _is_recorded(contexts):
             return None  # the estimate follows from all friction since the joint was cold, and no term knows either
         slopes = values["viscous_slope"], values["coulomb_slope"]

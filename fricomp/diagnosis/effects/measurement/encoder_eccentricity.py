@@ -70,15 +70,15 @@ class EncoderEccentricity(Effect):
     citation = ""
     says = "the encoder reads once or twice per turn wrong"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         size = 1e-3
         wave = tuple(EffectParameter(n, "{position}", size, -0.1, 0.1) for n in ("sine", "cosine"))
         return (*wave, EffectParameter("order", "1/rev", 0.0, 1.0, 2.0, linear=False))
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return [{"order": 1.0}, {"order": 2.0}]
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         sine, cosine, order = values["sine"], values["cosine"], values["order"]
         usual = context.waves
         waves = usual if order == 1.0 else (np.cos(order * context.position), np.sin(order * context.position))
@@ -86,7 +86,7 @@ class EncoderEccentricity(Effect):
         v = context.velocity / (1.0 + slope)
         a = (context.acceleration + order**2 * wave * v**2) / (1.0 + slope)
         plant = context.plant
-        gravity = plant.static_torque(cosine_there, sine_there) - plant.static_torque(*context.waves)
+        gravity = plant.compute_static_torque(cosine_there, sine_there) - plant.compute_static_torque(*context.waves)
         viscous = np.where(v >= 0.0, plant.forward[3], plant.reverse[3])
         return Contribution(
             additive=gravity + plant.inertia * (a - context.acceleration) + viscous * (v - context.velocity)
@@ -95,5 +95,5 @@ class EncoderEccentricity(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return "no disc is so far off its centre" if np.hypot(values["sine"], values["cosine"]) > _LARGEST else None
 
-    def unavailable(self, contexts: Sequence[Context]) -> str | None:
+    def find_obstacle(self, contexts: Sequence[Context]) -> str | None:
         return None if contexts[0].rotary else "the joint is linear"

@@ -19,17 +19,17 @@ class TorqueDelay(Effect):
     citation = "hollerbach2016"
     says = "the recorded torque is late"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (EffectParameter("delay", "s", 1e-3, -0.03, 0.05, linear=False, form=0.05, with_delay=-1.0),)
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return [{"delay": 1e-3}, {"delay": 4e-3}, {"delay": -1e-3}]
 
-    def suspected(self, contexts: Sequence[Context]) -> bool:
+    def is_suspected(self, contexts: Sequence[Context]) -> bool:
         """The base's own delay is as long as it may be."""
         return is_at_latest(contexts[0].plant)
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(delay=values["delay"])
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:

@@ -18,11 +18,11 @@ class TorqueGainError(Effect):
     citation = "hollerbach2016"
     says = "the recorded torque has a wrong scale"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (EffectParameter("gain_error", "1", 0.02, -0.5, 0.5),)
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(additive=values["gain_error"] * context.torque)
 
-    def unavailable(self, contexts: Sequence[Context]) -> str | None:
+    def find_obstacle(self, contexts: Sequence[Context]) -> str | None:
         return "a gain scales inertia, gravity and friction alike: compare with a simulation whose inertia is known"

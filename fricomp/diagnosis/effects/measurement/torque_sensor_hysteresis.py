@@ -46,7 +46,7 @@ class TorqueSensorHysteresis(Effect):
     citation = "wen1976"
     says = "the torque reading lags behind the load in a loop"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         low, high = (float(value) for value in np.log(_bound_widths(contexts)))
         return (
             EffectParameter("height", "1", 0.01, -0.5, 0.5),
@@ -55,8 +55,8 @@ class TorqueSensorHysteresis(Effect):
             EffectParameter("initial", "1", 0.1, -1.0, 1.0, linear=False, prior=1.0),
         )
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        return self.kept(contexts)
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return self.recall_starts(contexts)
 
     def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         narrowest, widest = _bound_widths(contexts)
@@ -69,7 +69,7 @@ class TorqueSensorHysteresis(Effect):
             for initial in (-0.7, 0.0, 0.7)
         ]
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         width, exponent = (float(np.exp(values[name])) for name in ("width", "exponent"))
         state = follow_loop(context.recorded, width, exponent, values["initial"])
         return Contribution(additive=values["height"] * state)

@@ -26,7 +26,7 @@ class EndStop(Effect):
     says = "a stop pushes back at the end of the range"
     shown_at_rest = True
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = contexts[0].scale
         return (
             EffectParameter("stiffness", "{torque}/{position}", scale, -1e7, 1e7),
@@ -34,13 +34,13 @@ class EndStop(Effect):
             EffectParameter("side", "1", 0.0, -1.0, 1.0, linear=False),
         )
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         low, high = _find_range(contexts)
         span = high - low
         upper = [{"edge": high - f * span, "side": 1.0} for f in (0.02, 0.06, 0.12, 0.2)]
         return upper + [{"edge": low + f * span, "side": -1.0} for f in (0.02, 0.06, 0.12, 0.2)]
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         side = values["side"]
         depth = np.maximum(side * (context.position - values["edge"]), 0.0)
         return Contribution(additive=values["stiffness"] * side * depth)
@@ -54,7 +54,7 @@ class EndStop(Effect):
         widest = max(float(np.mean(inside)), reach / (high - low))
         return "it would act over more than a third of the range" if widest > _WIDEST else None
 
-    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+    def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return EndStopTerm(values["stiffness"], values["edge"], values["side"])
 
 

@@ -26,7 +26,7 @@ class ExternalDisturbance(Effect):
     citation = ""
     says = "a torque from outside acts for a while; it is no function of the joint's state"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = 0.05 * contexts[0].scale
         found: list[EffectParameter] = []
         for k in range(1, len(_list_windows(contexts)) + 1):
@@ -38,13 +38,13 @@ class ExternalDisturbance(Effect):
             ]
         return tuple(found)
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         windows = _list_windows(contexts)
         values = {f"start_{k}": start for k, (_, start, _) in enumerate(windows, start=1)}
         values |= {f"end_{k}": end for k, (_, _, end) in enumerate(windows, start=1)}
         return [values] if windows else []
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         torque = np.zeros_like(context.position)
         for k, (which, _, _) in enumerate(_list_windows([context]), start=1):
             if which == context.index:

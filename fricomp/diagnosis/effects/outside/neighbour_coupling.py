@@ -22,20 +22,20 @@ class NeighbourCoupling(Effect):
     says = "the motion of a neighbouring joint is felt here"
     shown_at_rest = True
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = contexts[0].scale
         return (
             EffectParameter("inertia", "kg·m²", 0.05 * scale, -1e4, 1e4),
             EffectParameter("centrifugal", "kg·m²", 0.05 * scale, -1e4, 1e4),
         )
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         q = context.channels.get("neighbour_position", np.zeros_like(context.position))  # at rest where unknown
         v = differentiate(q, context.dt)
         a = differentiate(v, context.dt)
         torque = values["inertia"] * a * np.cos(q) + values["centrifugal"] * v**2 * np.sin(q)
         return Contribution(additive=torque)
 
-    def unavailable(self, contexts: Sequence[Context]) -> str | None:
+    def find_obstacle(self, contexts: Sequence[Context]) -> str | None:
         known = all("neighbour_position" in c.channels for c in contexts)
         return None if known else "no neighbour's position is recorded"

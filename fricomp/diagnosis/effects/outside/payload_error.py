@@ -21,7 +21,7 @@ class PayloadError(Effect):
     citation = "hollerbach2016"
     says = "the recordings were made with different loads"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         first = contexts[0]
         gravity = 0.05 * (float(np.max(np.abs(first.gravity))) + first.scale)
         inertia = 0.05 * first.plant.inertia
@@ -33,13 +33,13 @@ class PayloadError(Effect):
             result.append(EffectParameter(f"inertia_{number}", "{torque}·s²/{position}", inertia, -1e4, 1e4))
         return tuple(result)
 
-    def unavailable(self, contexts: Sequence[Context]) -> str | None:
+    def find_obstacle(self, contexts: Sequence[Context]) -> str | None:
         return "there is one recording only" if len(contexts) < 2 else None
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
-        return Contribution(additive=self.load(context, values))
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
+        return Contribution(additive=self.compute_load(context, values))
 
-    def load(self, context: Context, values: Values) -> FloatArray | float:
+    def compute_load(self, context: Context, values: Values) -> FloatArray | float:
         if context.index == 0:
             return 0.0
         number, (cosine, sine) = context.index + 1, context.waves

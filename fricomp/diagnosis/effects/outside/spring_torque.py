@@ -25,7 +25,7 @@ class SpringTorque(Effect):
     says = "a spring pulls the joint"
     shown_at_rest = True
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = contexts[0].scale
         # A straight spring has its centre in the offset; only one that stiffens shows it.
         return (
@@ -34,11 +34,11 @@ class SpringTorque(Effect):
             EffectParameter("hardening", "1/{position}²", 0.1, 0.0, 5.0, linear=False, prior=0.5),
         )
 
-    def other_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_other_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         # A spring that stiffens is a straight one and a change of gravity, but for the simulation's gravity.
         return [{"hardening": 0.2}]
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         stretch = context.position - values["centre"]
         return Contribution(additive=values["stiffness"] * stretch * (1.0 + values["hardening"] * stretch**2))
 
@@ -50,5 +50,5 @@ class SpringTorque(Effect):
         least = -(1.0 + _FORM) * float(given[0])
         return "with the simulation's it would push away from its centre" if values["stiffness"] < least else None
 
-    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+    def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return SpringTorqueTerm(values["stiffness"], values["centre"], values["hardening"])

@@ -26,7 +26,7 @@ class Backlash(Effect):
     says = "a gap lets the load go whenever the transmitted torque changes sign"
     shown_at_rest = True
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         low, high = float(np.log(2e-5)), float(np.log(3e-2))
         return (
             EffectParameter("gap", "{position}", 0.4, low, high, linear=False, logarithmic=True, form=0.3),
@@ -34,21 +34,21 @@ class Backlash(Effect):
             EffectParameter("load_share", "1", 0.1, 0.05, 0.98, linear=False, prior=0.3, form=0.01),
         )
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        return self.kept(contexts)
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return self.recall_starts(contexts)
 
     def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         # The size of an impact is free within a factor of three; when it comes, the share tells within 0.02.
         gaps, shares = np.log(np.geomspace(1e-4, 2e-2, 6)), np.linspace(0.3, 0.86, 29)
         return [{"gap": float(gap), "load_share": float(share)} for gap in gaps for share in shares]
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(additive=compute_carried(context, _build_transmission(context, values)))
 
-    def forward_part(self, context: Context, values: Values) -> ForwardPart:
-        return ForwardPart(coupling=_build_transmission(context, values).coupling(context))
+    def build_forward_part(self, context: Context, values: Values) -> ForwardPart:
+        return ForwardPart(coupling=_build_transmission(context, values).build_coupling(context))
 
-    def unavailable(self, contexts: Sequence[Context]) -> str | None:
+    def find_obstacle(self, contexts: Sequence[Context]) -> str | None:
         transmitted = [c.gravity + 0.6 * c.plant.inertia * c.acceleration for c in contexts]
         crosses = max(int(np.sum(np.diff(np.sign(torque)) != 0)) for torque in transmitted)
         return "the transmitted torque never changes sign" if crosses < 2 else None

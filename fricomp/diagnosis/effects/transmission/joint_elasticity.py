@@ -27,7 +27,7 @@ class JointElasticity(Effect):
     citation = "spong1987"
     says = "the transmission is flexible"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         low, high = (float(np.log(contexts[0].plant.inertia * w**2)) for w in (15.0, 1500.0))
         return (
             EffectParameter(
@@ -39,20 +39,20 @@ class JointElasticity(Effect):
             EffectParameter("hardening", "1", 0.1, 0.0, 5.0, linear=False, prior=1.0),
         )
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        return self.kept(contexts)
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        return self.recall_starts(contexts)
 
     def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return _propose_resonances(contexts, np.geomspace(40.0, 500.0, 40))
 
-    def far_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_far_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return _propose_resonances(contexts, np.geomspace(50.0, 300.0, 8))
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(additive=compute_carried(context, _build_transmission(context, values)))
 
-    def forward_part(self, context: Context, values: Values) -> ForwardPart:
-        return ForwardPart(coupling=_build_transmission(context, values).coupling(context))
+    def build_forward_part(self, context: Context, values: Values) -> ForwardPart:
+        return ForwardPart(coupling=_build_transmission(context, values).build_coupling(context))
 
 
 def _build_transmission(context: Context, values: Values) -> Transmission:

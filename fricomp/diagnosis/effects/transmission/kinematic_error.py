@@ -24,7 +24,7 @@ class KinematicError(Effect):
     citation = "tuttle1992"
     says = "the gear runs unevenly, felt as a ripple that grows with the square of the speed"
 
-    def parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+    def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (
             EffectParameter("sine", "{position}", 1e-4, -0.1, 0.1),
             EffectParameter("cosine", "{position}", 1e-4, -0.1, 0.1),
@@ -32,12 +32,12 @@ class KinematicError(Effect):
             EffectParameter("load_share", "1", 0.1, 0.05, 1.0, linear=False, prior=0.2),
         )
 
-    def starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+    def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         lowest = compute_lowest_order(contexts)
         orders = contexts[0].hints.get("dynamic_order", ())
         return [{"order": n, "load_share": 0.6} for n in orders if n >= lowest]
 
-    def contribution(self, context: Context, values: Values) -> Contribution:
+    def compute_contribution(self, context: Context, values: Values) -> Contribution:
         wave = np.exp(1j * values["order"] * context.position)
         torque = wave * compute_uneven_running(context, values["order"], values["load_share"])
         return Contribution(additive=values["sine"] * torque.imag + values["cosine"] * torque.real)
@@ -45,7 +45,7 @@ class KinematicError(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return refuse_long_wave(values["order"], contexts)
 
-    def term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
+    def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         # The joint that the contribution was fitted along, which stays as it is while the plant is refitted.
         joint, rotary = contexts[0].plant, contexts[0].rotary
         gravity = joint.gravity if rotary else (0.0, 0.0)
