@@ -101,7 +101,7 @@ class _Known:
     bend: float = 0.0
     candidates: tuple[Candidate, ...] = ()
 
-    def residuals(self, _: object, points: Sequence[FloatArray]) -> list[FloatArray]:
+    def compute_residuals(self, _: object, points: Sequence[FloatArray]) -> list[FloatArray]:
         return [self.table @ p - self.torque + self.bend * np.abs(p).sum() for p in points]
 
 
@@ -311,7 +311,7 @@ def test_points_that_move_the_base_alone_share_their_effects(monkeypatch: pytest
         asked.append(vector)
         return [Contribution(delay=float(vector[0]))]
 
-    monkeypatch.setattr(Structure, "contributions", contributions)
+    monkeypatch.setattr(Structure, "compute_contributions", contributions)
     structure, effects = Structure(()), (1.0, 1.0, 2.0, 1.0)
     points = [np.concatenate([np.full(N_BASE, float(i)), [size]]) for i, size in enumerate(effects)]
     found = _compute_contributions([(structure, point) for point in points])
