@@ -9,6 +9,7 @@ FricompError
 ├── DiagnosisError                         a diagnosis cannot be carried out
 │   └── SimulationFileError (ParameterError) an MJCF or URDF file cannot be read
 ├── ExportError                            a model cannot be written in the wanted format
+├── OutputError (OSError)                  results cannot be written, or would replace what is not theirs
 ├── SweepAborted                           a motion on a joint was stopped before its end
 ├── SafetyTrip                             the safety gate has latched
 └── AdapterError
@@ -36,6 +37,7 @@ __all__ = [
     "IdentificationError",
     "MissingExtraError",
     "ModelFileError",
+    "OutputError",
     "ParameterError",
     "RecordingError",
     "SafetyTrip",
@@ -86,6 +88,10 @@ class SimulationFileError(DiagnosisError, ParameterError):
 
 class ExportError(FricompError):
     """A model cannot be written in the wanted format."""
+
+
+class OutputError(FricompError, OSError):
+    """Results cannot be written: the disk, somebody else's files, or another process is in the way."""
 
 
 class SweepAborted(FricompError):

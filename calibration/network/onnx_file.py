@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from fricomp.errors import ExportError, MissingExtraError
-from fricomp.whole_file import whole_file
+from fricomp.whole_file import write_whole
 
 from .architecture import TanhNetwork
 
@@ -41,8 +41,7 @@ def save_network(network: TanhNetwork, path: str | os.PathLike[str], metadata: M
     for key, value in sorted(({"opset": str(OPSET)} | dict(metadata)).items()):
         model.metadata_props.add(key=key, value=value)
     onnx.checker.check_model(model)
-    with whole_file(Path(path), ExportError) as part:
-        part.write_bytes(model.SerializeToString())
+    write_whole(Path(path), model.SerializeToString(), ExportError)
 
 
 def _graph_model(network: TanhNetwork, onnx: Any) -> Any:

@@ -13,9 +13,11 @@ from typing import Any, Self
 import msgspec
 
 import fricomp
-from fricomp.errors import ParameterError, RecordingError, SweepAborted
+from fricomp.errors import OutputError, ParameterError, RecordingError, SweepAborted
+from fricomp.folder_lock import FolderLock
 from fricomp.recording import RecordingMetadata, RecordingWriter, read_blocks
-from fricomp.whole_file import whole_file
+from fricomp.results import CALIBRATION, make_folder, require_free
+from fricomp.whole_file import remove_abandoned_parts, write_whole
 
 from .block import SweepData, load_sweep
 from .request import CalibrationRequest
@@ -28,10 +30,7 @@ _REQUEST, RECORDING, MOTION_ALONE = "run.json", "recording.csv", "motion-alone.c
 zero and the check of signs, as a diagnosis takes no recording with gaps in time."""
 
 _PACKAGES = ("numpy", "scipy", "torch", "mujoco", "onnx", "msgspec")
-_MADE_OF_IT = (
-    *("friction.json", "friction.onnx", "report.html", MOTION_ALONE),
-    *("friction-curve.png", "acquisition.png", "residuals.png", "correlation.png", "training.png"),
-)
+_MADE_OF_IT = tuple(name for name in CALIBRATION.files if name not in (_REQUEST, RECORDING))
 """Files beside the recording; left there, they would pass for what a run that was interrupted has found."""
 
 
@@ -47,10 +46,16 @@ class _Run(msgspec.Struct):
 
 
 class RunFolder:
-    """A run's folder: `run.json`, `recording.csv`, and what is made of them. See `create` and `resume`."""
+    """A run's folder: `run.json`, `recording.csv`, and what is made of them. See `create` and `resume`.
+
+    It is locked against other processes as long as this value or another one of the same folder is there.
+    """
 
     def __init__(self, path: Path, run: _Run) -> None:
         self.path, self._run = path, run
+        self._lock = FolderLock.take(path)
+        self._lock.note(CALIBRATION.kind)
+        remove_abandoned_parts(path)
 
     @classmethod
     def create(cls, path: str | os.PathLike[str], request: CalibrationRequest, *, overwrite: bool = False) -> Self:
@@ -62,22 +67,14 @@ class RunFolder:
             overwrite: Throw away the recording of an earlier run there, and the model, network and report made of it.
 
         Raises:
-            SweepAborted: The folder cannot be written, holds a run already, or files of somebody else.
+            SweepAborted: The folder holds a run already.
+            OutputError: It cannot be written, holds files of somebody else, or another process writes there.
+            ParameterError: It cannot be made.
             RecordingError: What it holds is no recording.
         """
+        make_folder(Path(path))
         folder = cls(Path(path), _Run(SCHEMA, "started", _now(), request, _versions()))
-        try:
-            folder.path.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise SweepAborted(
-                f"cannot make the folder {folder.path}: {error.strerror or error}; choose another --out"
-            ) from error
-        ours = _is_run(folder.path)
-        foreign = [name for name in (_REQUEST, RECORDING, *_MADE_OF_IT) if (folder.path / name).exists()]
-        if foreign and not ours:
-            raise SweepAborted(
-                f"{folder.path} holds {', '.join(foreign)}, which no calibration wrote: choose another folder (--out)"
-            )
+        require_free(folder.path, CALIBRATION, overwrite=True)
         if not overwrite and folder.recording.exists() and read_blocks(folder.recording):
             go_on = "" if request.motion else "go on with it (--resume), "
             raise SweepAborted(
@@ -99,19 +96,23 @@ class RunFolder:
 
         Raises:
             SweepAborted: There is none.
+            OutputError: Another process writes there.
             RecordingError: Its `run.json` is damaged, or asks for what there is not.
         """
         file = Path(path) / _REQUEST
         try:
             stored = msgspec.json.decode(file.read_bytes())
+            require_free(Path(path), CALIBRATION, overwrite=True)
             return cls(Path(path), msgspec.convert(_changed(stored, changes or {}), _Run))
+        except OutputError:
+            raise
         except OSError as error:
             raise SweepAborted(f"nothing to resume in {path}: {error.strerror or error}") from error
         except (msgspec.ValidationError, ParameterError) as error:
             raise RecordingError(
                 f"{file} does not say what can be done: {error}; --method, --noise and --normal-load may be given anew"
             ) from error
-        except msgspec.DecodeError as error:
+        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
             raise RecordingError(f"{file} is damaged: {error}") from error
 
     @property
@@ -164,8 +165,7 @@ class RunFolder:
 
     def _save(self) -> None:
         text = msgspec.json.format(msgspec.json.encode(self._run), indent=2)
-        with whole_file(self.path / _REQUEST, SweepAborted) as part:
-            part.write_bytes(text + b"\n")
+        write_whole(self.path / _REQUEST, text + b"\n", SweepAborted)
 
 
 def _changed(stored: Any, changes: Mapping[str, Any]) -> Any:
@@ -190,12 +190,3 @@ def _versions() -> dict[str, str]:
         except PackageNotFoundError:
             continue
     return found
-
-
-def _is_run(folder: Path) -> bool:
-    """Whether the folder is that of a run, be it one that cannot be read any more."""
-    try:
-        stored = msgspec.json.decode((folder / _REQUEST).read_bytes())
-    except (OSError, msgspec.DecodeError):
-        return False
-    return isinstance(stored, dict) and stored.get("schema") == SCHEMA

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from fricomp.cli.out_folder import Overwrite
+
 app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
@@ -40,11 +42,12 @@ def make(
     shifted: Annotated[bool, typer.Option("--shifted", help="Believed inertia and gravity are off.")] = False,
     hidden: Annotated[bool, typer.Option("--hidden", help="Load and temperature are not logged.")] = False,
     fault: Annotated[str | None, typer.Option(help=f"Fault of the signal; {_NAMES}; none by default.")] = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """Write recording, simulation and controller of a joint that has more physics than its simulation."""
     from fricomp.cli.terminal import console
     from fricomp.errors import DiagnosisError
-    from fricomp.sim_bench.cases import CaseSpec, generate, write_answer, write_case
+    from fricomp.sim_bench.cases import CaseSpec, case_id, generate, write_answer, write_case
 
     spec = CaseSpec(
         seed=seed,
@@ -63,6 +66,7 @@ def make(
     if form is not None and not effect:
         raise DiagnosisError("--form is one of an effect: give --effect too")
     answers = _make_folders(out)
+    _require_free_case(out, answers, case_id(spec), overwrite=overwrite)
     case = generate(spec)
     folder = write_case(case, out)
     answer, digest = write_answer(case, answers)
@@ -84,23 +88,24 @@ def inject(
     effect: Annotated[str, typer.Option(help="What is put into it; nothing by default.")] = "",
     strength: Annotated[str, typer.Option(help="1, 2 or 5 times what a base refit leaves of the recording.")] = "2",
     seed: Annotated[int, typer.Option(min=0, help="Draws order and phase.")] = 1,
+    overwrite: Overwrite = False,
 ) -> None:
     """Add the torque of a known effect, along the measured motion, to a real recording."""
     import json
 
-    from fricomp.cli.out_folder import make_folder
     from fricomp.cli.terminal import console
     from fricomp.sim_bench.studies.real import InjectedSpec
     from fricomp.sim_bench.studies.real import inject as inject_effect
+    from fricomp.whole_file import write_whole
 
     spec = InjectedSpec(source, effect, strength if effect else "", seed)
     answers = _make_folders(out)
+    _require_free_case(out, answers, spec.name, overwrite=overwrite)
     made = inject_effect(spec)
     folder = out / spec.name
-    make_folder(folder)
     for name, content in made.files.items():
-        (folder / name).write_bytes(content)
-    (answers / f"{spec.name}.json").write_bytes(made.answer)
+        write_whole(folder / name, content)
+    write_whole(answers / f"{spec.name}.json", made.answer)
     show = console()
     show.print(f"{folder}: strength {json.loads(made.answer)['enr']:.3g}", soft_wrap=True)
     show.print(f"answer {answers / spec.name}.json", soft_wrap=True)
@@ -122,6 +127,19 @@ def _make_folders(out: Path) -> Path:
     for place in (out, answers):
         make_folder(place)
     return answers
+
+
+def _require_free_case(out: Path, answers: Path, name: str, *, overwrite: bool) -> None:
+    """Refuse to replace a case of this name, or its answer.
+
+    Raises:
+        OutputError: It is there, and is not to be replaced.
+    """
+    from fricomp.results import CASE, require_free, require_free_file
+
+    require_free(out / name, CASE, overwrite=overwrite)
+    for ending in ("json", "parquet"):
+        require_free_file(answers / f"{name}.{ending}", overwrite=overwrite)
 
 
 @app.command("list", epilog="fricomp cases list")

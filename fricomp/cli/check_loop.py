@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from fricomp.cli.out_folder import Overwrite
 from fricomp.cli.run import DELAY, VELOCITY_FILTER
 
 if TYPE_CHECKING:
@@ -48,6 +49,7 @@ def check_loop(
         float | None, typer.Option(help="Fastest change of the torque, likewise \\[N·m/s] or \\[N/s].")
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the chart.")] = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """Margin to the limit cycle, by describing function and by simulation; exit status 1 where it is under 15 %."""
     from rich.table import Table
@@ -58,7 +60,10 @@ def check_loop(
     from fricomp.control.choice import choose_settings
     from fricomp.errors import ParameterError
     from fricomp.model import load_model
+    from fricomp.results import require_free_file
 
+    if out is not None:
+        require_free_file(out / "gain-scan.png", overwrite=overwrite)
     if bandwidth is not None and (stiffness is not None or damping is not None):
         raise ParameterError("give either --bandwidth, or --stiffness and --damping")
     if bandwidth is not None:
@@ -94,10 +99,8 @@ def check_loop(
         screen.print(f"- not part of this check: {', '.join(result.left_out)}")
     if out is not None:
         from fricomp.cli.loop_charts import gain_scan_chart
-        from fricomp.cli.out_folder import make_folder
         from fricomp.report import draw_png
 
-        make_folder(out)
         chart = gain_scan_chart(result, f"joint {friction.joint}")
         screen.print(f"Chart in {draw_png(chart, out / 'gain-scan.png')}")
     if result.is_safe:

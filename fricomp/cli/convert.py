@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fricomp.cli.out_folder import Overwrite
 from fricomp.errors import RecordingError
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ def convert(
     rate: Annotated[float | None, typer.Option(help="Resample to this rate \\[Hz].")] = None,
     skip_bad_rows: Annotated[bool, typer.Option(help="Leave out rows without a number or a later time.")] = False,
     force: Annotated[bool, typer.Option(help="Write even what the checks call an error.")] = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Bring recordings of other formats into the native one, and check them."""
     from fricomp.recording import check_recording, raise_errors, write_recording
@@ -46,7 +48,7 @@ def convert(
         raise RecordingError(f"--rate is {rate:g}: give samples a second above 0 [Hz], or leave it out")
     found = _select(_read(source, mapping, rate, skip_bad_rows=skip_bad_rows), only or [])
     targets = {named.name: _target(out, named.name, alone=len(found) == 1) for named in found}
-    _refuse_overwriting([targets[named.name] for named in found], source, mapping)
+    _refuse_overwriting([targets[named.name] for named in found], source, mapping, overwrite=overwrite)
     findings = {named.name: _add(named.findings, check_recording(named.recording)) for named in found}
     if not force:
         for name, noticed in findings.items():
@@ -101,12 +103,13 @@ def _select(found: list[NamedRecording], only: list[str]) -> list[NamedRecording
     return [named for named, known in zip(found, names, strict=True) if known & set(only)]
 
 
-def _refuse_overwriting(targets: list[Path], source: Path, mapping: str) -> None:
-    """Refuse to write over what was read, or one recording over another."""
+def _refuse_overwriting(targets: list[Path], source: Path, mapping: str, *, overwrite: bool) -> None:
+    """Refuse to write over what was read or is there, or one recording over another."""
+    from fricomp.results import require_free_file
+
     places = [target.resolve() for target in targets]
     for target, place in zip(targets, places, strict=True):
-        if place in (source.resolve(), Path(mapping).resolve()):
-            raise RecordingError(f"{target} was read, and would be written over: choose another --out")
+        require_free_file(target, overwrite=overwrite, inputs=(source, Path(mapping)))
         if places.count(place) > 1:
             raise RecordingError(
                 f"{places.count(place)} recordings would be {target}: choose one by --only, or give the joints names "
@@ -121,7 +124,9 @@ def _add(before: tuple[Finding, ...], now: tuple[Finding, ...]) -> tuple[Finding
 
 
 def _target(out: Path, name: str, *, alone: bool) -> Path:
-    return out if alone else out.with_stem(f"{out.stem}_{name.replace('/', '_')}")
+    from fricomp.results import plain_name
+
+    return out if alone else out.with_stem(f"{out.stem}_{plain_name(name)}")
 
 
 def _show(found: list[NamedRecording], findings: dict[str, tuple[Finding, ...]], targets: dict[str, Path]) -> None:

@@ -12,6 +12,7 @@ import typer
 
 from fricomp.cli.fleet import FleetRun, rich_table, run_joints, show_fleet
 from fricomp.cli.missing import REPORT, require
+from fricomp.cli.out_folder import Overwrite
 
 if TYPE_CHECKING:
     from fricomp.diagnosis import Diagnosis
@@ -87,6 +88,7 @@ def diagnose(
     executor: Annotated[str, typer.Option(help="Of a fleet: processes, serial or dask://host:port.")] = "processes",
     workers: Annotated[int | None, typer.Option(min=1, help="Of a fleet; one a core by default.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Of a fleet: go on with the one in --out.")] = False,
+    overwrite: Overwrite = False,
     seed: Annotated[int, typer.Option(min=0, help="Of nulls and bootstraps; the same seed gives the same answer.")] = 0,
     schema: Annotated[
         bool,
@@ -102,6 +104,7 @@ def diagnose(
     and where wanted name, simulation, joint and friction.
     """
     from fricomp.cli.out_folder import require_folder
+    from fricomp.errors import ParameterError
     from fricomp.fleet import find_recordings, is_joint_table
 
     require(*REPORT, "ruptures")
@@ -110,11 +113,13 @@ def diagnose(
     given = {"friction": friction, "simulated": simulated, "controller": controller}
     fleet = FleetRun(executor, workers, resume)
     if each or any(map(is_joint_table, recordings)):
+        if overwrite:
+            raise ParameterError("--overwrite is of one joint, and a fleet goes on with --resume: leave it out")
         _diagnose_fleet(recordings, out, options, given, fleet)
         return
     _refuse_fleet_options(fleet)
     with _interruptible(out):
-        run = run_diagnosis(find_recordings(recordings), out, options, given)
+        run = run_diagnosis(find_recordings(recordings), out, options, given, overwrite=overwrite)
     _print_diagnosis(run, out)
     if run.diagnosis.verdict == "bad_data":
         raise typer.Exit(EXIT_BAD_DATA)
@@ -161,9 +166,15 @@ class DiagnosisRun(NamedTuple):
 
 
 def run_diagnosis(
-    paths: Sequence[Path], out: Path, options: dict[str, Any], given: dict[str, Path | None], *, quiet: bool = False
+    paths: Sequence[Path],
+    out: Path,
+    options: dict[str, Any],
+    given: dict[str, Path | None],
+    *,
+    quiet: bool = False,
+    overwrite: bool = False,
 ) -> DiagnosisRun:
-    """Read, diagnose, and write the folder; what an earlier diagnosis wrote there is removed first.
+    """Read, diagnose, and write the folder; what an earlier diagnosis wrote there is removed right before.
 
     Args:
         paths: Recordings of one joint.
@@ -171,22 +182,25 @@ def run_diagnosis(
         options: Of `diagnose`, and the simulation.
         given: Files by option; None where the option was not used.
         quiet: Show no progress.
+        overwrite: Whether an earlier diagnosis in the folder may be replaced.
 
     Raises:
-        DiagnosisError: A recording is too short, a file that is no diagnosis' would be overwritten, or the diagnosis
-            cannot be made.
+        DiagnosisError: A recording is too short, or the diagnosis cannot be made.
+        OutputError: Something in the folder would be replaced that is not to be, or another process writes there.
         RecordingError: A recording cannot be read.
     """
     from time import perf_counter
 
-    from fricomp.cli.diagnosis_folder import check_folder, remove_earlier_diagnosis
+    from fricomp.cli.diagnosis_folder import require_own
     from fricomp.cli.diagnosis_warnings import diagnosis_warnings, distinct_names
     from fricomp.cli.terminal import progress
     from fricomp.diagnosis.report import with_names, write_diagnosis
+    from fricomp.results import DIAGNOSIS, claim_folder
 
     start, inputs = perf_counter(), [path for path in (options["simulation"], *given.values()) if path is not None]
-    check_folder(out, (*paths, *inputs))
-    with progress(quiet=quiet) as bar:
+    require_own(out)
+    claimed = claim_folder(out, DIAGNOSIS, overwrite=overwrite, inputs=(*paths, *inputs))
+    with claimed as claim, progress(quiet=quiet) as bar:
         task = bar.add_task("reading", total=None)
         simulated = [given["simulated"]] if given["simulated"] is not None else []
         read = {path: _read(path) for path in (*paths, *simulated)}
@@ -200,7 +214,7 @@ def run_diagnosis(
         say("writing the report")
         facts = _facts(paths, series, options, given) | {"time taken": f"{perf_counter() - start:.1f} s"}
         facts |= {f"check of the data {number}": text for number, text in enumerate(warnings, 1)}
-        remove_earlier_diagnosis(out, keep=(*paths, *inputs))
+        claim.clear()
         settings = {"simulation": options["simulation"], "joint": options["joint"]}
         written = write_diagnosis(diagnosis, out, **settings, facts=facts)
     return DiagnosisRun(diagnosis, written.files, warnings)

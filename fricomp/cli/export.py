@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fricomp.cli.out_folder import Overwrite
+
 if TYPE_CHECKING:
     from fricomp.model import FrictionModel
 
@@ -55,11 +57,16 @@ def export(
     any_status: Annotated[
         bool, typer.Option("--any-status", help="Export a model too that its identification calls unusable.")
     ] = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Write a model in another format, and say what that format cannot hold."""
     from fricomp.cli.terminal import console
     from fricomp.errors import ExportError
+    from fricomp.results import require_free_file
+    from fricomp.whole_file import write_whole
 
+    if out is not None:
+        require_free_file(out, overwrite=overwrite, inputs=[*models, *([into] if into is not None else [])])
     if to is Target.onnx:
         if out is None:
             raise ExportError("ONNX is binary: say where with --out")
@@ -71,7 +78,7 @@ def export(
         if out is None:
             print(text, end="")
         else:
-            _write(out, text)
+            write_whole(out, text, ExportError)
     console(stderr=True).print(note if out is None else f"{out}: {note}", soft_wrap=True)
 
 
@@ -146,11 +153,3 @@ def _read(path: Path) -> str:
         raise ExportError(f"cannot read {path}: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
         raise ExportError(f"{path} is no text in UTF-8: --into takes an MJCF or URDF file") from error
-
-
-def _write(path: Path, text: str) -> None:
-    from fricomp.errors import ExportError
-    from fricomp.whole_file import whole_file
-
-    with whole_file(path, ExportError) as part:
-        part.write_text(text, encoding="utf-8")

@@ -11,6 +11,7 @@ import typer
 
 from fricomp.cli.fleet import FleetRun, run_joints, show_fleet
 from fricomp.cli.missing import REPORT, require
+from fricomp.cli.out_folder import Overwrite
 
 if TYPE_CHECKING:
     import numpy as np
@@ -75,27 +76,35 @@ def identify(
     executor: Annotated[str, typer.Option(help="Of a fleet: processes, serial or dask://host:port.")] = "processes",
     workers: Annotated[int | None, typer.Option(min=1, help="Of a fleet; one a core by default.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Of a fleet: go on with the one in --out.")] = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Identify friction; with a recording, inertia, gravity and offset first."""
     from fricomp.cli.out_folder import require_folder
     from fricomp.control.trust import find_doubt_in_status
+    from fricomp.results import IDENTIFICATION, claim_folder
 
     require(*REPORT, "onnx")
     _refuse_unknown(law)
     require_folder(out)
     settings = _Settings(method, noise, loss, law, gravity, seed, depart)
     fleet = FleetRun(executor, workers, resume)
+    several = batch or _is_fleet(files)
+    _refuse({"--overwrite": overwrite and several}, "is of one file, and a fleet goes on with --resume")
     if batch:
         _refuse(replace(fleet, resume=False).given, "has no use with --batch")
         _identify_batch(files, out, settings, device, resume=resume)
         return
     _refuse({"--device": device != "cpu"}, "is for --batch")
-    if _is_fleet(files):
+    if several:
         _identify_fleet(files, out, settings, fleet)
     else:
         _refuse(fleet.given, "is of fleets; this is one file")
-        found = _identify_file(Path(files[0]), out, settings)
-        _finish(found.result, found.free, out)
+        file = Path(files[0])
+        with claim_folder(out, IDENTIFICATION, overwrite=overwrite, inputs=(file,)) as claim:
+            found = _identify_file(file, settings)
+            claim.clear()
+            _write_report(found, file, out, settings)
+            _finish(found.result, found.free, out)
         for note in found.notes:
             typer.echo(note)
         departs = found.free is not None and found.free.departs  # then the network is what was asked for
@@ -125,16 +134,14 @@ class _Identified:
     notes: list[str]
 
 
-def _identify_file(file: Path, out: Path, settings: _Settings, joint: str = "joint") -> _Identified:
-    """Identify one file, of this joint where it does not say so itself, and write its report."""
+def _identify_file(file: Path, settings: _Settings, joint: str = "joint") -> _Identified:
+    """Identify one file, of this joint where it does not say so itself."""
     import numpy as np
 
     from fricomp.calibration import IdentificationOptions
     from fricomp.calibration import identify as identify_points
     from fricomp.calibration.identification import fit_discrepancy
-    from fricomp.calibration.identification.page import write_identification_report
     from fricomp.calibration.table import is_friction_table, read_friction_table
-    from fricomp.cli.out_folder import make_folder
     from fricomp.cli.terminal import careful
     from fricomp.recording.unit_checks import suspect_degrees_per_second
 
@@ -155,11 +162,16 @@ def _identify_file(file: Path, out: Path, settings: _Settings, joint: str = "joi
         motion = _identify_recording(file, settings.gravity, settings.law, notes)
         result = motion.friction
         notes.insert(0, _rigid_sentence(motion))
-    make_folder(out)
     free = fit_discrepancy(result, seed=seed) if settings.depart else None
     notes += [f"Law or network: {free.message}."] if free else []
-    write_identification_report(result, out, notes, {"file": file.name, "seed": str(seed), "loss": loss})
     return _Identified(result, free, notes)
+
+
+def _write_report(found: _Identified, file: Path, out: Path, settings: _Settings) -> None:
+    from fricomp.calibration.identification.page import write_identification_report
+
+    facts = {"file": file.name, "seed": str(settings.seed), "loss": settings.loss}
+    write_identification_report(found.result, out, found.notes, facts)
 
 
 def _offset_note(result: IdentificationResult) -> list[str]:
@@ -202,7 +214,9 @@ def _identify_one(joint: FleetJoint, out: Path, *, settings: _Settings) -> Fleet
 
     if len(joint.recordings) > 1:
         raise IdentificationError(f"joint {joint.name} has {len(joint.recordings)} recordings: give one to identify")
-    found = _identify_file(joint.recordings[0], out, settings, joint.name)
+    file = joint.recordings[0]
+    found = _identify_file(file, settings, joint.name)
+    _write_report(found, file, out, settings)
     written = save_identification(found.result, out)
     if found.free is not None and found.free.departs:
         save_discrepancy(found.free, found.result, out, written.model_sha256)

@@ -1,37 +1,14 @@
-"""The folder of `--out`: refused before any work where it cannot be one, made where it is not there."""
+"""What commands with `--out` share: the option that replaces earlier results, and the folder."""
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import Annotated
 
-from fricomp.errors import ParameterError
+import typer
 
-__all__ = ["make_folder", "require_folder"]
+from fricomp.results import make_folder, require_folder
 
+__all__ = ["Overwrite", "make_folder", "require_folder"]
 
-def require_folder(folder: Path) -> None:
-    """Refuse a path below which nothing can be written, before any work is done.
-
-    Raises:
-        ParameterError: It is a file, or lies below one.
-    """
-    for place in (folder, *folder.parents):
-        if place.exists():
-            if not place.is_dir():
-                raise ParameterError(f"cannot make the folder {folder}: {place} is a file; choose another --out")
-            return
-
-
-def make_folder(folder: Path) -> None:
-    """Make a folder with those above it, if it is not there.
-
-    Raises:
-        ParameterError: It cannot be made.
-    """
-    require_folder(folder)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ParameterError(
-            f"cannot make the folder {folder}: {error.strerror or error}; choose another --out"
-        ) from error
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the results of the kind that --out holds.")]
+"""The option; its default is False."""

@@ -11,11 +11,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fricomp.cli.out_folder import Overwrite
+
 if TYPE_CHECKING:
     from fricomp.adapters import JointAdapter
     from fricomp.control import Compensator, ControlLoop, LoopDynamics, LoopLog, LoopResult
     from fricomp.model import FrictionModel
     from fricomp.recording import RecordingMetadata
+    from fricomp.results import Claim
 
 __all__ = ["DELAY", "VELOCITY_FILTER", "app"]
 
@@ -53,22 +56,19 @@ def run(
     gain: Annotated[float | None, typer.Option(help="Of the compensation; chosen from the model if left out.")] = None,
     priority: Annotated[int, typer.Option(min=0, max=99, help="FIFO priority on real hardware; 0 for none.")] = 80,
     out: Annotated[Path, typer.Option(help="Folder for recordings and plots.")] = Path("runs/run"),
+    overwrite: Overwrite = False,
 ) -> None:
     """Follow a sine twice, without and with compensation, and show the difference.
 
     The joints move at once: nothing is asked first. Ctrl-C stops them at zero torque at any time; what was recorded is
     in --out.
     """
-    import msgspec
-
     from fricomp.adapters import open_adapter
     from fricomp.adapters.configuration import choose_adapter
-    from fricomp.cli.loop_charts import run_chart, timing_chart
     from fricomp.cli.missing import require
-    from fricomp.cli.out_folder import make_folder
     from fricomp.cli.terminal import console
     from fricomp.model import load_model
-    from fricomp.report import draw_png
+    from fricomp.results import RUN, claim_folder
 
     _require_above_zero(
         inertia=inertia, bandwidth=[bandwidth], amplitude=[amplitude], frequency=[frequency], cycles=[cycles],
@@ -78,28 +78,41 @@ def run(
     require("matplotlib")
     friction = [load_model(path) for path in models]
     chosen = choose_adapter(backend, config)
-    make_folder(out)
-    motion = (amplitude, frequency, cycles)
-    results: dict[str, LoopResult] = {}
-    for name in ("without", "with"):
-        with _kept(out, name) as record, open_adapter(*chosen) as adapter:
-            setup = _Setup(adapter, friction, inertia, (bandwidth, delay, velocity_filter), 1.0 / rate)
-            compensators = setup.compensators(gain) if name == "with" else None
-            for compensator in compensators or ():
-                console().print(compensator.describe())
-            loop = setup.loop(motion, compensators, priority)
-            record(loop.log, setup.metadata())
-            results[name] = loop.run(cycles / frequency + _REST)
-            results[name].raise_if_tripped()
-    logs = {f"{name} compensation": result.log for name, result in results.items()}
-    for joint, model in enumerate(friction):
-        chart = run_chart(logs, joint, (model.position_unit, model.torque_unit))
-        draw_png(chart, out / f"{chart.name}.png")
-    draw_png(timing_chart(results["with"].log, 1.0 / rate), out / "timing.png")
-    figures = {name: _figures(result) for name, result in results.items()}
-    (out / "figures.json").write_bytes(msgspec.json.format(msgspec.json.encode(figures)))
+    with claim_folder(out, RUN, overwrite=overwrite, inputs=models) as claim:
+        results: dict[str, LoopResult] = {}
+        for name in ("without", "with"):
+            with _kept(claim, name) as record, open_adapter(*chosen) as adapter:
+                setup = _Setup(adapter, friction, inertia, (bandwidth, delay, velocity_filter), 1.0 / rate)
+                compensators = setup.compensators(gain) if name == "with" else None
+                for compensator in compensators or ():
+                    console().print(compensator.describe())
+                loop = setup.loop((amplitude, frequency, cycles), compensators, priority)
+                record(loop.log, setup.metadata())
+                results[name] = loop.run(cycles / frequency + _REST)
+                results[name].raise_if_tripped()
+        figures = _write_results(results, friction, out, 1.0 / rate)
     _print(figures, friction, results["with"])
     console().print(f"Recordings, plots and figures in {out}")
+
+
+def _write_results(
+    results: dict[str, LoopResult], models: list[FrictionModel], out: Path, period: float
+) -> dict[str, dict[str, Any]]:
+    """Write plots and figures; gives the figures."""
+    import msgspec
+
+    from fricomp.cli.loop_charts import run_chart, timing_chart
+    from fricomp.report import draw_png
+    from fricomp.whole_file import write_whole
+
+    logs = {f"{name} compensation": result.log for name, result in results.items()}
+    for joint, model in enumerate(models):
+        chart = run_chart(logs, joint, (model.position_unit, model.torque_unit))
+        draw_png(chart, out / f"{chart.name}.png")
+    draw_png(timing_chart(results["with"].log, period), out / "timing.png")
+    figures = {name: _figures(result) for name, result in results.items()}
+    write_whole(out / "figures.json", msgspec.json.format(msgspec.json.encode(figures)))
+    return figures
 
 
 def _require_above_zero(**options: list[float]) -> None:
@@ -121,24 +134,30 @@ def _require_not_negative(**options: float) -> None:
 
 
 @contextmanager
-def _kept(out: Path, name: str) -> Iterator[Callable[[LoopLog, list[RecordingMetadata]], None]]:
+def _kept(claim: Claim, name: str) -> Iterator[Callable[[LoopLog, list[RecordingMetadata]], None]]:
     """Write the log that is handed over once the adapter is closed, however the motion has ended."""
     given: list[tuple[LoopLog, list[RecordingMetadata]]] = []
     try:
         yield lambda log, metadata: given.append((log, metadata))
     except KeyboardInterrupt:
-        print(f"\nInterrupted; the joints are at zero torque. What was recorded is in {out}", file=sys.stderr)
+        print(f"\nInterrupted; the joints are at zero torque. What was recorded is in {claim.folder}", file=sys.stderr)
         raise
     finally:
-        _write_log(given, out, name)
+        _write_log(given, claim, name)
 
 
-def _write_log(given: list[tuple[LoopLog, list[RecordingMetadata]]], out: Path, name: str) -> None:
+def _write_log(given: list[tuple[LoopLog, list[RecordingMetadata]]], claim: Claim, name: str) -> None:
     from fricomp.recording import write_recording
+    from fricomp.results import plain_name
+
+    if name == "without":
+        claim.clear()
 
     for log, metadata in given:
         for joint, facts in enumerate(metadata if len(log) > 1 else ()):
-            write_recording(log.recording(joint, facts), out / f"{name}_compensation_{facts.joint}.csv")
+            write_recording(
+                log.recording(joint, facts), claim.folder / f"{name}_compensation_{plain_name(facts.joint)}.csv"
+            )
 
 
 class _Setup:

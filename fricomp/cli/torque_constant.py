@@ -13,10 +13,10 @@ from fricomp.calibration.identification.chart import REACH
 from fricomp.calibration.sweep import CalibrationRequest
 from fricomp.calibration.sweep.weight import HungWeight, TorqueConstant, identify_torque_constant, record_passes
 from fricomp.cli.calibration import follow, open_joint
-from fricomp.cli.out_folder import make_folder
 from fricomp.cli.terminal import console, progress
-from fricomp.errors import SweepAborted
 from fricomp.recording import Recording, write_recording
+from fricomp.results import TORQUE_CONSTANT, claim_folder
+from fricomp.whole_file import write_whole
 
 __all__ = ["measure_torque_constant"]
 
@@ -30,22 +30,17 @@ def measure_torque_constant(request: CalibrationRequest, weight: HungWeight, out
 
     Raises:
         ParameterError: The folder cannot be made.
-        SweepAborted: It holds such a measurement that is not to be replaced.
+        OutputError: It holds such a measurement that is not to be replaced, or files of somebody else.
     """
-    if not overwrite and any((out / name).exists() for name in (_RESULT, "bare-0.csv", "loaded-0.csv")):
-        raise SweepAborted(
-            f"{out} holds a torque constant already: replace it (--overwrite), or choose another folder (--out)"
-        )
-    make_folder(out)
-    for old in (out / _RESULT, *out.glob("bare-*.csv"), *out.glob("loaded-*.csv")):
-        old.unlink(missing_ok=True)  # left there, they would pass for what an interrupted one has found
-    with open_joint(request) as context:
-        simulated = context.adapter.capabilities.simulated
-        gear_ratio = context.adapter.options.gears[context.joint].gear_ratio
-    bare = _record(request, weight, out, simulated=simulated, hung=False)
-    loaded = _record(request, weight, out, simulated=simulated, hung=True)
-    found = identify_torque_constant(bare, loaded, weight, gear_ratio)
-    (out / _RESULT).write_bytes(msgspec.json.format(msgspec.json.encode(asdict(found))) + b"\n")
+    with claim_folder(out, TORQUE_CONSTANT, overwrite=overwrite) as claim:
+        with open_joint(request) as context:
+            simulated = context.adapter.capabilities.simulated
+            gear_ratio = context.adapter.options.gears[context.joint].gear_ratio
+        claim.clear()  # left there, they would pass for what an interrupted one has found
+        bare = _record(request, weight, out, simulated=simulated, hung=False)
+        loaded = _record(request, weight, out, simulated=simulated, hung=True)
+        found = identify_torque_constant(bare, loaded, weight, gear_ratio)
+        write_whole(out / _RESULT, msgspec.json.format(msgspec.json.encode(asdict(found))) + b"\n")
     _print(found, out)
 
 

@@ -7,12 +7,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from fricomp.cli.out_folder import Overwrite
+
 if TYPE_CHECKING:
     from fricomp.sim_bench.twins import DriveTwin
 
 __all__ = ["app", "twin"]
 
 app = typer.Typer(add_completion=False)
+
+_MARK = "# Written by fricomp twin; the next one replaces it."
 
 _EPILOG = """
 fricomp twin canopen --write-config drive.toml
@@ -36,13 +40,17 @@ def twin(
     ] = None,
     tcp_port: Annotated[int, typer.Option(help="TCP port; 0 for any free one.")] = 0,
     write_config: Annotated[Path | None, typer.Option(help="Write an adapter configuration that reaches it.")] = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """Serve a drive with a simulated joint behind it in real time, until Ctrl-C."""
     from fricomp.adapters.configuration import read_table
     from fricomp.cli.terminal import console
+    from fricomp.results import require_free_file
     from fricomp.sim_bench.twins import TwinServer
     from fricomp.sim_bench.twins.configuration import make_twin
 
+    if write_config is not None and not _is_of_a_twin(write_config):
+        require_free_file(write_config, overwrite=overwrite, inputs=[config] if config is not None else [])
     table = read_table(config) if config is not None else {}
     given = {name: value for name, value in (("kind", link), ("tcp_port", tcp_port)) if value}
     table["link"] = {**table.get("link", {}), **given}
@@ -74,10 +82,20 @@ def _write_config(path: Path, protocol: str, served: DriveTwin) -> None:
     import json
 
     from fricomp.sim_bench.twins.adapter_table import adapter_configuration
+    from fricomp.whole_file import write_whole
 
     endpoints = path.with_suffix(".endpoints.json")
     if protocol == "odrive":
         from fricomp.sim_bench.twins.odrive import flat_endpoints
 
-        endpoints.write_text(json.dumps(flat_endpoints(), indent=1), "utf-8")
-    path.write_text(adapter_configuration(protocol, served, str(endpoints.resolve())), "utf-8")
+        write_whole(endpoints, json.dumps(flat_endpoints(), indent=1))
+    write_whole(path, f"{_MARK}\n\n{adapter_configuration(protocol, served, str(endpoints.resolve()))}")
+
+
+def _is_of_a_twin(path: Path) -> bool:
+    """Whether a configuration is that of an earlier twin, whose address nobody has any more."""
+    try:
+        with path.open("rb") as file:
+            return not path.is_symlink() and file.read(len(_MARK)) == _MARK.encode()
+    except OSError:
+        return False

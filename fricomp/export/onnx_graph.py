@@ -17,7 +17,7 @@ from fricomp.export.joined_facts import join_facts
 from fricomp.export.onnx_terms import extra_constants, extra_nodes
 from fricomp.laws import DwellStiction, FloatArray
 from fricomp.model import FrictionModel
-from fricomp.whole_file import whole_file
+from fricomp.whole_file import write_whole
 
 __all__ = ["STATE_COLUMNS", "closed_form_graph", "save_graph", "stack_networks", "state_columns"]
 
@@ -238,8 +238,7 @@ def save_graph(graph: Any, path: str | os.PathLike[str], metadata: dict[str, str
     for key, value in sorted((stated | {"opset": str(OPSET)} | (metadata or {})).items()):
         graph.metadata_props.add(key=key, value=value)
     _onnx().checker.check_model(graph)
-    with whole_file(Path(path), ExportError) as part:
-        part.write_bytes(graph.SerializeToString())
+    write_whole(Path(path), graph.SerializeToString(), ExportError)
 
 
 def _onnx() -> Any:

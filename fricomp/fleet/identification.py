@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Literal, cast
 
@@ -19,13 +19,15 @@ from fricomp.calibration.identification.provenance import compute_provenance
 from fricomp.calibration.identification.result import NoiseEstimate
 from fricomp.calibration.table import FrictionTable, read_friction_table
 from fricomp.errors import FricompError, IdentificationError, MissingExtraError
-from fricomp.model import Covariance, FrictionModel, Validity, save_model
+from fricomp.folder_lock import FolderLock
+from fricomp.model import Covariance, FrictionModel, Validity, encode_model
 from fricomp.recording.unit_checks import suspect_degrees_per_second
 from fricomp.report import Chart, Panel, Points, ReportPage, Section, Table, write_report
+from fricomp.results import FLEET, make_folder
 
 from .joint import FleetJoint
-from .rows import FleetRow, begin_fleet, collect_rows, write_row
-from .run import Parcel, at_home, failed_row, is_kept, pack, write_failed
+from .rows import FleetRow, begin_fleet, collect_rows
+from .run import Parcel, at_home, failed_row, is_kept, land, pack, write_failed
 
 __all__ = ["identification_row", "identification_table", "identify_tables", "write_identification_fleet"]
 
@@ -69,18 +71,28 @@ def identify_tables(
         IdentificationError: There is no such noise model, or no such device.
         MissingExtraError: torch is not installed.
         RecordingError: The folder holds a run and is not to be resumed, or with other settings.
+        OutputError: Another process writes there.
     """
     require_choice("noise", noise, ("auto", "relative", "absolute"))
     _require_device(device)
     joints = [at_home(joint) for joint in joints]
-    before = begin_fleet(out, {"command": "identify --batch", "noise": noise}, resume)
+    make_folder(out)
+    with FolderLock.take(out) as lock:
+        lock.note(FLEET.kind)
+        before = begin_fleet(out, {"command": "identify --batch", "noise": noise}, resume)
+        return _identify_all(joints, out, noise, device, before)
+
+
+def _identify_all(
+    joints: Sequence[FleetJoint], out: Path, noise: str, device: str, before: Mapping[str, FleetRow]
+) -> list[FleetRow]:
     todo = [each for joint in joints if (each := _prepare(joint, before.get(joint.name), out)) is not None]
     if todo:
         tables = [table for _, table in todo]
         kind = cast(Literal["auto", "relative", "absolute"], noise)
         found = identify_batch([t.velocity for t in tables], [t.torque for t in tables], kind, device=device)
         for index, (parcel, table) in enumerate(todo):
-            _write_joint(parcel, table, found, index, out)
+            _write_joint(parcel, table, found, index, out, before.get(parcel.joint.name))
     return collect_rows(joints, out)
 
 
@@ -122,19 +134,23 @@ def _read_table(joint: FleetJoint) -> FrictionTable:
     return table
 
 
-def _write_joint(parcel: Parcel, table: FrictionTable, found: BatchIdentification, index: int, out: Path) -> None:
+def _write_joint(
+    parcel: Parcel,
+    table: FrictionTable,
+    found: BatchIdentification,
+    index: int,
+    out: Path,
+    before: FleetRow | None,
+) -> None:
     """The model of one joint of a batch, and its row; a joint that gives no model has a row that says why."""
     joint = parcel.joint
-    folder = out / joint.name
-    folder.mkdir(parents=True, exist_ok=True)
     try:
         model = _model(joint, table, found, index)
-        save_model(model, folder / "friction.json")
+        content = encode_model(model)
     except FricompError as error:
-        (folder / "friction.json").unlink(missing_ok=True)  # of an earlier run, from other data
-        write_row(failed_row(joint, str(error)), out)
+        land(joint, failed_row(joint, str(error)), {}, before, out)
         return
-    row: FleetRow = {"name": joint.name, "error": "", "seconds": 0.0, **parcel.origin, "written": "friction.json"}
+    row: FleetRow = {"name": joint.name, "error": "", "seconds": 0.0, **parcel.origin}
     row |= {"status": model.provenance.status, "message": model.provenance.message, "noise": str(found.noise[index])}
     row |= {"noise_level": float(found.noise_level[index]), "torque_unit": model.torque_unit}
     found_fast = suspect_degrees_per_second(float(np.max(np.abs(table.velocity))))
@@ -142,7 +158,7 @@ def _write_joint(parcel: Parcel, table: FrictionTable, found: BatchIdentificatio
     deviations = found.standard_deviations[index]
     for name, value, deviation in zip(found.parameter_names, found.values[index], deviations, strict=True):
         row |= {name: float(value), name + _DEVIATION: float(deviation)}
-    write_row(row, out)
+    land(joint, row, {"friction.json": content}, before, out)
 
 
 def _model(joint: FleetJoint, table: FrictionTable, found: BatchIdentification, index: int) -> FrictionModel:

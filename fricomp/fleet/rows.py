@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from fricomp.errors import RecordingError
-from fricomp.whole_file import whole_file
+from fricomp.whole_file import whole_file, write_whole
 
 from .joint import FleetJoint
 
-__all__ = ["FleetRow", "begin_fleet", "collect_rows", "read_rows", "write_row", "write_rows"]
+__all__ = ["FleetRow", "begin_fleet", "collect_rows", "has_row", "read_rows", "write_row", "write_rows"]
 
 FleetRow = dict[str, Any]
 
@@ -49,9 +48,7 @@ def begin_fleet(out: Path, settings: Mapping[str, Any], resume: bool) -> dict[st
         _require_settings(path, wanted)
     (out / "rows").mkdir(parents=True, exist_ok=True)
     if not path.exists():
-        with whole_file(path, RecordingError) as part:
-            part.write_text(json.dumps(wanted, indent=1) + "\n", encoding="utf-8")
-            _sync(part)
+        write_whole(path, json.dumps(wanted, indent=1) + "\n", RecordingError)
     return {row["name"]: row for row in read_rows(out)}
 
 
@@ -69,9 +66,18 @@ def _require_settings(path: Path, wanted: Mapping[str, Any]) -> None:
     raise RecordingError(f"{path.parent} holds a fleet with {had}, not with {asked}: give another --out")
 
 
+def has_row(joint: FleetJoint, out: Path) -> bool:
+    """Whether a row of a joint is on disk, be it a damaged one."""
+    return _row_file(joint.name, out).exists()
+
+
+def _row_file(name: str, out: Path) -> Path:
+    return out / "rows" / f"{name}.parquet"
+
+
 def write_row(row: FleetRow, out: Path) -> None:
     """Put a joint's row on disk: where it is, the joint is finished."""
-    write_rows([row], out / "rows" / f"{row['name']}.parquet")
+    write_rows([row], _row_file(row["name"], out))
 
 
 def write_rows(rows: Sequence[FleetRow], path: Path) -> None:
@@ -82,13 +88,6 @@ def write_rows(rows: Sequence[FleetRow], path: Path) -> None:
     columns = list(dict.fromkeys(key for row in rows for key in row))
     with whole_file(path, RecordingError) as part:
         parquet.write_table(pyarrow.Table.from_pylist([{c: row.get(c) for c in columns} for row in rows]), part)
-        _sync(part)
-
-
-def _sync(path: Path) -> None:
-    """Wait until a file is on the disk."""
-    with path.open("rb+") as file:
-        os.fsync(file.fileno())
 
 
 def collect_rows(joints: Sequence[FleetJoint], out: Path) -> list[FleetRow]:

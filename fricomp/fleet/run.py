@@ -8,6 +8,7 @@ file in `rows/`, last of all: where a row is, the joint is finished.
 from __future__ import annotations
 
 import hashlib
+import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future
@@ -17,10 +18,13 @@ from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 from fricomp.errors import FricompError
+from fricomp.folder_lock import FolderLock
+from fricomp.results import FLEET, make_folder
+from fricomp.whole_file import write_whole
 
 from .executor import stream
 from .joint import FleetJoint
-from .rows import FleetRow, begin_fleet, collect_rows, write_row
+from .rows import FleetRow, begin_fleet, collect_rows, has_row, write_row
 
 __all__ = [
     "Parcel",
@@ -28,6 +32,7 @@ __all__ = [
     "at_home",
     "failed_row",
     "is_kept",
+    "land",
     "pack",
     "run_fleet",
     "write_failed",
@@ -93,17 +98,67 @@ def run_fleet(
 
     Raises:
         RecordingError: The folder holds a run and is not to be resumed, or with other settings.
+        OutputError: Another process writes there.
     """
     joints = [at_home(joint) for joint in joints]
+    make_folder(out)
+    with FolderLock.take(out) as lock:
+        lock.note(FLEET.kind)
+        return _run_all(joints, work, out, executor, settings, resume=resume, progress=progress, check=check)
+
+
+def _run_all(
+    joints: Sequence[FleetJoint],
+    work: Work,
+    out: Path,
+    executor: tuple[Executor, int],
+    settings: Mapping[str, Any],
+    *,
+    resume: bool,
+    progress: Callable[[FleetRow | None], None],
+    check: Callable[[FleetJoint, Path], None],
+) -> list[FleetRow]:
     before = begin_fleet(out, settings, resume)
     todo = _pack_all(joints, out, before, progress, check)
     items = ((parcel.joint, (work, parcel)) for parcel in todo)
     for joint, future in stream(items, _work_in_folder, executor):
         row, files = _take(joint, future)
-        _replace_files(files, out / joint.name, before.get(joint.name))
-        write_row(row | {"written": ";".join(sorted(files))}, out)
+        row = land(joint, row, files, before.get(joint.name), out)
         progress(row)
     return collect_rows(joints, out)
+
+
+def land(joint: FleetJoint, row: FleetRow, files: Mapping[str, bytes], before: FleetRow | None, out: Path) -> FleetRow:
+    """Put the files of a joint into its folder, then its row; gives the row.
+
+    A first row says which files are about to be written, so that those of a process that was killed meanwhile are
+    known as the fleet's own. A joint that would replace what is not has failed.
+
+    Args:
+        joint: Whose files they are.
+        row: What is said of it.
+        files: What was made, by path in the folder.
+        before: Its row of an earlier run.
+        out: Folder of the fleet.
+    """
+    folder, own = out / joint.name, _written(before)
+    is_known = before is not None or not has_row(joint, out)  # of a row that is damaged the files were the fleet's
+    foreign = sorted(name for name in files if is_known and name not in own and os.path.lexists(folder / name))
+    if foreign or folder.is_symlink():
+        what = f"holds {', '.join(foreign)} of something else" if foreign else "is a link, which is not followed"
+        row = failed_row(joint, f"{folder} {what}: choose another --out, or move it away")
+        write_row(row | {"written": ";".join(sorted(own))}, out)
+        return row
+    begun = failed_row(joint, "its files were not written to the end: --resume goes on")
+    write_row(begun | {"written": ";".join(sorted(own.union(files)))}, out)
+    _replace_files(files, folder, before)
+    write_row(row | {"written": ";".join(sorted(files))}, out)
+    return row
+
+
+def _written(row: FleetRow | None) -> set[str]:
+    """Files that an earlier run of the fleet has put into the folder of a joint."""
+    return set(filter(None, ((row or {}).get("written") or "").split(";")))
 
 
 def at_home(joint: FleetJoint) -> FleetJoint:
@@ -229,10 +284,7 @@ def _given(joint: FleetJoint) -> FleetRow:
 
 def _replace_files(files: Mapping[str, bytes], folder: Path, before: FleetRow | None) -> None:
     """Write what a joint gave; what it had given from other files and does not now is no longer true."""
-    written = (before or {}).get("written") or ""
-    for name in set(filter(None, written.split(";"))).difference(files):
+    for name in _written(before).difference(files):
         (folder / name).unlink(missing_ok=True)
     for name, content in files.items():
-        path = folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
+        write_whole(folder / name, content)

@@ -15,7 +15,7 @@ import numpy as np
 from fricomp.errors import FricompError, ModelFileError
 from fricomp.laws import FrictionLaw, Term, term_class
 from fricomp.model.model import Covariance, FrictionModel, Motion, Provenance, Validity
-from fricomp.whole_file import whole_file
+from fricomp.whole_file import write_whole
 
 __all__ = ["MODEL_SCHEMA", "decode_model", "encode_model", "load_model", "model_json_schema", "save_model"]
 
@@ -72,8 +72,7 @@ def save_model(model: FrictionModel, path: str | os.PathLike[str]) -> str:
         ModelFileError: The file cannot be written.
     """
     data = encode_model(model)
-    with whole_file(Path(path), ModelFileError) as part:
-        part.write_bytes(data)
+    write_whole(Path(path), data, ModelFileError)
     return hashlib.sha256(data).hexdigest()
 
 

@@ -12,7 +12,6 @@ the trace of a writer that was killed: it is dropped, and the reader says so.
 """
 
 import io
-import os
 import warnings
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -27,7 +26,7 @@ from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import RecordingMetadata, metadata_from_fields, metadata_to_fields
 from fricomp.recording.recording import CHANNELS, REQUIRED_CHANNELS, Recording
 from fricomp.recording.validity import drop_bad_rows
-from fricomp.whole_file import whole_file
+from fricomp.whole_file import write_whole
 
 SCHEMA = "fricomp.recording/1"
 _FAMILY = "fricomp.recording/"
@@ -59,11 +58,8 @@ def write_csv(recording: Recording, path: Path) -> None:
     Raises:
         RecordingError: The folder cannot be written, or the disk is full.
     """
-    with whole_file(path, RecordingError) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
-        file.write(format_preamble(recording.metadata, recording.channels))
-        file.write(format_rows(recording, recording.channels))
-        file.flush()
-        os.fsync(file.fileno())
+    rows = format_rows(recording, recording.channels)
+    write_whole(path, format_preamble(recording.metadata, recording.channels) + rows, RecordingError)
 
 
 def read_csv(path: Path, *, skip_bad_rows: bool = False) -> FileContent:

@@ -10,6 +10,7 @@ from typing import Any, Literal
 from fricomp.errors import MissingExtraError, ParameterError
 from fricomp.report.chart import Chart
 from fricomp.report.interactive import draw_interactive, plotly_javascript
+from fricomp.whole_file import write_whole
 
 __all__ = ["Check", "Outcome", "ReportPage", "Section", "Table", "write_report"]
 
@@ -99,14 +100,14 @@ class ReportPage:
 
 
 def write_report(page: ReportPage, path: str | os.PathLike[str]) -> Path:
-    """Write `page` as one HTML file that opens without a network.
+    """Write `page` as one HTML file that opens without a network, whole or not at all.
 
     Returns:
         The path.
 
     Raises:
         MissingExtraError: jinja2 or plotly is not installed.
-        OSError: The file cannot be written.
+        OutputError: The file cannot be written.
     """
     try:
         from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
@@ -127,7 +128,7 @@ def write_report(page: ReportPage, path: str | os.PathLike[str]) -> Path:
     script = plotly_javascript() if has_charts else ""
     html = environment.get_template("page.html").render(page=page, sections=sections, plotly_javascript=script)
     target = Path(path)
-    target.write_text(html, encoding="utf-8")
+    write_whole(target, html)
     return target
 
 

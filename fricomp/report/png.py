@@ -12,6 +12,7 @@ import numpy as np
 from fricomp.errors import MissingExtraError
 from fricomp.report.chart import CROWDED, Band, Bars, Chart, HeatMap, Line, Mark, Panel, Points, Rule
 from fricomp.report.thinning import thin
+from fricomp.whole_file import whole_file
 
 __all__ = ["draw_png"]
 
@@ -26,6 +27,7 @@ _STROKE = {"solid": "-", "dashed": "--", "dotted": ":"}
 _STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 11,
+    "text.parse_math": False,  # a dollar in a joint's name is a dollar
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.edgecolor": "#666666",
@@ -43,14 +45,14 @@ _STYLE: dict[Any, Any] = {
 
 
 def draw_png(chart: Chart, path: str | os.PathLike[str]) -> Path:
-    """Write `chart` as a PNG file.
+    """Write `chart` as a PNG file, whole or not at all.
 
     Returns:
         The path.
 
     Raises:
         MissingExtraError: matplotlib is not installed.
-        OSError: The file cannot be written.
+        OutputError: The file cannot be written.
     """
     try:
         import matplotlib as mpl
@@ -82,7 +84,8 @@ def _save(figure: Any, target: Path) -> None:
 
     full = BytesIO()
     figure.savefig(full, dpi=_DOTS_PER_INCH, format="png")
-    Image.open(full).convert("RGB").quantize(256).save(target, format="PNG", optimize=True)
+    with whole_file(target) as part:
+        Image.open(full).convert("RGB").quantize(256).save(part, format="PNG", optimize=True)
 
 
 def _row_lines(chart: Chart) -> list[int]:

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fricomp.whole_file import whole_file, write_whole
+
 from .belief import format_controller, format_friction, format_simulation
 from .catalogue_fit import fit_catalogue
 from .dynamics import SAMPLE_PERIOD
@@ -63,13 +65,12 @@ def write_case(case: Case, folder: Path) -> Path:
         The case's folder, `folder`/<id>.
     """
     target = folder / case_id(case.spec)
-    target.mkdir(parents=True, exist_ok=True)
     fields = {**case.scene.joint.fields, **case.change.plant, **case.belief}
     _write_table(_channels(case), _metadata(case), target / "recording.parquet")
-    (target / "joint.xml").write_text(format_simulation(fields, fields["limit"]), encoding="utf-8")
-    (target / "loop.toml").write_text(format_controller(fields), encoding="utf-8")
+    write_whole(target / "joint.xml", format_simulation(fields, fields["limit"]))
+    write_whole(target / "loop.toml", format_controller(fields))
     if any(each.effect.against == "nothing" for each in case.concealed) or _states_friction(case):
-        (target / "friction.json").write_text(format_friction(fields), encoding="utf-8")
+        write_whole(target / "friction.json", format_friction(fields))
     return target
 
 
@@ -79,7 +80,6 @@ def write_answer(case: Case, folder: Path, salt: str | None = None) -> tuple[Pat
     Returns:
         The answer's path, `folder`/<id>.json, and the SHA-256 of its bytes, which hold the salt.
     """
-    folder.mkdir(parents=True, exist_ok=True)
     name = case_id(case.spec)
     truth = folder / f"{name}.parquet"
     _write_table(_truth(case), {}, truth)
@@ -89,7 +89,7 @@ def write_answer(case: Case, folder: Path, salt: str | None = None) -> tuple[Pat
     }
     data = (json.dumps(answer, indent=1, ensure_ascii=False) + "\n").encode()
     path = folder / f"{name}.json"
-    path.write_bytes(data)
+    write_whole(path, data)
     return path, hashlib.sha256(data).hexdigest()
 
 
@@ -227,4 +227,5 @@ def _write_table(columns: dict[str, NDArray[np.float64]], metadata: dict[str, An
     table = pyarrow.table({name: np.ascontiguousarray(values) for name, values in columns.items()})
     if metadata:
         table = table.replace_schema_metadata({b"fricomp.recording": json.dumps(metadata).encode()})
-    pyarrow.parquet.write_table(table, path)
+    with whole_file(path) as part:
+        pyarrow.parquet.write_table(table, part)

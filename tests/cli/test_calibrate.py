@@ -18,6 +18,7 @@ from fricomp.cli import torque_constant
 from fricomp.cli.main import app
 from fricomp.cli.parameter_table import _with_reach
 from fricomp.errors import FricompError, RecordingError
+from fricomp.folder_lock import LOCK_FILE
 from fricomp.model import load_model
 from fricomp.recording import read_recording
 
@@ -231,15 +232,14 @@ def test_a_torque_constant_that_replaces_another_leaves_nothing_of_it_first(
     for name in ("torque_constant.json", "bare-0.csv", "loaded-3.csv", "notes.txt"):
         (tmp_path / name).write_text("old")
 
-    def interrupted(*_: object) -> None:
+    def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(torque_constant, "open_joint", interrupted)
+    request = CalibrationRequest("sim", {"seed": 0, "model": "default_joint"})
+    monkeypatch.setattr(torque_constant, "_record", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        torque_constant.measure_torque_constant(
-            CalibrationRequest("sim"), HungWeight(0.5, 0.25), tmp_path, overwrite=True
-        )
-    assert {path.name for path in tmp_path.iterdir()} == {"notes.txt"}
+        torque_constant.measure_torque_constant(request, HungWeight(0.5, 0.25), tmp_path, overwrite=True)
+    assert {path.name for path in tmp_path.iterdir()} == {LOCK_FILE, "notes.txt"}
 
 
 def test_a_torque_constant_is_replaced_only_when_told(tmp_path: Path) -> None:

@@ -14,7 +14,6 @@ import pytest
 from typer.testing import CliRunner
 
 from fricomp.cli.diagnose import EXIT_BAD_DATA
-from fricomp.cli.diagnosis_folder import remove_earlier_diagnosis
 from fricomp.cli.diagnosis_warnings import diagnosis_warnings, distinct_names
 from fricomp.cli.main import app
 from fricomp.diagnosis import DIAGNOSIS_SCHEMA, DiagnosisRecord, Quantity, diagnosis_json_schema
@@ -180,23 +179,12 @@ def test_a_diagnosis_leaves_nothing_of_an_earlier_one(tmp_path: Path, monkeypatc
     (out / "diagnosis.json").write_text('{"schema": "fricomp.diagnosis/1"}')
     model = FrictionModel(FrictionLaw((Coulomb(1.0),)), provenance=Provenance(method="diagnosis"))
     save_model(model, out / "friction.json")
-    result = CliRunner().invoke(app, ["diagnose", str(path), "--out", str(out)], env={"COLUMNS": "300"})
+    call = ["diagnose", str(path), "--overwrite", "--out", str(out)]
+    result = CliRunner().invoke(app, call, env={"COLUMNS": "300"})
     assert result.exit_code == EXIT_BAD_DATA, result.output
     left = {name.name for name in out.iterdir()}
     assert left == {"diagnosis.json", "report.html", *others}
     assert result.stdout.rstrip().endswith(f"In {out}: diagnosis.json, report.html")
-
-
-def test_files_of_somebody_else_stay(tmp_path: Path) -> None:
-    (tmp_path / "motion.csv").write_text("a recording")
-    (tmp_path / "diagnosis.json").write_text('{"schema": "of a hospital"}')
-    remove_earlier_diagnosis(tmp_path)
-    assert len(list(tmp_path.iterdir())) == 2
-    (tmp_path / "diagnosis.json").write_text('{"schema": "fricomp.diagnosis/1"}')
-    save_model(FrictionModel(FrictionLaw((Coulomb(1.0),))), tmp_path / "friction.json")
-    (tmp_path / "friction.onnx").write_text("of a calibration")
-    remove_earlier_diagnosis(tmp_path, keep=[tmp_path / "motion.csv"])
-    assert {path.name for path in tmp_path.iterdir()} == {"motion.csv", "friction.json", "friction.onnx"}
 
 
 def _refused(tmp_path: Path, out: Path, *options: str) -> str:
@@ -236,11 +224,15 @@ def test_a_file_in_the_place_of_the_folder_is_told_at_once(below: str, options: 
     assert told in _refused(tmp_path, tmp_path / "taken" / below, *options)
 
 
-def test_a_diagnosis_may_be_repeated_in_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_diagnosis_is_repeated_in_its_folder_when_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     _answer_at_once(monkeypatch)
     call = ["diagnose", str(_save(tmp_path, _columns())), "--out", str(tmp_path)]
-    codes = [CliRunner().invoke(app, call).exit_code for _ in range(2)]
-    assert codes == [EXIT_BAD_DATA] * 2
+    assert CliRunner().invoke(app, call).exit_code == EXIT_BAD_DATA
+    before = (tmp_path / "report.html").read_bytes()
+    refused = CliRunner().invoke(app, call)
+    assert "holds diagnosis.json, report.html already: replace them (--overwrite)" in str(refused.exception)
+    assert (tmp_path / "report.html").read_bytes() == before
+    assert CliRunner().invoke(app, [*call, "--overwrite"]).exit_code == EXIT_BAD_DATA
 
 
 def test_recordings_of_one_name_are_called_by_their_folders_too() -> None:

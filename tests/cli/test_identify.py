@@ -62,8 +62,8 @@ def test_a_second_basin_nearly_as_likely_is_a_warning(tmp_path: Path, monkeypatc
     module = import_module("fricomp.cli.identify")
     plain = module._identify_file
 
-    def doubtful(file: Path, out: Path, settings: object) -> object:
-        found = plain(file, out, settings)
+    def doubtful(file: Path, settings: object) -> object:
+        found = plain(file, settings)
         doubt = replace(found.result, status=Status.WRONG_BASIN_SUSPECTED, message="a second basin is near")
         return replace(found, result=doubt)
 
@@ -357,7 +357,7 @@ def test_a_departed_network_of_an_earlier_model_does_not_stay_beside_a_new_one(t
     out = tmp_path / "out"
     out.mkdir()
     (out / "friction_departed.onnx").write_bytes(b"of another model")
-    call = [str(_table(tmp_path / "points.csv")), "--out", str(out), "--method", "least_squares"]
+    call = [str(_table(tmp_path / "points.csv")), "--out", str(out), "--method", "least_squares", "--overwrite"]
     assert CliRunner().invoke(app, call).exit_code == 0
     assert not (out / "friction_departed.onnx").exists()
 

@@ -13,7 +13,7 @@ from fricomp.control import Compensator
 from fricomp.errors import IdentificationError, ParameterError
 from fricomp.fleet import FleetJoint
 from fricomp.fleet.identification import identify_tables
-from fricomp.model import FrictionModel, load_model, save_model
+from fricomp.model import FrictionModel, encode_model, load_model
 
 pytest.importorskip("torch")
 pytest.importorskip("pyarrow")
@@ -52,20 +52,26 @@ def test_a_model_of_a_batch_is_trusted_as_far_as_that_of_one_joint(tmp_path: Pat
 
 
 def test_a_joint_whose_model_is_refused_stops_no_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse_left(model: FrictionModel, path: Path) -> str:
+    def refuse_left(model: FrictionModel) -> bytes:
         if model.joint == "left":
             raise ParameterError("a covariance must be symmetric")
-        return save_model(model, path)
+        return encode_model(model)
 
-    monkeypatch.setattr("fricomp.fleet.identification.save_model", refuse_left)
+    monkeypatch.setattr("fricomp.fleet.identification.encode_model", refuse_left)
     joints = [_joint(tmp_path, name, _torque(0.2, seed)) for seed, name in enumerate(("left", "right"))]
-    old = tmp_path / "out" / "left" / "friction.json"
-    old.parent.mkdir(parents=True)
-    old.write_text("of other data")
     rows = identify_tables(joints, tmp_path / "out", "auto")
     assert [row["error"] for row in rows] == ["a covariance must be symmetric", ""]
-    assert not old.exists()
+    assert not (tmp_path / "out" / "left").exists()
     assert (tmp_path / "out" / "right" / "friction.json").exists()
+
+
+def test_a_model_of_somebody_else_in_the_place_of_a_joint_stays(tmp_path: Path) -> None:
+    other = tmp_path / "out" / "left" / "friction.json"
+    other.parent.mkdir(parents=True)
+    other.write_text("of a calibration")
+    (row,) = identify_tables([_joint(tmp_path, "left", _torque(0.2, 0))], tmp_path / "out", "auto")
+    assert "holds friction.json of something else: choose another --out" in row["error"]
+    assert other.read_text() == "of a calibration"
 
 
 def test_one_extreme_table_stops_no_other(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fricomp.cli.convert import convert
-from fricomp.errors import RecordingError
+from fricomp.errors import OutputError, RecordingError
 from fricomp.recording import read_recording
 
 MAPPING = """
@@ -115,7 +115,7 @@ def test_what_was_read_is_not_written_over(source: Path) -> None:
     hip = source.with_name("hip.csv")
     convert(source, hip, str(source.with_name("robot.toml")), ["hip"])
     before = hip.read_bytes()
-    with pytest.raises(RecordingError, match="was read, and would be written over: choose another --out"):
+    with pytest.raises(OutputError, match="was read, and would be written over: choose another --out"):
         convert(hip, source.parent / "." / "hip.csv", rate=100.0)
     assert hip.read_bytes() == before
 

@@ -10,6 +10,7 @@ import msgspec
 import numpy as np
 
 from fricomp.errors import DiagnosisError
+from fricomp.whole_file import write_whole
 
 from .result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord
 
@@ -25,17 +26,14 @@ def diagnosis_json_schema() -> dict[str, Any]:
 
 
 def save_diagnosis(diagnosis: Diagnosis | DiagnosisRecord, path: str | Path) -> None:
-    """Write `diagnosis.json`.
+    """Write `diagnosis.json`, whole or not at all.
 
     Raises:
         DiagnosisError: The file cannot be written.
     """
     record = diagnosis.record if isinstance(diagnosis, Diagnosis) else diagnosis
-    try:
-        data = msgspec.json.encode(record, enc_hook=_plain_number)
-        Path(path).write_bytes(msgspec.json.format(data, indent=2) + b"\n")
-    except OSError as error:
-        raise DiagnosisError(f"cannot write the diagnosis {path}: {error.strerror or error}") from error
+    data = msgspec.json.encode(record, enc_hook=_plain_number)
+    write_whole(Path(path), msgspec.json.format(data, indent=2) + b"\n", DiagnosisError)
 
 
 def _plain_number(value: Any) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import os
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping
@@ -16,6 +15,7 @@ from fricomp.export import apply_to_mjcf, export_mjcf
 from fricomp.laws import FloatArray, LaggedLuGre, LaggedStribeck, LuGre
 from fricomp.model import FrictionModel, save_model
 from fricomp.report import draw_png, write_report
+from fricomp.whole_file import write_whole
 
 from ..effects.spring import SPRING_CHANGE
 from ..evidence.friction_comparison import FRICTION_CHANGES
@@ -66,7 +66,7 @@ def write_diagnosis(
     Raises:
         DiagnosisError: The record cannot be written.
         MissingExtraError: plotly, jinja2 or matplotlib is not installed.
-        OSError: Another file cannot be written.
+        OutputError: Another file cannot be written.
     """
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
@@ -137,7 +137,7 @@ def _save_mjcf(simulation: Path | None, joint: str | None):  # type: ignore[no-u
         export = export_mjcf(model)
         text = simulation.read_text(encoding="utf-8-sig") if simulation is not None else None
         name = joint or (_only_joint(text) if text is not None else None) or model.joint
-        path.write_text(apply_to_mjcf(export, text, name), encoding="utf-8")
+        write_whole(path, apply_to_mjcf(export, text, name))
         return str(export.fidelity)
 
     return write
@@ -155,8 +155,6 @@ def _only_joint(text: str) -> str | None:
 def _write_motion(motion: Mapping[str, FloatArray], path: Path) -> Path:
     columns = motion_columns(motion)
     rows = np.column_stack(list(columns.values()))
-    with path.open("w", newline="", encoding="utf-8") as stream:
-        writer = csv.writer(stream)
-        writer.writerow(columns)
-        writer.writerows([[f"{value:.9g}" for value in row] for row in rows])
+    lines = [",".join(columns), *(",".join(f"{value:.9g}" for value in row) for row in rows)]
+    write_whole(path, "\r\n".join(lines) + "\r\n")
     return path

@@ -31,7 +31,8 @@ from fricomp.calibration.sweep.log import CycleLog
 from fricomp.calibration.sweep.report import write_calibration_report
 from fricomp.calibration.sweep.sweep import Progress
 from fricomp.control import JointLimits
-from fricomp.errors import ParameterError, SafetyTrip, SweepAborted
+from fricomp.errors import OutputError, ParameterError, SafetyTrip, SweepAborted
+from fricomp.folder_lock import LOCK_FILE
 from fricomp.recording import Recording, read_recording
 from fricomp.sim_bench.stand_in import (
     DEFAULT_LAW,
@@ -151,7 +152,7 @@ def test_replacing_a_run_leaves_no_model_of_the_old_one(
     (folder.path / "notes.txt").write_text("of the user")
     assert (folder.path / "friction.json").exists()
     RunFolder.create(folder.path, request_of_a_short_run, overwrite=True)
-    assert {path.name for path in folder.path.iterdir()} == {"run.json", "notes.txt"}
+    assert {path.name for path in folder.path.iterdir()} == {LOCK_FILE, "run.json", "notes.txt"}
 
 
 @pytest.mark.parametrize("overwrite", [False, True])
@@ -160,7 +161,9 @@ def test_files_of_somebody_else_are_neither_replaced_nor_removed(
     tmp_path: Path, request_of_a_short_run: CalibrationRequest, name: str, overwrite: bool
 ) -> None:
     (tmp_path / name).write_text("time,velocity\n0,0\n")
-    with pytest.raises(SweepAborted, match=f"{name}, which no calibration wrote"):
+    with pytest.raises(
+        OutputError, match=f"{name}, which a calibration writes too and which comes from something else"
+    ):
         RunFolder.create(tmp_path, request_of_a_short_run, overwrite=overwrite)
     assert (tmp_path / name).read_text() == "time,velocity\n0,0\n"
 
