@@ -175,20 +175,22 @@ class AdapterChoice(NamedTuple):
     configuration: dict[str, Any]
 
 
-def choose_adapter(backend: str | None, file: str | Path | None) -> AdapterChoice:
-    """The adapter that a command line and a configuration file ask for together.
+def choose_adapter(backend: str | None, config: str | Path | Mapping[str, Any] | None) -> AdapterChoice:
+    """The adapter that a command line and a configuration ask for together.
 
     Args:
         backend: As given on the command line; none where the file, or the default, says it.
-        file: Configuration file; its `backend` may be left out where the command line names one, and for `sim`.
+        config: Configuration file, or the table that it would hold; its `backend` may be left out where the command
+            line names one, and for `sim`.
 
     Raises:
         AdapterConfigurationError: The file cannot be read, says another backend than the command line, or is that of a
             drive and nobody says of which.
     """
-    if file is None:
+    if config is None:
         return AdapterChoice(backend or _SIMULATED, {})
-    configuration = read_table(file)
+    file = "the configuration" if isinstance(config, Mapping) else str(config)
+    configuration = dict(config) if isinstance(config, Mapping) else read_table(config)
     named = configuration.pop("backend", None)
     if named is None and backend is None and _BUSES & configuration.keys():
         raise AdapterConfigurationError(f"{file} {_NO_BACKEND}, or give --backend")

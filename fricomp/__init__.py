@@ -1,15 +1,29 @@
-"""Joint friction: calibrate it, compensate it in real time, and find the physics a simulation leaves out."""
+"""Joint friction: calibrate it, compensate it in real time, and find the physics a simulation leaves out.
+
+- `calibrate` moves a joint and identifies its friction; `identify` does it from data that you have already.
+- `Compensator` gives the torque that overcomes friction in a control loop; `ControlLoop` is such a loop.
+- `diagnose` says what physics a simulation leaves out, from recordings of the real joint.
+- `read_recording`, `load_model` and `save_model` read and write files.
+
+Results print as one line; `result.summary()` is a text with everything, `result.plot()` a picture.
+"""
 
 from typing import TYPE_CHECKING, Any
 
 from fricomp.errors import FricompError
 from fricomp.laws import FrictionLaw, OperatingPoint
 from fricomp.model import FrictionModel, load_model, save_model
+from fricomp.version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from fricomp.api.calibrate import calibrate
+    from fricomp.calibration import identify_dynamic
+    from fricomp.calibration.sweep import CalibrationOptions, SweepSettings
     from fricomp.control import Compensator, ControlLoop, JointLimits, LoopDynamics, SafetyGate, check_loop
+    from fricomp.recording import Recording, read_recording, write_recording
 
 __all__ = [
+    "CalibrationOptions",
     "Compensator",
     "ControlLoop",
     "FricompError",
@@ -18,19 +32,55 @@ __all__ = [
     "JointLimits",
     "LoopDynamics",
     "OperatingPoint",
+    "Recording",
     "SafetyGate",
+    "SweepSettings",
+    "calibrate",
     "check_loop",
+    "identify_dynamic",
     "load_model",
+    "read_recording",
     "save_model",
+    "write_recording",
 ]
 
-__version__ = "0.1.0"
+_CONTROL, _RECORDING, _SWEEP = "fricomp.control", "fricomp.recording", "fricomp.calibration.sweep"
+_HOMES = {
+    "CalibrationOptions": (_SWEEP, "calibrate"),
+    "Compensator": (_CONTROL, ""),
+    "ControlLoop": (_CONTROL, ""),
+    "JointLimits": (_CONTROL, ""),
+    "LoopDynamics": (_CONTROL, ""),
+    "Recording": (_RECORDING, ""),
+    "SafetyGate": (_CONTROL, ""),
+    "SweepSettings": (_SWEEP, "calibrate"),
+    "calibrate": ("fricomp.api.calibrate", "calibrate"),
+    "check_loop": (_CONTROL, ""),
+    "identify_dynamic": ("fricomp.calibration", "calibrate"),
+    "read_recording": (_RECORDING, ""),
+    "write_recording": (_RECORDING, ""),
+}
+"""What is imported when it is first asked for: its module, and the extra that brings what the module imports."""
 
 
 def __getattr__(name: str) -> Any:
-    """What belongs to `fricomp.control` is imported when it is first asked for."""
-    if name not in __all__:
+    """Import a name of `_HOMES` from where it lives; from then on it is an attribute like any other."""
+    if name not in _HOMES:
         raise AttributeError(f"module 'fricomp' has no attribute {name!r}")
-    import fricomp.control
+    from importlib import import_module
 
-    return getattr(fricomp.control, name)
+    module, extra = _HOMES[name]
+    try:
+        globals()[name] = found = getattr(import_module(module), name)
+    except ModuleNotFoundError as error:
+        if not extra or (error.name or "").startswith("fricomp"):
+            raise
+        from fricomp.errors import MissingExtraError
+
+        raise MissingExtraError(error.name or "a package", extra) from error
+    return found
+
+
+def __dir__() -> list[str]:
+    """The public names, those that are not imported yet among them."""
+    return sorted([*__all__, "__version__"])

@@ -59,11 +59,12 @@ class MissingExtraError(FricompError, ImportError):
 
     Args:
         package: The package that could not be imported.
-        extra: The extra of fricomp that brings it.
+        extra: The extra of fricomp that brings it; empty where none does, because nothing but this call needs it.
     """
 
-    def __init__(self, package: str, extra: str) -> None:
-        super().__init__(f"{package} is needed here and not installed: pip install '.[{extra}]' in the checkout")
+    def __init__(self, package: str, extra: str = "") -> None:
+        how = f"pip install '.[{extra}]' in the checkout" if extra else f"pip install {package}"
+        super().__init__(f"{package} is needed here and not installed: {how}")
 
 
 class ModelFileError(FricompError, ValueError):

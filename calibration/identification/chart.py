@@ -6,13 +6,11 @@ import numpy as np
 
 from fricomp.report import PALETTE, Chart, Line, Panel
 
+from .curve import REACH
 from .pinn import Traces
 from .result import IdentificationResult
 
 __all__ = ["REACH", "network_note", "training_chart", "words"]
-
-REACH = 1.96
-"""Half width of a 95 % interval in standard deviations."""
 
 _NAMES = {
     "coulomb_torque": "Coulomb torque",

@@ -8,12 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from fricomp.control.trust import find_doubt_in_status
-from fricomp.laws import FloatArray
 from fricomp.report import (
-    Band,
     Chart,
     Check,
-    Line,
     Outcome,
     Panel,
     Points,
@@ -24,7 +21,8 @@ from fricomp.report import (
     write_report,
 )
 
-from .chart import REACH, network_note, training_chart
+from .chart import network_note, training_chart
+from .curve import friction_curve
 from .result import IdentificationResult
 from .status import Status
 
@@ -85,35 +83,9 @@ def _between(lower: float, upper: float) -> str:
 
 def identification_charts(result: IdentificationResult) -> list[Chart]:
     """Friction curve, residuals and, where a network was trained, its course."""
-    charts = [_curve(result), _residuals(result)]
+    curve = friction_curve(result.model, result.observations, result.torque_deviation, result.network)
+    charts = [curve, _residuals(result)]
     return charts if result.traces is None else [*charts, training_chart(result.traces, result.model.torque_unit)]
-
-
-def _curve(result: IdentificationResult) -> Chart:
-    units, panels = _units(result), []
-    points = result.observations
-    for name, sign in (("forward", 1.0), ("reverse", -1.0)):
-        rows = points.forward if sign > 0.0 else ~points.forward
-        if not np.any(rows):
-            continue
-        load = None if points.normal_load is None else float(np.median(points.normal_load[rows]))
-        speed = np.geomspace(points.speed[rows].min(), points.speed[rows].max(), 300)
-        torque = sign * np.asarray(result.model.torque(sign * speed, normal_load=load))
-        loads = None if load is None else np.full_like(speed, load)
-        reach = REACH * result.torque_deviation(sign * speed, loads)
-        marks = (
-            Points(points.speed[rows], points.magnitude[rows], "measured", color=6, size=3.0),
-            Band(speed, torque - reach, torque + reach, "95 % interval", color=0),
-            Line(speed, torque, "identified", color=0),
-            Line(speed, _network(result, sign * speed, load) * sign, "exported network", color=1, stroke="dashed"),
-        )
-        panels.append(Panel(marks, f"speed [{units[0]}]", f"friction [{units[1]}]", name, x_scale="log"))
-    return Chart("friction-curve", "Friction over speed", tuple(panels), columns=2)
-
-
-def _network(result: IdentificationResult, velocity: FloatArray, load: float | None) -> FloatArray:
-    loads = None if load is None else np.full_like(velocity, load)
-    return np.asarray(result.network.torque(velocity, loads))
 
 
 def _residuals(result: IdentificationResult) -> Chart:

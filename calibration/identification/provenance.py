@@ -7,8 +7,8 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-import fricomp
 from fricomp.model import Provenance
+from fricomp.version import __version__
 
 from .observation import Observations
 from .result import NoiseEstimate
@@ -40,7 +40,7 @@ def compute_provenance(
         method=method,
         data_sha256=_hash(points),
         created=datetime.now(UTC).isoformat(timespec="seconds"),
-        fricomp_version=fricomp.__version__,
+        fricomp_version=__version__,
         seed=seed,
         notes={"noise": noise.kind, "noise_level": f"{noise.level:.6g}", "points": str(points.size)},
         status=str(verdict.status),

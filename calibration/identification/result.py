@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.stats import t as student
@@ -12,9 +13,12 @@ from fricomp.control.trust import bound_friction
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
+from fricomp.overview import Overview, OverviewTable, Shown, format_range, format_with_reach
+from fricomp.report import draw_figure
 
 from ..network import TanhNetwork
 from ..network.distillation import Distillation, distil
+from .curve import friction_curve
 from .form import SeparableLaw
 from .information import compute_log_deviations
 from .observation import Observations, observe
@@ -22,6 +26,9 @@ from .optimum import Optimum
 from .pinn import Traces
 from .status import Status
 from .uncertainty import BENT, Interval, profile_interval
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["IdentificationResult", "NoiseEstimate"]
 
@@ -53,8 +60,8 @@ class NoiseEstimate:
         return ordered[1] - ordered[0] if len(ordered) > 1 else np.inf
 
 
-@dataclass(frozen=True)
-class IdentificationResult:
+@dataclass(frozen=True, repr=False)
+class IdentificationResult(Shown):
     """A friction model and everything known about how well it is known.
 
     Attributes:
@@ -106,6 +113,38 @@ class IdentificationResult:
         unknown = np.isinf(compute_log_deviations(at.noise.information(at.whitened, at.magnitude, at.jacobian)))
         deviations = np.where(unknown, np.inf, np.sqrt(np.diag(self.covariance)))
         return dict(zip(self.parameter_names, deviations.tolist(), strict=True))
+
+    def headline(self) -> str:
+        """Joint, law and status."""
+        terms = " + ".join(term.name for term in self.model.law.terms)
+        return f"of joint {self.model.joint}: {terms}, {self.status}, {self.observations.size} points"
+
+    def overview(self) -> Overview:
+        """Parameters with their 95 % intervals, the status, and what the points and their noise are like."""
+        model, points, noise = self.model, self.observations, self.noise
+        units, reach = model.units(), {name: self.interval(name).upper for name in self.parameter_names}
+        rows = tuple(
+            (name, format_with_reach(value, reach[name] - value), units[name])
+            for name, value in self.parameters.items()
+        )
+        speeds = format_range((float(points.speed.min()), float(points.speed.max())), f"{model.position_unit}/s")
+        level = {
+            "relative": f"noise {noise.level:.3g} of the torque",
+            "absolute": f"noise {noise.level:.3g} {model.torque_unit}",
+        }.get(noise.kind, f"noise {noise.level:.3g} times what was given")
+        return Overview(
+            f"Friction of joint {model.joint}, identified by {self.method}",
+            (f"{self.status}: {self.message}.", f"{points.size} points at {speeds}; {level}."),
+            (OverviewTable(("parameter", "value ± 95 %", "unit"), rows),),
+        )
+
+    def plot(self) -> Figure:
+        """Draw the points and the identified curve with its 95 % band, with matplotlib.
+
+        Raises:
+            MissingExtraError: matplotlib is not installed.
+        """
+        return draw_figure(friction_curve(self.model, self.observations, self.torque_deviation))
 
     def interval(self, name: str, level: float = 0.95) -> Interval:
         """Confidence interval of a parameter from the covariance; see `profile_interval` where that is too rough.

@@ -8,12 +8,14 @@ from .context import SweepContext, loop_period
 from .estimate import Estimate, IdentificationSettings, estimate_friction
 from .feasibility import check_feasible
 from .motion_file import MotionFile, at_rows_rate, fit_into, read_motion, record_motion, travel_now
+from .opening import open_joint
 from .plan import SweepPlan, default_speeds, plan_plateaus, travel_of
 from .request import CalibrationOptions, CalibrationRequest
 from .rigid_body import RigidBody
 from .run_folder import RunFolder
 from .settings import SweepSettings
 from .sweep import Sweep
+from .written_run import WrittenRun, write_run
 
 __all__ = [
     "Assumption",
@@ -31,6 +33,7 @@ __all__ = [
     "SweepData",
     "SweepPlan",
     "SweepSettings",
+    "WrittenRun",
     "analyse_sweep",
     "assume_friction",
     "at_rows_rate",
@@ -45,9 +48,11 @@ __all__ = [
     "load_sweep",
     "loop_period",
     "mean_relative_deviation",
+    "open_joint",
     "plan_plateaus",
     "read_motion",
     "record_motion",
     "travel_now",
     "travel_of",
+    "write_run",
 ]

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fricomp.control.ending import stopping_on_error
 from fricomp.errors import IdentificationError
+from fricomp.model import FrictionModel
+from fricomp.overview import Overview, Shown, format_range
+from fricomp.report import draw_figure
 
-from ..identification import identify
+from ..identification import IdentificationResult, identify
 from ..identification.design import plan_informative_speeds
 from .analysis import HALF_DIFFERENCE, SweepAnalysis, analyse_sweep
 from .block import SweepData
 from .context import SweepContext
+from .curve import friction_curve
 from .estimate import Estimate, IdentificationSettings, estimate_friction
 from .feasibility import check_feasible
 from .plan import SweepPlan, first_again, plan_plateaus, plan_velocities, top_speed
@@ -23,6 +28,9 @@ from .run_folder import RunFolder
 from .sign_check import SignCheck
 from .speed import FALLING_BRANCH, dense_around
 from .sweep import Progress, Sweep
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = [
     "Calibration",
@@ -38,8 +46,8 @@ ROUND = 16
 ROUNDS = 6
 
 
-@dataclass(frozen=True)
-class Calibration:
+@dataclass(frozen=True, repr=False)
+class Calibration(Shown):
     """The outcome of a calibration.
 
     Attributes:
@@ -55,6 +63,50 @@ class Calibration:
     estimate: Estimate
     late_cycles: int
     signs: SignCheck | None
+
+    @property
+    def result(self) -> IdentificationResult:
+        """The identification: parameters, intervals, status, network."""
+        return self.estimate.result
+
+    @property
+    def model(self) -> FrictionModel:
+        """The friction model, to be given to a `Compensator` or to `fricomp.save_model`."""
+        return self.result.model
+
+    def headline(self) -> str:
+        """Joint, status and number of plateaus."""
+        used, all_points = len(self.analysis.steady), len(self.analysis.points)
+        return f"of joint {self.analysis.metadata.joint}: {self.result.status}, {used} of {all_points} plateaus"
+
+    def overview(self) -> Overview:
+        """Parameters with their 95 % intervals, and how the sweep went."""
+        found, analysis = self.result.overview(), self.analysis
+        unit = analysis.metadata.position_unit
+        speeds = [abs(point.velocity) for point in analysis.points]
+        swept = (
+            f"{len(analysis.steady)} of {len(analysis.points)} plateaus used, at "
+            f"{format_range((min(speeds), max(speeds)), f'{unit}/s')}; friction is the {analysis.torque_source}."
+        )
+        spread = f"Mean standard deviation of the parameters: {mean_relative_deviation(self.estimate):.2%}."
+        return replace(
+            found,
+            title=f"Calibration of joint {analysis.metadata.joint}",
+            sentences=(
+                *found.sentences,
+                swept,
+                spread,
+                *((f"{self.late_cycles} cycles came late.",) if self.late_cycles else ()),
+            ),
+        )
+
+    def plot(self) -> Figure:
+        """Draw the plateaus and the identified curve with its 95 % band, with matplotlib.
+
+        Raises:
+            MissingExtraError: matplotlib is not installed.
+        """
+        return draw_figure(friction_curve(self.analysis, self.result, network=False))
 
 
 def calibrate(

@@ -7,22 +7,19 @@ from collections.abc import Sequence
 import numpy as np
 
 from fricomp.laws import FloatArray
-from fricomp.report import Band, Chart, HeatMap, Line, Mark, Panel, Points, Rule
+from fricomp.report import Chart, HeatMap, Line, Panel, Points, Rule
 
 from ..identification.chart import REACH, training_chart, words
 from .calibrate import Calibration
-from .point import FrictionPoint
+from .curve import MEASURED, friction_curve
 
 __all__ = ["calibration_charts"]
-
-# Positions in the palette: measured, model, network, rejected.
-MEASURED, MODEL, NETWORK, REJECTED = 1, 0, 2, 6
 
 
 def calibration_charts(calibration: Calibration) -> dict[str, Chart]:
     """All charts by name, in reading order."""
     charts = [
-        friction_curve(calibration),
+        friction_curve(calibration.analysis, calibration.estimate.result),
         acquisition(calibration),
         residuals(calibration),
         correlations(calibration),
@@ -31,57 +28,6 @@ def calibration_charts(calibration: Calibration) -> dict[str, Chart]:
     if traces is not None and len(traces.data_loss) > 1:
         charts.append(training_chart(traces, _units(calibration)[1]))
     return {chart.name: chart for chart in charts}
-
-
-def friction_curve(calibration: Calibration) -> Chart:
-    """Friction over speed, both directions, with points, band and exported network."""
-    unit = _units(calibration)
-    panels = tuple(_direction(calibration, sign, unit) for sign in (1, -1))
-    return Chart(
-        "friction-curve",
-        "Friction over speed",
-        panels,
-        columns=2,
-        panel_height=380,
-        caption="Each point is the mean of one plateau; the band is the 95 % interval of the identified curve "
-        "(where it is thinner than the line, the curve is known better than the eye can see). The torque of the "
-        "reverse direction is shown as a positive number.",
-    )
-
-
-def _direction(calibration: Calibration, sign: int, unit: tuple[str, str]) -> Panel:
-    analysis, result = calibration.analysis, calibration.estimate.result
-    points = [p for p in analysis.steady if p.velocity * sign > 0.0]
-    rejected = [p for p in analysis.rejected if p.velocity * sign > 0.0]
-    speeds = [abs(p.velocity) for p in (*points, *rejected)]
-    speed = np.geomspace(0.5 * min(speeds), 1.1 * max(speeds), 300)
-    load = analysis.mean_load
-    torque = sign * np.asarray(result.model.torque(sign * speed, normal_load=load))
-    reach = REACH * result.torque_deviation(sign * speed, None if load is None else np.full_like(speed, load))
-    network = sign * np.asarray(result.network.torque(sign * speed, load))
-    marks: list[Mark] = [
-        Band(speed, torque - reach, torque + reach, "95 % interval", color=MODEL),
-        Line(speed, torque, "identified", color=MODEL),
-        Line(speed, network, "exported network", color=NETWORK, stroke="dashed", width=1.2),
-        _points(points, sign, "plateaus", MEASURED),
-    ]
-    if rejected:
-        marks.append(_points(rejected, sign, "rejected", REJECTED, hollow=True))
-    static = analysis.static_torque(sign)
-    if static is not None:
-        marks.append(Rule(static.value, "y", "breakaway", color=3))
-    title = "Forward" if sign > 0 else "Reverse"
-    return Panel(tuple(marks), f"speed [{unit[0]}/s]", f"friction [{unit[1]}]", title, x_scale="log")
-
-
-def _points(points: Sequence[FrictionPoint], sign: int, label: str, color: int, *, hollow: bool = False) -> Points:
-    return Points(
-        np.array([abs(p.velocity) for p in points]),
-        np.array([sign * p.torque for p in points]),
-        label,
-        color=color,
-        hollow=hollow,
-    )
 
 
 def acquisition(calibration: Calibration) -> Chart:

@@ -12,11 +12,11 @@ from typing import Any, Self
 
 import msgspec
 
-import fricomp
 from fricomp.errors import OutputError, ParameterError, RecordingError, SweepAborted
 from fricomp.folder_lock import FolderLock
 from fricomp.recording import RecordingMetadata, RecordingWriter, read_blocks
 from fricomp.results import CALIBRATION, make_folder, require_free
+from fricomp.version import __version__
 from fricomp.whole_file import remove_abandoned_parts, write_whole
 
 from .block import SweepData, load_sweep
@@ -183,7 +183,7 @@ def _now() -> str:
 
 
 def _versions() -> dict[str, str]:
-    found = {"fricomp": fricomp.__version__, "python": platform.python_version()}
+    found = {"fricomp": __version__, "python": platform.python_version()}
     for package in _PACKAGES:
         try:
             found[package] = version(package)

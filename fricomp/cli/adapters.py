@@ -50,7 +50,7 @@ def adapters() -> None:
 def _shipped(name: str) -> tuple[str, str, str, str]:
     """What it drives, that it is from here, its extras, and which of them are missing."""
     from fricomp.adapters.registry import adapter_class
-    from fricomp.cli.missing import is_installed
+    from fricomp.extras import is_installed
 
     missing = [extra for extra in EXTRAS[name] if not all(map(is_installed, _MODULES[extra]))]
     summary = _summary(adapter_class(name)) if not missing else ""

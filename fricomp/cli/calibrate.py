@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from fricomp.cli.missing import REPORT, require
 from fricomp.cli.resume import flags
 from fricomp.errors import ParameterError
+from fricomp.extras import REPORT, require
 
 if TYPE_CHECKING:
-    from fricomp.adapters.configuration import AdapterChoice
     from fricomp.calibration.sweep import CalibrationRequest
     from fricomp.calibration.sweep.weight import HungWeight
 
@@ -107,6 +106,7 @@ def calibrate(
     torque at any time; what was recorded stays, and --resume goes on: --method, --noise and --normal-load may then be
     given anew.
     """
+    from fricomp.api.calibrate import adapter_configuration
     from fricomp.calibration.sweep import CalibrationOptions, CalibrationRequest, IdentificationSettings, SweepSettings
     from fricomp.calibration.sweep.weight import HungWeight
     from fricomp.cli.calibration import resume_run
@@ -179,23 +179,3 @@ def _refuse_contradictions(given: dict[str, Any]) -> None:
         raise ParameterError("--torque-constant has a motion of its own: leave out --motion")
     if weights and not given.get("torque_constant"):
         raise ParameterError(f"{flags(weights)} belongs to --torque-constant: give that too, or leave it out")
-
-
-def adapter_configuration(backend: str | None, file: Path | None, model: str, seed: int) -> tuple[AdapterChoice, str]:
-    """The adapter with what it is made from, and the MJCF file of the mechanism.
-
-    The simulated joint is its own mechanism: `--model` chooses it, and its file says what gravity and inertia are.
-
-    Raises:
-        AdapterConfigurationError: The file cannot be read, or says another backend.
-    """
-    from fricomp.adapters.configuration import AdapterChoice, choose_adapter
-
-    chosen = choose_adapter(backend, file)
-    if chosen.backend != "sim":
-        return chosen, model
-    from fricomp.sim_bench.stand_in import PACKAGED_MODELS, packaged_model
-
-    name = model or chosen.configuration.get("model", "default_joint")
-    chosen = AdapterChoice("sim", {"seed": seed, **chosen.configuration, "model": name})
-    return chosen, str(packaged_model(name)) if name in PACKAGED_MODELS else name

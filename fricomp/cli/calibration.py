@@ -3,53 +3,48 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from rich.progress import Progress as Bar
 from rich.text import Text
 
-from fricomp.adapters import JointAdapter, open_adapter
-from fricomp.calibration.identification import save_identification
+from fricomp.api.calibrate import record_sweep
 from fricomp.calibration.sweep import (
     Calibration,
     CalibrationRequest,
-    RigidBody,
     RunFolder,
     Sweep,
-    SweepContext,
     SweepData,
     at_rows_rate,
     calibrate,
     channels_of,
-    check_feasible,
     fit_into,
     identify_recorded,
+    open_joint,
     read_motion,
     record_motion,
     travel_now,
+    write_run,
 )
-from fricomp.calibration.sweep.check import calibration_checks
-from fricomp.calibration.sweep.report import write_calibration_report
 from fricomp.calibration.sweep.run_folder import MOTION_ALONE, RECORDING
 from fricomp.calibration.sweep.sweep import Progress
 from fricomp.cli.parameter_table import parameter_table
 from fricomp.cli.resume import changes, refuse_other
 from fricomp.cli.terminal import console, progress
-from fricomp.control.ending import require_stopped, stopping_on_error
-from fricomp.control.interruption import interrupt_on_ending_signals
-from fricomp.errors import ParameterError, SweepAborted
+from fricomp.control.ending import stopping_on_error
+from fricomp.errors import AdapterError, SweepAborted
 from fricomp.recording import write_recording
 
-__all__ = ["follow", "open_joint", "record_file", "resume_run", "start_run"]
+__all__ = ["follow", "record_file", "resume_run", "start_run"]
 
 
 def start_run(request: CalibrationRequest, out: Path, *, overwrite: bool) -> None:
     """Calibrate into a new folder, or in place of the run that is there."""
-    with open_joint(request) as context:
-        check_feasible(context, request.options)  # before an earlier run is thrown away
-        _run(context, RunFolder.create(out, request, overwrite=overwrite))
+    with progress() as bar, _interruptible(out) as begun:
+        calibration, folder = record_sweep(request, out, overwrite=overwrite, progress=begun(follow(bar)))
+        _write(calibration, folder, bar)
 
 
 def resume_run(out: Path, asked: CalibrationRequest, given: Collection[str] = ()) -> None:
@@ -71,8 +66,10 @@ def resume_run(out: Path, asked: CalibrationRequest, given: Collection[str] = ()
     if folder.is_recorded:
         _identify_again(folder)
         return
-    with open_joint(folder.request) as context:
-        _run(context, folder)
+    with progress() as bar, _interruptible(out) as begun:
+        with open_joint(folder.request) as context:
+            calibration = calibrate(context, folder, folder.request.options, begun(follow(bar)))
+        _write(calibration, folder, bar)
 
 
 def _no_going_on(folder: RunFolder) -> str:
@@ -90,7 +87,7 @@ def record_file(request: CalibrationRequest, out: Path, *, overwrite: bool = Fal
     wanted = read_motion(request.motion)
     if Path(request.motion).resolve() in {(out / name).resolve() for name in (RECORDING, MOTION_ALONE)}:
         raise SweepAborted(f"recording into {out} would replace the motion {request.motion}: choose another --out")
-    with open_joint(request) as opened:
+    with _interruptible(out, request.motion) as begun, open_joint(request) as opened:
         context = at_rows_rate(opened, wanted)
         fit_into(wanted, travel_now(context))  # before anything moves, and before an earlier run is thrown away
         folder = RunFolder.create(out, request, overwrite=overwrite)
@@ -99,10 +96,9 @@ def record_file(request: CalibrationRequest, out: Path, *, overwrite: bool = Fal
         channels = channels_of(context)
         with (
             folder.open_writer(context.metadata(), channels) as writer,
-            _interruptible(folder, context.adapter),
             stopping_on_error(context.adapter),
         ):
-            sweep = Sweep(context, writer, SweepData())
+            sweep = Sweep(context, writer, SweepData(), begun(lambda text, done: None))
             sweep.prepare()
             distance = record_motion(sweep, wanted)
             sweep.finish()
@@ -125,49 +121,39 @@ def _print_recorded(folder: RunFolder, distance: str) -> None:
 
 
 @contextmanager
-def open_joint(request: CalibrationRequest) -> Iterator[SweepContext]:
-    """The joint, open; zero torque and closed at the end, whatever happens.
+def _interruptible(out: Path, motion: str = "") -> Iterator[Callable[[Progress], Progress]]:
+    """A motion that Ctrl-C may end: it then says what is left of it, and how to go on.
 
-    Raises:
-        AdapterError: The last stop did not get through, whatever else has happened.
+    Gives what wraps a report of progress: only what was begun has something to say.
     """
-    interrupt_on_ending_signals()
-    adapter: JointAdapter = open_adapter(request.backend, request.configuration)
-    with _told(adapter), adapter, stopping_on_error(adapter):
-        names = [joint.name for joint in adapter.capabilities.joints]
-        if request.joint and request.joint not in names:
-            raise ParameterError(f"no joint {request.joint!r}; this backend has {', '.join(names)}")
-        body = RigidBody(request.model, names) if request.model else None
-        joint = names.index(request.joint) if request.joint else 0
-        yield SweepContext(adapter, joint, request.settings, body)
+    seen: list[str] = []
 
+    def begin(report: Progress) -> Progress:
+        def follow_and_note(text: str, done: float) -> None:
+            seen.append(text)
+            report(text, done)
 
-@contextmanager
-def _told(adapter: JointAdapter) -> Iterator[None]:
+        return follow_and_note
+
     try:
-        yield
-    finally:
-        require_stopped(adapter)  # closing it has tried once more
-
-
-@contextmanager
-def _interruptible(folder: RunFolder, adapter: JointAdapter) -> Iterator[None]:
-    try:
-        yield
-    except KeyboardInterrupt:
-        way = f"go on with fricomp calibrate --resume --out {folder.path}"
-        if folder.request.motion:
-            way = "the same command with --overwrite records the motion anew, from its beginning"
-        stopped = "" if adapter.enabled or adapter.stop_failure else "; the joint is at zero torque"
-        print(f"\nInterrupted{stopped}. What was recorded is safe in {folder.recording}: {way}", file=sys.stderr)
+        yield begin
+    except KeyboardInterrupt:  # the joint is closed, and its last stop got through
+        _say_interrupted(out, motion, "; the joint is at zero torque", begun=bool(seen))
+        raise
+    except AdapterError as error:
+        if isinstance(error.__cause__, KeyboardInterrupt):
+            _say_interrupted(out, motion, "", begun=bool(seen))
         raise
 
 
-def _run(context: SweepContext, folder: RunFolder) -> None:
-    with progress() as bar, _interruptible(folder, context.adapter):
-        calibration = calibrate(context, folder, folder.request.options, follow(bar))
-        context.adapter.close()
-        _write(calibration, folder, bar)
+def _say_interrupted(out: Path, motion: str, stopped: str, *, begun: bool) -> None:
+    if not begun:
+        print(f"\nInterrupted{stopped}. Nothing was recorded.", file=sys.stderr)
+        return
+    way = f"go on with fricomp calibrate --resume --out {out}"
+    if motion:
+        way = "the same command with --overwrite records the motion anew, from its beginning"
+    print(f"\nInterrupted{stopped}. What was recorded is safe in {out / RECORDING}: {way}", file=sys.stderr)
 
 
 def _identify_again(folder: RunFolder) -> None:
@@ -180,29 +166,15 @@ def _identify_again(folder: RunFolder) -> None:
 def _write(calibration: Calibration, folder: RunFolder, bar: Bar) -> None:
     """Model, network, report and run.json, and what they say in short."""
     bar.update(bar.task_ids[0], description="writing the report", completed=0.0)
-    checks = calibration_checks(calibration)
-    files = save_identification(calibration.estimate.result, folder.path)
-    facts = {**_facts(folder), "hash of the model": files.model_sha256}
-    page, pictures = write_calibration_report(calibration, checks, facts, folder.path)
+    run = write_run(calibration, folder)
     bar.stop()
-    result = calibration.estimate.result
-    folder.note(
-        "done",
-        parameters=result.parameters,
-        standard_deviations=result.standard_deviations,
-        identification=str(result.status),
-        checks={check.name: f"{check.outcome}: {check.detail}" for check in checks},
-        recording_points=len(calibration.analysis.points),
-        model_sha256=files.model_sha256,
-    )
     console().print(parameter_table(calibration.estimate.result))
-    written = [files.model, files.network, page, folder.recording, folder.path / "run.json"]
     screen = console()
-    for check in checks:
+    for check in run.checks:
         if check.outcome in ("warning", "failed"):
             screen.print(f"{check.name}: {check.detail}", style="yellow")
-    names = ", ".join(file.name for file in written)
-    screen.print(Text.assemble("In ", (str(folder.path), "bold"), f": {names}, {len(pictures)} pictures"))
+    names = ", ".join(file.name for file in run.files)
+    screen.print(Text.assemble("In ", (str(folder.path), "bold"), f": {names}, {len(run.pictures)} pictures"))
 
 
 def follow(bar: Bar) -> Progress:
@@ -213,10 +185,3 @@ def follow(bar: Bar) -> Progress:
         bar.update(task, description=text, completed=done)
 
     return report
-
-
-def _facts(folder: RunFolder) -> dict[str, str]:
-    request = folder.request
-    chosen = {"backend": request.backend, "configuration": str(request.configuration), "model": request.model or "none"}
-    settings = {name: str(getattr(request.settings, name)) for name in request.settings.__dataclass_fields__}
-    return chosen | settings | {f"version of {name}": version for name, version in folder.versions.items()}

@@ -15,13 +15,13 @@ from fricomp.calibration.sweep import (
     expected_deviations,
     fit_into,
     loop_period,
+    open_joint,
     read_motion,
     travel_now,
 )
 from fricomp.calibration.sweep.plan import Travel, move_speed
 from fricomp.calibration.sweep.profile import move_profile
 from fricomp.calibration.sweep.weight import HungWeight, plan_passes
-from fricomp.cli.calibration import open_joint
 from fricomp.cli.terminal import console
 from fricomp.cli.torque_constant import N_PASSES
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from fricomp.cli.fleet import FleetRun, rich_table, run_joints, show_fleet
-from fricomp.cli.missing import REPORT, require
 from fricomp.cli.out_folder import Overwrite
+from fricomp.extras import REPORT, require
 
 if TYPE_CHECKING:
     from fricomp.diagnosis import Diagnosis
@@ -266,7 +266,7 @@ def _diagnose(
 def _facts(
     paths: Sequence[Path], series: Sequence[Recording], options: dict[str, Any], given: dict[str, Path | None]
 ) -> dict[str, str]:
-    from fricomp import __version__
+    from fricomp.version import __version__
 
     facts = {"version of fricomp": __version__}
     for path, one in zip(paths, series, strict=True):

@@ -121,9 +121,9 @@ def _render(
     target: tuple[Path | None, str | None],
     c_options: tuple[float, str | None],
 ) -> tuple[str, str]:
-    from fricomp import __version__
     from fricomp.export import apply_to_mjcf, apply_to_urdf, export_mjcf, export_urdf, render_c_header
     from fricomp.model import encode_model, load_model
+    from fricomp.version import __version__
 
     model, (to, way, any_status), (into, joint) = load_model(path), kind, target
     text = _read(into) if into is not None else None

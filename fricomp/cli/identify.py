@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from fricomp.cli.fleet import FleetRun, run_joints, show_fleet
-from fricomp.cli.missing import REPORT, require
 from fricomp.cli.out_folder import Overwrite
+from fricomp.extras import REPORT, require
 
 if TYPE_CHECKING:
     import numpy as np

@@ -19,10 +19,10 @@ from typing import Annotated
 
 import typer
 
-from fricomp import __version__
 from fricomp.cli.lazy import lazy_app
-from fricomp.cli.missing import extra_for
 from fricomp.errors import FricompError, MissingExtraError
+from fricomp.extras import extra_for
+from fricomp.version import __version__
 
 __all__ = ["COMMANDS", "app", "run"]
 

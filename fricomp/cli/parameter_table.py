@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from math import floor, isfinite, log10
+from math import isfinite
 
 from rich.table import Table
 
 from fricomp.calibration.identification import IdentificationResult
+from fricomp.overview import format_with_reach
 
 __all__ = ["parameter_table"]
 
@@ -35,13 +36,5 @@ def _value(result: IdentificationResult, name: str) -> str:
     reach = plain.upper - value
     ends = result.profiles.get(name, plain)
     if not isfinite(reach) or max(abs(ends.lower - plain.lower), abs(ends.upper - plain.upper)) < _APART * reach:
-        return _with_reach(value, reach)
+        return format_with_reach(value, reach)
     return f"{value:.4g} ({ends.lower:.3g} to {ends.upper:.3g})"
-
-
-def _with_reach(value: float, reach: float) -> str:
-    """Value and half of its interval, to the digits that the interval leaves."""
-    if not isfinite(reach):
-        return "cannot be determined"
-    decimals = max(0, min(9, 1 - floor(log10(reach)))) if reach > 0.0 else 6
-    return f"{value:.{decimals}f} ± {reach:.{decimals}f}"

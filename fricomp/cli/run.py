@@ -65,8 +65,8 @@ def run(
     """
     from fricomp.adapters import open_adapter
     from fricomp.adapters.configuration import choose_adapter
-    from fricomp.cli.missing import require
     from fricomp.cli.terminal import console
+    from fricomp.extras import require
     from fricomp.model import load_model
     from fricomp.results import RUN, claim_folder
 

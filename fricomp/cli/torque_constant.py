@@ -10,9 +10,9 @@ import typer
 from rich.text import Text
 
 from fricomp.calibration.identification.chart import REACH
-from fricomp.calibration.sweep import CalibrationRequest
+from fricomp.calibration.sweep import CalibrationRequest, open_joint
 from fricomp.calibration.sweep.weight import HungWeight, TorqueConstant, identify_torque_constant, record_passes
-from fricomp.cli.calibration import follow, open_joint
+from fricomp.cli.calibration import follow
 from fricomp.cli.terminal import console, progress
 from fricomp.recording import Recording, write_recording
 from fricomp.results import TORQUE_CONSTANT, claim_folder

@@ -12,7 +12,13 @@ from collections.abc import Iterator
 from types import FrameType
 from typing import Any
 
-__all__ = ["ENDING_SIGNALS", "EndingSignals", "interrupt_on_ending_signals", "warn_of_unheard_signals"]
+__all__ = [
+    "ENDING_SIGNALS",
+    "EndingSignals",
+    "interrupt_on_ending_signals",
+    "interrupting_on_ending_signals",
+    "warn_of_unheard_signals",
+]
 
 ENDING_SIGNALS = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
@@ -91,6 +97,26 @@ def interrupt_on_ending_signals() -> None:
 
     for number in ENDING_SIGNALS:
         signal.signal(number, interrupt)
+
+
+@contextlib.contextmanager
+def interrupting_on_ending_signals() -> Iterator[None]:
+    """`interrupt_on_ending_signals` as long as the context lasts; afterwards each signal does what it did before.
+
+    Outside the main thread nothing can be done about signals, and `warn_of_unheard_signals` says which end the process.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        warn_of_unheard_signals()
+        yield
+        return
+    before = {number: signal.getsignal(number) for number in ENDING_SIGNALS}
+    interrupt_on_ending_signals()
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            if handler is not None:  # one that a library in C has set cannot be given back
+                signal.signal(number, handler)
 
 
 def warn_of_unheard_signals() -> None:

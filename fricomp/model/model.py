@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from fricomp.errors import ParameterError
 from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, LuGre, Scalar, Stribeck, StribeckCurve
+from fricomp.overview import Overview, OverviewTable, Shown, format_range, format_with_reach
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["Covariance", "FrictionModel", "Motion", "Provenance", "Validity"]
 
 Motion = Literal["rotary", "linear"]
 Range = tuple[float, float]
+
+_PLOTTED = (-1.0, 1.0)
+"""Velocity that is drawn where no range of data is known [rad/s] or [m/s]."""
 
 
 @dataclass(frozen=True)
@@ -125,9 +133,12 @@ class Provenance:
             )
 
 
-@dataclass(frozen=True)
-class FrictionModel:
+@dataclass(frozen=True, repr=False)
+class FrictionModel(Shown):
     """A friction law of one joint, in the unit of its actuator.
+
+    It holds what `fricomp.load_model` reads and `fricomp.save_model` writes. `torque` gives the torque that must be
+    added to overcome friction: it has the sign of the velocity.
 
     Attributes:
         law: The friction law.
@@ -196,6 +207,52 @@ class FrictionModel:
     def units(self) -> dict[str, str]:
         """The unit of each parameter, by dotted name."""
         return self.law.units(self.torque_unit, self.position_unit)
+
+    def headline(self) -> str:
+        """Joint, terms of the law, unit."""
+        return f"of joint {self.joint}: {' + '.join(term.name for term in self.law.terms)} [{self.torque_unit}]"
+
+    def overview(self) -> Overview:
+        """Parameters with their standard deviations where they are known, range of the data, and how it came to be."""
+        return Overview(
+            f"Friction of joint {self.joint}, {self.motion}: {' + '.join(term.name for term in self.law.terms)}",
+            (*self._said_of_data(), *self._said_of_identification()),
+            (OverviewTable(("parameter", "value ± standard deviation", "unit"), tuple(self._parameter_rows())),),
+        )
+
+    def plot(self) -> Figure:
+        """Draw the friction torque over the velocity, in the range of the data, with matplotlib.
+
+        Raises:
+            MissingExtraError: matplotlib is not installed.
+        """
+        from fricomp.model.chart import friction_chart
+        from fricomp.report import draw_figure
+
+        low, high = self.validity.velocity or _PLOTTED
+        chart = friction_chart(self.torque, max(abs(low), abs(high)), (self.position_unit, self.torque_unit))
+        return draw_figure(replace(chart, title=f"Friction of joint {self.joint}"))
+
+    def _parameter_rows(self) -> Iterator[tuple[str, str, str]]:
+        deviations = self.covariance.standard_deviations() if self.covariance is not None else {}
+        for (name, value), unit in zip(self.law.parameters().items(), self.units().values(), strict=True):
+            known = name in deviations
+            yield name, format_with_reach(value, deviations[name]) if known else f"{value:.6g}", unit
+
+    def _said_of_data(self) -> Iterator[str]:
+        x = self.position_unit
+        units = {"velocity": f"{x}/s", "position": x, "acceleration": f"{x}/s²", "temperature": "°C"}
+        for name, limits in vars(self.validity).items():
+            if limits is not None:
+                unit = units.get(name, self.torque_unit if name == "load_torque" else "")
+                yield f"Data: {name.replace('_', ' ')} {format_range(limits, unit)}."
+
+    def _said_of_identification(self) -> Iterator[str]:
+        made = self.provenance
+        if made.status:
+            yield f"Identified by {made.method}, {made.status}: {made.message}."
+        else:
+            yield f"Method: {made.method}."
 
     def with_law(self, law: FrictionLaw) -> FrictionModel:
         """This model with another law; the covariance does not carry over."""

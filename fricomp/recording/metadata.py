@@ -73,6 +73,25 @@ class RecordingMetadata:
         return "rad" if self.motion == "rotary" else "m"
 
 
+def channel_units(metadata: RecordingMetadata) -> dict[str, str]:
+    """Unit of every channel that a recording may have, by name."""
+    x, torque = metadata.position_unit, metadata.torque_unit
+    return {
+        "time": "s",
+        "position": x,
+        "torque": torque,
+        "velocity": f"{x}/s",
+        "acceleration": f"{x}/s²",
+        "load_torque": torque,
+        "temperature": "°C",
+        "current": "A",
+        "position_reference": x,
+        "velocity_reference": f"{x}/s",
+        "torque_command": torque,
+        "normal_load": "N",
+    }
+
+
 def metadata_to_fields(metadata: RecordingMetadata) -> dict[str, Any]:
     """Return the fields that differ from their defaults, as JSON values, in declaration order."""
     blank = RecordingMetadata(motion=metadata.motion)

@@ -1,19 +1,26 @@
 """One joint's time series: the value that everything else in the library reads."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fricomp.errors import RecordingError
+from fricomp.overview import Overview, OverviewTable, Shown
 from fricomp.recording.finding import raise_errors
-from fricomp.recording.metadata import RecordingMetadata, metadata_to_fields
+from fricomp.recording.metadata import RecordingMetadata, channel_units, metadata_to_fields
 from fricomp.recording.validity import find_invalid
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
 
 Samples = NDArray[np.float64]
 
@@ -33,8 +40,8 @@ CHANNELS = REQUIRED_CHANNELS + OPTIONAL_CHANNELS
 _TORQUES = ("torque", "load_torque", "torque_command")
 
 
-@dataclass(frozen=True, eq=False)
-class Recording:
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording(Shown):
     """One joint's samples over time, SI units, joint side; +torque accelerates +position.
 
     Every array has shape (n_samples,), is float64, finite and read-only; time rises from row
@@ -129,6 +136,78 @@ class Recording:
             digest.update(f"\n{name} {values.size}\n".encode())
             digest.update(values.astype("<f8").tobytes())
         return digest.hexdigest()
+
+    def headline(self) -> str:
+        """Joint, duration, rate and channels."""
+        rate = f", {1.0 / self.sample_period:.4g} Hz" if len(self) > 1 else ""
+        names = ", ".join(name for name in self.channels if name != "time")
+        return f"of joint {self.metadata.joint}: {self.duration:.4g} s{rate}, {names} [{self.metadata.torque_unit}]"
+
+    def overview(self) -> Overview:
+        """Every channel with its unit and range, and the metadata."""
+        units = channel_units(self.metadata)
+        rows = tuple(
+            (name, units[name], f"{values.min():.4g}", f"{values.max():.4g}", f"{values.std():.4g}")
+            for name, values in self.channels.items()
+        )
+        facts = metadata_to_fields(self.metadata)
+        rate = f" at {1.0 / self.sample_period:.4g} Hz" if len(self) > 1 else ""
+        return Overview(
+            f"Recording of joint {self.metadata.joint}: {len(self)} samples, {self.duration:.4g} s{rate}",
+            tuple(f"{name.replace('_', ' ')}: {value}" for name, value in facts.items() if name != "joint"),
+            (OverviewTable(("channel", "unit", "lowest", "highest", "standard deviation"), rows),),
+        )
+
+    def plot(self, *channels: str) -> Figure:
+        """Draw channels over time, one below the other, with matplotlib.
+
+        Args:
+            channels: Names of those that are drawn; all if none is given.
+
+        Raises:
+            RecordingError: The recording has no such channel.
+            MissingExtraError: matplotlib is not installed.
+        """
+        from fricomp.recording.chart import channel_chart
+        from fricomp.report import draw_figure
+
+        absent = [name for name in channels if name not in self.channels]
+        if absent:
+            raise RecordingError(f"the recording has no channel {absent[0]!r}: it has {', '.join(self.channels)}")
+        shown = {name: self.channels[name] for name in channels or self.channels if name != "time"}
+        return draw_figure(channel_chart(self.time, shown, channel_units(self.metadata), self.metadata.joint))
+
+    def to_pandas(self) -> DataFrame:
+        """Return a data frame with a column a channel and the time [s] as its index.
+
+        `attrs` holds the unit of each column under `units` and the metadata under `metadata`.
+
+        Raises:
+            MissingExtraError: pandas is not installed.
+        """
+        from fricomp.recording.frame import write_frame
+
+        return write_frame(self.channels, self.metadata)
+
+    @classmethod
+    def from_pandas(
+        cls, frame: DataFrame, metadata: RecordingMetadata | None = None, *, columns: Mapping[str, str] | None = None
+    ) -> Self:
+        """Build a recording from a data frame in SI units.
+
+        Args:
+            frame: Columns named as channels; others are left out. Time [s] is a column, or the index where it is
+                numbers, a `TimedeltaIndex` or a `DatetimeIndex`.
+            metadata: Joint, units, side of the torque; those in `frame.attrs`, as `to_pandas` writes them, if None.
+            columns: Channel to the name of its column, where they differ, such as `{"position": "q"}`.
+
+        Raises:
+            RecordingError: A channel is missing, states another unit in `attrs`, or see the class.
+            MissingExtraError: pandas is not installed.
+        """
+        from fricomp.recording.frame import read_frame
+
+        return cls.from_channels(*read_frame(frame, metadata, dict(columns or {})))
 
     def window(self, start: float, stop: float) -> Self:
         """Return the samples with start <= time < stop [s].

@@ -3,7 +3,7 @@
 from fricomp.report.chart import PALETTE, Band, Bars, Chart, HeatMap, Line, Mark, Panel, Points, Rule
 from fricomp.report.markdown import format_markdown_table
 from fricomp.report.page import Check, Outcome, ReportPage, Section, Table, write_report
-from fricomp.report.png import draw_png
+from fricomp.report.png import draw_figure, draw_png
 
 __all__ = [
     "PALETTE",
@@ -21,6 +21,7 @@ __all__ = [
     "Rule",
     "Section",
     "Table",
+    "draw_figure",
     "draw_png",
     "format_markdown_table",
     "write_report",

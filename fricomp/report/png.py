@@ -1,11 +1,13 @@
-"""Draws a chart as a PNG file, with matplotlib and without a display."""
+"""Draws a chart with matplotlib and without a display: as a figure, or as a PNG file."""
 
 from __future__ import annotations
 
 import os
+from contextlib import AbstractContextManager
+from functools import cache
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,7 +16,10 @@ from fricomp.report.chart import CROWDED, Band, Bars, Chart, HeatMap, Line, Mark
 from fricomp.report.thinning import thin
 from fricomp.whole_file import whole_file
 
-__all__ = ["draw_png"]
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["draw_figure", "draw_png"]
 
 _DOTS_PER_INCH = 130
 _WIDTH = 1100.0 / 100.0  # [in] for a page of 1100 px at the usual 100 px/in
@@ -54,28 +59,62 @@ def draw_png(chart: Chart, path: str | os.PathLike[str]) -> Path:
         MissingExtraError: matplotlib is not installed.
         OutputError: The file cannot be written.
     """
+    target = Path(path)
+    with _styled():
+        _save(_draw(chart), target)
+    return target
+
+
+def draw_figure(chart: Chart) -> Figure:
+    """Draw `chart` as a figure of matplotlib, which a notebook shows and `savefig` writes.
+
+    Raises:
+        MissingExtraError: matplotlib is not installed.
+    """
+    with _styled():
+        figure = _draw(chart)
+        figure.draw_without_rendering()  # ticks are made when they are first drawn, in the style of that moment
+    return figure
+
+
+def _styled() -> AbstractContextManager[None]:
     try:
-        import matplotlib as mpl
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
+        from matplotlib import rc_context
     except ModuleNotFoundError as error:
         raise MissingExtraError("matplotlib", "report") from error
-    target = Path(path)
-    with mpl.rc_context(_STYLE):
-        lines = _row_lines(chart)
-        height = chart.rows * chart.panel_height + 70 + sum(lines[:: chart.columns]) * _LEGEND_LINE
-        figure = Figure(figsize=(_WIDTH, height / 100.0), layout="constrained")
-        FigureCanvasAgg(figure)
-        figure.suptitle(chart.title, x=0.01, ha="left", fontsize=14, fontweight="bold")
-        axes = list(figure.subplots(chart.rows, chart.columns, squeeze=False, sharex=chart.share_x).flat)
-        for ax in axes[len(chart.panels) :]:
-            ax.remove()
-        for ax, panel, named, above in zip(axes, chart.panels, chart.legends(), lines, strict=False):
-            _draw_panel(figure, ax, panel, named, above)
-            if chart.share_x:
-                ax.label_outer()
-        _save(figure, target)
-    return target
+    return rc_context(_STYLE)
+
+
+def _draw(chart: Chart) -> Figure:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    lines = _row_lines(chart)
+    height = chart.rows * chart.panel_height + 70 + sum(lines[:: chart.columns]) * _LEGEND_LINE
+    figure = _shown_figure()(figsize=(_WIDTH, height / 100.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.suptitle(chart.title, x=0.01, ha="left", fontsize=14, fontweight="bold")
+    axes = list(figure.subplots(chart.rows, chart.columns, squeeze=False, sharex=chart.share_x).flat)
+    for ax in axes[len(chart.panels) :]:
+        ax.remove()
+    for ax, panel, named, above in zip(axes, chart.panels, chart.legends(), lines, strict=False):
+        _draw_panel(figure, ax, panel, named, above)
+        if chart.share_x:
+            ax.label_outer()
+    return figure
+
+
+@cache
+def _shown_figure() -> type[Figure]:
+    """A figure that a notebook shows by itself, without a call that chooses a backend."""
+    from matplotlib.figure import Figure
+
+    class ShownFigure(Figure):
+        def _repr_png_(self) -> bytes:
+            full = BytesIO()
+            self.savefig(full, dpi=_DOTS_PER_INCH, format="png")
+            return full.getvalue()
+
+    return ShownFigure
 
 
 def _save(figure: Any, target: Path) -> None:

@@ -14,11 +14,10 @@ import can.interfaces
 import pytest
 from typer.testing import CliRunner
 
-from fricomp import adapters
+from fricomp import adapters, extras
 from fricomp.adapters import JointAdapter, adapter_class, adapter_names, open_adapter, registry
 from fricomp.adapters.can_bus import open_can_link
 from fricomp.adapters.configuration import CanBusConfiguration
-from fricomp.cli import missing
 from fricomp.cli.adapters import EXTRAS
 from fricomp.cli.main import app
 from fricomp.errors import AdapterConfigurationError, AdapterError
@@ -97,7 +96,7 @@ def test_the_list_knows_every_adapter_of_this_package() -> None:
 def test_the_list_says_what_each_needs_and_whether_it_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     assert _row("sim") == ["sim", "A simulated joint; no hardware", "fricomp", "sim", "yes"]
     assert _row("twin-mit")[2:] == ["fricomp", "can, sim", "yes"]
-    monkeypatch.setattr(missing, "find_spec", lambda name: None if name == "serial" else find_spec(name))
+    monkeypatch.setattr(extras, "find_spec", lambda name: None if name == "serial" else find_spec(name))
     assert _row("moteus")[2:] == ["fricomp", "serial", "no: pip install '.[serial]'"]
     assert _row("mit")[-1] == "yes"
 

@@ -16,10 +16,10 @@ from fricomp.calibration.sweep.motion import MotionRunner
 from fricomp.calibration.sweep.weight import HungWeight
 from fricomp.cli import torque_constant
 from fricomp.cli.main import app
-from fricomp.cli.parameter_table import _with_reach
 from fricomp.errors import FricompError, RecordingError
 from fricomp.folder_lock import LOCK_FILE
 from fricomp.model import load_model
+from fricomp.overview import format_with_reach
 from fricomp.recording import read_recording
 
 SHORT = ["--speeds", "0.01,0.03,0.05,0.08,0.3,1.5", "--repeats", "1", "--dwell", "0.4", "--warm-up", "0.5"]
@@ -57,7 +57,7 @@ def test_a_dry_run_says_what_its_speeds_cannot_determine(tmp_path: Path) -> None
     ("reach", "text"), [(0.0123, "1.500 ± 0.012"), (0.0, "1.500000 ± 0.000000"), (float("inf"), "cannot be determined")]
 )
 def test_a_result_is_printed_as_exactly_as_it_is_known(reach: float, text: str) -> None:
-    assert _with_reach(1.5, reach) == text
+    assert format_with_reach(1.5, reach) == text
 
 
 @pytest.fixture

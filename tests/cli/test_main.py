@@ -15,8 +15,8 @@ from fricomp.calibration.identification.form import separable_law_names
 from fricomp.cli import bench, check_loop, main
 from fricomp.cli import run as run_command
 from fricomp.cli.lazy import lazy_app
-from fricomp.cli.missing import extra_for
 from fricomp.errors import RecordingError
+from fricomp.extras import extra_for
 
 
 def _run_raising(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> Callable[[], None]:

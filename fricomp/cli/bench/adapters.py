@@ -35,8 +35,8 @@ def adapters(
     import msgspec
     from rich.table import Table as Printed
 
-    from fricomp.cli.missing import REPORT, require
     from fricomp.cli.terminal import console
+    from fricomp.extras import REPORT, require
     from fricomp.report import write_report
     from fricomp.sim_bench.studies.adapters.page import adapter_page, adapter_tables
     from fricomp.sim_bench.studies.adapters.peers import PEER_MODULES

@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-import fricomp
+from fricomp import version
 from fricomp.errors import DiagnosisError, FricompError
 
 from ...cases import CaseSpec, case_id, generate, record_again, write_answer, write_case
@@ -21,7 +21,7 @@ from ..real.injection import InjectedSpec, inject
 __all__ = ["BlindAnswer", "Prepared", "diagnose_blind", "prepare", "prepare_follow_up"]
 
 _ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
-_PACKAGES = str(Path(fricomp.__file__).resolve().parents[1])
+_PACKAGES = str(Path(version.__file__).resolve().parents[1])
 _LIMIT = 900.0  # [s] for one diagnosis
 _LONGEST, _PERIOD = 120.0, 1e-3  # [s] of a proposed motion, of its samples
 

@@ -1,4 +1,4 @@
-"""Which extra of fricomp brings a package that is not installed."""
+"""The extras: which of them brings a package that is not installed, and refusing early what needs one."""
 
 from __future__ import annotations
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from fricomp import extras
 from fricomp.calibration.sweep.motion import MotionRunner
-from fricomp.cli import missing
 from fricomp.cli.main import app
 from fricomp.control import ControlLoop
 from fricomp.errors import MissingExtraError
@@ -49,7 +49,7 @@ def test_a_package_that_is_not_there_is_missed_before_anything_happens(
 
     monkeypatch.setattr(MotionRunner, "start", moved)
     monkeypatch.setattr(ControlLoop, "run", moved)
-    monkeypatch.setattr(missing, "find_spec", lambda name: None if name == package else find_spec(name))
+    monkeypatch.setattr(extras, "find_spec", lambda name: None if name == package else find_spec(name))
     file = tmp_path / "recording.csv"
     file.write_text("time,position,torque\n0,0,0\n")
     words = {"OUT": str(tmp_path / "out"), "MODEL": str(model), "FILE": str(file)}

@@ -1,0 +1,47 @@
+"""A joint that is opened for a motion of calibration, and left at zero torque whatever happens."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from fricomp.adapters import JointAdapter, open_adapter
+from fricomp.control.ending import require_stopped, stopping_on_error
+from fricomp.control.interruption import interrupting_on_ending_signals
+from fricomp.errors import ParameterError
+
+from .context import SweepContext
+from .request import CalibrationRequest
+from .rigid_body import RigidBody
+
+__all__ = ["open_joint"]
+
+
+@contextmanager
+def open_joint(request: CalibrationRequest) -> Iterator[SweepContext]:
+    """The joint, open; zero torque and closed at the end, whatever happens.
+
+    Until then Ctrl-C and every other signal that ends a process raise `KeyboardInterrupt`, so that the joint is stopped
+    first. Outside the main thread Python hears no signal, and a warning says so.
+
+    Raises:
+        ParameterError: The backend has no such joint.
+        AdapterError: The joint cannot be opened, or the last stop did not get through, whatever else has happened.
+    """
+    with interrupting_on_ending_signals():
+        adapter: JointAdapter = open_adapter(request.backend, request.configuration)
+        with _told(adapter), adapter, stopping_on_error(adapter):
+            names = [joint.name for joint in adapter.capabilities.joints]
+            if request.joint and request.joint not in names:
+                raise ParameterError(f"no joint {request.joint!r}; this backend has {', '.join(names)}")
+            body = RigidBody(request.model, names) if request.model else None
+            joint = names.index(request.joint) if request.joint else 0
+            yield SweepContext(adapter, joint, request.settings, body)
+
+
+@contextmanager
+def _told(adapter: JointAdapter) -> Iterator[None]:
+    try:
+        yield
+    finally:
+        require_stopped(adapter)  # closing it has tried once more
