@@ -1,47 +1,69 @@
-"""The way from recordings to a verdict: checks, base, nulls, screening, joint refit, confirmation, verdict."""
+"""The way from recordings to a diagnosis: one stage after another, each from values to a value."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
-from msgspec.structs import replace as with_fields
 
 from fricomp.errors import DiagnosisError, ParameterError
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
-from .evidence.answer import Answer
+from .evidence.case import Case
+from .evidence.findings import Findings, collect_findings, prefer_simulation
 from .forward.forward import measure_forward_error
-from .inputs.checks import inertia_against, kind_against, reasons_against, remarks_on
-from .inputs.controller import Controller, estimate_controller
-from .inputs.controller_check import check_controller
-from .inputs.rigid import RigidJoint, read_simulation
+from .inputs.checks import inertia_against
+from .inputs.controller import Controller
+from .inputs.given import Given, read_given
+from .inputs.rigid import RigidJoint
+from .inputs.track import Track
 from .joint.base import unpack
 from .joint.loading import build_tracks, has_low_rate
 from .joint.observer import Observer
 from .joint.weak_form import estimate_rest_speed
 from .payload import diagnose_arm
-from .record.result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord
-from .record.sentence import forward_sentence
-from .samples.second_look import second_look
+from .record.result import Diagnosis, Forward
+from .samples.second_look import look_into_samples
 from .search.late_creep import has_late_creep
 from .search.preparation import Baseline, prepare
 from .search.search import SearchResult, search
-from .verdict.verdict import agreed, conclude
+from .verdict.experiment import propose_experiment
+from .verdict.judging import judge
+from .verdict.shared_effect import SimulationEffects
+from .verdict.writing import write_diagnosis, write_refusal
 
-__all__ = ["diagnose", "with_remarks"]
+__all__ = ["diagnose", "diagnose_given"]
 
-_NULLS, _NULLS_THOROUGH = 32, 200
-_RESTING = 0.6  # of the slowest speed that counts as sliding
-_SLOW_BANDWIDTH = 30.0  # [rad/s] observer for recordings below 300 Hz
+Progress = Callable[[str], None]
 
 
-# Points of a search that do not simulate overflow; they are left out where they come up.
-@np.errstate(over="ignore", invalid="ignore")
+@dataclass(frozen=True)
+class StageSettings:
+    """How the stages are run.
+
+    Attributes:
+        nulls: Recordings with nothing missing that are simulated for the thresholds. The more there are, the better the
+            threshold is known that 98 % of them stay below, and the longer a diagnosis takes.
+        nulls_thorough: The same where it may take longer.
+        resting: Rest speed of the observer over the slowest speed that counts as sliding. Below it a model that rests
+            is led back to the recorded position; a larger part would lead slow sliding back as well.
+        slow_bandwidth: Bandwidth of the observer [rad/s] for recordings below some 300 Hz, whose steps a faster one
+            could not follow.
+    """
+
+    nulls: int = 32
+    nulls_thorough: int = 200
+    resting: float = 0.6
+    slow_bandwidth: float = 30.0
+
+
+SETTINGS = StageSettings()
+
+
 def diagnose(
     recordings: Recording | Sequence[Recording],
     simulation: RigidJoint | str | Path | None = None,
@@ -51,7 +73,7 @@ def diagnose(
     controller: Controller | None = None,
     thorough: bool = False,
     seed: int = 0,
-    progress: Callable[[str], None] | None = None,
+    progress: Progress | None = None,
 ) -> Diagnosis:
     """Say what a simulation of a joint leaves out, from recordings of the real one.
 
@@ -69,118 +91,97 @@ def diagnose(
     Raises:
         DiagnosisError: The simulation cannot be read, or the recordings do not belong together.
     """
-    say = progress or (lambda _: None)
-    given = [recordings] if isinstance(recordings, Recording) else list(recordings)
-    if not given:
+    series = [recordings] if isinstance(recordings, Recording) else list(recordings)
+    if not series:
         raise DiagnosisError("no recording was given: diagnose needs at least one")
-    names = {one.metadata.joint for one in given} - {"", "joint"}
+    names = {one.metadata.joint for one in series} - {"", "joint"}
     if len(names) > 1 and joint is None:
-        return _arm(given, simulation, names)
-    rigid = (
-        simulation if isinstance(simulation, RigidJoint) or simulation is None else read_simulation(simulation, joint)
-    )
-    say("checking the data")
-    against = [*reasons_against(given, joint), *(kind_against(given, rigid.rotary) if rigid is not None else ())]
-    if against:
-        return _bad_data(given, against)
-    remarks, given = remarks_on(given), [one.on_joint_side() for one in given]
-    remarks += [] if controller is None else check_controller(controller, given)
-    loops = [estimate_controller(one) if controller is None else controller for one in given]
-    known = _in_newton_metres(given, rigid)
-    tracks = build_tracks(given, loops, None if known is None else known.spring)
-    observer = Observer(rest_speed=_RESTING * estimate_rest_speed(tracks))
-    observer = replace(observer, bandwidth=_SLOW_BANDWIDTH) if has_low_rate(given) else observer
+        return diagnose_arm(series, simulation)
+    _report(progress, "checking the data")
+    given = read_given(series, simulation, joint=joint, friction=friction, controller=controller)
+    return diagnose_given(given, thorough=thorough, seed=seed, progress=progress)
+
+
+# Points of a search that do not simulate overflow; they are left out where they come up.
+@np.errstate(over="ignore", invalid="ignore")
+def diagnose_given(
+    given: Given,
+    simulated: SimulationEffects | None = None,
+    *,
+    thorough: bool = False,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """Run the stages on checked inputs.
+
+    Args:
+        given: Recordings and what they are compared with.
+        simulated: Effects that the simulation has itself; None where nobody looked for them.
+        thorough: Use more nulls for the thresholds.
+        seed: Of the nulls and bootstraps.
+        progress: Called with a few words before each step.
+
+    Raises:
+        DiagnosisError: No joint model explains the recordings.
+    """
+    told = () if simulated is None else simulated.remarks
+    if given.reasons:
+        return write_refusal(given.recordings, given.reasons, told)
+    tracks = build_tracks(given.recordings, given.loops, None if given.rigid is None else given.rigid.spring)
+    base = partial(prepare, tracks, observer=_choose_observer(given, tracks), seed=seed, rigid=given.rigid)
+    base = partial(base, nulls=SETTINGS.nulls_thorough if thorough else SETTINGS.nulls)
     try:
-        say("fitting the base model and simulating nulls")
-        count = _NULLS_THOROUGH if thorough else _NULLS
-        base = partial(prepare, tracks, observer=observer, nulls=count, seed=seed, rigid=known)
+        _report(progress, "fitting the base model and simulating nulls")
         prepared = base()
-        against = [] if known is None else inertia_against(unpack(prepared.fit.theta).inertia, known.inertia)
-        if against:
-            return _bad_data(given, against)
-        say("searching for effects")
-        found = search(prepared)
-        if has_late_creep(prepared, found):
-            say("searching again, with friction that creeps")
-            prepared = base(creeps=True)
-            found = search(prepared)
-        say("confirming on held-out data")
-        answer = agreed(Answer(tuple(given), prepared, found, known, friction, seed))
-        concluded = conclude(answer)
-        looked = second_look(given, concluded, seed)
-        if looked is concluded:
-            say("simulating forward in MuJoCo")
-            looked = _with_forward(looked, given[0], prepared, answer.found, loops[0])
-        return with_remarks(looked, [*remarks, *_not_compared(given, rigid, known)])
+        reasons = _check_inertia(given, prepared)
+        if reasons:
+            return write_refusal(given.recordings, reasons, told)
+        prepared, found = _search(prepared, base, progress)
+        _report(progress, "confirming on held-out data")
+        case = Case(given.recordings, prepared, found, given.rigid, given.friction, seed)
+        findings = collect_findings(prefer_simulation(case))
+        sample = look_into_samples(findings)
+        verdict = judge(findings, sample, simulated)
+        if verdict.sample is not None:
+            return write_diagnosis(findings, verdict, remarks=given.remarks)
+        proposal = propose_experiment(findings)
+        _report(progress, "simulating forward in MuJoCo")
+        forward = _simulate_forward(given, findings)
+        return write_diagnosis(findings, verdict, proposal, forward, given.remarks)
     except (np.linalg.LinAlgError, FloatingPointError, ParameterError) as error:
         raise DiagnosisError(f"the recording cannot be explained by any joint model: {error}") from error
 
 
-def _arm(recordings: Sequence[Recording], simulation: RigidJoint | str | Path | None, names: set[str]) -> Diagnosis:
-    """Recordings of several joints: two sessions of an arm, in which its payload may differ."""
-    if simulation is None or isinstance(simulation, RigidJoint):
-        raise DiagnosisError(
-            f"the recordings are of several joints ({', '.join(sorted(names))}): diagnose one joint at a time, or give "
-            "two sessions of all joints and the simulation of the arm to compare payloads"
-        )
-    against = [
-        f"{recording.metadata.joint}: {reason}"
-        for recording in recordings
-        for reason in reasons_against([recording], None)
-    ]
-    if against:
-        return _bad_data(recordings, against)
-    return diagnose_arm([one.on_joint_side() for one in recordings], simulation)
+def _report(progress: Progress | None, words: str) -> None:
+    if progress is not None:
+        progress(words)
 
 
-def _in_newton_metres(recordings: Sequence[Recording], rigid: RigidJoint | None) -> RigidJoint | None:
-    """The simulation's joint where its inertia is in the unit of the recorded torque."""
-    return rigid if all(one.metadata.torque_unit in ("N·m", "N") for one in recordings) else None
+def _choose_observer(given: Given, tracks: Sequence[Track]) -> Observer:
+    """An observer that knows rest from sliding, and is slow where the recordings are."""
+    observer = Observer(rest_speed=SETTINGS.resting * estimate_rest_speed(tracks))
+    return replace(observer, bandwidth=SETTINGS.slow_bandwidth) if has_low_rate(given.recordings) else observer
 
 
-def _not_compared(
-    recordings: Sequence[Recording], given: RigidJoint | None, known: RigidJoint | None
-) -> tuple[str, ...]:
-    if given is None or known is not None:
-        return ()
-    unit = recordings[0].metadata.torque_unit
-    return (
-        f"The torque is in {unit}: inertia, gravity and any spring of the simulation were not compared, they are "
-        "fitted.",
-    )
+def _check_inertia(given: Given, prepared: Baseline) -> list[str]:
+    """Why the recordings cannot be of the simulation's joint; empty where they can."""
+    return [] if given.rigid is None else inertia_against(unpack(prepared.fit.theta).inertia, given.rigid.inertia)
 
 
-def _with_forward(
-    diagnosis: Diagnosis, recording: Recording, prepared: Baseline, found: SearchResult, loop: Controller | None
-) -> Diagnosis:
-    """The diagnosis with a forward simulation of the held-out end of the first recording, where a loop is known."""
-    if loop is None:
-        return diagnosis
-    named = {effect.name for effect in diagnosis.effects}  # without the overtones of a ripple
-    held = diagnosis.record.heldout
-    confirmed = held is not None and held.explained > 0.0 and held.before == "refitted"
-    chosen = found.best if found.best is not None and confirmed and named & set(found.best.names) else None
-    forward = measure_forward_error(recording, prepared, chosen, loop)
-    if forward is None:
-        return diagnosis
-    record = with_fields(diagnosis.record, forward=forward)
-    return replace(diagnosis, record=with_fields(record, sentences=(*record.sentences, forward_sentence(forward))))
+def _search(
+    prepared: Baseline, base: Callable[..., Baseline], progress: Progress | None
+) -> tuple[Baseline, SearchResult]:
+    """Search for effects; once more with friction that creeps, where a strong effect hid that from the base."""
+    _report(progress, "searching for effects")
+    found = search(prepared)
+    if not has_late_creep(prepared, found):
+        return prepared, found
+    _report(progress, "searching again, with friction that creeps")
+    prepared = base(creeps=True)
+    return prepared, search(prepared)
 
 
-def with_remarks(diagnosis: Diagnosis, remarks: Sequence[str]) -> Diagnosis:
-    """The diagnosis with what the checks of the data noticed, last."""
-    if not remarks:
-        return diagnosis
-    record = with_fields(diagnosis.record, sentences=(*diagnosis.sentences, *remarks))
-    return replace(diagnosis, record=record)
-
-
-def _bad_data(recordings: Sequence[Recording], reasons: Sequence[str]) -> Diagnosis:
-    record = DiagnosisRecord(
-        schema=DIAGNOSIS_SCHEMA,
-        verdict="bad_data",
-        sentences=("The data cannot be diagnosed.", *reasons),
-        recordings=tuple(f"recording {i + 1}" for i in range(len(recordings))),
-        joint=recordings[0].metadata.joint,
-    )
-    return Diagnosis(record)
+def _simulate_forward(given: Given, findings: Findings) -> Forward | None:
+    """Simulate the held-out end of the first recording; None where no loop is known."""
+    loop, chosen = given.loops[0], findings.chosen if findings.held.explained > 0.0 else None
+    return None if loop is None else measure_forward_error(given.recordings[0], findings.case.prepared, chosen, loop)

@@ -13,19 +13,21 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from msgspec.structs import replace as with_fields
 from scipy.signal import butter, filtfilt
 
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
 
 from .inputs.arm_dynamics import ArmDynamics, ArmMotion, place_points, read_arm
+from .inputs.checks import reasons_against
+from .inputs.rigid import RigidJoint
 from .inputs.track import FloatArray
 from .record.result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord, NamedEffect, Quantity
-from .record.sentence import sentences
-from .samples.second_answer import held_out
+from .record.sentence import Notes, write_record
+from .samples.sample_finding import compute_held_out
+from .verdict.writing import write_refusal
 
-__all__ = ["Payload", "diagnose_arm", "find_payload", "sessions_of"]
+__all__ = ["Payload", "diagnose_arm", "find_payload", "group_sessions"]
 
 _CUTOFF = 5.0  # [Hz] of the filter that torque and motion share
 _RATE = 25.0  # [Hz] of the rows behind it
@@ -70,7 +72,7 @@ class Payload:
 Session = dict[str, Recording]
 
 
-def sessions_of(recordings: Sequence[Recording]) -> list[Session]:
+def group_sessions(recordings: Sequence[Recording]) -> list[Session]:
     """Recordings of all joints at once, grouped: a new session begins where a joint comes for another time."""
     sessions: list[Session] = []
     for recording in recordings:
@@ -81,13 +83,27 @@ def sessions_of(recordings: Sequence[Recording]) -> list[Session]:
     return sessions
 
 
-def diagnose_arm(recordings: Sequence[Recording], simulation: str | Path) -> Diagnosis:
-    """Whether an arm carries another payload in its last session than in its first.
+def diagnose_arm(recordings: Sequence[Recording], simulation: RigidJoint | str | Path | None) -> Diagnosis:
+    """Say whether an arm carries another payload in its last session than in its first.
+
+    Args:
+        recordings: Two sessions of all joints, one after the other.
+        simulation: MJCF or URDF file with the kinematics of the arm.
 
     Raises:
-        DiagnosisError: The recordings are not two sessions of all joints, or no joint's torque is in N·m.
+        DiagnosisError: There is no such file, the recordings are not two sessions of all joints, or no joint's torque
+            is in N·m.
     """
-    arm, sessions = read_arm(simulation), sessions_of(recordings)
+    if simulation is None or isinstance(simulation, RigidJoint):
+        names = sorted({one.metadata.joint for one in recordings} - {"", "joint"})
+        raise DiagnosisError(
+            f"the recordings are of several joints ({', '.join(names)}): diagnose one joint at a time, or give two "
+            "sessions of all joints and the simulation of the arm to compare payloads"
+        )
+    reasons = [f"{one.metadata.joint}: {reason}" for one in recordings for reason in reasons_against([one], None)]
+    if reasons:
+        return write_refusal(recordings, reasons)
+    arm, sessions = read_arm(simulation), group_sessions([one.on_joint_side() for one in recordings])
     for session in sessions:
         missing = sorted(set(arm.joints) - set(session))
         if missing or len(sessions) != 2:
@@ -95,39 +111,41 @@ def diagnose_arm(recordings: Sequence[Recording], simulation: str | Path) -> Dia
                 f"an arm is diagnosed from two sessions with a recording of every joint ({', '.join(arm.joints)}); "
                 f"got {len(sessions)}" + (f", one without {', '.join(missing)}" if missing else "")
             )
-    return _answer(find_payload(arm, sessions), sessions)
+    return _write_answer(find_payload(arm, sessions), sessions)
 
 
 def find_payload(arm: ArmDynamics, sessions: Sequence[Session]) -> Payload:
     """Identify arm, friction and the difference in payload between two sessions."""
-    rows = [_Rows.of(arm, session) for session in sessions]
-    gains = [_gains_of(session) for session in sessions]
+    rows = [_Rows.build(arm, session) for session in sessions]
+    gains = [_list_gains(session) for session in sessions]
     joints = [name for name in arm.joints if all(name in known for known in gains)]
     if not joints:
         raise DiagnosisError(
             "no joint's torque is in N·m or N, and none says how much one ampere is (metadata drive_gain): "
             "a payload needs torque"
         )
-    parts = {name: _joint_rows(arm.joints.index(name), rows, [known[name] for known in gains]) for name in joints}
-    weights, noise = _solve(parts, None)
-    drawn = np.array([_solve(parts, fold)[0] for fold in range(_FOLDS)])
+    parts = {name: _build_joint_rows(arm.joints.index(name), rows, [known[name] for known in gains]) for name in joints}
+    weights, noise = _solve_folds(parts, None)
+    drawn = np.array([_solve_folds(parts, fold)[0] for fold in range(_FOLDS)])
     deviation = np.sqrt((_FOLDS - 1) * np.var(drawn @ _MOMENTS, axis=0))
-    shown = _shown(parts)
+    shown = _find_shown(parts)
     moments = {
         name: (float(value), float(error))
         for name, value, error, seen in zip(_NAMES, weights @ _MOMENTS, deviation, shown, strict=True)
         if seen
     }
     alone = {name: {name: part} for name, part in parts.items()}
-    sides = [_held_out(parts, with_payload=known) for known in (False, True)]
+    sides = [_predict_held_out(parts, with_payload=known) for known in (False, True)]
     before, after = (np.concatenate(list(side.values())) for side in sides)
     return Payload(
         moments=moments,
         before=before,
         after=after,
         noise=noise,
-        by_joint={n: float((_solve(one, None)[0] @ _MOMENTS)[0]) for n, one in alone.items() if _shown(one)[0]},
-        errors={name: (_rms(sides[0][name]), _rms(sides[1][name])) for name in parts},
+        by_joint={
+            n: float((_solve_folds(one, None)[0] @ _MOMENTS)[0]) for n, one in alone.items() if _find_shown(one)[0]
+        },
+        errors={name: (_compute_rms(sides[0][name]), _compute_rms(sides[1][name])) for name in parts},
     )
 
 
@@ -152,7 +170,7 @@ class _Rows:
     payload: FloatArray
 
     @classmethod
-    def of(cls, arm: ArmDynamics, session: Session) -> _Rows:
+    def build(cls, arm: ArmDynamics, session: Session) -> _Rows:
         series = [session[name] for name in arm.joints]
         dt = float(np.median([one.sample_period for one in series]))
         first, last = max(one.time[0] for one in series), min(one.time[-1] for one in series)
@@ -171,7 +189,7 @@ class _Rows:
         return cls(motion, torque[kept], np.concatenate(columns, axis=2), columns[-1])
 
 
-def _gains_of(session: Session) -> dict[str, float]:
+def _list_gains(session: Session) -> dict[str, float]:
     """Torque of one unit of the recorded torque, for the joints of which it is known [N·m] or [N].
 
     Gains that were seen in the log itself (`drive_gain_logged`) go before those that somebody states (`drive_gain`).
@@ -196,7 +214,7 @@ class _JointRows:
     test: np.ndarray
 
 
-def _joint_rows(j: int, rows: Sequence[_Rows], gains: Sequence[float]) -> _JointRows:
+def _build_joint_rows(j: int, rows: Sequence[_Rows], gains: Sequence[float]) -> _JointRows:
     torque = np.concatenate([one.torque[:, j] * gain for one, gain in zip(rows, gains, strict=True)])
     bodies = np.concatenate([one.bodies[:, j] for one in rows])
     payload = np.concatenate([k * one.payload[:, j] for k, one in enumerate(rows)])
@@ -215,7 +233,7 @@ def _joint_rows(j: int, rows: Sequence[_Rows], gains: Sequence[float]) -> _Joint
     return _JointRows(U[:, s > _RANK * s[0]], payload, torque, fold, test)
 
 
-def _shown(parts: dict[str, _JointRows]) -> list[bool]:
+def _find_shown(parts: dict[str, _JointRows]) -> list[bool]:
     """Which of the mass and the first moments these rows fix."""
     columns = np.concatenate([part.payload - part.own @ (part.own.T @ part.payload) for part in parts.values()])
     _, s, V = np.linalg.svd(columns, full_matrices=False)
@@ -224,13 +242,13 @@ def _shown(parts: dict[str, _JointRows]) -> list[bool]:
     return [bool(one < 0.01) for one in away]
 
 
-def _solve(parts: dict[str, _JointRows], left_out: int | None) -> tuple[FloatArray, dict[str, float]]:
+def _solve_folds(parts: dict[str, _JointRows], left_out: int | None) -> tuple[FloatArray, dict[str, float]]:
     """Weights of the payload's point masses, and each joint's RMS error [N·m]; each joint counts by its own noise."""
     kept = {name: part.fold != left_out for name, part in parts.items()}
-    return _weighted(parts, kept)
+    return _solve_weighted(parts, kept)
 
 
-def _weighted(parts: dict[str, _JointRows], kept: dict[str, np.ndarray]) -> tuple[FloatArray, dict[str, float]]:
+def _solve_weighted(parts: dict[str, _JointRows], kept: dict[str, np.ndarray]) -> tuple[FloatArray, dict[str, float]]:
     noise = {}
     for name, part in parts.items():
         table = np.column_stack([part.own, part.payload])[kept[name]]
@@ -246,10 +264,10 @@ def _weighted(parts: dict[str, _JointRows], kept: dict[str, np.ndarray]) -> tupl
     return weights, noise
 
 
-def _held_out(parts: dict[str, _JointRows], *, with_payload: bool) -> dict[str, FloatArray]:
+def _predict_held_out(parts: dict[str, _JointRows], *, with_payload: bool) -> dict[str, FloatArray]:
     """Errors of each joint on the last third of each session by a fit to the rest [N·m]. Shapes (n_rows,)."""
     kept = {name: ~part.test for name, part in parts.items()}
-    weights = _weighted(parts, kept)[0] if with_payload else np.zeros(10)
+    weights = _solve_weighted(parts, kept)[0] if with_payload else np.zeros(10)
     errors = {}
     for name, part in parts.items():
         target = part.torque - part.payload @ weights
@@ -258,13 +276,13 @@ def _held_out(parts: dict[str, _JointRows], *, with_payload: bool) -> dict[str, 
     return errors
 
 
-def _rms(values: FloatArray) -> float:
+def _compute_rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _answer(found: Payload, sessions: Sequence[Session]) -> Diagnosis:
+def _write_answer(found: Payload, sessions: Sequence[Session]) -> Diagnosis:
     noise = float(np.sqrt(np.mean([value**2 for value in found.noise.values()])))
-    held = held_out(found.before, found.after, noise, ("N·m", 0))
+    held = compute_held_out(found.before, found.after, noise, ("N·m", 0))
     seen = found.significance > _SIGNIFICANT and held.rmse_after < held.rmse_before
     units = {"mass": "kg"}
     parameters = {
@@ -277,10 +295,10 @@ def _answer(found: Payload, sessions: Sequence[Session]) -> Diagnosis:
         parameters=parameters,
         share=held.explained,
         equation="tau_j = ... + Y_je(q, v, a) w_p",
-        sentence=_said(found),
+        sentence=_describe_payload(found),
         citation="hollerbach2016",
     )
-    record = DiagnosisRecord(
+    fields = DiagnosisRecord(
         schema=DIAGNOSIS_SCHEMA,
         verdict="parameters" if seen else "consistent",
         effects=(effect,) if seen else (),
@@ -288,20 +306,18 @@ def _answer(found: Payload, sessions: Sequence[Session]) -> Diagnosis:
         recordings=tuple(f"session {i + 1}, {name}" for i, session in enumerate(sessions) for name in session),
         joint="arm",
     )
-    if not seen:
-        return Diagnosis(with_fields(record, sentences=(_alike(found),)))
-    opening, *others = sentences(record)
-    return Diagnosis(with_fields(record, sentences=(opening, _which_joints(found), *others)))
+    notes = Notes(lead=(_describe_joints(found),)) if seen else Notes(opening=_describe_likeness(found))
+    return Diagnosis(write_record(fields, notes))
 
 
-def _which_joints(found: Payload) -> str:
+def _describe_joints(found: Payload) -> str:
     """The joints whose torques show the payload most."""
     most = sorted(found.errors.items(), key=lambda item: item[1][1] ** 2 - item[1][0] ** 2)[:_MOST_JOINTS]
     shown = [f"{name} ({before:.3g} to {after:.3g} N·m)" for name, (before, after) in most if after < before]
     return f"It shows most in the torque of {', '.join(shown)}: the fall of each one's held-out error."
 
 
-def _alike(found: Payload) -> str:
+def _describe_likeness(found: Payload) -> str:
     mass, error = found.moments.get("mass", (0.0, 0.0))
     return (
         "Both sessions carry the same at the end of the arm, as far as these motions show"
@@ -310,7 +326,7 @@ def _alike(found: Payload) -> str:
     )
 
 
-def _said(found: Payload) -> str:
+def _describe_payload(found: Payload) -> str:
     if "mass" not in found.moments:
         return "the last session carries another load at the end of the arm than the first"
     mass = found.moments["mass"][0]

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
 
-from .diagnose import diagnose, with_remarks
-from .effects.shared_effect import remove_known
+from .diagnose import Progress, diagnose, diagnose_given
 from .inputs.checks import reasons_against
 from .inputs.controller import Controller
+from .inputs.given import read_given
 from .record.result import Diagnosis
 from .simulated_joint import read_simulated
+from .verdict.shared_effect import SimulationEffects
 
-__all__ = ["diagnose_against", "motion_remarks"]
+__all__ = ["compare_motions", "diagnose_against"]
 
 _MECHANICAL = {"N·m", "N"}
 _SHORT = 0.8  # of the recording's duration, below which a simulated one is told to be shorter
@@ -33,7 +34,7 @@ def diagnose_against(
     controller: Controller | None = None,
     thorough: bool = False,
     seed: int = 0,
-    progress: Callable[[str], None] | None = None,
+    progress: Progress | None = None,
 ) -> Diagnosis:
     """Say what a simulation of a joint leaves out that is known only by what it recorded under the same commands.
 
@@ -49,28 +50,21 @@ def diagnose_against(
     Raises:
         DiagnosisError: No joint can be read off the simulated recording, or the recordings do not belong together.
     """
-    say = progress or (lambda _: None)
-    given = [recordings] if isinstance(recordings, Recording) else list(recordings)
-    if reasons_against(given, joint):
-        return diagnose(given, joint=joint)  # which says so
-    alike = _in_one_unit(simulated, given)
-    say("reading the simulation from its recording")
-    known = read_simulated(simulated, given, seed=seed, progress=progress)
-    found = diagnose(
-        given,
-        known.rigid,
-        joint=joint,
-        friction=known.friction if alike else None,
-        controller=controller,
-        thorough=thorough,
-        seed=seed,
-        progress=progress,
-    )
-    found = remove_known(found, known.effects, sure=known.noise_ratio is None)
-    return with_remarks(found, (*known.remarks, *motion_remarks(given, simulated)))
+    series = [recordings] if isinstance(recordings, Recording) else list(recordings)
+    if reasons_against(series, joint):
+        return diagnose(series, joint=joint)  # which says so
+    alike = _have_one_unit(simulated, series)
+    if progress is not None:
+        progress("reading the simulation from its recording")
+    known = read_simulated(simulated, series, seed=seed, progress=progress)
+    friction = known.friction if alike else None
+    given = read_given(series, known.rigid, joint=joint, friction=friction, controller=controller)
+    remarks = (*known.remarks, *compare_motions(series, simulated))
+    own = SimulationEffects(known.effects, sure=known.noise_ratio is None, remarks=remarks)
+    return diagnose_given(given, own, thorough=thorough, seed=seed, progress=progress)
 
 
-def _in_one_unit(simulated: Recording, recordings: Sequence[Recording]) -> bool:
+def _have_one_unit(simulated: Recording, recordings: Sequence[Recording]) -> bool:
     """Whether the torques are in one unit; with currents the simulation's friction cannot be compared.
 
     Raises:
@@ -84,15 +78,15 @@ def _in_one_unit(simulated: Recording, recordings: Sequence[Recording]) -> bool:
     return set(others) == {own}
 
 
-def motion_remarks(recordings: Sequence[Recording], simulated: Recording) -> tuple[str, ...]:
-    """What tells that a simulated recording was not made under the commands of the recordings, in sentences."""
+def compare_motions(recordings: Sequence[Recording], simulated: Recording) -> tuple[str, ...]:
+    """Say where a simulated recording was not made under the commands of the recordings, in sentences."""
     longest = max(one.duration for one in recordings)
     if simulated.duration < _SHORT * longest:
         return (
             f"The simulated recording lasts {simulated.duration:.3g} s and the recording {longest:.3g} s: what it says "
             "about the simulation holds for the part of the motion that it has.",
         )
-    apart = min(_apart(one, simulated) for one in recordings)
+    apart = min(_measure_distance(one, simulated) for one in recordings)
     if apart < _SAME_MOTION:
         return ()
     return (
@@ -102,7 +96,7 @@ def motion_remarks(recordings: Sequence[Recording], simulated: Recording) -> tup
     )
 
 
-def _apart(recording: Recording, simulated: Recording) -> float:
+def _measure_distance(recording: Recording, simulated: Recording) -> float:
     """RMS difference of the positions at the same time since the start, over the standard deviation of the recorded."""
     time = np.asarray(recording.time) - recording.time[0]
     shared = time <= simulated.duration

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +12,7 @@ from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
-from .diagnose import diagnose
+from .diagnose import Progress, diagnose
 from .evidence.comparison import NAMED, PLAIN, SPLIT, UNEXPLAINED, Doubt
 from .inputs.checks import reasons_against
 from .inputs.rigid import RigidJoint
@@ -62,7 +62,7 @@ def read_simulated(
     like: Sequence[Recording] = (),
     *,
     seed: int = 0,
-    progress: Callable[[str], None] | None = None,
+    progress: Progress | None = None,
 ) -> SimulatedJoint:
     """Identify the joint that a simulation has, from its own recording, in the way of any other recording.
 
@@ -87,14 +87,14 @@ def read_simulated(
             "the simulated recording obeys no law of its joint's own motion, so no simulation can be read from it: "
             "give one that moves freely, or the simulation itself with --simulation"
         )
-    left = _left(found)
+    left = _measure_rest(found)
     if left is not None:
         return SimulatedJoint(None, None, found.effects, left)
-    friction = _friction(recording, found.record.base)
-    return SimulatedJoint(_rigid(recording, found, friction), friction, found.effects)
+    friction = _read_friction(recording, found.record.base)
+    return SimulatedJoint(_read_rigid(recording, found, friction), friction, found.effects)
 
 
-def _left(found: Diagnosis) -> float | None:
+def _measure_rest(found: Diagnosis) -> float | None:
     """What no effect explains, over the noise; None where that is no more than noise."""
     held = found.heldout
     if found.verdict == "unknown_physics" or held is None:
@@ -103,7 +103,7 @@ def _left(found: Diagnosis) -> float | None:
     return left if left > _MORE_THAN_NOISE else None
 
 
-def _friction(recording: Recording, base: Mapping[str, Quantity]) -> FrictionModel:
+def _read_friction(recording: Recording, base: Mapping[str, Quantity]) -> FrictionModel:
     """The refitted curves, without the constant torque that a model alone would hold."""
     forward, reverse = (
         StribeckCurve(
@@ -119,7 +119,7 @@ def _friction(recording: Recording, base: Mapping[str, Quantity]) -> FrictionMod
     return FrictionModel(law=law, joint=metadata.joint, motion=metadata.motion, torque_unit=metadata.torque_unit)
 
 
-def _rigid(recording: Recording, found: Diagnosis, friction: FrictionModel) -> RigidJoint:
+def _read_rigid(recording: Recording, found: Diagnosis, friction: FrictionModel) -> RigidJoint:
     """Body and friction, and how far they may be off.
 
     Args:
@@ -140,10 +140,10 @@ def _rigid(recording: Recording, found: Diagnosis, friction: FrictionModel) -> R
     if found.covariance is None:  # the samples showed more than the rows of this fit
         doubt = UNEXPLAINED
     own = np.zeros((BODY_AND_CURVES, BODY_AND_CURVES)) if found.covariance is None else found.covariance
-    return replace(rigid, covariance=_body_and_curves(own, rigid, _level(found, rigid), doubt))
+    return replace(rigid, covariance=_build_covariance(own, rigid, _measure_level(found, rigid), doubt))
 
 
-def _level(found: Diagnosis, read: RigidJoint) -> float:
+def _measure_level(found: Diagnosis, read: RigidJoint) -> float:
     """Dry friction in both directions, with what of it a named effect has taken over from the base."""
     if found.base_model is None:
         return read.friction_loss
@@ -151,7 +151,7 @@ def _level(found: Diagnosis, read: RigidJoint) -> float:
     return max(read.friction_loss, 0.5 * sum(curve.coulomb_torque for curve in curves))
 
 
-def _body_and_curves(covariance: FloatArray, read: RigidJoint, level: float, doubt: Doubt) -> FloatArray:
+def _build_covariance(covariance: FloatArray, read: RigidJoint, level: float, doubt: Doubt) -> FloatArray:
     """Covariance of inertia, gravity, offset and curves; what sliding cannot part is known no better than in a refit.
 
     Args:

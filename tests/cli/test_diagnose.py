@@ -5,7 +5,6 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from fricomp.cli.diagnose import EXIT_BAD_DATA
 from fricomp.cli.diagnosis_warnings import diagnosis_warnings, distinct_names
 from fricomp.cli.main import app
 from fricomp.diagnosis import DIAGNOSIS_SCHEMA, DiagnosisRecord, Quantity, diagnosis_json_schema
+from fricomp.diagnosis.inputs import given
 from fricomp.diagnosis.record.result import Change
 from fricomp.errors import DiagnosisError, FricompError, RecordingError
 from fricomp.fleet import find_recordings
@@ -146,8 +146,7 @@ def test_a_short_recording_is_refused_with_its_length(seconds: float, tmp_path: 
 
 def _answer_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Diagnose as if the data were bad, which takes no time and names nothing."""
-    module = import_module("fricomp.diagnosis.diagnose")  # the package has a function of that name
-    monkeypatch.setattr(module, "reasons_against", lambda *_: ["a stub"])
+    monkeypatch.setattr(given, "reasons_against", lambda *_: ["a stub"])
 
 
 def test_what_the_checks_warn_of_stands_above_the_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -275,8 +274,7 @@ def test_an_interrupted_diagnosis_says_what_is_left(tmp_path: Path, monkeypatch:
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    module = import_module("fricomp.diagnosis.diagnose")
-    monkeypatch.setattr(module, "reasons_against", interrupted)
+    monkeypatch.setattr(given, "reasons_against", interrupted)
     out = tmp_path / "out"
     result = CliRunner().invoke(app, ["diagnose", str(_save(tmp_path, _columns())), "--out", str(out)])
     assert result.exit_code == 130

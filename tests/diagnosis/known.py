@@ -1,4 +1,4 @@
-"""Explanations whose gain, residual and reach are known, for tests of what is made of them."""
+"""Explanations, bases and cases that are known, for tests of what is made of them."""
 
 from __future__ import annotations
 
@@ -8,11 +8,27 @@ from typing import Any
 
 import numpy as np
 
+from fricomp.diagnosis.effects.context import build_contexts
 from fricomp.diagnosis.effects.structure import Candidate, Structure
-from fricomp.diagnosis.inputs.track import FloatArray
-from fricomp.diagnosis.joint.solver import Fit
+from fricomp.diagnosis.evidence.case import Case
+from fricomp.diagnosis.evidence.comparison import Comparison
+from fricomp.diagnosis.evidence.confirmation import Confirmation
+from fricomp.diagnosis.evidence.findings import Findings
+from fricomp.diagnosis.evidence.gates import Trial
+from fricomp.diagnosis.evidence.location import collect_rows
+from fricomp.diagnosis.evidence.refitted import Refitted
+from fricomp.diagnosis.inputs.track import FloatArray, Track
+from fricomp.diagnosis.joint.base import pack
+from fricomp.diagnosis.joint.nulls import Nulls
+from fricomp.diagnosis.joint.observer import Contribution, Job, Observer, Plant
+from fricomp.diagnosis.joint.problem import Weights, build_problem
+from fricomp.diagnosis.joint.solver import Box, Fit
+from fricomp.diagnosis.record.result import Distinguishability
 from fricomp.diagnosis.search.explanation import Explanation
 from fricomp.diagnosis.search.preparation import Baseline
+from fricomp.diagnosis.search.screening import Screen
+from fricomp.diagnosis.search.search import SearchResult
+from fricomp.recording import Recording
 
 _FAR = 5.0  # in units of a row's noise, by which effects reach a row unless it is said otherwise
 
@@ -37,4 +53,85 @@ def known(names: Sequence[str], gain: float, residual: FloatArray | None = None,
     structure = Structure((), tuple(Candidate(name, ()) for name in names))
     fit = fit_of(np.zeros(1) if residual is None else residual)
     plain = Known(structure, fit, Structure((), ()).build_box(), gain, gain, 0.9)
+    return replace(plain, **more)
+
+
+PLANT = Plant(0.3, (1.0, 6.0), 0.0, (2.0, 2.6, 0.05, 1.0), (2.0, 2.6, 0.05, 1.0), 4e4)
+"""A joint as the fits of these tests leave it."""
+
+
+def known_search(
+    *explanations: Explanation, best: bool = True, explainable: float = 0.0, null: float = 0.0
+) -> SearchResult:
+    """What a search found: these explanations, of which the first is the best unless none is; its threshold is 30."""
+    return SearchResult(explanations, explanations[0] if best else None, 30.0, explainable, null, Screen(()))
+
+
+def to_and_fro() -> Track:
+    """Four seconds to and fro at 0.4 rad/s, two at rest, and four to and fro again."""
+    t = np.arange(10_000) * 1e-3
+    moving = (t < 4.0) | (t >= 6.0)
+    position = np.cumsum(0.4 * np.sign(np.sin(2.0 * np.pi * 0.5 * t)) * moving) * 1e-3
+    return Track.build(1e-3, position, np.zeros_like(t))
+
+
+def known_baseline(track: Track | None = None, *, loudness: float = 1.0, structured: bool = False) -> Baseline:
+    """A base without anything to fit, whose residual is everywhere so many times that of its nulls.
+
+    Args:
+        track: The recording; that of `to_and_fro` if not given.
+        loudness: The ratio.
+        structured: Whether its residual swings as no null does.
+    """
+    problem = build_problem([to_and_fro() if track is None else track], PLANT, Observer())
+    seen = problem.observe([Job(problem.tracks[0], PLANT, Contribution())])
+    structure, rows = Structure(tuple(build_contexts(problem, PLANT, seen, {}))), problem.grids[0].centres.size
+    weights = Weights((np.zeros(rows),), (np.ones(rows),), np.ones(1))
+    theta, residual = pack(PLANT), np.full(rows, loudness)
+    size = theta.size
+    box = Box(theta - 9.0, theta + 9.0, np.ones(size), theta, np.eye(size), np.ones(size))
+    fit = Fit(theta, residual, np.zeros((rows, size)), float(residual @ residual))
+    nulls = Nulls((np.ones((2, rows)),), weights)
+    return Baseline(replace(problem, weights=weights), structure, fit, box, nulls, structured=structured)
+
+
+def known_fit(prepared: Baseline, names: Sequence[str], gain: float, **more: Any) -> Explanation:
+    """An explanation by the effects `names` that starts where they do, beside a base; `more` as in `known`."""
+    structure = Structure(prepared.structure.contexts, tuple(Candidate(name, ()) for name in names))
+    theta, residual = np.concatenate([prepared.fit.theta, structure.build_start()]), prepared.fit.residual
+    fit = Fit(theta, residual, np.zeros((residual.size, theta.size)), float(residual @ residual))
+    return replace(Explanation(structure, fit, prepared.box, gain, gain, 0.9), **more)
+
+
+def known_case(prepared: Baseline, found: SearchResult | None = None, **more: Any) -> Case:
+    """A case about a base; `more` are its other attributes."""
+    track = prepared.problem.tracks[0]
+    time = np.arange(track.size, dtype=np.float64) * np.float64(track.dt)
+    recording = Recording(time, track.position, track.torque)
+    plain = Case((recording,), prepared, known_search(best=False) if found is None else found, None, None, 0)
+    return replace(plain, **more)
+
+
+def known_findings(prepared: Baseline, case: Case | None = None, **more: Any) -> Findings:
+    """Findings of a base that leaves nothing to name; `more` are their other attributes."""
+    size, (series,) = prepared.fit.theta.size, collect_rows(prepared, [prepared.fit.residual], [prepared.fit.residual])
+    plain = Findings(
+        case=known_case(prepared) if case is None else case,
+        trial=Trial(),
+        unknown=False,
+        refitted=Refitted(prepared.structure, prepared.fit, np.eye(size)),
+        base={},
+        held=Confirmation(1.0, 1.0, 1.0, (0.0, 0.0), 0.0),
+        noise_ratio=1.0,
+        comparison=Comparison(),
+        parts=(),
+        effects=(),
+        lag=None,
+        location={},
+        series=(series,),
+        maps={},
+        orders={},
+        change_points=((),),
+        told_apart=Distinguishability((), []),
+    )
     return replace(plain, **more)

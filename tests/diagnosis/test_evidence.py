@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from types import SimpleNamespace
-from typing import Any, cast
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -13,15 +11,15 @@ from scipy.linalg import solve_toeplitz
 from scipy.ndimage import binary_dilation
 from scipy.signal import lfilter
 
-from fricomp.diagnosis.effects.structure import N_BASE, Candidate, Structure, _compute_contributions
-from fricomp.diagnosis.evidence.alias import aliases
-from fricomp.diagnosis.evidence.confirmation import Confirmation, _folds, _held_out, covariance
-from fricomp.diagnosis.evidence.gates import confirmed, covers, stands_out
-from fricomp.diagnosis.inputs.track import FloatArray, Track
-from fricomp.diagnosis.joint.observer import Contribution, Observer, Plant
-from fricomp.diagnosis.joint.problem import build_problem
+from fricomp.diagnosis.effects.structure import N_BASE, Structure, _compute_contributions
+from fricomp.diagnosis.evidence.alias import list_aliases
+from fricomp.diagnosis.evidence.confirmation import Confirmation, _predict_held_out, _split_folds, compute_covariance
+from fricomp.diagnosis.evidence.gates import covers, is_confirmed, stands_out
+from fricomp.diagnosis.inputs.track import FloatArray
+from fricomp.diagnosis.joint.observer import Contribution, Observer
+from fricomp.diagnosis.joint.problem import Problem, build_problem
 from fricomp.diagnosis.joint.solver import Box, Fit
-from fricomp.diagnosis.search.explanation import Explanation, _compute_left, compute_evidence
+from fricomp.diagnosis.search.explanation import _compute_left, compute_evidence
 from fricomp.diagnosis.search.preparation import (
     Baseline,
     _build_colour_filter,
@@ -29,25 +27,13 @@ from fricomp.diagnosis.search.preparation import (
     _correlate,
     _predict_stably,
 )
-from fricomp.diagnosis.search.search import SearchResult
 
-from .known import fit_of, known
-
-_PLANT = Plant(0.3, (1.0, 6.0), 0.0, (2.0, 2.6, 0.05, 1.0), (2.0, 2.6, 0.05, 1.0), 4e4)
-
-
-def _track() -> Track:
-    """Four seconds to and fro at 0.4 rad/s, two at rest, and four to and fro again."""
-    t = np.arange(10_000) * 1e-3
-    moving = (t < 4.0) | (t >= 6.0)
-    position = np.cumsum(0.4 * np.sign(np.sin(2.0 * np.pi * 0.5 * t)) * moving) * 1e-3
-    return Track.build(1e-3, position, np.zeros_like(t))
+from .known import PLANT, fit_of, known, known_baseline, known_search, to_and_fro
 
 
 @pytest.fixture(scope="module")
 def prepared() -> Baseline:
-    none = cast(Any, None)
-    return Baseline(build_problem([_track()], _PLANT, Observer()), none, none, none, none)
+    return known_baseline()
 
 
 def test_rows_whose_window_touches_rest_do_not_slide(prepared: Baseline) -> None:
@@ -93,40 +79,37 @@ def test_no_row_counts_for_more_than_three_deviations(prepared: Baseline) -> Non
 
 
 @dataclass(frozen=True)
-class _Known:
+class _Line(Structure):
     """A structure whose residual is `bend` of a line in its parameters."""
 
-    table: FloatArray
-    torque: FloatArray
+    table: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
+    torque: FloatArray = field(default_factory=lambda: np.zeros(0))
     bend: float = 0.0
-    candidates: tuple[Candidate, ...] = ()
 
-    def compute_residuals(self, _: object, points: Sequence[FloatArray]) -> list[FloatArray]:
+    def compute_residuals(self, problem: Problem, points: Sequence[FloatArray]) -> list[FloatArray]:
         return [self.table @ p - self.torque + self.bend * np.abs(p).sum() for p in points]
 
 
-def _held(structure: _Known, theta: FloatArray) -> FloatArray:
+def _predict(line: _Line, theta: FloatArray) -> FloatArray:
     size = theta.size
     box = Box(-np.full(size, 9.0), np.full(size, 9.0), np.ones(size), np.zeros(size), np.eye(size), np.ones(size))
-    prepared = cast(Baseline, SimpleNamespace(problem=None, box=box))
-    return _held_out(
-        prepared, cast(Any, structure), Fit(theta, np.zeros(0), structure.table, 0.0), _folds([structure.torque.size])
-    )
+    fit = Fit(theta, np.zeros(0), line.table, 0.0)
+    return _predict_held_out(replace(known_baseline(), box=box), line, fit, _split_folds([line.torque.size]))
 
 
 def test_a_line_leaves_what_a_fit_to_the_other_blocks_leaves() -> None:
     rng = np.random.default_rng(0)
     table, torque = 3.0 * rng.standard_normal((600, 3)), rng.standard_normal(600)
     theta = np.asarray(np.linalg.lstsq(table, torque, rcond=None)[0], dtype=np.float64)
-    found = _held(_Known(table, torque), theta)
-    for train, test in _folds([600]):
+    found = _predict(_Line((), (), table, torque), theta)
+    for train, test in _split_folds([600]):
         fitted = np.linalg.lstsq(table[train], torque[train], rcond=None)[0]
         np.testing.assert_allclose(found[test], table[test] @ fitted - torque[test], atol=1e-3)
 
 
 @pytest.mark.parametrize(("rows", "blocks"), [(300, 1), (600, 1), (800, 2), (1209, 3), (4959, 6)])
 def test_folds_hold_several_blocks_and_a_gap_about_each(rows: int, blocks: int) -> None:
-    folds = _folds([rows])
+    folds = _split_folds([rows])
     assert len(folds) == 6
     np.testing.assert_array_equal(sum(test.astype(int) for _, test in folds), np.ones(rows))
     for train, test in folds:
@@ -144,7 +127,7 @@ def _covered(noise: FloatArray) -> float:
     for one in noise:
         theta = np.asarray(np.linalg.lstsq(table, one, rcond=None)[0], dtype=np.float64)
         residual = table @ theta - one
-        deviation = np.sqrt(np.diag(covariance(Fit(theta, residual, table, float(residual @ residual)), box)))
+        deviation = np.sqrt(np.diag(compute_covariance(Fit(theta, residual, table, float(residual @ residual)), box)))
         held.append(np.abs(theta) < 1.96 * deviation)
     return float(np.mean(held))
 
@@ -160,12 +143,12 @@ def test_intervals_hold_the_truth_in_white_noise_and_in_what_leans_for_a_while()
 def test_a_step_by_which_its_own_rows_lose_is_not_taken() -> None:
     rng = np.random.default_rng(1)
     table, torque = rng.standard_normal((600, 2)), rng.standard_normal(600)
-    bent = _Known(table, torque, bend=50.0)
-    np.testing.assert_array_equal(_held(bent, np.zeros(2)), -torque)
+    bent = _Line((), (), table, torque, bend=50.0)
+    np.testing.assert_array_equal(_predict(bent, np.zeros(2)), -torque)
 
 
 def test_three_recordings_are_left_out_whole() -> None:
-    folds = _folds([50, 70, 60])
+    folds = _split_folds([50, 70, 60])
     assert [int(np.sum(test)) for _, test in folds] == [50, 70, 60]
     assert all(np.array_equal(train, np.logical_not(test)) for train, test in folds)
 
@@ -188,12 +171,12 @@ def test_a_fall_is_sure_over_blocks_or_by_its_size(
     low: float, explained: float, certain: float, after: float, loudness: float, sure: bool
 ) -> None:
     held = Confirmation(1.0, after, 0.78, (low, 0.5), explained)
-    assert confirmed(held, known(("backlash",), 500.0, certain=certain), 50.0, loudness) == sure
+    assert is_confirmed(held, known(("backlash",), 500.0, certain=certain), 50.0, loudness) == sure
 
 
 def test_samples_are_cut_finely_where_a_bristle_may_be_stretched() -> None:
-    problem = build_problem([_track()], _PLANT, Observer())
-    stiff, soft = (problem.cut_samples_for(replace(_PLANT, sigma_0=one)).tracks[0].substeps for one in (4e5, 1e4))
+    problem = build_problem([to_and_fro()], PLANT, Observer())
+    stiff, soft = (problem.cut_samples_for(replace(PLANT, sigma_0=one)).tracks[0].substeps for one in (4e5, 1e4))
     assert stiff.min() == soft.min() >= 2
     assert stiff.max() > soft.max() > 2
     assert np.all(stiff >= soft)
@@ -201,9 +184,9 @@ def test_samples_are_cut_finely_where_a_bristle_may_be_stretched() -> None:
     assert np.all(stiff[(time > 3.99) & (time < 6.01)] == stiff.max())  # at rest, and 10 ms about it
     assert np.all(stiff[np.abs(time - 2.0) < 0.01] == stiff.max())  # where it turns
     assert np.all(stiff[(time > 2.1) & (time < 2.9)] == stiff.min())
-    longest = 1e-3 / stiff.max() * np.sqrt((3.0 * 4e5 + problem.gains[0]) / _PLANT.inertia)
+    longest = 1e-3 / stiff.max() * np.sqrt((3.0 * 4e5 + problem.gains[0]) / PLANT.inertia)
     assert longest <= problem.observer.step
-    np.testing.assert_array_equal(problem.tracks[0].substeps, problem.cut_samples_for(_PLANT).tracks[0].substeps)
+    np.testing.assert_array_equal(problem.tracks[0].substeps, problem.cut_samples_for(PLANT).tracks[0].substeps)
 
 
 def test_what_lies_mostly_about_rest_speaks_for_no_effect_of_sliding(prepared: Baseline) -> None:
@@ -235,32 +218,31 @@ def test_the_residuals_own_colour_never_makes_a_filter_that_grows(shift: tuple[f
         np.testing.assert_array_equal(extra, solve_toeplitz([1.0, *shift[:-1]], shift))
 
 
-def _found(best: Explanation, *rivals: Explanation, null: float = 0.0) -> SearchResult:
-    return SearchResult((best, *rivals), best, 30.0, 0.0, null, cast(Any, None))
-
-
 @pytest.mark.parametrize(("left", "null", "printed"), [(0.0, 0.0, False), (0.0, 25.0, True), (25.0, 0.0, True)])
 def test_a_set_is_as_wide_as_what_the_best_explanation_leaves(left: float, null: float, printed: bool) -> None:
     best = known(("load_coulomb",), 1000.0, left=left)
     rival = known(("load_quadratic",), 980.0)
-    assert aliases(_found(best, rival, null=null), "load_coulomb") == (("load_quadratic",) if printed else ())
+    assert list_aliases(known_search(best, rival, null=null), "load_coulomb") == (
+        ("load_quadratic",) if printed else ()
+    )
 
 
 def test_a_set_is_never_wider_than_another_form_of_a_law() -> None:
     best = known(("load_coulomb",), 1000.0, left=500.0)
     rival = known(("load_quadratic",), 960.0)
-    assert aliases(_found(best, rival), "load_coulomb") == ()
+    assert list_aliases(known_search(best, rival), "load_coulomb") == ()
 
 
 @pytest.mark.parametrize("seen", ["sliding", "about rest"])
 def test_the_form_of_the_bristle_is_not_held_against_an_explanation(seen: str, prepared: Baseline) -> None:
     rows = prepared.sliding if seen == "sliding" else np.logical_not(prepared.sliding)
     generic = rows[:, None] / np.sqrt(np.sum(rows))
-    known = cast(Baseline, SimpleNamespace(generic=generic, sliding=prepared.sliding))
+    base = known_baseline()
+    base.__dict__["generic"] = generic  # as if its splines were this one column
     energy = 0.2 * float(np.sum(rows))
-    left = _compute_left(known, fit_of(np.sqrt(0.2) * rows))
+    left = _compute_left(base, fit_of(np.sqrt(0.2) * rows))
     assert left == pytest.approx(energy - 1.0 if seen == "sliding" else 0.0)
-    loud = _compute_left(known, fit_of(rows.astype(float)))
+    loud = _compute_left(base, fit_of(rows.astype(float)))
     allowed = 0.0 if seen == "sliding" else 0.3 * float(np.sum(rows))
     assert loud == pytest.approx(np.sum(rows) - 1.0 - allowed)
 
@@ -279,8 +261,7 @@ def test_the_form_of_the_bristle_is_not_held_against_an_explanation(seen: str, p
 )
 def test_what_is_named_covers_the_mismatch(coverage: float, left: float, certain: float, named: bool) -> None:
     best = known(("cogging",), 100.0, certain=certain, coverage=coverage, left=left)
-    base = cast(Baseline, SimpleNamespace(fit=fit_of(np.zeros(1000))))
-    assert covers(best, _found(best, null=20.0), base) == named
+    assert covers(best, known_search(best, null=20.0), known_baseline()) == named
 
 
 @pytest.mark.parametrize(
@@ -299,8 +280,8 @@ def test_what_is_named_covers_the_mismatch(coverage: float, left: float, certain
 def test_something_smooth_or_swinging_that_is_heard_is_unknown(
     ratio: float, structured: bool, explainable: float, null: float, unknown: bool
 ) -> None:
-    found = SearchResult((), None, 30.0, explainable, null, cast(Any, None))
-    base = cast(Baseline, SimpleNamespace(fit=fit_of(np.zeros(2000)), noise_ratio=ratio, structured=structured))
+    found = known_search(best=False, explainable=explainable, null=null)
+    base = known_baseline(loudness=ratio, structured=structured)
     assert stands_out(found, base) == unknown
 
 

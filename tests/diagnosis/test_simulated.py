@@ -9,11 +9,8 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis import RigidJoint, diagnose_against
-from fricomp.diagnosis.diagnose import with_remarks
-from fricomp.diagnosis.effects.shared_effect import remove_known
 from fricomp.diagnosis.inputs.track import FloatArray
-from fricomp.diagnosis.record.result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord
-from fricomp.diagnosis.simulated import motion_remarks
+from fricomp.diagnosis.simulated import compare_motions
 from fricomp.diagnosis.simulated_joint import SimulatedJoint, read_simulated
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
@@ -33,20 +30,15 @@ _WAVE = np.sin(3.0 * _TIME)
 
 @pytest.mark.parametrize("tracking", [0.0, 0.05])
 def test_the_same_motion_is_not_remarked(tracking: float) -> None:
-    assert motion_remarks([_moved(_WAVE)], _moved(np.sin(3.0 * _TIME - tracking))) == ()
+    assert compare_motions([_moved(_WAVE)], _moved(np.sin(3.0 * _TIME - tracking))) == ()
 
 
 def test_a_shorter_one_and_another_motion_are_told() -> None:
-    (shorter,) = motion_remarks([_moved(_WAVE)], _moved(_WAVE, 9.0))
+    (shorter,) = compare_motions([_moved(_WAVE)], _moved(_WAVE, 9.0))
     assert "lasts 9 s and the recording 20 s" in shorter
-    (other,) = motion_remarks([_moved(_WAVE)], _moved(np.sin(2.0 * _TIME + 1.0)))
+    (other,) = compare_motions([_moved(_WAVE)], _moved(np.sin(2.0 * _TIME + 1.0)))
     assert "another motion" in other
-    assert motion_remarks([_moved(np.cos(2.0 * _TIME)), _moved(_WAVE)], _moved(_WAVE)) == ()
-
-
-def test_remarks_come_last() -> None:
-    record = DiagnosisRecord(schema=DIAGNOSIS_SCHEMA, verdict="consistent", sentences=("first",))
-    assert with_remarks(Diagnosis(record), ("last",)).sentences == ("first", "last")
+    assert compare_motions([_moved(np.cos(2.0 * _TIME)), _moved(_WAVE)], _moved(_WAVE)) == ()
 
 
 # The real joint sticks, and the simulator's creeps as by default: neither its form of friction nor the lack of noise in
@@ -101,7 +93,7 @@ def test_what_the_simulation_lacks_is_named_and_what_it_has_is_not() -> None:
     assert missing.verdict == "missing_physics", missing.sentences
     assert [effect.name for effect in missing.effects] == ["cogging"]
     with_cogging = simulated(replace(_REAL, cogging=0.6), "rests", duration=_SECONDS)
-    both = remove_known(missing, read_simulated(with_cogging, [_real()]).effects)
+    both = diagnose_against(_real(cogging=0.6), with_cogging)
     assert both.verdict == "consistent", both.sentences
     assert "The simulation shows cogging as well" in both.sentences[-1]
 

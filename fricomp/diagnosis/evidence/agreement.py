@@ -17,10 +17,10 @@ from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from ..search.refit import LAST_STEPS, compute_preference, fit_from, polish
 from ..search.search import SearchResult
-from .alias import CLOSE, alternatives, as_good, told
+from .alias import CLOSE, is_as_good, list_alternatives, list_printed_rivals
 from .comparison import AGREES, NAMED, Doubt
 
-__all__ = ["agreeing", "hold", "moved_to"]
+__all__ = ["hold", "move_to", "prefer_agreeing"]
 
 _LEAST_GRAVITY = 0.4  # of the scale in which the base measures gravity: a fiftieth of friction or of gravity itself
 _HELD = 0.002  # relative deviation of inertia and gravity that are held at those of the simulation
@@ -30,7 +30,7 @@ _HIDES = 4.0  # times what a fit leaves, that it may have hidden in inertia and 
 _BENT = "needs another inertia or gravity than the simulation's"
 
 
-def agreeing(
+def prefer_agreeing(
     prepared: Baseline, found: SearchResult, rigid: RigidJoint | None, differs: Callable[[Explanation, Doubt], bool]
 ) -> SearchResult:
     """What was found, with a best explanation that agrees with the simulation where one fits as well.
@@ -52,25 +52,25 @@ def agreeing(
         return found
     if differs(best, AGREES):
         least = best.gain - max(CLOSE, _HIDES * best.left, found.explainable_null)
-        options = [one for one in alternatives(found) if one.gain > least]
+        options = [one for one in list_alternatives(found) if one.gain > least]
         if rigid is not None and rigid.rotary:
-            held = _held(prepared, _near(found, best), rigid)
-            agrees = any(_fits(one, least) and not differs(one, AGREES) for one in held)
-            held = _finished(prepared, held, best, 1 if agrees else _MOST_NEAR)
-            options += [one for one in held if _fits(one, least)]
-        kept = _kept(best, sorted(options, key=lambda explanation: -explanation.gain), differs)
+            held = _fit_held(prepared, _list_near(found, best), rigid)
+            agrees = any(_fits_enough(one, least) and not differs(one, AGREES) for one in held)
+            held = _finish(prepared, held, best, 1 if agrees else _MOST_NEAR)
+            options += [one for one in held if _fits_enough(one, least)]
+        kept = _keep_agreeing(best, sorted(options, key=lambda explanation: -explanation.gain), differs)
         if not kept:
             return found
         others = tuple(e for e in found.explanations if e is not kept[0])
         found = replace(found, best=kept[0], explanations=(kept[0], *others))
-    return found if rigid is None or not rigid.rotary else _without_bent(prepared, found, rigid, differs)
+    return found if rigid is None or not rigid.rotary else _straighten_rivals(prepared, found, rigid, differs)
 
 
-def _fits(one: Explanation, least: float) -> bool:
+def _fits_enough(one: Explanation, least: float) -> bool:
     return one.gain > least and not one.refused
 
 
-def _finished(prepared: Baseline, held: Sequence[Explanation], best: Explanation, number: int) -> list[Explanation]:
+def _finish(prepared: Baseline, held: Sequence[Explanation], best: Explanation, number: int) -> list[Explanation]:
     """The same, the first of them at its minimum, and others too that come near `best`, up to `number` in all.
 
     From its parameters to the simulation's gravity a narrow valley of offset, gravity and friction bends, which a fit
@@ -83,7 +83,7 @@ def _finished(prepared: Baseline, held: Sequence[Explanation], best: Explanation
     return [*polish(prepared, ends, iterations=LAST_STEPS), *rest] if ends else rest
 
 
-def _kept(
+def _keep_agreeing(
     best: Explanation, options: Sequence[Explanation], differs: Callable[[Explanation, Doubt], bool]
 ) -> list[Explanation]:
     """The options that leave the simulation as it is, or as nearly as a law of another form can, where it can."""
@@ -91,24 +91,24 @@ def _kept(
     return plain if plain or not differs(best, NAMED) else [one for one in options if not differs(one, NAMED)]
 
 
-def _without_bent(
+def _straighten_rivals(
     prepared: Baseline, found: SearchResult, rigid: RigidJoint, differs: Callable[[Explanation, Doubt], bool]
 ) -> SearchResult:
     """What was found, each rival that moves the simulation as it fits with the simulation's parameters, or refused."""
     best = found.best
-    bent = [rival for rival in told(found) if differs(rival, AGREES)]
+    bent = [rival for rival in list_printed_rivals(found) if differs(rival, AGREES)]
     if best is None or not bent:
         return found
     straight: dict[tuple[str, ...], Explanation] = {}
-    for one in _held(prepared, list({rival.names: rival for rival in bent}.values()), rigid):
-        if not one.refused and as_good(one, best) and not differs(one, AGREES):
+    for one in _fit_held(prepared, list({rival.names: rival for rival in bent}.values()), rigid):
+        if not one.refused and is_as_good(one, best) and not differs(one, AGREES):
             straight[one.names] = max(one, straight.get(one.names, one), key=lambda e: e.gain)
     rest = [replace(e, refused=_BENT) if e in bent else e for e in found.explanations if e is not best]
     rest = sorted([*rest, *straight.values()], key=lambda e: -e.gain)
     return replace(found, explanations=(best, *rest))
 
 
-def _near(found: SearchResult, best: Explanation) -> list[Explanation]:
+def _list_near(found: SearchResult, best: Explanation) -> list[Explanation]:
     """The best explanation and others that come near it, of each set of effects the best one."""
     near = {best.names: best}
     for rival in found.explanations:
@@ -117,19 +117,19 @@ def _near(found: SearchResult, best: Explanation) -> list[Explanation]:
     return list(near.values())[:_MOST_NEAR]
 
 
-def _held(prepared: Baseline, near: Sequence[Explanation], rigid: RigidJoint) -> list[Explanation]:
+def _fit_held(prepared: Baseline, near: Sequence[Explanation], rigid: RigidJoint) -> list[Explanation]:
     """The effects of each explanation in all their forms, with inertia and gravity held at those of the simulation."""
     box = hold(prepared.box, rigid)
     wanted = []
     for one in near:
-        theta = moved_to(box.centre[:3], one.fit.theta[:N_BASE], one.structure.contexts)
+        theta = move_to(box.centre[:3], one.fit.theta[:N_BASE], one.structure.contexts)
         settled = sorted(one.settled, key=lambda candidate: candidate.name)
-        forms = [[candidate, *_others(one.structure.contexts, candidate.name)] for candidate in settled]
+        forms = [[candidate, *_list_other_forms(one.structure.contexts, candidate.name)] for candidate in settled]
         wanted += [(candidates, theta) for candidates in islice(product(*forms), _MOST_STARTS)]
     return fit_from(prepared, wanted, box)
 
 
-def moved_to(body: FloatArray, theta: FloatArray, contexts: Sequence[Context]) -> FloatArray:
+def move_to(body: FloatArray, theta: FloatArray, contexts: Sequence[Context]) -> FloatArray:
     """The base `theta` with the log inertia and gravity of `body`, shape (3,), and the same mean torque. Shape (p,).
 
     Over a short range gravity is nearly constant, and what it was taken to be too large stands in the offset. A fit
@@ -142,7 +142,7 @@ def moved_to(body: FloatArray, theta: FloatArray, contexts: Sequence[Context]) -
     return result
 
 
-def _others(contexts: Sequence[Context], name: str) -> list[Candidate]:
+def _list_other_forms(contexts: Sequence[Context], name: str) -> list[Candidate]:
     starts = EFFECTS[name].propose_other_starts(contexts)
     return [Candidate(name, tuple(start.items())) for start in starts if any(start.values())]
 

@@ -10,7 +10,7 @@ from ..search.preparation import Baseline
 from ..search.screening import Screen, orthonormalise
 from ..search.search import SearchResult
 
-__all__ = ["CLOSE", "aliases", "alternatives", "as_good", "distinguishability", "told"]
+__all__ = ["CLOSE", "compare_effects", "is_as_good", "list_aliases", "list_alternatives", "list_printed_rivals"]
 
 CLOSE = 12.0
 """Gain within which two explanations count as equally good."""
@@ -18,7 +18,7 @@ CLOSE = 12.0
 _FORM = 0.03  # of the gain, that a law of slightly another form may lack
 
 
-def aliases(found: SearchResult, name: str) -> tuple[str, ...]:
+def list_aliases(found: SearchResult, name: str) -> tuple[str, ...]:
     """Effects that could stand in the place of `name` in the best explanation."""
     best = found.best
     if best is None:
@@ -26,41 +26,41 @@ def aliases(found: SearchResult, name: str) -> tuple[str, ...]:
     others = set(best.names) - {name}
     # Where the best one leaves nothing its form is right, and a worse rival's is not.
     least = best.gain - max(CLOSE, best.left, found.explainable_null)
-    rivals = [rival for rival in alternatives(found) if rival.gain > least and others <= set(rival.names)]
+    rivals = [rival for rival in list_alternatives(found) if rival.gain > least and others <= set(rival.names)]
     return tuple(sorted({next(iter(set(rival.names) - others)) for rival in rivals}))
 
 
-def told(found: SearchResult) -> list[Explanation]:
+def list_printed_rivals(found: SearchResult) -> list[Explanation]:
     """Rivals with an effect that is told as what a named one cannot be told from, best first."""
     own = found.best.names if found.best is not None else ()
-    others = {alias for name in own for alias in aliases(found, name)}
-    return [rival for rival in alternatives(found) if others & (set(rival.names) - set(own))]
+    others = {alias for name in own for alias in list_aliases(found, name)}
+    return [rival for rival in list_alternatives(found) if others & (set(rival.names) - set(own))]
 
 
-def alternatives(found: SearchResult) -> list[Explanation]:
+def list_alternatives(found: SearchResult) -> list[Explanation]:
     """Explanations by other effects, as many of them, that fit about as well as the best one, best first."""
     best = found.best
     if best is None:
         return []
     alike = (e for e in found.explanations if len(e.names) == len(best.names) and e.names != best.names)
-    return [rival for rival in alike if not rival.refused and as_good(rival, best)]
+    return [rival for rival in alike if not rival.refused and is_as_good(rival, best)]
 
 
-def as_good(rival: Explanation, best: Explanation) -> bool:
+def is_as_good(rival: Explanation, best: Explanation) -> bool:
     """Whether an explanation fits about as well as the best one."""
     return rival.gain > best.gain - max(CLOSE, _FORM * best.gain)
 
 
-def distinguishability(prepared: Baseline, screened: Screen) -> Distinguishability:
+def compare_effects(prepared: Baseline, screened: Screen) -> Distinguishability:
     """One minus R² of each effect by each other, after the base is refitted."""
     best = screened.select_best()
     names = tuple(sorted(best))
     spans = [best[name].span for name in names]
-    matrix = [[_distance(a, b) for b in spans] for a in spans]
+    matrix = [[_measure_distance(a, b) for b in spans] for a in spans]
     return Distinguishability(names, matrix)
 
 
-def _distance(a: np.ndarray, b: np.ndarray) -> float:
+def _measure_distance(a: np.ndarray, b: np.ndarray) -> float:
     if a.shape[1] == 0 or b.shape[1] == 0:
         return 1.0
     overlap = float(np.sum((orthonormalise(b).T @ a) ** 2)) / a.shape[1]

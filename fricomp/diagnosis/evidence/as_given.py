@@ -38,7 +38,7 @@ def fit_as_given(
     """
     theta = prepared.fit.theta
     offset = 0.0 if rigid is None else rigid.offset
-    fixed = _rigid_values(names, rigid) | _uneven_values(names, theta, friction, offset)
+    fixed = _list_rigid_values(names, rigid) | _list_uneven_values(names, theta, friction, offset)
     if not fixed:
         return None
     if rigid is not None:  # over a short range gravity would take up a constant torque
@@ -54,14 +54,14 @@ def fit_as_given(
     return replace(fit, jacobian=jacobian)
 
 
-def _rigid_values(names: Collection[str], rigid: RigidJoint | None) -> dict[str, float]:
+def _list_rigid_values(names: Collection[str], rigid: RigidJoint | None) -> dict[str, float]:
     if rigid is None:
         return {}
     given = dict(zip(BASE_NAMES, (float(np.log(rigid.inertia)), *rigid.gravity), strict=False))
     return {slot: given[slot] for name in names for slot in _RIGID.get(name, ())}
 
 
-def _uneven_values(
+def _list_uneven_values(
     names: Collection[str], theta: FloatArray, friction: FrictionModel | None, offset: float
 ) -> dict[str, float]:
     """The given offset, and the given difference of the directions about the level that was found: a joint that slides

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..inputs.track import FloatArray
 from ..joint.observer import Plant
-from ..record.result import Change, NamedEffect, Quantity
+from ..record.result import Change, Kind, Quantity
 
 __all__ = [
     "AGREES",
@@ -20,12 +20,12 @@ __all__ = [
     "UNEXPLAINED",
     "Comparison",
     "Doubt",
-    "beside",
-    "body_strays",
-    "change",
-    "inertia_strays",
-    "parameter_effect",
-    "weigh",
+    "Shift",
+    "compute_body_strays",
+    "compute_doubt",
+    "compute_inertia_stray",
+    "describe_change",
+    "weigh_hypotheses",
 ]
 
 SIGNIFICANT = 25.0
@@ -71,14 +71,42 @@ UNEXPLAINED = Doubt(inertia=0.02, accelerating=4e-4, gravity=0.01, sliding=0.02,
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """Parameters that differ from the given ones."""
+class Shift:
+    """A parameter of the simulation, or of the recorded signals, that is not as it was given.
 
-    effects: tuple[NamedEffect, ...] = ()
+    Attributes:
+        name: Of the effect in the catalogue.
+        parameters: By how much it is off.
+        sentence: What that means, in words.
+        kind: "parameter" or "measurement".
+        alike: Other names for the same shift.
+        equation: Its equation; empty where the sentence says it.
+        citation: Key in the list of references; empty where no source is needed.
+    """
+
+    name: str
+    parameters: dict[str, Quantity]
+    sentence: str
+    kind: Kind = "parameter"
+    alike: tuple[str, ...] = ()
+    equation: str = ""
+    citation: str = ""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What differs from the given simulation and friction.
+
+    Attributes:
+        shifts: By the names of the catalogue.
+        changes: The parameters behind them, beside the given ones.
+    """
+
+    shifts: tuple[Shift, ...] = ()
     changes: tuple[Change, ...] = ()
 
 
-def beside(noise_ratio: float) -> Doubt:
+def compute_doubt(noise_ratio: float) -> Doubt:
     """Doubt beside named effects that make the base's residual so many times its noise.
 
     A law of slightly another form leaves a part of the effect's size, so that parameters stray the less, the weaker the
@@ -89,23 +117,23 @@ def beside(noise_ratio: float) -> Doubt:
     return replace(Doubt(*between), known=NAMED.known)
 
 
-def inertia_strays(plant: Plant, doubt: Doubt, acceleration: float) -> float:
+def compute_inertia_stray(plant: Plant, doubt: Doubt, acceleration: float) -> float:
     """Standard deviation of log inertia beyond what the fit knows of its own error."""
     accelerating = doubt.accelerating * plant.level / max(plant.inertia * acceleration, 1e-12)
     return float(np.hypot(doubt.inertia, accelerating))
 
 
-def body_strays(plant: Plant, gravity: float, doubt: Doubt, acceleration: float) -> FloatArray:
+def compute_body_strays(plant: Plant, gravity: float, doubt: Doubt, acceleration: float) -> FloatArray:
     """Standard deviations of log inertia and both gravity coefficients, whose amplitude is `gravity`, beyond what the
     fit knows of its own error. Shape (3,).
 
     Gravity far below friction says nothing about a gain: the floor keeps chi squared from tiny biases.
     """
     least = max(float(np.hypot(doubt.gravity * gravity, doubt.sliding * plant.level)), 1e-12)
-    return np.array([inertia_strays(plant, doubt, acceleration), least, least])
+    return np.array([compute_inertia_stray(plant, doubt, acceleration), least, least])
 
 
-def weigh(
+def weigh_hypotheses(
     shift: FloatArray, weight: FloatArray, hypotheses: dict[str, FloatArray]
 ) -> tuple[dict[str, float], dict[str, FloatArray]]:
     """Chi squared that each hypothesis leaves of `shift`, with a penalty for its parameters, and those.
@@ -125,12 +153,7 @@ def weigh(
     return scores, fitted
 
 
-def change(name: str, given: float, refitted: float, deviation: float, unit: str) -> Change:
+def describe_change(name: str, given: float, refitted: float, deviation: float, unit: str) -> Change:
     """A parameter beside the given one, with the interval of its standard deviation."""
     half = 1.96 * deviation
     return Change(name=name, given=given, refitted=Quantity(refitted, unit, (refitted - half, refitted + half)))
-
-
-def parameter_effect(name: str, kind: str, parameters: dict[str, Quantity], sentence: str) -> NamedEffect:
-    """What a comparison names."""
-    return NamedEffect(name=name, kind=kind, parameters=parameters, sentence=sentence)  # type: ignore[arg-type]

@@ -13,7 +13,7 @@ from ..inputs.track import FloatArray
 from ..joint.solver import Box, Fit, raise_diagonal
 from ..search.preparation import Baseline
 
-__all__ = ["Confirmation", "confirm", "covariance"]
+__all__ = ["Confirmation", "compute_covariance", "confirm"]
 
 _FOLDS, _BLOCKS = 6, 6  # and blocks of each, so that the others hold what is alike: a sweep meets each speed once
 _SHORTEST = 60  # rows of a block
@@ -55,17 +55,17 @@ def confirm(prepared: Baseline, structure: Structure, fit: Fit, seed: int, *, gi
         seed: Of the bootstrap.
         given: The base with parameters as given, where the error is to be counted from there.
     """
-    folds = _folds([grid.centres.size for grid in prepared.problem.grids])
+    folds = _split_folds([grid.centres.size for grid in prepared.problem.grids])
     base = prepared.fit if given is None else given
-    before = _held_out(prepared, prepared.structure, base, folds)
-    after = before if fit is base else _held_out(prepared, structure, fit, folds)
+    before = _predict_held_out(prepared, prepared.structure, base, folds)
+    after = before if fit is base else _predict_held_out(prepared, structure, fit, folds)
     energy_before, energy_after = before**2, after**2
-    unit = _typical_noise(prepared)
+    unit = _measure_typical_noise(prepared)
     # Nulls are fitted to all of their rows; on rows that took no part they would leave this much more.
     rows, freedom = before.size, prepared.fit.theta.size
     left = np.mean([np.mean(null**2) for null in prepared.null_residuals])
     floor = unit * float(np.sqrt(left * (rows + freedom) / (rows - freedom)))
-    blocks = _blocks(before.size)
+    blocks = _split_blocks(before.size)
     b = np.array([energy_before[k].sum() for k in blocks])
     a = np.array([energy_after[k].sum() for k in blocks])
     draws = np.random.default_rng(seed).integers(0, len(blocks), (_BOOTSTRAPS, len(blocks)))
@@ -86,14 +86,14 @@ def confirm(prepared: Baseline, structure: Structure, fit: Fit, seed: int, *, gi
     )
 
 
-def _typical_noise(prepared: Baseline) -> float:
+def _measure_typical_noise(prepared: Baseline) -> float:
     """Median over all rows of the standard deviation between nulls [N·m]."""
     nulls = prepared.nulls
     squares = [np.mean((r - m) ** 2, axis=0) for r, m in zip(nulls.rows, nulls.weights.mean, strict=True)]
     return float(np.sqrt(np.median(np.concatenate(squares))))
 
 
-def _folds(sizes: list[int]) -> list[tuple[FloatArray, FloatArray]]:
+def _split_folds(sizes: list[int]) -> list[tuple[FloatArray, FloatArray]]:
     """Masks of training and test rows: whole recordings where there are three or more, else blocks with gaps."""
     total, ends, number = sum(sizes), np.cumsum([0, *sizes]), len(sizes)
     cuts = [(int(a), int(b), 0) for a, b in pairwise(ends)]
@@ -109,7 +109,7 @@ def _folds(sizes: list[int]) -> list[tuple[FloatArray, FloatArray]]:
     return folds
 
 
-def _held_out(
+def _predict_held_out(
     prepared: Baseline,
     structure: Structure,
     fit: Fit,
@@ -122,7 +122,7 @@ def _held_out(
     """
     theta, residual = fit.theta, structure.compute_residuals(prepared.problem, [fit.theta])[0]
     box = prepared.box.join(structure.build_box()) if structure.candidates else prepared.box
-    moves = [_move(residual, fit.jacobian, box, train) for train, _ in folds]
+    moves = [_compute_move(residual, fit.jacobian, box, train) for train, _ in folds]
     values = structure.compute_residuals(
         prepared.problem, [box.clip(theta + part * move) for move in moves for part in _PARTS]
     )
@@ -135,7 +135,7 @@ def _held_out(
     return result
 
 
-def _move(residual: FloatArray, jacobian: FloatArray, box: Box, train: FloatArray) -> FloatArray:
+def _compute_move(residual: FloatArray, jacobian: FloatArray, box: Box, train: FloatArray) -> FloatArray:
     """Gauss-Newton step on the rows of `train`, at most one scale long in each parameter. Shape (p,).
 
     A parameter that moves no row is held: so are those that stay as given.
@@ -149,7 +149,7 @@ def _move(residual: FloatArray, jacobian: FloatArray, box: Box, train: FloatArra
     return result
 
 
-def covariance(fit: Fit, box: Box) -> FloatArray:
+def compute_covariance(fit: Fit, box: Box) -> FloatArray:
     """Covariance of base and effect parameters in the solver's coordinates. Shape (p, p).
 
     What a structure does not quite explain counts as noise; where it leans the same way for a second and more, the
@@ -159,7 +159,9 @@ def covariance(fit: Fit, box: Box) -> FloatArray:
     H = A.T @ A + raise_diagonal(box.scaled_precision, 1e-9)
     inverse = np.asarray(np.linalg.pinv(H, hermitian=True), dtype=np.float64)
     loud = max(1.0, float(fit.residual @ fit.residual) / fit.residual.size)
-    leaning = np.array([_leaning(A[rows], inverse, fit.residual[rows]) for rows in _blocks(fit.residual.size)])
+    leaning = np.array(
+        [_sum_leaning(A[rows], inverse, fit.residual[rows]) for rows in _split_blocks(fit.residual.size)]
+    )
     spread = inverse @ (leaning.T @ leaning) @ inverse
     plain = loud * inverse
     wider = np.sqrt(np.maximum(np.diag(spread) / np.maximum(np.diag(plain), 1e-300), 1.0))
@@ -167,7 +169,7 @@ def covariance(fit: Fit, box: Box) -> FloatArray:
     return result
 
 
-def _leaning(A: FloatArray, inverse: FloatArray, residual: FloatArray) -> FloatArray:
+def _sum_leaning(A: FloatArray, inverse: FloatArray, residual: FloatArray) -> FloatArray:
     """Sum over a block of rows, as far as the fit has bent towards them put back: with two dozen blocks and as many
     parameters sums of what is left are a fifth too small. Shape (p,).
     """
@@ -176,6 +178,6 @@ def _leaning(A: FloatArray, inverse: FloatArray, residual: FloatArray) -> FloatA
     return result
 
 
-def _blocks(rows: int) -> list[NDArray[np.int64]]:
+def _split_blocks(rows: int) -> list[NDArray[np.int64]]:
     """Rows of blocks of a second, at least ten of them."""
     return np.array_split(np.arange(rows), max(10, rows // _BLOCK_ROWS))

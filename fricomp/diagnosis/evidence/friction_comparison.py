@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from math import log
 
 import numpy as np
-from msgspec.structs import replace
 from scipy.linalg import block_diag
 
 from fricomp.errors import ParameterError
@@ -17,20 +16,20 @@ from fricomp.model import FrictionModel
 from ..inputs.rigid import RigidJoint
 from ..inputs.track import FloatArray
 from ..joint.observer import Plant
-from ..record.result import Change, NamedEffect, Quantity
+from ..record.result import Change, Quantity
 from .comparison import (
     SIGNIFICANT,
     SIMPLER,
     SPLIT,
     Comparison,
     Doubt,
-    change,
-    inertia_strays,
-    parameter_effect,
-    weigh,
+    Shift,
+    compute_inertia_stray,
+    describe_change,
+    weigh_hypotheses,
 )
 
-__all__ = ["FRICTION_CHANGES", "GivenFriction", "compare_friction", "friction_changes"]
+__all__ = ["FRICTION_CHANGES", "GivenFriction", "compare_friction", "list_friction_changes"]
 
 FRICTION_CHANGES = ("frictionloss", "damping")
 """Changes of a simulation's own friction, by the names that MJCF has for it."""
@@ -82,31 +81,22 @@ def compare_friction(
         return Comparison()
     sides = (forward.coulomb_torque, reverse.coulomb_torque) if given.exact else (plant.forward[0], plant.reverse[0])
     level = max(0.5 * sum(sides), 1e-9)
-    curves = [_numbers(_curve(one)) for one in (forward, reverse)]
-    odd = _odd_shift(plant, covariance, curves, given)
-    strays = _strays(odd, level, doubt, inertia_strays(plant, doubt, acceleration))
-    effects = _uneven(odd, strays, (level, unit))
+    curves = [_list_numbers(_list_curve(one)) for one in (forward, reverse)]
+    odd = _compute_odd_shift(plant, covariance, curves, given)
+    strays = _compute_strays(odd, level, doubt, compute_inertia_stray(plant, doubt, acceleration))
+    shifts = _name_uneven(odd, strays, (level, unit))
     deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    changes = (
-        change(
-            "forward.coulomb_torque",
-            forward.coulomb_torque,
-            plant.forward[0],
-            float(deviations[_FORWARD]),
-            unit,
-        ),
-        change(
-            "reverse.coulomb_torque",
-            reverse.coulomb_torque,
-            plant.reverse[0],
-            float(deviations[_REVERSE]),
-            unit,
-        ),
+    changes = tuple(
+        describe_change(f"{side}.coulomb_torque", curve.coulomb_torque, refitted[0], float(deviations[at]), unit)
+        for side, curve, refitted, at in (
+            ("forward", forward, plant.forward, _FORWARD),
+            ("reverse", reverse, plant.reverse, _REVERSE),
+        )
     )
-    return Comparison(effects, changes if effects else ())
+    return Comparison(shifts, changes if shifts else ())
 
 
-def friction_changes(
+def list_friction_changes(
     plant: Plant, covariance: FloatArray, given: RigidJoint, units: tuple[str, str], doubt: Doubt
 ) -> tuple[Change, ...]:
     """Dry and viscous friction of a simulation beside the refitted ones, where they differ for sure.
@@ -132,7 +122,7 @@ def friction_changes(
         deviation = 0.5 * float(np.sqrt(max(np.sum(covariance[np.ix_(both, both)]), 0.0)))
         stray = float(np.hypot(deviation, doubt.uneven * refitted))
         if (refitted - value) ** 2 > SIGNIFICANT * stray**2:
-            changes.append(change(name, value, refitted, deviation, unit))
+            changes.append(describe_change(name, value, refitted, deviation, unit))
     return tuple(changes)
 
 
@@ -154,11 +144,13 @@ class _Odd:
     gravity: float | None
 
 
-def _odd_shift(plant: Plant, covariance: FloatArray, curves: Sequence[FloatArray], given: GivenFriction) -> _Odd:
+def _compute_odd_shift(
+    plant: Plant, covariance: FloatArray, curves: Sequence[FloatArray], given: GivenFriction
+) -> _Odd:
     body, rigid = np.array([log(plant.inertia), *plant.gravity, plant.offset - given.offset]), given.rigid
     if rigid is not None:
         body[:_LEVELS] -= [log(rigid.inertia), *rigid.gravity]
-    refitted = [_numbers(one) for one in (plant.forward, plant.reverse)]
+    refitted = [_list_numbers(one) for one in (plant.forward, plant.reverse)]
     moved = [mine - theirs for mine, theirs in zip(refitted, curves, strict=True)]
     halves = np.asarray(block_diag(np.eye(_FORWARD), 0.5 * np.hstack([np.eye(4), -np.eye(4)])), dtype=np.float64)
     return _Odd(
@@ -169,17 +161,17 @@ def _odd_shift(plant: Plant, covariance: FloatArray, curves: Sequence[FloatArray
     )
 
 
-def _curve(one: StribeckCurve) -> tuple[float, float, float, float]:
+def _list_curve(one: StribeckCurve) -> tuple[float, float, float, float]:
     return one.coulomb_torque, one.static_torque, one.stribeck_velocity, one.viscous_coefficient
 
 
-def _numbers(curve: tuple[float, float, float, float]) -> FloatArray:
+def _list_numbers(curve: tuple[float, float, float, float]) -> FloatArray:
     """Coulomb torque, excess of the static one, log Stribeck velocity and viscous coefficient."""
     coulomb, static, velocity, viscous = curve
     return np.array([coulomb, static - coulomb, log(max(velocity, 1e-12)), viscous])
 
 
-def _strays(odd: _Odd, level: float, doubt: Doubt, inertia: float) -> FloatArray:
+def _compute_strays(odd: _Odd, level: float, doubt: Doubt, inertia: float) -> FloatArray:
     """Covariance by which the shift strays beyond what the fit knows, `inertia` being that of its log. Shape (8, 8)."""
     torque, excess = doubt.uneven * level, max(float(odd.curve[1]), 1e-9)
     gravity = float(np.hypot(doubt.gravity * (odd.gravity or 0.0), torque))
@@ -190,7 +182,7 @@ def _strays(odd: _Odd, level: float, doubt: Doubt, inertia: float) -> FloatArray
     return np.asarray(block_diag(np.diag([inertia, gravity, gravity]) ** 2, split, shape), dtype=np.float64)
 
 
-def _uneven(odd: _Odd, strays: FloatArray, context: tuple[float, str]) -> tuple[NamedEffect, ...]:
+def _name_uneven(odd: _Odd, strays: FloatArray, context: tuple[float, str]) -> tuple[Shift, ...]:
     """Names for a shift of offset and odd part of the Coulomb torque: one of the two where that is enough."""
     covariance = odd.covariance + strays
     spans = np.eye(8)[:, _LEVELS:_SHAPE]
@@ -199,10 +191,10 @@ def _uneven(odd: _Odd, strays: FloatArray, context: tuple[float, str]) -> tuple[
     both = f"{offset}+{asymmetry}"
     hypotheses = {offset: spans[:, :1], asymmetry: spans[:, 1:], both: spans}
     options = []
-    for held in _held(odd):
+    for held in _choose_held(odd):
         weight = np.asarray(np.linalg.inv(covariance[np.ix_(held, held)]), dtype=np.float64)
         some = {name: span[held] for name, span in hypotheses.items()}
-        scores, fitted = weigh(odd.shift[held], weight, some)
+        scores, fitted = weigh_hypotheses(odd.shift[held], weight, some)
         options.append((min(scores.values()) + SIMPLER * (8 - len(held)), scores, fitted, weight, some))
     _, scores, fitted, weight, some = min(options, key=lambda option: option[0])
     best = min(scores, key=lambda name: scores[name])
@@ -215,26 +207,27 @@ def _uneven(odd: _Odd, strays: FloatArray, context: tuple[float, str]) -> tuple[
         best = offset  # it leaves the joint as it is
     span = some[best]
     half = 1.96 * np.sqrt(np.diag(np.linalg.inv(span.T @ weight @ span)))
-    effects = [
-        _uneven_effect(name, float(value), float(wide), context)
-        for name, value, wide in zip(best.split("+"), fitted[best], half, strict=True)
-    ]
     others = tuple(name for name in (offset, asymmetry) if alike and name != best)
-    return tuple(replace(one, indistinguishable_from=others) for one in effects)
+    return tuple(
+        _describe_uneven(name, float(value), float(wide), context, others)
+        for name, value, wide in zip(best.split("+"), fitted[best], half, strict=True)
+    )
 
 
-def _held(odd: _Odd) -> list[list[int]]:
+def _choose_held(odd: _Odd) -> list[list[int]]:
     """Rows of the shift that count, all of them first: what has changed besides is left free, where it must be."""
     body, levels, shape = list(range(_LEVELS)), [_LEVELS, _LEVELS + 1], list(range(_SHAPE, 8))
     free = [[*levels, *shape], levels]
     return free if odd.gravity is None else [[*body, *levels, *shape], [*body, *levels], *free]
 
 
-def _uneven_effect(name: str, value: float, half: float, context: tuple[float, str]) -> NamedEffect:
+def _describe_uneven(
+    name: str, value: float, half: float, context: tuple[float, str], alike: tuple[str, ...] = ()
+) -> Shift:
     level, unit = context
     if name == "torque_offset":
         numbers = {"offset": Quantity(value, unit, (value - half, value + half))}
-        return parameter_effect(name, "parameter", numbers, f"a constant torque of {value:.3g} {unit} is missing")
+        return Shift(name, numbers, f"a constant torque of {value:.3g} {unit} is missing", alike=alike)
     ratio, wide = value / level, half / level
     numbers = {
         "asymmetry": Quantity(ratio, "1", (ratio - wide, ratio + wide)),
@@ -242,5 +235,4 @@ def _uneven_effect(name: str, value: float, half: float, context: tuple[float, s
     }
     # A difference beyond the level itself is no share of anything.
     size = f"{200 * abs(ratio):.0f} %" if abs(ratio) <= _MOST_OF_LEVEL else f"{2 * abs(value):.3g} {unit}"
-    sentence = f"friction differs between the directions by {size}"
-    return parameter_effect(name, "parameter", numbers, sentence)
+    return Shift(name, numbers, f"friction differs between the directions by {size}", alike=alike)

@@ -10,7 +10,7 @@ from ..search.search import SearchResult
 from ..search.tone import Tone, find_tone
 from .confirmation import Confirmation, confirm
 
-__all__ = ["Trial", "confirmed", "covers", "put_to_trial", "stands_out", "vibration"]
+__all__ = ["Trial", "covers", "find_vibration", "is_confirmed", "put_to_trial", "stands_out"]
 
 _COVERED, _MOSTLY_COVERED = 0.88, 0.7
 _FAINTLY_COVERED = 0.5  # where no more is left than nulls leave
@@ -60,7 +60,7 @@ def put_to_trial(prepared: Baseline, found: SearchResult, seed: int) -> Trial:
     if best is None or not covers(best, found, prepared) or best.common_order is not None or best.foreign_curve:
         return Trial()
     held = confirm(prepared, best.structure, best.fit, seed, given=best.before)
-    sure = confirmed(held, best, found.threshold, prepared.measure_loudness(best.fit))
+    sure = is_confirmed(held, best, found.threshold, prepared.measure_loudness(best.fit))
     return Trial(chosen=best, held=held) if sure else Trial(failed=best)
 
 
@@ -73,7 +73,7 @@ def covers(best: Explanation, found: SearchResult, prepared: Baseline) -> bool:
     return best.coverage >= _COVERED or (clear and best.coverage >= _MOSTLY_COVERED and best.left < faint)
 
 
-def confirmed(held: Confirmation, chosen: Explanation, threshold: float, loudness: float) -> bool:
+def is_confirmed(held: Confirmation, chosen: Explanation, threshold: float, loudness: float) -> bool:
     """Whether the fall of the held-out error is sure, over blocks or, where few blocks show it, by its size, and
     what is left there is not both loud and much of what was to be explained.
 
@@ -94,7 +94,7 @@ def confirmed(held: Confirmation, chosen: Explanation, threshold: float, loudnes
     return held.ci95_reduction[0] > 0.0 or (rare and held.rmse_after < held.rmse_before)
 
 
-def vibration(prepared: Baseline) -> Tone | None:
+def find_vibration(prepared: Baseline) -> Tone | None:
     """The strongest line in the spectrum of what the base leaves; None where nulls have such lines."""
     tone = find_tone(prepared)
     return tone if tone.energy > _TONE * tone.energy_null and tone.share > _ALONE else None

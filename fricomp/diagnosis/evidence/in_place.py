@@ -2,31 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from msgspec.structs import replace as with_fields
 
 from ..effects import EFFECTS
 from ..effects.structure import N_BASE, Candidate, Structure
 from ..inputs.rigid import RigidJoint
 from ..joint.solver import Box, Fit
-from ..record.result import NamedEffect
 from ..search.explanation import Explanation, compute_evidence, judge
 from ..search.preparation import Baseline
 from ..search.refit import fit_from
 from ..search.screening import screen
-from .agreement import moved_to
-from .alias import CLOSE, as_good
-from .answer import Answer, compare_given
-from .comparison import PLAIN, body_strays
+from .agreement import move_to
+from .alias import CLOSE, is_as_good
+from .case import Case, compare_given
+from .comparison import PLAIN, compute_body_strays
 from .gates import stands_out
 from .refitted import Refitted
 
-__all__ = ["beside_moved", "in_place"]
+__all__ = ["BODY_SHIFTS", "prefer_in_place"]
 
-_BODY = {"inertia_error": 1, "torque_gain_error": 1, "payload_error": 3}  # and the numbers that each of them moves
+BODY_SHIFTS = {"inertia_error": 1, "torque_gain_error": 1, "payload_error": 3}
+"""Shifts of inertia and gravity, and how many numbers each of them moves."""
 _MOST, _FITTED = 4, 2  # effects that are tried, by their columns and as they were found without the simulation
 _SHARE = 0.3  # of what the simulation as given costs, that the columns of an effect must explain
 
@@ -50,71 +48,61 @@ class _Question:
         """What the simulation as given costs beside moved parameters."""
         return self.given.fit.cost - self.moved.fit.cost
 
-    def counted(self, one: Explanation) -> Explanation:
+    def count_gain(self, one: Explanation) -> Explanation:
         """An explanation with its gain counted from the simulation as given."""
         return replace(one, gain=one.gain + self.cost)
 
-    def as_well(self, one: Explanation, noise: float) -> bool:
+    def does_as_well(self, one: Explanation, noise: float) -> bool:
         """Whether an effect explains as much: where moved parameters leave nothing but `noise`, so must it."""
         least = self.moved.gain - max(CLOSE, self.moved.left, noise)
-        return one.gain > least and as_good(self.counted(one), self.counted(self.moved))
+        return one.gain > least and is_as_good(self.count_gain(one), self.count_gain(self.moved))
 
 
-def in_place(answer: Answer) -> Answer:
-    """The answer, with effects that explain as much as parameters of the simulation that were found to be moved.
+def prefer_in_place(case: Case) -> Case:
+    """The case, with effects that explain as much as parameters of the simulation that were found to be moved.
 
     What is too weak to stand out beside a refitted base may have bent its inertia or gravity, which are known a
     hundred times better from the simulation: beside it the effect stands out. One that explains more than the moved
     parameters, by what a recording with nothing missing never shows, takes their place.
     """
-    question = _question(answer)
+    question = _ask(case)
     if question is None:
-        return answer
-    prepared, found = answer.prepared, answer.found
+        return case
+    prepared, found = case.prepared, case.found
     base = question.given.fit.theta[:N_BASE]
-    tried = fit_from(prepared, [((one,), base) for one in _tried(answer, question)], question.box)
-    alike = [one for one in tried if _physical(one) and question.as_well(one, found.explainable_null)]
+    tried = fit_from(prepared, [((one,), base) for one in _list_tried(case, question)], question.box)
+    alike = [one for one in tried if _is_physical(one) and question.does_as_well(one, found.explainable_null)]
     alike = sorted(alike, key=lambda one: (bool(one.refused), -one.gain))
-    answer = replace(answer, instead=tuple(dict.fromkeys(one.names[0] for one in alike)))
+    case = replace(case, instead=tuple(dict.fromkeys(one.names[0] for one in alike)))
     sure = [one for one in alike if not one.refused and one.gain > question.moved.gain + found.threshold]
     if not sure:
-        return answer
-    standing = [_standing(prepared, one, question.given.fit) for one in sure]
+        return case
+    standing = [_judge_standing(prepared, one, question.given.fit) for one in sure]
     others = tuple(one for one in found.explanations if one.names != standing[0].names)
     explanations = (*standing, *(one for one in alike if one not in sure), *others)
-    return replace(answer, found=replace(found, best=standing[0], explanations=explanations))
+    return replace(case, found=replace(found, best=standing[0], explanations=explanations))
 
 
-def beside_moved(answer: Answer, effects: Sequence[NamedEffect]) -> tuple[NamedEffect, ...]:
-    """Named parameters, with the effects that explain as much as an inertia or gravity among them."""
-    return tuple(
-        with_fields(one, indistinguishable_from=(*one.indistinguishable_from, *answer.instead))
-        if one.name in _BODY
-        else one
-        for one in effects
-    )
-
-
-def _question(answer: Answer) -> _Question | None:
+def _ask(case: Case) -> _Question | None:
     """None where no inertia or gravity was moved, or something was found besides."""
-    prepared, rigid = answer.prepared, answer.rigid
-    if rigid is None or not rigid.rotary or answer.found.best is not None or stands_out(answer.found, prepared):
+    prepared, rigid = case.prepared, case.rigid
+    if rigid is None or not rigid.rotary or case.found.best is not None or stands_out(case.found, prepared):
         return None
-    named = [one.name for one in compare_given(answer, Refitted.of(prepared, None), PLAIN).effects]
-    numbers = sum(_BODY.get(name, 0) for name in named)
+    named = [one.name for one in compare_given(case, Refitted.refit(prepared, None), PLAIN).shifts]
+    numbers = sum(BODY_SHIFTS.get(name, 0) for name in named)
     if not numbers:
         return None
     moved = judge(prepared, prepared.structure, prepared.fit, prepared.box)
     moved = replace(moved, gain=-numbers * float(np.log(prepared.fit.residual.size)))
-    box = _held(prepared, rigid)
-    start = moved_to(box.centre[:3], prepared.fit.theta, prepared.structure.contexts)
+    box = _hold_as_known(prepared, rigid)
+    start = move_to(box.centre[:3], prepared.fit.theta, prepared.structure.contexts)
     (given,) = fit_from(prepared, [((), start)], box)
     jacobian = given.fit.jacobian.copy()
     jacobian[:, :3] = 0.0  # what is given stays so, about it and on every fold
     return _Question(moved, replace(given, fit=replace(given.fit, jacobian=jacobian)), box)
 
 
-def _held(prepared: Baseline, rigid: RigidJoint) -> Box:
+def _hold_as_known(prepared: Baseline, rigid: RigidJoint) -> Box:
     """The base's domain with inertia and gravity of the simulation, as far as they are known and a comparison tells."""
     box, plant, contexts = (
         prepared.box,
@@ -122,7 +110,7 @@ def _held(prepared: Baseline, rigid: RigidJoint) -> Box:
         prepared.structure.contexts,
     )
     acceleration = float(np.sqrt(np.mean(np.concatenate([c.acceleration for c in contexts]) ** 2)))
-    spread = np.diag(body_strays(plant, float(np.hypot(*rigid.gravity)), PLAIN, acceleration) ** 2)
+    spread = np.diag(compute_body_strays(plant, float(np.hypot(*rigid.gravity)), PLAIN, acceleration) ** 2)
     spread = spread if rigid.covariance is None else spread + rigid.covariance[:3, :3]
     precision = box.precision.copy()
     precision[:3, :3] = np.linalg.inv(spread)
@@ -130,18 +118,18 @@ def _held(prepared: Baseline, rigid: RigidJoint) -> Box:
     return replace(box, centre=centre, precision=precision)
 
 
-def _tried(answer: Answer, question: _Question) -> list[Candidate]:
+def _list_tried(case: Case, question: _Question) -> list[Candidate]:
     """Effects that may explain what the simulation as given leaves, the most likely ones of them."""
-    prepared, fit = answer.prepared, question.given.fit
+    prepared, fit = case.prepared, question.given.fit
     about = Structure(prepared.structure.contexts)
     columns = screen(prepared.problem, about, fit.theta, fit.residual, fit.jacobian).select_best().values()
-    strong = [c.candidate for c in columns if c.energy > _SHARE * question.cost and c.candidate.name not in _BODY]
-    single = [one for one in answer.found.explanations if len(one.names) == 1 and _physical(one)]
-    found = [candidate for one in single[:_FITTED] for candidate in one.settled if candidate.name not in _BODY]
+    strong = [c.candidate for c in columns if c.energy > _SHARE * question.cost and c.candidate.name not in BODY_SHIFTS]
+    single = [one for one in case.found.explanations if len(one.names) == 1 and _is_physical(one)]
+    found = [candidate for one in single[:_FITTED] for candidate in one.settled if candidate.name not in BODY_SHIFTS]
     return [*strong[:_MOST], *found]
 
 
-def _physical(one: Explanation) -> bool:
+def _is_physical(one: Explanation) -> bool:
     """Whether it may be what happens, be it too faint to be named."""
     if not one.refused:
         return True
@@ -149,7 +137,7 @@ def _physical(one: Explanation) -> bool:
     return all(EFFECTS[name].is_faint(values[name], one.structure.contexts) for name in one.names)
 
 
-def _standing(prepared: Baseline, one: Explanation, given: Fit) -> Explanation:
-    """An explanation judged beside the simulation as given."""
+def _judge_standing(prepared: Baseline, one: Explanation, given: Fit) -> Explanation:
+    """An explanation judge beside the simulation as given."""
     penalty = one.structure.freedom * float(np.log(given.residual.size))
     return replace(one, certain=compute_evidence(prepared, one.names, given, one.fit) - penalty, before=given)

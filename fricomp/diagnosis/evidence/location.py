@@ -11,7 +11,7 @@ from ..record.result import Interval, Location, RowSeries
 from ..search.generic import measure_time_since_reversal
 from ..search.preparation import Baseline
 
-__all__ = ["change_points", "excess_maps", "locate", "row_series"]
+__all__ = ["collect_rows", "find_change_points", "locate", "map_excess"]
 
 _BINS = 24
 _SHARE = 0.8
@@ -19,7 +19,9 @@ _BOOTSTRAPS = 200
 _BLOCK = 25  # rows: half a second, longer than the residual remembers
 
 
-def row_series(prepared: Baseline, before: Sequence[FloatArray], after: Sequence[FloatArray]) -> tuple[RowSeries, ...]:
+def collect_rows(
+    prepared: Baseline, before: Sequence[FloatArray], after: Sequence[FloatArray]
+) -> tuple[RowSeries, ...]:
     """Residual rows of each recording with the state of the joint."""
     result = []
     for i, (track, grid, context) in enumerate(
@@ -45,7 +47,7 @@ def row_series(prepared: Baseline, before: Sequence[FloatArray], after: Sequence
     return tuple(result)
 
 
-def excess_maps(series: Sequence[RowSeries], seed: int) -> dict[str, dict[str, FloatArray]]:
+def map_excess(series: Sequence[RowSeries], seed: int) -> dict[str, dict[str, FloatArray]]:
     """Energy beyond the noise over bins of each quantity, with 95 % bands from a block bootstrap."""
     energy = np.concatenate([(s.before / s.spread) ** 2 for s in series])
     maps = {}
@@ -55,11 +57,11 @@ def excess_maps(series: Sequence[RowSeries], seed: int) -> dict[str, dict[str, F
             continue
         values = np.concatenate(parts)
         if np.ptp(values) > 0.0:
-            maps[name] = _map(values, energy, seed)
+            maps[name] = _map_quantity(values, energy, seed)
     return maps
 
 
-def _map(values: FloatArray, energy: FloatArray, seed: int) -> dict[str, FloatArray]:
+def _map_quantity(values: FloatArray, energy: FloatArray, seed: int) -> dict[str, FloatArray]:
     edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, _BINS + 1)))
     index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
     count = np.bincount(index, minlength=edges.size - 1)
@@ -73,7 +75,7 @@ def _map(values: FloatArray, energy: FloatArray, seed: int) -> dict[str, FloatAr
     return {"edges": edges, "excess": sums.sum(axis=0) / np.maximum(count, 1), "lower": lower, "upper": upper}
 
 
-def _intervals(values: FloatArray, energy: FloatArray) -> list[Interval]:
+def _find_intervals(values: FloatArray, energy: FloatArray) -> list[Interval]:
     """Intervals of `values` that hold most of the excess energy, densest first until the share is reached."""
     edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, _BINS + 1)))
     index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
@@ -84,10 +86,10 @@ def _intervals(values: FloatArray, energy: FloatArray) -> list[Interval]:
         if held >= _SHARE * total.sum():
             break
         chosen[i], held = True, held + total[i]
-    return merged([(float(edges[i]), float(edges[i + 1])) for i in np.flatnonzero(chosen)], 1e-12)
+    return merge([(float(edges[i]), float(edges[i + 1])) for i in np.flatnonzero(chosen)], 1e-12)
 
 
-def merged(intervals: Sequence[Interval], gap: float) -> list[Interval]:
+def merge(intervals: Sequence[Interval], gap: float) -> list[Interval]:
     """Neighbouring intervals joined."""
     result: list[Interval] = []
     for low, high in sorted(intervals):
@@ -116,7 +118,7 @@ def locate(
         samples: Time [s] and energy of every sample of the first recording, where they are known. Shapes (n,).
     """
     time, over_time = (series[0].time, energy[0]) if samples is None else samples
-    location: Location = {"time": _times(time, over_time, rows)}
+    location: Location = {"time": _find_times(time, over_time, rows)}
     parts_of = {"time": sum(high - low for low, high in location["time"]) / max(float(np.ptp(time)), 1e-12)}
     pooled = np.concatenate(list(energy))
     for name in ("velocity", "position", "load_torque", "acceleration", "time_since_reversal", "temperature"):
@@ -124,7 +126,7 @@ def locate(
         if any(part is None for part in parts):
             continue
         values = np.concatenate(parts)
-        found = _intervals(values, pooled) if np.ptp(values) > 0.0 else []
+        found = _find_intervals(values, pooled) if np.ptp(values) > 0.0 else []
         inside = np.zeros(values.size, dtype=bool)
         for low, high in found:
             inside |= (values >= low) & (values <= high)
@@ -133,7 +135,7 @@ def locate(
     return {name: location[name] for name in sorted(location, key=lambda name: parts_of[name])}
 
 
-def _times(time: FloatArray, energy: FloatArray, rows: int) -> list[Interval]:
+def _find_times(time: FloatArray, energy: FloatArray, rows: int) -> list[Interval]:
     """The shortest time that carries most of the energy of rows or samples at `time`."""
     e = np.maximum(energy, 0.0)
     smooth = np.convolve(e, np.ones(rows) / rows, mode="same")
@@ -141,10 +143,10 @@ def _times(time: FloatArray, energy: FloatArray, rows: int) -> list[Interval]:
     held = np.cumsum(e[order]) / max(float(e.sum()), 1e-30)
     chosen = np.sort(order[: int(np.searchsorted(held, _SHARE)) + 1])
     half = 0.5 * float(np.median(np.diff(time)))
-    return merged([(float(time[i] - half), float(time[i] + half)) for i in chosen], (rows - 1 + 1e-6) * half)
+    return merge([(float(time[i] - half), float(time[i] + half)) for i in chosen], (rows - 1 + 1e-6) * half)
 
 
-def change_points(series: Sequence[RowSeries]) -> tuple[tuple[float, ...], ...]:
+def find_change_points(series: Sequence[RowSeries]) -> tuple[tuple[float, ...], ...]:
     """Times at which the size of the residual changes [s]."""
     import ruptures
 

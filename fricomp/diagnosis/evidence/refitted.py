@@ -16,7 +16,7 @@ from ..record.result import Quantity
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from .comparison import SPLIT
-from .confirmation import covariance
+from .confirmation import compute_covariance
 
 __all__ = ["SPLIT_BY_PRESLIDING", "Refitted"]
 
@@ -42,12 +42,12 @@ class Refitted:
     covariance: FloatArray
 
     @classmethod
-    def of(cls, prepared: Baseline, chosen: Explanation | None) -> Refitted:
+    def refit(cls, prepared: Baseline, chosen: Explanation | None) -> Refitted:
         """The base with the chosen effects; alone where none are. Derivatives are fresh: a descent updates its own."""
         one = prepared if chosen is None else chosen
         descent = one.structure.start_descent(one.fit.theta, one.box, iterations=0)
         (fit,) = fit_all(prepared.problem, [(one.structure, descent)])
-        return cls(one.structure, fit, covariance(fit, one.box.join(one.structure.build_known_box())))
+        return cls(one.structure, fit, compute_covariance(fit, one.box.join(one.structure.build_known_box())))
 
     @cached_property
     def plant(self) -> Plant:
@@ -60,25 +60,27 @@ class Refitted:
         result: FloatArray = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
         return result
 
-    def parameters(self, name: str, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
+    def list_parameters(self, name: str, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
         """Parameters of the effect `name`, with their intervals, which end where the parameter's domain does."""
         result = {}
         for index, (owner, parameter) in enumerate(self.structure.parameters, N_BASE):
             value, deviation = self.fit.theta[index], self.deviations[index]
             if owner != name:
                 continue
-            unit = _plain(parameter.unit.replace("{torque}", torque_unit).replace("{position}", position_unit))
+            unit = _shorten_unit(parameter.unit.replace("{torque}", torque_unit).replace("{position}", position_unit))
             if parameter.with_delay:
-                value, deviation = self._beside_usual_delay(index, parameter.with_delay)
+                value, deviation = self._set_beside_usual_delay(index, parameter.with_delay)
             if parameter.name == "order":
                 deviation = float(np.hypot(deviation, abs(value) * self._uneven_reading))
             half = 1.96 * float(np.hypot(deviation, parameter.compute_form_deviation(float(value))))
             half = half if parameter.scale > 0.0 else 0.0
             low, high = max(float(value) - half, parameter.lower), min(float(value) + half, parameter.upper)
-            result[parameter.name] = _quantity((low, float(value), high), unit, logarithmic=parameter.logarithmic)
+            result[parameter.name] = _describe_quantity(
+                (low, float(value), high), unit, logarithmic=parameter.logarithmic
+            )
         return result
 
-    def _beside_usual_delay(self, index: int, change: float) -> tuple[float, float]:
+    def _set_beside_usual_delay(self, index: int, change: float) -> tuple[float, float]:
         """A time that the base's own delay shares, and its standard deviation [s], were that delay a usual one.
 
         How the fit parts the two follows from how smooth the torque is, which what is left of the noise blurs.
@@ -95,10 +97,10 @@ class Refitted:
         disc = self.structure.name_values(self.fit.theta[N_BASE:]).get("encoder_eccentricity")
         return 0.0 if disc is None else float(disc["order"] * np.hypot(disc["sine"], disc["cosine"]) / np.sqrt(2.0))
 
-    def base(self, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
+    def list_base(self, torque_unit: str, position_unit: str) -> dict[str, Quantity]:
         """Parameters of the base, with their intervals."""
         units = {
-            "inertia": _plain(f"{torque_unit}·s²/{position_unit}"),
+            "inertia": _shorten_unit(f"{torque_unit}·s²/{position_unit}"),
             "delay": "s",
             "damping_time": "s",
             "viscous_coefficient": f"{torque_unit}·s/{position_unit}",
@@ -121,16 +123,16 @@ class Refitted:
             plain = name.replace("log_", "")
             unit = units.get(plain.split(".")[-1], torque_unit)
             around = float(value - half), float(value), float(value + half)
-            result[plain] = _quantity(around, unit, logarithmic="log_" in name)
+            result[plain] = _describe_quantity(around, unit, logarithmic="log_" in name)
         return result
 
 
-def _plain(unit: str) -> str:
+def _shorten_unit(unit: str) -> str:
     """A unit by the name that it usually has."""
     return {"N·m·s²/rad": "kg·m²", "N·s²/m": "kg"}.get(unit, unit)
 
 
-def _quantity(around: tuple[float, float, float], unit: str, *, logarithmic: bool) -> Quantity:
+def _describe_quantity(around: tuple[float, float, float], unit: str, *, logarithmic: bool) -> Quantity:
     """A number with the ends of its interval on both sides."""
     low, mid, high = (float(np.exp(min(x, _LARGEST))) for x in around) if logarithmic else around
     return Quantity(mid, unit, (low, high))

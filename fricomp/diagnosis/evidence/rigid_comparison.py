@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
-from msgspec.structs import replace
 
 from ..inputs.rigid import RigidJoint
 from ..inputs.track import FloatArray
 from ..joint.observer import Plant
-from ..record.result import NamedEffect, Quantity
-from .comparison import SIGNIFICANT, SIMPLER, Comparison, Doubt, body_strays, change, parameter_effect, weigh
+from ..record.result import Quantity
+from .comparison import (
+    SIGNIFICANT,
+    SIMPLER,
+    Comparison,
+    Doubt,
+    Shift,
+    compute_body_strays,
+    describe_change,
+    weigh_hypotheses,
+)
 
 __all__ = ["compare_rigid"]
 
@@ -34,7 +42,7 @@ def compare_rigid(
     """
     refit = np.array([plant.inertia / given.inertia, *plant.gravity])
     prior = np.array([1.0, *given.gravity])
-    strays = body_strays(plant, float(np.hypot(*given.gravity)), doubt, acceleration)
+    strays = compute_body_strays(plant, float(np.hypot(*given.gravity)), doubt, acceleration)
     floor = np.asarray(np.diag(strays**2), dtype=np.float64)
     # Relative and not logarithmic: a gain moves inertia and gravity by one factor, and 5 % of that are 0.0488 there.
     relative = np.array([plant.inertia / given.inertia, 1.0, 1.0])
@@ -46,7 +54,7 @@ def compare_rigid(
         "payload_error": np.eye(3),
         "torque_gain_error": np.array([[1.0, *given.gravity]]).T,
     }
-    scores, fitted = weigh(shift, weight, hypotheses)
+    scores, fitted = weigh_hypotheses(shift, weight, hypotheses)
     best = min(scores, key=lambda name: scores[name])
     if not best or scores[""] - scores[best] < SIGNIFICANT:
         return Comparison()
@@ -61,34 +69,39 @@ def compare_rigid(
         best = "torque_gain_error" if follows and fits and usual else "payload_error"
     deviation = np.sqrt(np.diag(covariance + floor))
     changes = [
-        change("inertia", given.inertia, plant.inertia, given.inertia * float(deviation[0]), "kg·m²"),
-        change("gravity_cos", given.gravity[0], plant.gravity[0], float(deviation[1]), unit),
-        change("gravity_sin", given.gravity[1], plant.gravity[1], float(deviation[2]), unit),
+        describe_change("inertia", given.inertia, plant.inertia, given.inertia * float(deviation[0]), "kg·m²"),
+        describe_change("gravity_cos", given.gravity[0], plant.gravity[0], float(deviation[1]), unit),
+        describe_change("gravity_sin", given.gravity[1], plant.gravity[1], float(deviation[2]), unit),
     ]
-    named = _named(best, fitted[best], hypotheses[best], covariance + floor, (given, plant, unit))
-    if alike:
-        named = replace(named, indistinguishable_from=tuple(name for name in _SAME_FACTOR if name != best))
-    return Comparison((named,), tuple(changes))
+    others = tuple(name for name in _SAME_FACTOR if alike and name != best)
+    shift_of_best = _describe_shift(
+        best, fitted[best], hypotheses[best], covariance + floor, (given, plant, unit, others)
+    )
+    return Comparison((shift_of_best,), tuple(changes))
 
 
-def _named(
-    name: str, step: FloatArray, span: FloatArray, covariance: FloatArray, context: tuple[RigidJoint, Plant, str]
-) -> NamedEffect:
-    given, plant, unit = context
+def _describe_shift(
+    name: str,
+    step: FloatArray,
+    span: FloatArray,
+    covariance: FloatArray,
+    context: tuple[RigidJoint, Plant, str, tuple[str, ...]],
+) -> Shift:
+    given, plant, unit, alike = context
     half = 1.96 * np.sqrt(np.diag(np.linalg.inv(span.T @ np.linalg.inv(covariance) @ span)))
     if name == "inertia_error":
         change, wide = given.inertia * float(step[0]), given.inertia * float(half[0])
         numbers = {"inertia_change": Quantity(change, "kg·m²", (change - wide, change + wide))}
         sentence = f"the inertia is {plant.inertia:.4g} kg·m², not {given.inertia:.4g}"
-        return parameter_effect(name, "parameter", numbers, sentence)
+        return Shift(name, numbers, sentence, alike=alike)
     if name == "torque_gain_error":
         gain, wide = float(step[0]), float(half[0])
         numbers = {"gain_error": Quantity(gain, "1", (gain - wide, gain + wide))}
-        return parameter_effect(name, "measurement", numbers, f"the recorded torque is scaled by {1.0 + gain:.3f}")
+        return Shift(name, numbers, f"the recorded torque is scaled by {1.0 + gain:.3f}", "measurement", alike)
     inertia, wide = plant.inertia - given.inertia, given.inertia * float(half[0])
     numbers = {
         "gravity_cos_change": Quantity(float(step[1]), unit, (float(step[1] - half[1]), float(step[1] + half[1]))),
         "gravity_sin_change": Quantity(float(step[2]), unit, (float(step[2] - half[2]), float(step[2] + half[2]))),
         "inertia_change": Quantity(inertia, "kg·m²", (inertia - wide, inertia + wide)),
     }
-    return parameter_effect(name, "parameter", numbers, "the load is not the simulation's")
+    return Shift(name, numbers, "the load is not the simulation's", alike=alike)

@@ -32,11 +32,11 @@ def save_diagnosis(diagnosis: Diagnosis | DiagnosisRecord, path: str | Path) -> 
         DiagnosisError: The file cannot be written.
     """
     record = diagnosis.record if isinstance(diagnosis, Diagnosis) else diagnosis
-    data = msgspec.json.encode(record, enc_hook=_plain_number)
+    data = msgspec.json.encode(record, enc_hook=_convert_number)
     write_whole(Path(path), msgspec.json.format(data, indent=2) + b"\n", DiagnosisError)
 
 
-def _plain_number(value: Any) -> float:
+def _convert_number(value: Any) -> float:
     """A number of numpy as one of Python."""
     if isinstance(value, np.generic):
         return float(value)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -26,12 +25,12 @@ __all__ = [
     "Quantity",
     "Rival",
     "RowSeries",
-    "verdict_of",
+    "VerdictName",
 ]
 
 DIAGNOSIS_SCHEMA = "fricomp.diagnosis/1"
 
-Verdict = Literal["consistent", "parameters", "measurement", "missing_physics", "unknown_physics", "bad_data"]
+VerdictName = Literal["consistent", "parameters", "measurement", "missing_physics", "unknown_physics", "bad_data"]
 Kind = Literal["physics", "measurement", "parameter"]
 Interval = tuple[float, float]
 Location = dict[str, list[Interval]]
@@ -182,7 +181,7 @@ class DiagnosisRecord(msgspec.Struct, frozen=True, kw_only=True):
     """
 
     schema: str
-    verdict: Verdict
+    verdict: VerdictName
     effects: tuple[NamedEffect, ...] = ()
     sentences: tuple[str, ...] = ()
     heldout: HeldOut | None = None
@@ -272,7 +271,7 @@ class Diagnosis:
     covariance: FloatArray | None = None
 
     @property
-    def verdict(self) -> Verdict:
+    def verdict(self) -> VerdictName:
         """The answer in one word."""
         return self.record.verdict
 
@@ -290,14 +289,3 @@ class Diagnosis:
     def heldout(self) -> HeldOut | None:
         """Errors on held-out blocks."""
         return self.record.heldout
-
-
-def verdict_of(kinds: Collection[Kind], *, unknown: bool = False) -> Verdict:
-    """The verdict on effects of these kinds, the gravest of which counts, and on something `unknown` beside them."""
-    if "physics" in kinds:
-        return "missing_physics"
-    if unknown:
-        return "unknown_physics"
-    if "measurement" in kinds:
-        return "measurement"
-    return "parameters" if kinds else "consistent"

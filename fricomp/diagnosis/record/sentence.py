@@ -1,14 +1,28 @@
-"""The answer in plain words."""
+"""The answer in plain words, made once from what the record holds and the few facts that it has no field for."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
+
+from msgspec.structs import replace
 
 from .result import DiagnosisRecord, Forward, HeldOut, NamedEffect, Quantity
-from .whereabouts import whereabouts
+from .whereabouts import describe_whereabouts
 
-__all__ = ["FOREIGN_CURVE", "NO_MOTION", "detent_sentence", "forward_sentence", "parameter_words", "sentences"]
+__all__ = [
+    "FOREIGN_CURVE",
+    "LAWLESS",
+    "NOTHING_BUT_SHARED",
+    "NO_MOTION",
+    "Notes",
+    "describe_detent",
+    "describe_forward",
+    "describe_parameter",
+    "write_record",
+    "write_sentences",
+]
 
 NO_MOTION = (
     "No motion of those that were tried would tell them apart within the range and speed of this recording: another "
@@ -19,9 +33,21 @@ NO_MOTION = (
 FOREIGN_CURVE = "what is missing follows the speed in a curve that is neither a power law nor drag, as a brake's does"
 """Where a power law takes the place of all viscous friction and still does not fit."""
 
+LAWLESS = (
+    "The drive follows its command late. The joint pushes against something unknown: no law of its own motion explains "
+    "its torque, so its friction cannot be judge here."
+)
+"""Opening where a late drive is all that can be said."""
+
+NOTHING_BUT_SHARED = (
+    "Nothing is missing: what this recording shows beyond a rigid joint with friction, the simulation shows as well."
+)
+"""Opening where the simulation has every effect that the recording shows."""
+
 _OF_RECORDING = re.compile(r"^(sine|cosine|amplitude)_(\d+)$")
 
 _OPENING = {
+    "bad_data": "The data cannot be diagnosed.",
     "consistent": "Nothing is missing: the residual is what the sensors' noise leaves.",
     "parameters": "Only parameters of the simulation are off; no physics is missing.",
     "measurement": "The joint is as simulated; the recorded signals are off.",
@@ -30,20 +56,49 @@ _OPENING = {
 }
 
 
-def sentences(record: DiagnosisRecord) -> tuple[str, ...]:
-    """Plain sentences: the verdict, how large the mismatch is, where it sits, what it is, what that explains."""
-    lines = [_OPENING[record.verdict]]
+@dataclass(frozen=True)
+class Notes:
+    """What the sentences say that no field of the record holds.
+
+    Attributes:
+        opening: First sentence in place of the usual one of the verdict; empty for that one.
+        lead: Sentences behind the opening.
+        facts: Sentences behind the effects.
+        remarks: Sentences at the end: what the checks noticed, and what the simulation has itself.
+    """
+
+    opening: str = ""
+    lead: tuple[str, ...] = ()
+    facts: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+
+def write_record(fields: DiagnosisRecord, notes: Notes) -> DiagnosisRecord:
+    """The record with its sentences: the only place where they are made.
+
+    Args:
+        fields: Everything but the sentences.
+        notes: What they say besides.
+    """
+    return replace(fields, sentences=write_sentences(fields, notes))
+
+
+def write_sentences(record: DiagnosisRecord, notes: Notes = Notes()) -> tuple[str, ...]:
+    """The verdict, how large the mismatch is, where it sits, what it is, what that explains, and what else is known."""
+    lines = [notes.opening or _OPENING[record.verdict], *notes.lead]
     if record.noise_ratio is not None:
-        lines.append(_loudness(record.noise_ratio, record.heldout))
+        lines.append(_describe_loudness(record.noise_ratio, record.heldout))
     if record.verdict == "unknown_physics" or record.effects:
-        lines.append(_vibration(record) or whereabouts(record))
-    lines += [_effect(effect) for effect in record.effects]
+        lines.append(_describe_vibration(record) or describe_whereabouts(record))
+    lines += [_describe_effect(effect) for effect in record.effects]
     if record.heldout is not None and record.effects and record.heldout.explained > 0.0:
-        lines.append(f"{_improvement(record.heldout)} {_share(record.heldout, record.effects)}")
-    return tuple(line for line in lines if line)
+        lines.append(f"{_describe_improvement(record.heldout)} {_describe_share(record.heldout, record.effects)}")
+    lines += notes.facts
+    lines += [] if record.forward is None else [describe_forward(record.forward)]
+    return tuple(line for line in (*lines, *notes.remarks) if line)
 
 
-def _loudness(noise_ratio: float, held: HeldOut | None) -> str:
+def _describe_loudness(noise_ratio: float, held: HeldOut | None) -> str:
     """How large the mismatch is against the noise; of parameters that are off, as they were given too."""
     text = f"The residual of the refitted base model is {noise_ratio:.2f} times its noise floor"
     if held is None or held.before != "given" or held.noise_floor <= 0.0:
@@ -51,7 +106,7 @@ def _loudness(noise_ratio: float, held: HeldOut | None) -> str:
     return f"{text}; with the parameters as given, it is {held.rmse_before / held.noise_floor:.3g} times."
 
 
-def forward_sentence(forward: Forward) -> str:
+def describe_forward(forward: Forward) -> str:
     """What a forward simulation showed."""
     low, high = forward.interval
     before, after = f"{forward.rmse_before:.3g}", f"{forward.rmse_after:.3g}"
@@ -63,7 +118,7 @@ def forward_sentence(forward: Forward) -> str:
     )
 
 
-def detent_sentence(order: float, unit: str) -> str:
+def describe_detent(order: float, unit: str) -> str:
     """What a torque and a friction in one rhythm over the position are."""
     return (
         f"Torque and friction follow the position together, by like amounts, at the order {order:.4g} 1/{unit}: "
@@ -71,12 +126,12 @@ def detent_sentence(order: float, unit: str) -> str:
     )
 
 
-def parameter_words(name: str) -> str:
+def describe_parameter(name: str) -> str:
     """The name of a parameter in words: `sine_2` is the sine of the second recording, whose encoder starts anew."""
     return _OF_RECORDING.sub(r"\1 of recording \2", name).replace("_", " ")
 
 
-def _improvement(held: HeldOut) -> str:
+def _describe_improvement(held: HeldOut) -> str:
     low, high = held.ci95_reduction
     refitted = " with these parameters refitted" if held.before == "given" else ""
     return (
@@ -85,20 +140,21 @@ def _improvement(held: HeldOut) -> str:
     )
 
 
-def _share(held: HeldOut, effects: Sequence[NamedEffect]) -> str:
+def _describe_share(held: HeldOut, effects: Sequence[NamedEffect]) -> str:
     """How much of what lies above the noise that is, in all and by effect."""
-    parts = [f"{one.name} {_percent(one.share)}" for one in effects if one.share > 0.0]
+    parts = [f"{one.name} {_format_percent(one.share)}" for one in effects if one.share > 0.0]
     each = f" ({', '.join(parts)})" if len(parts) > 1 else ""
-    return f"That is {_percent(held.explained)} of what lies above the noise floor and can be explained{each}."
+    return f"That is {_format_percent(held.explained)} of what lies above the noise floor and can be explained{each}."
 
 
-def _percent(share: float) -> str:
+def _format_percent(share: float) -> str:
     return "less than 1 %" if share < 0.01 else f"{100.0 * share:.0f} %"
 
 
-def _effect(effect: NamedEffect) -> str:
+def _describe_effect(effect: NamedEffect) -> str:
     numbers = ", ".join(
-        f"{parameter_words(name)} {q.value:.4g}{_unit(q.unit)}{_interval(q)}" for name, q in effect.parameters.items()
+        f"{describe_parameter(name)} {q.value:.4g}{_format_unit(q.unit)}{_format_interval(q)}"
+        for name, q in effect.parameters.items()
     )
     text = f"{effect.name}: {effect.sentence}"
     text += f" [{effect.equation}]" if effect.equation else ""
@@ -108,17 +164,17 @@ def _effect(effect: NamedEffect) -> str:
     return text
 
 
-def _interval(quantity: Quantity) -> str:
+def _format_interval(quantity: Quantity) -> str:
     """In brackets; nothing for a number that was chosen among a few, such as the order of a filter."""
     low, high = quantity.ci95
     return "" if low == high else f" ({low:.4g} to {high:.4g})"
 
 
-def _unit(unit: str) -> str:
+def _format_unit(unit: str) -> str:
     """Behind a number; nothing for a plain one."""
     return "" if unit in ("", "1") else f" {unit}"
 
 
-def _vibration(record: DiagnosisRecord) -> str:
+def _describe_vibration(record: DiagnosisRecord) -> str:
     tones = [0.5 * (low + high) for low, high in record.location.get("frequency", ())]
     return "".join(f"Something vibrates at {tone:.4g} Hz, whatever the joint does." for tone in tones)

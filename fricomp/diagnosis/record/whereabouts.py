@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from .result import DiagnosisRecord, Interval, Location, NamedEffect
 
-__all__ = ["whereabouts"]
+__all__ = ["describe_whereabouts"]
 
 _MOST_FACTS, _FEW_SPANS, _MOST_SPANS = 3, 2, 3
 _BEGINNING = 0.02  # [s] after a reversal, up to which an interval begins with it
@@ -15,16 +15,18 @@ _UNNAMED = frozenset({"", "joint", "arm"})  # joints
 _SPREAD = "The mismatch is spread over the whole recording: no time, speed, position or load stands out."
 
 
-def whereabouts(record: DiagnosisRecord) -> str:
+def describe_whereabouts(record: DiagnosisRecord) -> str:
     """Which times, speeds, positions, loads and so on carry most of the mismatch; empty where nobody looked.
 
     The quantities of a location stand in the order in which they single it out. Of several effects, each has its
     strongest fact behind those of the whole.
     """
-    several, facts = len(record.effects) > 1, _facts(record, record.location)
+    several, facts = len(record.effects) > 1, _list_facts(record, record.location)
     if not several:
-        facts = [*(fact for one in record.effects for fact in _rhythm(one)), *facts]
-    each = [(one.name, [*_rhythm(one), *_facts(record, one.location)]) for one in record.effects if several]
+        facts = [*(fact for one in record.effects for fact in _describe_rhythm(one)), *facts]
+    each = [
+        (one.name, [*_describe_rhythm(one), *_list_facts(record, one.location)]) for one in record.effects if several
+    ]
     parts = [f"{name} {found[0]}" for name, found in each if found]
     joint = f" in joint {record.joint}" if record.joint not in _UNNAMED else ""
     lines = [f"Most of the mismatch sits{joint} {'; '.join(facts[:_MOST_FACTS])}."] if facts else []
@@ -34,7 +36,7 @@ def whereabouts(record: DiagnosisRecord) -> str:
     return " ".join(lines)
 
 
-def _facts(record: DiagnosisRecord, location: Location) -> list[str]:
+def _list_facts(record: DiagnosisRecord, location: Location) -> list[str]:
     """Intervals of each quantity that has few, the most telling first; acceleration, which follows from the others,
     where nothing else has; of a quantity with many, where there is no other, the first ones."""
     known = {name: spans for name, spans in location.items() if spans and name != "frequency"}
@@ -42,12 +44,12 @@ def _facts(record: DiagnosisRecord, location: Location) -> list[str]:
         found = [name for name, spans in known.items() if len(spans) <= few]
         plain = [name for name in found if name != "acceleration"]
         if plain:
-            return [_fact(record, name, known[name]) for name in plain]
+            return [_describe_fact(record, name, known[name]) for name in plain]
     rest = found or [name for name in known if name not in ("time", "acceleration")][:1]
-    return [_fact(record, name, known[name]) for name in rest]
+    return [_describe_fact(record, name, known[name]) for name in rest]
 
 
-def _fact(record: DiagnosisRecord, name: str, spans: Sequence[Interval]) -> str:
+def _describe_fact(record: DiagnosisRecord, name: str, spans: Sequence[Interval]) -> str:
     more = f" and {len(spans) - _MOST_SPANS} further stretches" if len(spans) > _MOST_SPANS else ""
     if name == "time_since_reversal" and len(spans) == 1 and spans[0][0] < _BEGINNING:
         return f"within {spans[0][1]:.3g} s after a reversal"
@@ -57,11 +59,11 @@ def _fact(record: DiagnosisRecord, name: str, spans: Sequence[Interval]) -> str:
     if name == "time":
         first = " of the first recording" if len(record.recordings) > 1 else ""
         return f"at times {said} s{more}{first}"
-    unit = _unit(record, name)
+    unit = _choose_unit(record, name)
     return f"at {_NAMES.get(name, name.replace('_', ' '))} {said}{f' {unit}' if unit else ''}{more}"
 
 
-def _rhythm(effect: NamedEffect) -> list[str]:
+def _describe_rhythm(effect: NamedEffect) -> list[str]:
     """What repeats over the position sits in its rhythm; the order of a filter is none."""
     order = effect.parameters.get("order")
     if order is None or order.unit not in ("1/rad", "1/m"):
@@ -69,7 +71,7 @@ def _rhythm(effect: NamedEffect) -> list[str]:
     return [f"in the rhythm of the position, at the order {order.value:.4g} {order.unit}"]
 
 
-def _unit(record: DiagnosisRecord, quantity: str) -> str:
+def _choose_unit(record: DiagnosisRecord, quantity: str) -> str:
     known = record.base.get("forward.stribeck_velocity")
     speed = "" if known is None else known.unit
     units = {"velocity": speed, "position": speed.removesuffix("/s"), "acceleration": f"{speed}²" if speed else ""}

@@ -11,7 +11,7 @@ from pathlib import Path
 from msgspec.structs import replace as with_fields
 
 from ..record.result import Diagnosis, DiagnosisRecord, Location, NamedEffect, Quantity
-from ..record.sentence import parameter_words
+from ..record.sentence import describe_parameter
 
 __all__ = [
     "AXIS_TITLES",
@@ -90,7 +90,7 @@ def with_names(diagnosis: Diagnosis, names: Sequence[str]) -> Diagnosis:
 
 def words(name: str) -> str:
     """A name in a file as words: `forward.coulomb_torque` is `coulomb torque, forward`."""
-    parts = [parameter_words(part) for part in name.split(".")]
+    parts = [describe_parameter(part) for part in name.split(".")]
     return ", ".join(reversed(parts))
 
 

@@ -15,7 +15,7 @@ from fricomp.recording import Recording
 
 from ..inputs.delay import apply_lags
 from ..inputs.track import FloatArray
-from .fine_ripple import error_on_left_out_blocks
+from .fine_ripple import predict_left_out_blocks
 
 __all__ = ["DrivePath", "find_drive_path"]
 
@@ -52,27 +52,29 @@ class DrivePath:
 
 def find_drive_path(recording: Recording) -> DrivePath | None:
     """Delay or lag between command and torque; None where there is no command, no law, or nothing is late."""
-    inputs = _inputs(recording)
+    inputs = _list_inputs(recording)
     torque = np.asarray(recording.torque)
     if not inputs or recording.metadata.torque_kind == "commanded" or len(recording) < 40 * _FOLDS:
         return None
     dt = recording.sample_period
-    before = error_on_left_out_blocks(_table(inputs), torque)
-    tried = {name: _best(inputs, torque, dt, late) for name, late in _shapes(dt).items()}
+    before = predict_left_out_blocks(_build_table(inputs), torque)
+    tried = {name: _find_best(inputs, torque, dt, late) for name, late in _list_shapes(dt).items()}
     name = min(tried, key=lambda one: float(np.mean(tried[one][1] ** 2)))
     value, after = tried[name]
-    errors = {"law": _rms(before), **{key: _rms(error) for key, (_, error) in tried.items()}}
+    errors = {"law": _compute_rms(before), **{key: _compute_rms(error) for key, (_, error) in tried.items()}}
     still = np.sign(recording.velocity) if recording.velocity is not None else np.zeros(torque.size)
-    errors["coulomb"] = _rms(error_on_left_out_blocks(np.column_stack([_table(inputs), still]), torque))
-    errors["history"] = _rms(
-        error_on_left_out_blocks(_table([np.roll(one, k) for one in inputs for k in range(_TAPS)]), torque)
+    errors["coulomb"] = _compute_rms(predict_left_out_blocks(np.column_stack([_build_table(inputs), still]), torque))
+    errors["history"] = _compute_rms(
+        predict_left_out_blocks(_build_table([np.roll(one, k) for one in inputs for k in range(_TAPS)]), torque)
     )
     if errors[name] > (1.0 - _LEAST_FALL) * errors["law"] or errors[name] ** 2 > (1.0 - _EXPLAINED) * np.var(torque):
         return None
-    return DrivePath(name, value, _deviation(inputs, torque, (dt, _shapes(dt)[name])), errors, before, after)
+    return DrivePath(
+        name, value, _estimate_deviation(inputs, torque, (dt, _list_shapes(dt)[name])), errors, before, after
+    )
 
 
-def _inputs(recording: Recording) -> list[FloatArray]:
+def _list_inputs(recording: Recording) -> list[FloatArray]:
     """What the drive was told: a torque, or the errors its law works on."""
     if recording.torque_command is not None:
         return [np.asarray(recording.torque_command)]
@@ -85,49 +87,51 @@ def _inputs(recording: Recording) -> list[FloatArray]:
     return [error, wanted - np.asarray(recording.velocity)]
 
 
-def _shapes(dt: float) -> dict[str, _Late]:
-    def delayed(signal: FloatArray, delay: float) -> FloatArray:
+def _list_shapes(dt: float) -> dict[str, _Late]:
+    def delay_signal(signal: FloatArray, delay: float) -> FloatArray:
         at = np.arange(signal.size) * dt
         shifted: FloatArray = np.interp(at - delay, at, signal)
         return shifted
 
-    def lagging(signal: FloatArray, constant: float) -> FloatArray:
+    def lag_signal(signal: FloatArray, constant: float) -> FloatArray:
         return apply_lags(signal, (constant,), dt) if constant > 0.0 else signal
 
-    return {"torque_delay": delayed, "drive_lag": lagging}
+    return {"torque_delay": delay_signal, "drive_lag": lag_signal}
 
 
-def _table(columns: list[FloatArray]) -> FloatArray:
+def _build_table(columns: list[FloatArray]) -> FloatArray:
     return np.column_stack([*columns, np.ones(columns[0].size)])
 
 
-def _best(inputs: list[FloatArray], torque: FloatArray, dt: float, late: _Late) -> tuple[float, FloatArray]:
+def _find_best(inputs: list[FloatArray], torque: FloatArray, dt: float, late: _Late) -> tuple[float, FloatArray]:
     """Value with the least held-out error, and that error."""
     grid = np.linspace(0.0, max(_LONGEST, 4.0 * dt), _STEPS)
-    errors = [error_on_left_out_blocks(_table([late(one, value) for one in inputs]), torque) for value in grid]
-    best = int(np.argmin([_rms(error) for error in errors]))
+    errors = [predict_left_out_blocks(_build_table([late(one, value) for one in inputs]), torque) for value in grid]
+    best = int(np.argmin([_compute_rms(error) for error in errors]))
     return float(grid[best]), errors[best]
 
 
-def _deviation(inputs: list[FloatArray], torque: FloatArray, shape: tuple[float, _Late]) -> float:
+def _estimate_deviation(inputs: list[FloatArray], torque: FloatArray, shape: tuple[float, _Late]) -> float:
     """Jackknife over blocks, with a parabola through the three best values of each."""
     dt, late = shape
     grid = np.linspace(0.0, max(_LONGEST, 4.0 * dt), _STEPS)
-    tables = [_table([late(one, value) for one in inputs]) for value in grid]
+    tables = [_build_table([late(one, value) for one in inputs]) for value in grid]
     found = []
     for part in np.array_split(np.arange(torque.size), _FOLDS):
         kept = np.delete(np.arange(torque.size), part)
-        fits = [_rms(torque[kept] - t[kept] @ np.linalg.lstsq(t[kept], torque[kept], rcond=None)[0]) for t in tables]
-        found.append(_vertex(grid, np.array(fits)))
+        fits = [
+            _compute_rms(torque[kept] - t[kept] @ np.linalg.lstsq(t[kept], torque[kept], rcond=None)[0]) for t in tables
+        ]
+        found.append(_find_vertex(grid, np.array(fits)))
     return float(np.sqrt((_FOLDS - 1) * np.var(found)))
 
 
-def _vertex(grid: FloatArray, values: FloatArray) -> float:
+def _find_vertex(grid: FloatArray, values: FloatArray) -> float:
     k = int(np.clip(np.argmin(values), 1, grid.size - 2))
     low, middle, high = values[k - 1 : k + 2]
     bend = low - 2.0 * middle + high
     return float(grid[k] + (0.5 * (low - high) / bend if bend > 0.0 else 0.0) * (grid[1] - grid[0]))
 
 
-def _rms(values: FloatArray) -> float:
+def _compute_rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values**2)))

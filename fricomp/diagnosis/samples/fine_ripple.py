@@ -22,10 +22,10 @@ __all__ = [
     "LEAST_FALL",
     "FineRipple",
     "Harmonic",
-    "error_on_left_out_blocks",
-    "fall_by",
+    "compute_spectrum",
     "find_fine_ripple",
-    "spectrum_of",
+    "measure_fall",
+    "predict_left_out_blocks",
 ]
 
 LEAST_FALL = 0.3
@@ -70,7 +70,7 @@ class Harmonic:
         return float(np.hypot(self.sine, self.cosine))
 
     @property
-    def known(self) -> bool:
+    def is_known(self) -> bool:
         """Whether the blocks agree about its size and its order; what one of them alone shows is no ripple."""
         return self.amplitude > _SURE * self.amplitude_error and self.order > _EXACT * self.order_error
 
@@ -106,11 +106,11 @@ def find_fine_ripple(recording: Recording, seed: int = 0) -> FineRipple | None:
         recording: One recording.
         seed: Of the choice of samples, where there are too many.
     """
-    best = _best_samples(recording, seed)
+    best = _choose_samples(recording, seed)
     if best is None:
         return None
     samples, base = best
-    orders = _orders(samples["position"], recording.metadata.continuous)
+    orders = _list_orders(samples["position"], recording.metadata.continuous)
     if orders.size < 20:
         return None
     chosen = _pursue(samples, base, orders)
@@ -118,33 +118,33 @@ def find_fine_ripple(recording: Recording, seed: int = 0) -> FineRipple | None:
     return ripple if ripple is not None and ripple.fall >= LEAST_FALL else None
 
 
-def fall_by(recording: Recording, harmonics: Sequence[Harmonic], seed: int = 0) -> float:
+def measure_fall(recording: Recording, harmonics: Sequence[Harmonic], seed: int = 0) -> float:
     """Part of the held-out energy of `recording` that waves of the orders of `harmonics` take, at least 0."""
-    best = _best_samples(recording, seed)
+    best = _choose_samples(recording, seed)
     if best is None:
         return 0.0
     samples, base = best
-    table = np.column_stack([base, *(_waves(samples, one.order, one.level) for one in harmonics)])
-    before, after = (error_on_left_out_blocks(one, samples["torque"]) for one in (base, table))
+    table = np.column_stack([base, *(_build_waves(samples, one.order, one.level) for one in harmonics)])
+    before, after = (predict_left_out_blocks(one, samples["torque"]) for one in (base, table))
     return max(1.0 - float(after @ after) / float(before @ before), 0.0)
 
 
-def _best_samples(recording: Recording, seed: int) -> tuple[dict[str, FloatArray], FloatArray] | None:
+def _choose_samples(recording: Recording, seed: int) -> tuple[dict[str, FloatArray], FloatArray] | None:
     """Samples and base columns, with the derivative filter that leaves the least on blocks left out."""
-    options = [_samples(recording, window, seed) for window in _WINDOWS if len(recording) > 20 * window]
+    options = [_select_samples(recording, window, seed) for window in _WINDOWS if len(recording) > 20 * window]
     options = [option for option in options if option["time"].size > 400]
     if not options:
         return None
-    bases = [_base(option, recording.metadata.continuous) for option in options]
+    bases = [_build_base(option, recording.metadata.continuous) for option in options]
     errors = [
-        float(np.sum(error_on_left_out_blocks(A, o["torque"]) ** 2) / o["time"].size)
+        float(np.sum(predict_left_out_blocks(A, o["torque"]) ** 2) / o["time"].size)
         for A, o in zip(bases, options, strict=True)
     ]
     best = int(np.argmin(errors))
     return options[best], bases[best]
 
 
-def _samples(recording: Recording, window: int, seed: int) -> dict[str, FloatArray]:
+def _select_samples(recording: Recording, window: int, seed: int) -> dict[str, FloatArray]:
     """Channels and derivatives at the samples that slide, at most so many, drawn without an order of their own."""
     dt = recording.sample_period
     t = np.asarray(recording.time) - recording.time[0]
@@ -161,7 +161,7 @@ def _samples(recording: Recording, window: int, seed: int) -> dict[str, FloatArr
     return {name: values[index] for name, values in columns.items()}
 
 
-def _base(samples: dict[str, FloatArray], wide: bool) -> FloatArray:
+def _build_base(samples: dict[str, FloatArray], wide: bool) -> FloatArray:
     """Columns of inertia, friction in each direction, and a smooth load. Shape (n_samples, n_columns)."""
     q, v, a = samples["position"], samples["velocity"], samples["acceleration"]
     s, top = np.sign(v), float(np.quantile(np.abs(v), 0.95))
@@ -175,7 +175,7 @@ def _base(samples: dict[str, FloatArray], wide: bool) -> FloatArray:
     return result
 
 
-def _orders(position: FloatArray, wide: bool) -> FloatArray:
+def _list_orders(position: FloatArray, wide: bool) -> FloatArray:
     """Orders that the travel resolves and the samples can show."""
     span = float(np.ptp(position))
     lowest = 2.0 * np.pi * _WAVES / span
@@ -186,19 +186,21 @@ def _orders(position: FloatArray, wide: bool) -> FloatArray:
     return np.arange(np.ceil(lowest / step), max(highest, 0.0) / step) * step
 
 
-def spectrum_of(residual: FloatArray, position: FloatArray, orders: FloatArray) -> FloatArray:
+def compute_spectrum(residual: FloatArray, position: FloatArray, orders: FloatArray) -> FloatArray:
     """Energy of `residual` that a wave of each evenly spaced order explains. Shape (n_orders,)."""
     turn: NDArray[np.complex128] = np.exp(1j * (orders[1] - orders[0]) * position)
     # The product of every so manieth wave with every step from there has all of them.
-    steps = _powers(np.ones_like(turn), turn, _AT_ONCE)
+    steps = _multiply_powers(np.ones_like(turn), turn, _AT_ONCE)
     rows = -(-orders.size // _AT_ONCE)
-    waves = _powers(np.exp(1j * orders[0] * position) * residual, steps[-1] * turn, rows)
+    waves = _multiply_powers(np.exp(1j * orders[0] * position) * residual, steps[-1] * turn, rows)
     energy = np.abs((waves @ steps.T).ravel()[: orders.size]) ** 2
     result: FloatArray = 2.0 * energy / position.size
     return result
 
 
-def _powers(first: NDArray[np.complex128], factor: NDArray[np.complex128], count: int) -> NDArray[np.complex128]:
+def _multiply_powers(
+    first: NDArray[np.complex128], factor: NDArray[np.complex128], count: int
+) -> NDArray[np.complex128]:
     """`first` times the powers of `factor` from 0 on. Shape (count, n)."""
     result = np.empty((count, first.size), dtype=np.complex128)
     result[0] = first
@@ -207,7 +209,7 @@ def _powers(first: NDArray[np.complex128], factor: NDArray[np.complex128], count
     return result
 
 
-def _waves(samples: dict[str, FloatArray], order: float, level: bool) -> FloatArray:
+def _build_waves(samples: dict[str, FloatArray], order: float, level: bool) -> FloatArray:
     angle = order * samples["position"]
     factor = np.sign(samples["velocity"]) if level else 1.0
     return np.column_stack([np.sin(angle) * factor, np.cos(angle) * factor])
@@ -220,13 +222,13 @@ def _pursue(samples: dict[str, FloatArray], base: FloatArray, orders: FloatArray
     chosen: list[tuple[float, bool]] = []
     for _ in range(_MOST_HARMONICS):
         left = torque - table @ np.linalg.lstsq(table, torque, rcond=1e-6)[0]
-        spectra = [spectrum_of(left, q, orders)] + ([spectrum_of(left * sign, q, orders)] if both else [])
+        spectra = [compute_spectrum(left, q, orders)] + ([compute_spectrum(left * sign, q, orders)] if both else [])
         level = both and float(spectra[1].max()) > _PREFERRED * float(spectra[0].max())
         order = _refine(left * sign if level else left, q, orders, int(np.argmax(spectra[int(level)])))
         if any(abs(order - known) < 0.5 * (orders[1] - orders[0]) and level == shape for known, shape in chosen):
             break
         chosen.append((order, level))
-        table = np.column_stack([table, _waves(samples, order, level)])
+        table = np.column_stack([table, _build_waves(samples, order, level)])
     return chosen
 
 
@@ -235,7 +237,7 @@ def _refine(residual: FloatArray, position: FloatArray, orders: FloatArray, peak
     if step == 1.0:  # whole waves a turn
         return float(orders[peak])
     fine = np.linspace(orders[peak] - step, orders[peak] + step, 81)
-    return float(fine[int(np.argmax(spectrum_of(residual, position, fine)))])
+    return float(fine[int(np.argmax(compute_spectrum(residual, position, fine)))])
 
 
 def _judge(
@@ -245,25 +247,25 @@ def _judge(
     torque = samples["torque"]
     tables = [base]
     for order, level in chosen:
-        tables.append(np.column_stack([tables[-1], _waves(samples, order, level)]))
-    left = [error_on_left_out_blocks(table, torque) for table in tables]
+        tables.append(np.column_stack([tables[-1], _build_waves(samples, order, level)]))
+    left = [predict_left_out_blocks(table, torque) for table in tables]
     energy = np.array([float(one @ one) for one in left])
     count = 0
     while count < len(chosen) and energy[count + 1] < energy[count] - _WORTH * energy[0]:
         count += 1
     if count == 0:
         return None
-    harmonics = _harmonics(samples, base, chosen[:count])
-    if not harmonics[0].known:
+    harmonics = _estimate_harmonics(samples, base, chosen[:count])
+    if not harmonics[0].is_known:
         return None
     fitted = [torque - table @ np.linalg.lstsq(table, torque, rcond=1e-6)[0] for table in (tables[0], tables[count])]
-    found = [spectrum_of(one, samples["position"], orders) for one in fitted]
+    found = [compute_spectrum(one, samples["position"], orders) for one in fitted]
     noise = float(np.mean(fitted[1] ** 2))
     spectra = {"order": orders, "energy": found[0] / noise, "after": found[1] / noise}
     return FineRipple(harmonics, samples, left[0], left[count], spectra)
 
 
-def error_on_left_out_blocks(table: FloatArray, torque: FloatArray) -> FloatArray:
+def predict_left_out_blocks(table: FloatArray, torque: FloatArray) -> FloatArray:
     """Error on each block of a fit to the others. Shape (n_samples,)."""
     result = np.empty(torque.size)
     gap = max(5, min(torque.size // 100, 32))
@@ -272,12 +274,12 @@ def error_on_left_out_blocks(table: FloatArray, torque: FloatArray) -> FloatArra
     return result
 
 
-def _harmonics(
+def _estimate_harmonics(
     samples: dict[str, FloatArray], base: FloatArray, chosen: Sequence[tuple[float, bool]]
 ) -> tuple[Harmonic, ...]:
     """Amplitudes with errors from a jackknife over blocks; orders move by their first-order term."""
     torque, q = samples["torque"], samples["position"] - samples["position"].mean()
-    waves = np.column_stack([_waves(samples, order, level) for order, level in chosen])
+    waves = np.column_stack([_build_waves(samples, order, level) for order, level in chosen])
     table = np.column_stack([base, waves])
     weights = np.linalg.lstsq(table, torque, rcond=1e-6)[0][base.shape[1] :]
     slopes = [

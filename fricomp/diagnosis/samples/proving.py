@@ -15,15 +15,15 @@ from fricomp.recording import Recording
 
 from ..inputs.track import FloatArray, differentiate
 from ..record.result import Quantity
-from .fine_ripple import LEAST_FALL, FineRipple, fall_by
-from .soft_presliding import bristle, find_soft_presliding
+from .fine_ripple import LEAST_FALL, FineRipple, measure_fall
+from .soft_presliding import find_soft_presliding, simulate_bristle
 
-__all__ = ["base_recording", "beyond_the_base", "softer_than_the_base"]
+__all__ = ["is_beyond_the_base", "is_softer_than_the_base", "simulate_base"]
 
 _BASES = 3  # recordings of the base that a ripple must exceed
 
 
-def base_recording(recording: Recording, base: Mapping[str, Quantity], seed: int) -> Recording:
+def simulate_base(recording: Recording, base: Mapping[str, Quantity], seed: int) -> Recording:
     """The recording as the fitted base alone would have given it, with the recording's own noise.
 
     Args:
@@ -35,19 +35,23 @@ def base_recording(recording: Recording, base: Mapping[str, Quantity], seed: int
     # Second differences hold next to no motion; drawn again they keep the tails of the noise.
     steps = np.diff(torque, 2) / np.sqrt(6.0)
     noise = np.random.default_rng(seed).choice(steps, torque.size)
-    return replace(recording, torque=_base_torque(recording, base) + noise)
+    return replace(recording, torque=_compute_torque(recording, base) + noise)
 
 
-def _base_torque(recording: Recording, base: Mapping[str, Quantity]) -> FloatArray:
+def _compute_torque(recording: Recording, base: Mapping[str, Quantity]) -> FloatArray:
     """Torque that moves the base along the recorded position [N·m]. Shape (n,)."""
     q, dt = np.asarray(recording.position), recording.sample_period
     value = {name: quantity.value for name, quantity in base.items()}
     v = differentiate(q, dt)
     a = differentiate(v, dt)
-    curve = {side: _stribeck(v, value, side) for side in ("forward", "reverse")}
+    curve = {side: _compute_curve(v, value, side) for side in ("forward", "reverse")}
     level, viscous = (np.where(v > 0.0, curve["forward"][k], curve["reverse"][k]) for k in (0, 1))
     creeps = value.get("creep_velocity", 0.0) > 0.0
-    z = _creeping(v + value["creep_lead"] * a, value) if creeps else bristle(q, max(value["breakaway"], 1e-12))
+    z = (
+        _compute_creep(v + value["creep_lead"] * a, value)
+        if creeps
+        else simulate_bristle(q, max(value["breakaway"], 1e-12))
+    )
     body = value["inertia"] * a + value["offset"]
     if recording.metadata.motion == "rotary":
         body = body + value["gravity_cos"] * np.cos(q) + value["gravity_sin"] * np.sin(q)
@@ -55,7 +59,7 @@ def _base_torque(recording: Recording, base: Mapping[str, Quantity]) -> FloatArr
     return torque
 
 
-def _creeping(velocity: FloatArray, value: Mapping[str, float]) -> FloatArray:
+def _compute_creep(velocity: FloatArray, value: Mapping[str, float]) -> FloatArray:
     """Dry friction that never holds, as part of its level. Shape (n,)."""
     speed, sharpness = value["creep_velocity"], value["sharpness"]
     gradual = velocity / (np.abs(velocity) + speed)
@@ -63,20 +67,20 @@ def _creeping(velocity: FloatArray, value: Mapping[str, float]) -> FloatArray:
     return result
 
 
-def _stribeck(velocity: FloatArray, value: Mapping[str, float], side: str) -> tuple[FloatArray, float]:
+def _compute_curve(velocity: FloatArray, value: Mapping[str, float], side: str) -> tuple[FloatArray, float]:
     fall = np.exp(-((velocity / value[f"{side}.stribeck_velocity"]) ** 2))
     level = value[f"{side}.coulomb_torque"] + value[f"{side}.excess"] * fall
     return level, value[f"{side}.viscous_coefficient"]
 
 
-def beyond_the_base(recording: Recording, found: FineRipple, base: Mapping[str, Quantity], seed: int) -> bool:
+def is_beyond_the_base(recording: Recording, found: FineRipple, base: Mapping[str, Quantity], seed: int) -> bool:
     """Whether the ripple leaves clearly less than waves of its orders leave where only the base acts."""
     if not base:
         return True
-    nulls = (fall_by(base_recording(recording, base, seed + k), found.harmonics, seed) for k in range(_BASES))
+    nulls = (measure_fall(simulate_base(recording, base, seed + k), found.harmonics, seed) for k in range(_BASES))
     return all(1.0 - found.fall <= (1.0 - LEAST_FALL) * (1.0 - fall) for fall in nulls)
 
 
-def softer_than_the_base(recording: Recording, base: Mapping[str, Quantity], seed: int) -> bool:
+def is_softer_than_the_base(recording: Recording, base: Mapping[str, Quantity], seed: int) -> bool:
     """Whether no soft bristle is found where only the base acts, whose own bristle is stiff."""
-    return not base or find_soft_presliding(base_recording(recording, base, seed)) is None
+    return not base or find_soft_presliding(simulate_base(recording, base, seed)) is None

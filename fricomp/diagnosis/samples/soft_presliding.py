@@ -16,9 +16,9 @@ from fricomp.recording import Recording
 
 from ..inputs.track import FloatArray, differentiate, find_encoder_step
 from ..joint.kernel import compile_kernel
-from .fine_ripple import error_on_left_out_blocks
+from .fine_ripple import predict_left_out_blocks
 
-__all__ = ["SoftPresliding", "bristle", "find_soft_presliding"]
+__all__ = ["SoftPresliding", "find_soft_presliding", "simulate_bristle"]
 
 _DISTANCES = 14
 _FINER = 7
@@ -67,7 +67,7 @@ class SoftPresliding:
 
 
 @compile_kernel
-def bristle(position: np.ndarray, distance: float) -> np.ndarray:
+def simulate_bristle(position: np.ndarray, distance: float) -> np.ndarray:
     """Deflection of a Dahl bristle as part of the largest, for a driven joint [dahl1968]. Shape (n,)."""
     out = np.zeros_like(position)
     for k in range(1, position.shape[0]):
@@ -79,26 +79,30 @@ def bristle(position: np.ndarray, distance: float) -> np.ndarray:
 
 def find_soft_presliding(recording: Recording) -> SoftPresliding | None:
     """The bristle that explains blocks left out far better than anything without memory; None where none does."""
-    motion = _Motion.of(recording)
-    stiff, softest = motion.limits(recording)
+    motion = _Motion.read(recording)
+    stiff, softest = motion.find_limits(recording)
     if softest < 4.0 * stiff:
         return None
-    firm = [motion.left_out(float(d)) for d in np.geomspace(0.1 * stiff, stiff, 4)]
-    without = min([*firm, motion.left_out(stiff, memoryless=True)], key=_rms)
-    distances, tried = motion.nearest(np.geomspace(stiff, softest, _DISTANCES))
-    if distances is None or _rms(tried) > (1.0 - _LEAST_FALL) * min(_rms(without), motion.spread):
+    firm = [motion.leave_out(float(d)) for d in np.geomspace(0.1 * stiff, stiff, 4)]
+    without = min([*firm, motion.leave_out(stiff, memoryless=True)], key=_compute_rms)
+    distances, tried = motion.find_nearest(np.geomspace(stiff, softest, _DISTANCES))
+    if distances is None or _compute_rms(tried) > (1.0 - _LEAST_FALL) * min(_compute_rms(without), motion.spread):
         return None
-    if not _on_most_blocks(without, tried):
+    if not _wins_most_blocks(without, tried):
         return None
-    everything = _rms(motion.left_out(float(distances[1]), memoryless=True))
-    if _rms(without) ** 2 - _rms(tried) ** 2 < _COVERED * (_rms(without) ** 2 - everything**2):
+    everything = _compute_rms(motion.leave_out(float(distances[1]), memoryless=True))
+    if _compute_rms(without) ** 2 - _compute_rms(tried) ** 2 < _COVERED * (_compute_rms(without) ** 2 - everything**2):
         return None
-    errors = {"stiff": min(map(_rms, firm)), "memoryless": _rms(without), "presliding": _rms(tried)}
-    distance, deviation = motion.jackknife(distances)
-    level, level_error, viscous = motion.levels(distance)
+    errors = {
+        "stiff": min(map(_compute_rms, firm)),
+        "memoryless": _compute_rms(without),
+        "presliding": _compute_rms(tried),
+    }
+    distance, deviation = motion.estimate_distance(distances)
+    level, level_error, viscous = motion.estimate_levels(distance)
     if level <= 0.0:
         return None
-    samples = motion.samples()
+    samples = motion.list_samples()
     return SoftPresliding(distance, deviation, level, level_error, viscous, errors, samples, without, tried)
 
 
@@ -114,7 +118,7 @@ class _Motion:
     keep: np.ndarray
 
     @classmethod
-    def of(cls, recording: Recording) -> _Motion:
+    def read(cls, recording: Recording) -> _Motion:
         dt = recording.sample_period
         t = np.asarray(recording.time) - recording.time[0]
         grid = np.arange(int(t[-1] / dt) + 1, dtype=np.float64) * np.float64(dt)
@@ -130,17 +134,17 @@ class _Motion:
         """Standard deviation of the torque [N·m]."""
         return float(np.std(self.torque[self.keep]))
 
-    def limits(self, recording: Recording) -> tuple[float, float]:
+    def find_limits(self, recording: Recording) -> tuple[float, float]:
         """Shortest and longest breakaway distance that are looked for."""
         travel = float(np.ptp(self.position))
         step = recording.metadata.encoder_resolution or find_encoder_step(self.position)
         stiff = _STIFF if recording.metadata.motion == "rotary" else _STIFF_SHARE * travel
         return max(stiff, 2.0 * step), _SOFTEST * travel
 
-    def table(self, distance: float, memoryless: bool = False) -> FloatArray:
+    def build_table(self, distance: float, memoryless: bool = False) -> FloatArray:
         """Columns at the samples kept: the bristle first, then viscous friction of both directions. Shape (n, d)."""
         k = self.keep
-        z, v, q = bristle(self.position, distance)[k], self.velocity[k], self.position[k]
+        z, v, q = simulate_bristle(self.position, distance)[k], self.velocity[k], self.position[k]
         top = float(np.quantile(np.abs(v), 0.95))
         x = 2.0 * (q - q.mean()) / np.ptp(q)
         columns = [z, v * (v > 0.0), v * (v < 0.0), np.ones_like(v), self.acceleration[k], x, x**2, x**3]
@@ -151,37 +155,35 @@ class _Motion:
             columns += [np.interp(u, knots, one) for u in (speed, x) for one in np.eye(_KNOTS)[1:]]
         return np.column_stack(columns)
 
-    def left_out(self, distance: float, memoryless: bool = False) -> FloatArray:
+    def leave_out(self, distance: float, memoryless: bool = False) -> FloatArray:
         """Error on blocks that took no part in the fit [N·m]. Shape (n_kept,)."""
-        table = self.table(distance, memoryless)
-        return error_on_left_out_blocks(
-            table / np.maximum(np.linalg.norm(table, axis=0), 1e-12), self.torque[self.keep]
-        )
+        table = self.build_table(distance, memoryless)
+        return predict_left_out_blocks(table / np.maximum(np.linalg.norm(table, axis=0), 1e-12), self.torque[self.keep])
 
-    def nearest(self, distances: FloatArray) -> tuple[FloatArray | None, FloatArray]:
+    def find_nearest(self, distances: FloatArray) -> tuple[FloatArray | None, FloatArray]:
         """Three distances about the best one, and its error; None where the best one is at an end of the range."""
         for zoom in (True, False):
-            tried = [self.left_out(float(d)) for d in distances]
-            best = int(np.argmin([_rms(error) for error in tried]))
+            tried = [self.leave_out(float(d)) for d in distances]
+            best = int(np.argmin([_compute_rms(error) for error in tried]))
             if not 1 <= best < distances.size - 1:
                 return None, tried[best]
             around, error = distances[best - 1 : best + 2], tried[best]
             distances = np.geomspace(around[0], around[2], _FINER) if zoom else around
         return distances, error
 
-    def jackknife(self, around: FloatArray) -> tuple[float, float]:
+    def estimate_distance(self, around: FloatArray) -> tuple[float, float]:
         """Distance at the vertex between three, and the deviation of its logarithm."""
-        torque, tables = self.torque[self.keep], [self.table(float(d)) for d in around]
+        torque, tables = self.torque[self.keep], [self.build_table(float(d)) for d in around]
         found = []
         for part in [np.array([], dtype=int), *np.array_split(np.arange(torque.size), _FOLDS)]:
             kept = np.delete(np.arange(torque.size), part)
             fits = [t[kept] @ np.linalg.lstsq(t[kept], torque[kept], rcond=1e-9)[0] - torque[kept] for t in tables]
-            found.append(_vertex(np.log(around), np.array([_rms(one) for one in fits])))
+            found.append(_find_vertex(np.log(around), np.array([_compute_rms(one) for one in fits])))
         return float(np.exp(found[0])), float(np.sqrt((_FOLDS - 1) * np.var(found[1:])))
 
-    def levels(self, distance: float) -> tuple[float, float, tuple[float, float]]:
+    def estimate_levels(self, distance: float) -> tuple[float, float, tuple[float, float]]:
         """F_c with its deviation over blocks, and viscous friction of both directions, without Stribeck columns."""
-        table, torque = self.table(distance)[:, :8], self.torque[self.keep]
+        table, torque = self.build_table(distance)[:, :8], self.torque[self.keep]
         whole = np.linalg.lstsq(table, torque, rcond=1e-9)[0]
         drawn = [
             np.linalg.lstsq(np.delete(table, part, axis=0), np.delete(torque, part), rcond=1e-9)[0][0]
@@ -190,24 +192,24 @@ class _Motion:
         deviation = float(np.sqrt((_FOLDS - 1) * np.var(drawn)))
         return float(whole[0]), deviation, (float(whole[1]), float(whole[2]))
 
-    def samples(self) -> dict[str, FloatArray]:
+    def list_samples(self) -> dict[str, FloatArray]:
         """The samples kept, by name."""
         return {name: getattr(self, name)[self.keep] for name in ("time", "position", "velocity", "acceleration")}
 
 
-def _on_most_blocks(before: FloatArray, after: FloatArray) -> bool:
+def _wins_most_blocks(before: FloatArray, after: FloatArray) -> bool:
     """Whether the error falls as far as it must on most of the blocks that were left out."""
     pairs = zip(np.array_split(before, _FOLDS), np.array_split(after, _FOLDS), strict=True)
-    won = [_rms(last) <= (1.0 - _LEAST_FALL) * _rms(first) for first, last in pairs]
+    won = [_compute_rms(last) <= (1.0 - _LEAST_FALL) * _compute_rms(first) for first, last in pairs]
     return float(np.mean(won)) >= _WON
 
 
-def _vertex(at: FloatArray, values: FloatArray) -> float:
+def _find_vertex(at: FloatArray, values: FloatArray) -> float:
     """Minimum of the parabola through three points, kept between the outer ones."""
     bend = values[0] - 2.0 * values[1] + values[2]
     shift = 0.5 * (values[0] - values[2]) / bend if bend > 0.0 else 0.0
     return float(at[1] + np.clip(shift, -1.0, 1.0) * (at[1] - at[0]))
 
 
-def _rms(values: FloatArray) -> float:
+def _compute_rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values**2)))

@@ -7,7 +7,7 @@ on the motion. A motion on which no rival would lack enough is not proposed, be 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -17,15 +17,22 @@ from scipy.signal import lfilter
 from ..effects import Context
 from ..effects.context import build_contexts
 from ..effects.structure import N_BASE
+from ..evidence.agreement import hold
+from ..evidence.alias import list_printed_rivals
+from ..evidence.case import compare_given
+from ..evidence.comparison import AGREES
+from ..evidence.findings import Findings
 from ..inputs.track import FloatArray, Track, differentiate
 from ..joint.observer import Contribution, Job, Plant
 from ..joint.problem import Problem, build_problem
 from ..joint.solver import Box, choose_steps
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
+from .motion import MENU, Range
 
-__all__ = ["Proposal", "propose"]
+__all__ = ["Proposal", "propose_experiment", "propose_motion"]
 
+_MOST_RIVALS = 3  # that a motion is looked for
 _DURATION = 40.0  # [s]
 _FADE = 1.0  # [s] from rest and back to it
 _ENOUGH = 30.0  # gain that a rival must lack: it is told while it lacks 12, and chance moves 30 by 11
@@ -33,14 +40,6 @@ _PLENTY = 10.0  # times that, beyond which more is no better
 _HELD = 1e-8  # scale of a parameter that is not fitted
 _DIFFERENCE = 0.1  # of a parameter's scale
 _LARGEST = 1e50  # of a row, or its derivative, beyond which nothing was simulated
-
-
-class Range(NamedTuple):
-    """Where the recorded joint has been: the motions stay inside."""
-
-    centre: float
-    half: float
-    speed: float
 
 
 class Proposal(NamedTuple):
@@ -59,7 +58,24 @@ class Proposal(NamedTuple):
     difference: float
 
 
-def propose(prepared: Baseline, chosen: Explanation, rivals: Sequence[Explanation], box: Box) -> Proposal | None:
+def propose_experiment(findings: Findings) -> Proposal | None:
+    """Propose the motion that tells what was named from what fits as well; None where nothing does, or no motion can.
+
+    Args:
+        findings: Evidence from the rows.
+    """
+    case, rivals = findings.case, dict[tuple[str, ...], Explanation]()
+    for rival in list_printed_rivals(case.found):  # best first, one of each set of effects
+        rivals.setdefault(rival.names, rival)
+    if findings.chosen is None or not rivals:
+        return None
+    box = case.prepared.box
+    if case.rigid is not None and case.rigid.rotary and not compare_given(case, findings.refitted, AGREES).shifts:
+        box = hold(box, case.rigid)  # beside one that agrees, rivals are held to the simulation too
+    return propose_motion(case.prepared, findings.chosen, list(rivals.values())[:_MOST_RIVALS], box)
+
+
+def propose_motion(prepared: Baseline, chosen: Explanation, rivals: Sequence[Explanation], box: Box) -> Proposal | None:
     """The motion that tells `chosen` from most of its rivals; None where no motion of the menu tells it from any.
 
     Args:
@@ -69,27 +85,29 @@ def propose(prepared: Baseline, chosen: Explanation, rivals: Sequence[Explanatio
         box: Domain and priors of the base, within which a rival may move.
     """
     dt = prepared.problem.tracks[0].dt
-    reach, trials = _range(prepared), []
+    reach, trials = _find_range(prepared), []
     for title, shape in MENU.items():
         time = np.arange(int(_DURATION / dt), dtype=np.float64) * dt
         fade = np.clip(np.minimum(time, time[-1] - time) / _FADE, 0.0, 1.0)
         position = reach.centre + shape(time, reach) * (3.0 - 2.0 * fade) * fade**2
         motion = _Motion.build(prepared, position)
-        trials.append((title, motion, [motion.lacking(chosen, rival, box) for rival in rivals]))
-    title, motion, lacks = max(trials, key=lambda trial: _worth(trial[2]))
+        trials.append((title, motion, [motion.compute_lack(chosen, rival, box) for rival in rivals]))
+    title, motion, lacks = max(trials, key=lambda trial: _rate(trial[2]))
     told = [(lack, rival) for lack, rival in zip(lacks, rivals, strict=True) if lack > _ENOUGH]
     if not told:
         return None
     names = {name for _, rival in told for name in set(rival.names) ^ set(chosen.names)}
-    return Proposal(motion.columns(), title, tuple(sorted(names)), motion.in_torque(min(lack for lack, _ in told)))
+    return Proposal(
+        motion.list_columns(), title, tuple(sorted(names)), motion.convert_to_torque(min(lack for lack, _ in told))
+    )
 
 
-def _worth(lacks: Sequence[float]) -> tuple[int, float]:
+def _rate(lacks: Sequence[float]) -> tuple[int, float]:
     """How many rivals a motion tells apart, and how clearly."""
     return sum(lack > _ENOUGH for lack in lacks), sum(min(lack, _PLENTY * _ENOUGH) for lack in lacks)
 
 
-def _range(prepared: Baseline) -> Range:
+def _find_range(prepared: Baseline) -> Range:
     low = min(float(track.position.min()) for track in prepared.problem.tracks)
     high = max(float(track.position.max()) for track in prepared.problem.tracks)
     speed = max(float(np.quantile(np.abs(track.velocity), 0.99)) for track in prepared.problem.tracks)
@@ -115,14 +133,14 @@ class _Motion:
     @classmethod
     def build(cls, prepared: Baseline, position: FloatArray) -> _Motion:
         """The motion along `position`, seen through the observer of the recordings."""
-        track, plant = _virtual(prepared, position)
+        track, plant = _simulate_recording(prepared, position)
         problem = build_problem([track], plant, prepared.problem.observer)
         seen = problem.observe([Job(problem.tracks[0], plant, Contribution())])
         context = build_contexts(problem, plant, seen, prepared.structure.contexts[0].hints)[0]
         weights = prepared.nulls.weights
         return cls(problem, context, float(np.median(np.concatenate(weights.spread))), weights.whitener)
 
-    def rows(self, explanation: Explanation, points: Sequence[FloatArray]) -> FloatArray:
+    def predict_rows(self, explanation: Explanation, points: Sequence[FloatArray]) -> FloatArray:
         """What is missing of the motion at several points of an explanation, weighted. Shape (n_points, n_rows)."""
         structure, jobs = explanation.structure, []
         first = structure.contexts[0]
@@ -134,7 +152,7 @@ class _Motion:
         missing = [self.problem.grids[0].average(one.missing) for one in self.problem.observe(jobs)]
         return np.asarray(lfilter(self.whitener, [1.0], np.stack(missing) / self.noise, axis=1))
 
-    def lacking(self, chosen: Explanation, rival: Explanation, box: Box) -> float:
+    def compute_lack(self, chosen: Explanation, rival: Explanation, box: Box) -> float:
         """Gain that `rival` would lack on this motion where `chosen` is right, after it is fitted to all recordings.
 
         0 where one of the two, or the rival beside its fit, does not simulate on this motion.
@@ -142,8 +160,8 @@ class _Motion:
         box, theta = box.join(rival.structure.build_box()), rival.fit.theta
         steps = choose_steps(theta, box, _DIFFERENCE)
         free = np.flatnonzero(box.scale > _HELD)
-        at, *moved = self.rows(rival, [theta, *(theta + steps[i] * np.eye(theta.size)[i] for i in free)])
-        difference = at - self.rows(chosen, [chosen.fit.theta])[0]
+        at, *moved = self.predict_rows(rival, [theta, *(theta + steps[i] * np.eye(theta.size)[i] for i in free)])
+        difference = at - self.predict_rows(chosen, [chosen.fit.theta])[0]
         here = (rival.fit.jacobian * box.scale)[:, free]
         signed = np.copysign(_DIFFERENCE, steps[free])
         there = np.stack([(row - at) / part for row, part in zip(moved, signed, strict=True)], axis=1)
@@ -154,11 +172,11 @@ class _Motion:
         along = there.T @ difference
         return float(difference @ difference - along @ np.linalg.lstsq(known, along, rcond=1e-10)[0])
 
-    def in_torque(self, gain: float) -> float:
+    def convert_to_torque(self, gain: float) -> float:
         """Root mean square of a row behind a gain [N·m]."""
         return self.noise * float(np.sqrt(gain / self.problem.grids[0].centres.size))
 
-    def columns(self) -> dict[str, FloatArray]:
+    def list_columns(self) -> dict[str, FloatArray]:
         """Columns of the file."""
         track = self.problem.tracks[0]
         time = np.arange(track.size, dtype=np.float64) * track.dt
@@ -166,7 +184,7 @@ class _Motion:
         return {"time": time, "position_reference": track.position, "velocity_reference": velocity}
 
 
-def _virtual(prepared: Baseline, position: FloatArray) -> tuple[Track, Plant]:
+def _simulate_recording(prepared: Baseline, position: FloatArray) -> tuple[Track, Plant]:
     """The recording that the base model would give on a motion, without noise."""
     plant = prepared.structure.unpack_plant(prepared.fit.theta)
     old = prepared.problem.tracks[0]
@@ -180,54 +198,3 @@ def _virtual(prepared: Baseline, position: FloatArray) -> tuple[Track, Plant]:
     torque = plant.inertia * a + plant.compute_gravity_torque(position, old.rotary) + friction
     channels: dict[str, FloatArray] = {}
     return Track.build(old.dt, position, torque, rotary=old.rotary, channels=channels, name="proposal"), plant
-
-
-def _slow_sine(time: FloatArray, reach: Range) -> FloatArray:
-    rate = min(0.2 * reach.speed / reach.half, 2 * np.pi * 0.2)
-    return np.asarray(reach.half * np.sin(rate * time), dtype=np.float64)
-
-
-def _fast_sine(time: FloatArray, reach: Range) -> FloatArray:
-    return np.asarray(reach.half * np.sin(0.9 * reach.speed / reach.half * time), dtype=np.float64)
-
-
-def _chirp(time: FloatArray, reach: Range) -> FloatArray:
-    low, high = 0.1, 4.0
-    rate = np.log(high / low) / time[-1]
-    frequency = low * np.exp(rate * time)
-    phase = 2 * np.pi * low * (np.exp(rate * time) - 1.0) / rate
-    return np.asarray(np.minimum(0.5 * reach.half, reach.speed / (2 * np.pi * frequency)) * np.sin(phase))
-
-
-def _small_reversals(time: FloatArray, reach: Range) -> FloatArray:
-    return np.asarray(0.06 * reach.half * np.sin(2 * np.pi * 0.4 * time) * (1.0 + 3.0 * time / time[-1]))
-
-
-def _staircase(time: FloatArray, reach: Range) -> FloatArray:
-    speeds = reach.speed * np.geomspace(0.01, 1.0, 8)
-    v = np.zeros_like(time)
-    position, sign, at = 0.0, 1.0, 0
-    dt = float(time[1])
-    i = 0
-    while at < time.size:
-        speed = float(speeds[i % 8])
-        length = min(time.size - at, int(min(3.0, (reach.half - sign * position) / speed * 0.95) / dt))
-        if length < int(0.2 / dt):
-            sign = -sign
-            length = min(time.size - at, int(0.3 / dt))
-        v[at : at + length] = sign * speed
-        position += sign * speed * length * dt
-        at, i = at + length, i + 1
-        if i % 8 == 0:
-            sign = -sign
-    window = np.hanning(101)
-    return np.clip(np.cumsum(np.convolve(v, window / window.sum(), "same")) * dt, -reach.half, reach.half)
-
-
-MENU: dict[str, Callable[[FloatArray, Range], FloatArray]] = {
-    "slow sine over the whole range": _slow_sine,
-    "fast sine over the whole range": _fast_sine,
-    "chirp from 0.1 to 4 Hz": _chirp,
-    "small reversals that grow": _small_reversals,
-    "speed staircase in both directions": _staircase,
-}

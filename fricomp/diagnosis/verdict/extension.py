@@ -19,19 +19,21 @@ from ..joint.observer import Plant
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 
-__all__ = ["base_model", "extended_model"]
+__all__ = ["write_base_model", "write_extended_model"]
 
 _OF_THE_CORE = ("stribeck_exponent", "sigma_0", "sigma_1", "lag")  # fields of a plant that its curves and bristle have
 
 
-def base_model(recordings: Sequence[Recording], prepared: Baseline) -> FrictionModel:
+def write_base_model(recordings: Sequence[Recording], prepared: Baseline) -> FrictionModel:
     """Friction of the refitted base."""
     plant = prepared.structure.unpack_plant(prepared.fit.theta)
-    return _model(recordings, prepared.structure.contexts, (BidirectionalStribeck(*_pair(plant, 2.0)),), plant)
+    return _write_model(
+        recordings, prepared.structure.contexts, (BidirectionalStribeck(*_build_pair(plant, 2.0)),), plant
+    )
 
 
-def extended_model(
-    recordings: Sequence[Recording], prepared: Baseline, chosen: Explanation | None, given: Spring | None = None
+def write_extended_model(
+    recordings: Sequence[Recording], chosen: Explanation | None, given: Spring | None = None
 ) -> FrictionModel | None:
     """Friction with the named effects, refitted together; None where no effect belongs to a friction law.
 
@@ -53,12 +55,12 @@ def extended_model(
         terms += [term] if term is not None else []
     if not terms and not changes:
         return None
-    return _model(recordings, chosen.structure.contexts, (_core(plant, changes), *terms), plant)
+    return _write_model(recordings, chosen.structure.contexts, (_build_core(plant, changes), *terms), plant)
 
 
-def _core(plant: Plant, changes: Mapping[str, float]) -> Term:
+def _build_core(plant: Plant, changes: Mapping[str, float]) -> Term:
     """The friction curves, with the exponent, bristle and lag that effects gave them."""
-    (forward, reverse), lag = _pair(plant, changes.get("stribeck_exponent", 2.0)), changes.get("lag", 0.0)
+    (forward, reverse), lag = _build_pair(plant, changes.get("stribeck_exponent", 2.0)), changes.get("lag", 0.0)
     if "sigma_0" in changes:
         sigma_0, sigma_1 = changes["sigma_0"], changes.get("sigma_1", 0.0)
         if lag > 0.0:
@@ -67,13 +69,13 @@ def _core(plant: Plant, changes: Mapping[str, float]) -> Term:
     return LaggedStribeck(forward, reverse, lag=lag) if lag > 0.0 else BidirectionalStribeck(forward, reverse)
 
 
-def _pair(plant: Plant, exponent: float) -> tuple[StribeckCurve, StribeckCurve]:
+def _build_pair(plant: Plant, exponent: float) -> tuple[StribeckCurve, StribeckCurve]:
     """The curves of both directions, with the constant torque that was fitted beside them.
 
     While the joint slides it cannot be told from a difference between the directions, and nothing else of the model
     would make it: friction and rigid body together are to give the recorded torque.
     """
-    shift = _shared(plant)
+    shift = _share_offset(plant)
     forward, reverse = (
         StribeckCurve(c + sign * shift, s + sign * shift, v, f, exponent)
         for (c, s, v, f), sign in ((plant.forward, 1.0), (plant.reverse, -1.0))
@@ -81,15 +83,15 @@ def _pair(plant: Plant, exponent: float) -> tuple[StribeckCurve, StribeckCurve]:
     return forward, reverse
 
 
-def _shared(plant: Plant) -> float:
+def _share_offset(plant: Plant) -> float:
     """The constant torque that friction can hold without driving the joint in either direction."""
     return plant.offset if abs(plant.offset) < min(plant.forward[0], plant.reverse[0]) else 0.0
 
 
-def _model(
+def _write_model(
     recordings: Sequence[Recording], contexts: Sequence[Context], terms: tuple[Term, ...], plant: Plant
 ) -> FrictionModel:
-    metadata, shift = recordings[0].metadata, _shared(plant)
+    metadata, shift = recordings[0].metadata, _share_offset(plant)
     said = f"{shift:.4g} {metadata.torque_unit} in the forward curve, less it in the reverse curve"
     said = said if shift == plant.offset else f"{plant.offset:.4g} {metadata.torque_unit}, not part of this model"
     warm = all("temperature" in context.channels for context in contexts)
@@ -99,11 +101,11 @@ def _model(
         motion=metadata.motion,
         torque_unit=metadata.torque_unit,
         validity=Validity(
-            velocity=_range(context.velocity for context in contexts),
-            position=_range(np.asarray(recording.position) for recording in recordings),
-            load_torque=_range(context.load_torque for context in contexts),
-            acceleration=_range(context.acceleration for context in contexts),
-            temperature=_range(context.channels["temperature"] for context in contexts) if warm else None,
+            velocity=_find_range(context.velocity for context in contexts),
+            position=_find_range(np.asarray(recording.position) for recording in recordings),
+            load_torque=_find_range(context.load_torque for context in contexts),
+            acceleration=_find_range(context.acceleration for context in contexts),
+            temperature=_find_range(context.channels["temperature"] for context in contexts) if warm else None,
         ),
         provenance=Provenance(
             method="diagnosis", data_sha256=recordings[0].content_hash, notes={"torque_offset": said}
@@ -111,7 +113,7 @@ def _model(
     )
 
 
-def _range(columns: Iterable[FloatArray]) -> tuple[float, float]:
+def _find_range(columns: Iterable[FloatArray]) -> tuple[float, float]:
     """Lowest and highest value over all recordings."""
     ends = [(float(np.min(column)), float(np.max(column))) for column in columns]
     return min(low for low, _ in ends), max(high for _, high in ends)

@@ -1,107 +1,159 @@
-"""The effects that were chosen, as they are named: numbers, shares, and where they act."""
+"""The effects as they are named: a pure function of the evidence."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
+from typing import NamedTuple
 
-import numpy as np
-from msgspec.structs import replace as with_fields
+from ..effects.spring import SPRING, SPRING_CHANGE
+from ..evidence.comparison import Shift
+from ..evidence.effect_evidence import EffectEvidence
+from ..evidence.findings import Findings
+from ..evidence.in_place import BODY_SHIFTS
+from ..inputs.rigid import Spring
+from ..record.result import Change, Kind, Location, NamedEffect, Quantity
+from ..samples.sample_finding import SampleFinding
 
-from ..effects import EFFECTS
-from ..effects.spring import describe_spring
-from ..evidence.alias import aliases
-from ..evidence.answer import Answer
-from ..evidence.location import locate
-from ..evidence.refitted import Refitted
-from ..inputs.track import FloatArray
-from ..record.result import Location, NamedEffect, RowSeries
-from ..search.effect_energy import compute_effect_energy
-from ..search.explanation import Explanation
-from ..search.tone import Tone
-from .overtone import explained_by_overtone, overtones
-
-__all__ = ["each_once", "name_effects", "where_unknown"]
+__all__ = ["SpringWords", "compare_spring", "describe_spring", "name_effects", "name_sample"]
 
 _GAIN = "torque_gain_error"
+_NO_CENTRE = "its centre is not determined, since that of a straight one is a constant torque"
 
 
-def name_effects(
-    answer: Answer, chosen: Explanation, refitted: Refitted, explained: float, series: tuple[RowSeries, ...]
-) -> tuple[list[NamedEffect], Location]:
-    """The effects that were chosen, and where they add most together."""
-    energies = {name: _energy(answer, chosen, {name}) for name in chosen.names}
-    whole = energies[chosen.names[0]] if len(energies) == 1 else _energy(answer, chosen, chosen.names)
-    sums = {name: float(np.sum(np.concatenate(energy))) for name, energy in energies.items()}
-    span = max(float(np.ptp(context.position)) for context in chosen.structure.contexts)
+class SpringWords(NamedTuple):
+    """A spring as the recording shows it: fields of a named effect."""
 
-    def as_well(name: str, other: str, order: float) -> bool:
-        return explained_by_overtone(answer.prepared, answer.found.explanations, chosen, name, other, order)
-
-    forms = overtones(chosen, sums, span, as_well)
-    effects = []
-    for candidate in chosen.structure.candidates:
-        effect = candidate.effect
-        if effect.name in forms:
-            continue
-        tones = [order for other, order in forms.values() if other == effect.name]
-        # Which of two laws draws a ripple and which its overtone is a matter of the fit.
-        drawn = [name for name, (other, _) in forms.items() if other == effect.name]
-        own = sums[effect.name] + sum(sums[name] for name in drawn)
-        effects.append(
-            describe_spring(
-                NamedEffect(
-                    name=effect.name,
-                    kind=effect.kind,
-                    parameters=refitted.parameters(effect.name, answer.unit, answer.position_unit),
-                    indistinguishable_from=tuple(dict.fromkeys([*aliases(answer.found, effect.name), *drawn])),
-                    location=_located(answer, series, energies[effect.name]),
-                    share=explained * own / max(sum(sums.values()), 1e-30),
-                    equation=effect.equation,
-                    sentence=effect.says + "".join(f"; its form shows at the order {tone:.4g} too" for tone in tones),
-                    citation=effect.citation,
-                ),
-                answer.spring,
-            )
-        )
-    return effects, _located(answer, series, whole)
+    kind: Kind
+    parameters: dict[str, Quantity]
+    sentence: str
+    equation: str
 
 
-def each_once(named: Sequence[NamedEffect], compared: Sequence[NamedEffect]) -> list[NamedEffect]:
-    """What was chosen, with what the comparison says under the same name, and the rest of the comparison.
+def name_effects(findings: Findings, explained: float) -> tuple[NamedEffect, ...]:
+    """Name what the rows show, strongest first.
 
-    So it is with a load that differs between the recordings, and in the first of them from the simulation's. Beside an
-    effect that scales the torque by a factor of its own no gain is named: how the two share it is a matter of form.
+    Args:
+        findings: Evidence from the rows.
+        explained: Part of the energy above the noise that the effects share.
     """
-    scaled = any(EFFECTS[one.name].scales_torque for one in named)
-    rest = {one.name: one for one in compared if not (scaled and one.name == _GAIN)}
-    same = {one.name: rest.pop(one.name) for one in named if one.name in rest}
-    joined = [
-        with_fields(
-            one,
-            parameters=one.parameters | same[one.name].parameters,
-            sentence=f"{one.sentence}; {same[one.name].sentence}",
-        )
-        if one.name in same
-        else one
-        for one in named
+    shifts = _list_shifts(findings)
+    own = [one for one in findings.effects if one.overtone_of is None]
+    named = [_name_chosen(findings, one, shifts.get(one.effect.name), explained) for one in own]
+    names, parts = [one.name for one in named], findings.parts or (0.0,) * len(shifts)
+    named += [
+        _name_shift(findings, shift, explained * part, findings.location if findings.as_given else {})
+        for shift, part in zip(shifts.values(), parts, strict=False)
+        if shift.name not in names
     ]
-    return [*joined, *rest.values()]
+    named += [] if findings.lag is None else [_name_shift(findings, findings.lag, 0.0, {})]
+    return tuple(sorted(named, key=lambda effect: -effect.share))
 
 
-def _energy(answer: Answer, chosen: Explanation, names: Collection[str]) -> list[FloatArray]:
-    return compute_effect_energy(answer.prepared, chosen.structure, chosen.fit.theta, names)
+def _list_shifts(findings: Findings) -> dict[str, Shift]:
+    """Shifts that may be named, by name: an unexplained residual biases the fitted parameters, so none is then.
+
+    Beside an effect that scales the torque by a factor of its own no gain is named: how the two share it is a matter
+    of form.
+    """
+    own = [one.effect for one in findings.effects if one.overtone_of is None]
+    scaled = any(effect.scales_torque for effect in own)
+    shifts = () if findings.unknown else findings.comparison.shifts
+    return {shift.name: shift for shift in shifts if not (scaled and shift.name == _GAIN)}
 
 
-def _located(answer: Answer, series: tuple[RowSeries, ...], energy: Sequence[FloatArray]) -> Location:
-    """Where effects add most, of whose torque the energy of every sample is known."""
-    prepared = answer.prepared
-    rows = [one[grid.centres] for one, grid in zip(energy, prepared.problem.grids, strict=True)]
-    return locate(series, rows, samples=(prepared.structure.contexts[0].time, energy[0]))
+def _name_chosen(findings: Findings, one: EffectEvidence, same: Shift | None, explained: float) -> NamedEffect:
+    """An effect of the chosen explanation, with what the comparison says under `same` name.
+
+    So it is with a load that differs between the recordings, and in the first of them from the simulation's. Which of
+    two laws draws a ripple and which its overtone is a matter of the fit.
+    """
+    effect, all_energy = one.effect, sum(each.energy for each in findings.effects)
+    drawn = [e for e in findings.effects if e.overtone_of is not None and e.overtone_of.name == effect.name]
+    tones = [e.overtone_of.order for e in drawn if e.overtone_of is not None]
+    says = effect.says + "".join(f"; its form shows at the order {order:.4g} too" for order in tones)
+    words = SpringWords(effect.kind, one.parameters, says, effect.equation)
+    if effect.name == SPRING:
+        words = describe_spring(words, findings.case.spring)
+    energy = one.energy + sum(each.energy for each in drawn)
+    return NamedEffect(
+        name=effect.name,
+        kind=words.kind,
+        parameters=words.parameters | (same.parameters if same is not None else {}),
+        indistinguishable_from=tuple(dict.fromkeys([*one.aliases, *(each.effect.name for each in drawn)])),
+        location=one.location,
+        share=explained * energy / max(all_energy, 1e-30),
+        equation=words.equation,
+        sentence=words.sentence if same is None else f"{words.sentence}; {same.sentence}",
+        citation=effect.citation,
+    )
 
 
-def where_unknown(series: tuple[RowSeries, ...], tone: Tone | None) -> Location:
-    """Where most of what exceeds the noise sits, and the frequency of a vibration."""
-    location = locate(series, [np.maximum((one.before / one.spread) ** 2 - 1.0, 0.0) for one in series], rows=5)
-    if tone is not None:
-        location["frequency"] = [(tone.frequency - tone.width, tone.frequency + tone.width)]
-    return location
+def _name_shift(findings: Findings, shift: Shift, share: float, location: Location) -> NamedEffect:
+    """A moved parameter; inertia and gravity with the effects that explain as much."""
+    instead = findings.case.instead if shift.name in BODY_SHIFTS else ()
+    return NamedEffect(
+        name=shift.name,
+        kind=shift.kind,
+        parameters=shift.parameters,
+        indistinguishable_from=(*shift.alike, *instead),
+        location=location,
+        share=share,
+        equation=shift.equation,
+        sentence=shift.sentence,
+        citation=shift.citation,
+    )
+
+
+def name_sample(sample: SampleFinding) -> NamedEffect:
+    """What the samples show; its share is counted in them."""
+    return NamedEffect(
+        name=sample.name,
+        kind=sample.kind,
+        parameters=sample.parameters,
+        indistinguishable_from=sample.alike,
+        share=sample.held.explained,
+        equation=sample.equation,
+        sentence=sample.sentence,
+        citation=sample.citation,
+    )
+
+
+def describe_spring(words: SpringWords, given: Spring | None) -> SpringWords:
+    """Say of a spring what the recording shows of it.
+
+    The centre of a straight one is an offset, which the base has as well: no recording tells the two apart, and an
+    interval of it would be one of the steps by which the fit's derivatives are taken. A spring beside the
+    simulation's own is a parameter of that one.
+
+    Args:
+        words: As it was fitted: the stiffness is the difference.
+        given: Of the simulation; None where it has no spring.
+    """
+    if words.parameters["hardening"].ci95[0] > 0.0:  # the simulation has no term by which its own would stiffen so
+        beside = "" if given is None else ", beside that of the simulation"
+        return words._replace(sentence=words.sentence + beside)
+    rest = {name: one for name, one in words.parameters.items() if name != "centre"}
+    if given is None:
+        return words._replace(parameters=rest, sentence=f"{words.sentence}; {_NO_CENTRE}")
+    change = rest.pop("stiffness")
+    whole, unit = _add_stiffness(change, given), change.unit
+    if whole.ci95[0] <= 0.0:
+        sentence = f"the simulation has a spring of {given.stiffness:.4g} {unit} that the joint does not show"
+    else:
+        sentence = f"the joint's spring has {whole.value:.4g} {unit}, that of the simulation {given.stiffness:.4g}"
+    return SpringWords("parameter", {"stiffness_change": change, **rest}, sentence, "")
+
+
+def compare_spring(effects: Sequence[NamedEffect], given: Spring | None) -> tuple[Change, ...]:
+    """List the stiffness of the simulation and of the joint, where the two were found to differ."""
+    if given is None:
+        return ()
+    changes = (one.parameters.get("stiffness_change") for one in effects if one.name == SPRING)
+    return tuple(
+        Change(name=SPRING_CHANGE, given=given.stiffness, refitted=_add_stiffness(one, given)) for one in changes if one
+    )
+
+
+def _add_stiffness(change: Quantity, given: Spring) -> Quantity:
+    low, high = change.ci95
+    return Quantity(given.stiffness + change.value, change.unit, (given.stiffness + low, given.stiffness + high))

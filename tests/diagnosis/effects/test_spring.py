@@ -10,13 +10,12 @@ import pytest
 
 from fricomp.diagnosis import RigidJoint, diagnose
 from fricomp.diagnosis.effects.forward_part import ForwardPart
-from fricomp.diagnosis.effects.spring import combine_springs, compare_spring, describe_spring
+from fricomp.diagnosis.effects.spring import combine_springs
 from fricomp.diagnosis.forward.forward import add_spring
 from fricomp.diagnosis.inputs.arm_dynamics import ArmMotion, read_arm
 from fricomp.diagnosis.inputs.rigid import Spring, read_simulation
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Contribution, Plant
-from fricomp.diagnosis.record.result import NamedEffect, Quantity
 from fricomp.laws import OperatingPoint, SpringTorque
 
 from ..toy_joint import ToyJoint, recording
@@ -25,15 +24,6 @@ _MJCF = """<mujoco><compiler angle="radian"/><worldbody><body><joint name="knee"
 <inertial pos="0 0 -0.2" mass="2" diaginertia="0.03 0.03 0.03"/></body></worldbody></mujoco>"""
 _GRAVITY = (1.773, 5.732)
 _PLANT = Plant(0.35, _GRAVITY, 0.1, (2.0, 2.9, 0.06, 1.1), (2.3, 3.3, 0.04, 1.3), 4e4)
-
-
-def _named(change: float, half: float, hardening: tuple[float, float] = (-0.01, 0.01)) -> NamedEffect:
-    parameters = {
-        "stiffness": Quantity(change, "N·m/rad", (change - half, change + half)),
-        "centre": Quantity(0.1, "rad", (0.0, 0.2)),
-        "hardening": Quantity(sum(hardening) / 2, "1/rad²", hardening),
-    }
-    return NamedEffect(name="spring_torque", kind="physics", parameters=parameters, sentence="a spring pulls the joint")
 
 
 def test_the_spring_of_a_simulation_is_read_with_its_reference(tmp_path: Path) -> None:
@@ -63,33 +53,6 @@ def test_a_forward_simulation_has_it_back() -> None:
     np.testing.assert_allclose(whole.torque, plain.torque, atol=1e-12)
     np.testing.assert_allclose(added.along.additive, 1.0 + 6.0 * (plain.position - 0.3), atol=2e-3)
     assert add_spring(plain, added) == (plain, added)
-
-
-@pytest.mark.parametrize(("change", "words"), [(-1.96, "does not show"), (1.0, "3 N·m/rad")])
-def test_another_spring_than_the_simulation_s_is_a_parameter(change: float, words: str) -> None:
-    given = Spring((2.0,))
-    effect = describe_spring(_named(change, 0.2), given)
-    assert effect.kind == "parameter"
-    assert words in effect.sentence
-    assert effect.parameters["stiffness_change"].value == change
-    (moved,) = compare_spring([effect], given)
-    assert moved.given == 2.0
-    assert moved.refitted.value == pytest.approx(2.0 + change)
-
-
-def test_a_spring_beside_a_simulation_without_one_and_one_that_stiffens_are_physics() -> None:
-    assert describe_spring(_named(1.5, 0.1), None).kind == "physics"
-    assert compare_spring([_named(1.5, 0.1)], None) == ()
-    assert describe_spring(_named(1.5, 0.1, (0.2, 0.4)), Spring((2.0,))).kind == "physics"
-
-
-def test_the_centre_of_a_straight_spring_is_no_number_and_that_of_one_that_stiffens_is() -> None:
-    straight = describe_spring(_named(1.5, 0.1), None)
-    assert set(straight.parameters) == {"stiffness", "hardening"}
-    assert "centre is not determined" in straight.sentence
-    stiffens = _named(1.5, 0.1, (0.2, 0.4))
-    assert describe_spring(stiffens, None) == stiffens
-    assert "centre" not in describe_spring(_named(-1.5, 0.1), Spring((2.0,))).parameters
 
 
 @pytest.mark.parametrize("hardening", [0.0, 0.3])

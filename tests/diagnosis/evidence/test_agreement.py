@@ -2,34 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Any, cast
-
 import numpy as np
 import pytest
 
 from fricomp.diagnosis.evidence import agreement
-from fricomp.diagnosis.evidence.agreement import agreeing, hold
-from fricomp.diagnosis.evidence.alias import aliases
+from fricomp.diagnosis.evidence.agreement import hold, prefer_agreeing
+from fricomp.diagnosis.evidence.alias import list_aliases
 from fricomp.diagnosis.evidence.comparison import PLAIN, Doubt
 from fricomp.diagnosis.inputs.rigid import RigidJoint
 from fricomp.diagnosis.joint.solver import Box
 from fricomp.diagnosis.search.explanation import Explanation
-from fricomp.diagnosis.search.search import SearchResult
 
-from ..known import known
+from ..known import known, known_baseline, known_search
 
-_NONE = cast(Any, None)
-
-
-def _found(*explanations: Explanation) -> SearchResult:
-    return SearchResult(explanations, explanations[0], 30.0, 0.0, 0.0, _NONE)
-
-
+_BASE = known_baseline()
 _LOAD, _SPLIT = known(("load_coulomb",), 1000.0), known(("load_quadratic",), 990.0)
 
 
 def test_of_two_that_fit_as_well_the_one_that_agrees_is_taken() -> None:
-    found = agreeing(_NONE, _found(_LOAD, _SPLIT), None, lambda one, _: one is _LOAD)
+    found = prefer_agreeing(_BASE, known_search(_LOAD, _SPLIT), None, lambda one, _: one is _LOAD)
     assert found.best is _SPLIT
     assert set(found.explanations) == {_LOAD, _SPLIT}
 
@@ -38,8 +29,8 @@ def test_one_that_agrees_as_nearly_as_a_law_can_comes_before_one_that_does_not()
     def differs(one: Explanation, doubt: Doubt) -> bool:
         return one is _LOAD or doubt is PLAIN
 
-    assert agreeing(_NONE, _found(_LOAD, _SPLIT), None, differs).best is _SPLIT
-    assert agreeing(_NONE, _found(_SPLIT, _LOAD), None, differs).best is _SPLIT
+    assert prefer_agreeing(_BASE, known_search(_LOAD, _SPLIT), None, differs).best is _SPLIT
+    assert prefer_agreeing(_BASE, known_search(_SPLIT, _LOAD), None, differs).best is _SPLIT
 
 
 @pytest.mark.parametrize(
@@ -53,7 +44,7 @@ def test_one_that_agrees_as_nearly_as_a_law_can_comes_before_one_that_does_not()
     ],
 )
 def test_else_the_best_one_stays(rival: Explanation, differing: set[str]) -> None:
-    found = agreeing(_NONE, _found(_LOAD, rival), None, lambda one, _: one.names[0] in differing)
+    found = prefer_agreeing(_BASE, known_search(_LOAD, rival), None, lambda one, _: one.names[0] in differing)
     assert found.best is _LOAD
 
 
@@ -63,9 +54,9 @@ _JOINT = RigidJoint(2.0, (3.0, 4.0), 0.0, 0.0, 0.0, True)
 def test_what_is_held_at_the_simulation_is_weighed_at_its_minimum(monkeypatch: pytest.MonkeyPatch) -> None:
     """A narrow valley ends far from where a fit from other parameters has come to."""
     short, other = known(("load_quadratic",), 10.0), known(("load_quadratic",), -5.0)
-    monkeypatch.setattr(agreement, "_held", lambda *_: [other, short])
+    monkeypatch.setattr(agreement, "_fit_held", lambda *_: [other, short])
     monkeypatch.setattr(agreement, "polish", lambda _, some, **__: [_SPLIT if one is short else one for one in some])
-    assert agreeing(_NONE, _found(_LOAD), _JOINT, lambda one, _: one is _LOAD).best is _SPLIT
+    assert prefer_agreeing(_BASE, known_search(_LOAD), _JOINT, lambda one, _: one is _LOAD).best is _SPLIT
 
 
 @pytest.mark.parametrize(
@@ -79,17 +70,17 @@ def test_what_is_held_at_the_simulation_is_weighed_at_its_minimum(monkeypatch: p
 def test_a_rival_is_one_only_if_it_fits_the_simulation(
     straight: Explanation, left: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(agreement, "_held", lambda *_: [straight])
-    found = agreeing(_NONE, _found(_LOAD, _SPLIT), _JOINT, lambda one, _: one is _SPLIT)
+    monkeypatch.setattr(agreement, "_fit_held", lambda *_: [straight])
+    found = prefer_agreeing(_BASE, known_search(_LOAD, _SPLIT), _JOINT, lambda one, _: one is _SPLIT)
     assert found.best is _LOAD
-    assert aliases(found, "load_coulomb") == left
+    assert list_aliases(found, "load_coulomb") == left
     assert [e.refused for e in found.explanations if e.gain == _SPLIT.gain] == [agreement._BENT]
 
 
 def test_where_the_best_one_moves_the_simulation_its_rivals_may_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(agreement, "_held", lambda *_: [])
-    found = agreeing(_NONE, _found(_LOAD, _SPLIT), _JOINT, lambda one, _: True)
-    assert aliases(found, "load_coulomb") == ("load_quadratic",)
+    monkeypatch.setattr(agreement, "_fit_held", lambda *_: [])
+    found = prefer_agreeing(_BASE, known_search(_LOAD, _SPLIT), _JOINT, lambda one, _: True)
+    assert list_aliases(found, "load_coulomb") == ("load_quadratic",)
 
 
 def test_the_simulation_is_held_and_nothing_else() -> None:

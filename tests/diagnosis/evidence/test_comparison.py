@@ -10,9 +10,9 @@ from fricomp.diagnosis import RigidJoint
 from fricomp.diagnosis.evidence.comparison import NAMED, PLAIN, UNEXPLAINED, Comparison
 from fricomp.diagnosis.evidence.friction_comparison import (
     GivenFriction,
-    _uneven_effect,
+    _describe_uneven,
     compare_friction,
-    friction_changes,
+    list_friction_changes,
 )
 from fricomp.diagnosis.evidence.rigid_comparison import compare_rigid
 from fricomp.diagnosis.inputs.track import FloatArray
@@ -43,7 +43,7 @@ def _friction(offset: float, odd: float, deviation: float = 1e-3, static: float 
 
 def test_a_payload_is_named_in_numbers_that_any_writer_of_json_takes() -> None:
     given = RigidJoint(0.27, (0.9, 5.2), 0.0, 0.0, 0.0, True)
-    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _BRISK).effects
+    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _BRISK).shifts
     assert effect.name == "payload_error"
     assert effect.parameters["inertia_change"].value == pytest.approx(0.03, abs=1e-3)
     assert effect.parameters["gravity_sin_change"].value == pytest.approx(0.8, abs=0.02)
@@ -52,52 +52,52 @@ def test_a_payload_is_named_in_numbers_that_any_writer_of_json_takes() -> None:
 
 def test_a_common_factor_that_is_not_quite_met_is_a_gain_with_another_mass_as_alias() -> None:
     given = RigidJoint(0.3 / 0.966, (1.0 / 0.966, 6.0 / 0.966 - 0.02), 0.0, 0.0, 0.0, True)
-    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", NAMED, _BRISK).effects
+    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", NAMED, _BRISK).shifts
     assert effect.name == "torque_gain_error"
-    assert effect.indistinguishable_from == ("payload_error",)
+    assert effect.alike == ("payload_error",)
     assert effect.parameters["gain_error"].value == pytest.approx(-0.034, abs=0.004)
 
 
 def test_a_common_factor_that_the_inertia_is_not_seen_to_follow_is_a_payload() -> None:
     given = RigidJoint(0.3 / 0.997, (1.0 / 0.997, 6.0 / 0.997), 0.0, 0.0, 0.0, True)
-    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _GENTLE).effects
+    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _GENTLE).shifts
     assert effect.name == "payload_error"
-    assert effect.indistinguishable_from == ("torque_gain_error",)
+    assert effect.alike == ("torque_gain_error",)
 
 
 def test_an_inertia_is_known_the_better_the_more_there_is_to_accelerate() -> None:
     """Friction of slightly another form leans on the inertia by a part of its own torque."""
     given = RigidJoint(0.3 / 1.005, (1.0, 6.0), 0.0, 0.0, 0.0, True)
-    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _BRISK).effects
+    (effect,) = compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _BRISK).shifts
     assert effect.name == "inertia_error"
-    assert not compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _GENTLE).effects
+    assert not compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _GENTLE).shifts
 
 
 def test_what_is_not_explained_casts_doubt_on_parameters() -> None:
     given = RigidJoint(0.3, (1.0, 6.08), 0.0, 0.0, 0.0, True)
-    assert compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _BRISK).effects
-    assert not compare_rigid(_PLANT, _SURE, given, "N·m", UNEXPLAINED, _BRISK).effects
+    assert compare_rigid(_PLANT, _SURE, given, "N·m", PLAIN, _BRISK).shifts
+    assert not compare_rigid(_PLANT, _SURE, given, "N·m", UNEXPLAINED, _BRISK).shifts
 
 
 @pytest.mark.parametrize("split", [-0.2, 0.0, 0.2])
 def test_what_sliding_cannot_split_gets_one_name_and_its_alias(split: float) -> None:
-    (effect,) = _friction(0.05 + split, 0.05 - split).effects
+    (effect,) = _friction(0.05 + split, 0.05 - split).shifts
     assert effect.name == "torque_offset"
-    assert effect.indistinguishable_from == ("direction_asymmetry",)
+    assert effect.alike == ("direction_asymmetry",)
     low, high = effect.parameters["offset"].ci95
     assert low < 0.1 < high
 
 
 def test_static_friction_that_follows_speaks_for_the_directions() -> None:
-    (effect,) = _friction(0.2, -0.1, static=0.7).effects
+    (effect,) = _friction(0.2, -0.1, static=0.7).shifts
     assert effect.name == "direction_asymmetry"
-    assert effect.indistinguishable_from == ("torque_offset",)
+    assert effect.alike == ("torque_offset",)
     low, high = effect.parameters["coulomb_difference"].ci95
     assert low < 0.2 < high
 
 
 def test_a_split_beyond_all_doubt_gets_both_names() -> None:
-    effects = _friction(1.5, -1.3).effects
+    effects = _friction(1.5, -1.3).shifts
     assert [effect.name for effect in effects] == ["torque_offset", "direction_asymmetry"]
     assert effects[0].parameters["offset"].value == pytest.approx(1.5, abs=0.1)
     assert effects[1].parameters["coulomb_difference"].value == pytest.approx(-2.6, abs=0.2)
@@ -109,7 +109,7 @@ def test_friction_of_the_simulation_stands_beside_the_refitted_one_where_they_di
 
     def changes(damping: float, loss: float) -> list[tuple[str, float, float]]:
         given = RigidJoint(0.3, (1.0, 6.0), 0.0, damping, loss, True)
-        found = friction_changes(_PLANT, covariance, given, units, PLAIN)
+        found = list_friction_changes(_PLANT, covariance, given, units, PLAIN)
         return [(one.name, one.given, one.refitted.value) for one in found]
 
     assert changes(1.0, 2.0) == []
@@ -119,18 +119,18 @@ def test_friction_of_the_simulation_stands_beside_the_refitted_one_where_they_di
 
 @pytest.mark.parametrize(("half", "words"), [(1.3, "by 2.6 N·m"), (0.3, "by 30 %")])
 def test_directions_that_differ_by_more_than_the_level_are_told_in_torque(half: float, words: str) -> None:
-    effect = _uneven_effect("direction_asymmetry", half, 0.1, (2.0, "N·m"))
+    effect = _describe_uneven("direction_asymmetry", half, 0.1, (2.0, "N·m"))
     assert effect.sentence.endswith(words)
 
 
 def test_a_split_that_leaves_the_sum_as_it_is_names_nothing() -> None:
-    assert _friction(0.4, -0.4).effects == ()
+    assert _friction(0.4, -0.4).shifts == ()
     assert _friction(0.4, -0.4).changes == ()
 
 
 def test_a_shift_within_the_doubt_of_the_fit_names_nothing() -> None:
-    assert _friction(0.1, 0.0).effects
-    assert not _friction(0.1, 0.0, deviation=0.05).effects
+    assert _friction(0.1, 0.0).shifts
+    assert not _friction(0.1, 0.0, deviation=0.05).shifts
 
 
 def _hardly_told_from_gravity() -> FloatArray:
@@ -144,8 +144,8 @@ def test_an_offset_that_gravity_could_fill_in_for_shows_where_gravity_is_as_give
     plant = replace(_PLANT, offset=0.04)
     rigid = RigidJoint(0.3, (1.0, 6.0), 0.0, 0.0, 0.0, True)
     covariance = _hardly_told_from_gravity()
-    assert not compare_friction(plant, covariance, _given(), "N·m", PLAIN, _BRISK).effects
-    (effect,) = compare_friction(plant, covariance, _given(rigid), "N·m", PLAIN, _BRISK).effects
+    assert not compare_friction(plant, covariance, _given(), "N·m", PLAIN, _BRISK).shifts
+    (effect,) = compare_friction(plant, covariance, _given(rigid), "N·m", PLAIN, _BRISK).shifts
     assert effect.name == "torque_offset"
     assert effect.parameters["offset"].value == pytest.approx(0.04, abs=0.005)
 
@@ -153,8 +153,8 @@ def test_an_offset_that_gravity_could_fill_in_for_shows_where_gravity_is_as_give
 def test_an_offset_that_the_simulation_has_itself_is_none() -> None:
     plant = replace(_PLANT, offset=0.3)
     covariance = np.diag(np.full(12, 1e-3)) ** 2
-    assert not compare_friction(plant, covariance, _given(offset=0.3), "N·m", PLAIN, _BRISK).effects
-    assert compare_friction(plant, covariance, _given(), "N·m", PLAIN, _BRISK).effects
+    assert not compare_friction(plant, covariance, _given(offset=0.3), "N·m", PLAIN, _BRISK).shifts
+    assert compare_friction(plant, covariance, _given(), "N·m", PLAIN, _BRISK).shifts
 
 
 def test_gravity_that_is_not_quite_as_given_is_no_offset() -> None:
@@ -162,9 +162,9 @@ def test_gravity_that_is_not_quite_as_given_is_no_offset() -> None:
     rigid = RigidJoint(0.3, (1.0, 6.0), 0.0, 0.0, 0.0, True)
     covariance = _hardly_told_from_gravity()
     astray = replace(_PLANT, offset=0.05, gravity=(0.95, 6.0))
-    assert not compare_friction(astray, covariance, _given(rigid), "N·m", PLAIN, _BRISK).effects
+    assert not compare_friction(astray, covariance, _given(rigid), "N·m", PLAIN, _BRISK).shifts
     elsewhere = replace(_PLANT, gravity=(1.0, 6.2))
-    assert not compare_friction(elsewhere, covariance, _given(rigid), "N·m", PLAIN, _BRISK).effects
+    assert not compare_friction(elsewhere, covariance, _given(rigid), "N·m", PLAIN, _BRISK).shifts
 
 
 def test_directions_that_differ_in_shape_alone_get_no_name() -> None:
@@ -172,7 +172,7 @@ def test_directions_that_differ_in_shape_alone_get_no_name() -> None:
     plant = replace(_PLANT, forward=(2.01, 2.61, 0.06, 1.3))
     deviation = np.full(12, 1e-3)
     deviation[[4, 8]] = 5e-3
-    assert not compare_friction(plant, np.diag(deviation**2), _given(), "N·m", PLAIN, _BRISK).effects
+    assert not compare_friction(plant, np.diag(deviation**2), _given(), "N·m", PLAIN, _BRISK).shifts
 
 
 def test_a_difference_beside_a_simulation_counts_in_shares_of_the_friction_that_was_found() -> None:
@@ -181,6 +181,6 @@ def test_a_difference_beside_a_simulation_counts_in_shares_of_the_friction_that_
     model = FrictionModel(FrictionLaw((BidirectionalStribeck(curve, curve),)))
     joint = replace(_PLANT, forward=(2.2, 2.86, 0.05, 1.0), reverse=(1.8, 2.34, 0.05, 1.0))
     given = GivenFriction(model, 0.0, exact=False)
-    (effect,) = compare_friction(joint, np.eye(12) * 1e-6, given, "N·m", PLAIN, _BRISK).effects
+    (effect,) = compare_friction(joint, np.eye(12) * 1e-6, given, "N·m", PLAIN, _BRISK).shifts
     assert effect.name == "direction_asymmetry"
     assert effect.parameters["asymmetry"].value == pytest.approx(0.1, abs=0.01)

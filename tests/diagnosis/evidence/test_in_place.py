@@ -3,30 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from fricomp.diagnosis import RigidJoint, diagnose
-from fricomp.diagnosis.effects import EFFECTS, Context
+from fricomp.diagnosis.effects import EFFECTS
 from fricomp.diagnosis.evidence import in_place as module
-from fricomp.diagnosis.evidence.agreement import moved_to
-from fricomp.diagnosis.evidence.answer import Answer
-from fricomp.diagnosis.evidence.in_place import _Question, beside_moved, in_place
-from fricomp.diagnosis.record.result import NamedEffect
-from fricomp.diagnosis.search.search import SearchResult
+from fricomp.diagnosis.evidence.agreement import move_to
+from fricomp.diagnosis.evidence.in_place import _Question, prefer_in_place
 
-from ..known import known
+from ..known import known, known_baseline, known_case
 from ..toy_joint import ToyJoint, recording
 
-_NONE = cast(Any, None)
+_BASE = known_baseline()
 _GIVEN = RigidJoint(ToyJoint().inertia, (1.773, 5.732), 0.0, 0.0, 0.0, True)  # gravity of the toy joint
 
 
 def _question(cost: float, left: float = 0.0) -> _Question:
     moved = known((), -20.0, np.zeros(1), left=left)
-    return _Question(moved, known((), 0.0, np.array([np.sqrt(cost)])), _NONE)
+    return _Question(moved, known((), 0.0, np.array([np.sqrt(cost)])), _BASE.box)
 
 
 @pytest.mark.parametrize(
@@ -43,7 +39,7 @@ def _question(cost: float, left: float = 0.0) -> _Question:
 def test_an_effect_explains_as_much_within_what_its_form_may_lack(
     gain: float, cost: float, left: float, *, as_well: bool
 ) -> None:
-    assert _question(cost, left).as_well(known(("cogging",), gain), 0.0) is as_well
+    assert _question(cost, left).does_as_well(known(("cogging",), gain), 0.0) is as_well
 
 
 @pytest.mark.parametrize(
@@ -58,33 +54,23 @@ def test_an_effect_takes_the_place_of_parameters_only_by_the_threshold(
     gain: float, *, takes_place: bool, told: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     question = _question(300.0)
-    monkeypatch.setattr(module, "_question", lambda _: question)
-    monkeypatch.setattr(module, "_tried", lambda *_: [])
+    monkeypatch.setattr(module, "_ask", lambda _: question)
+    monkeypatch.setattr(module, "_list_tried", lambda *_: [])
     monkeypatch.setattr(module, "fit_from", lambda *_: [known(("cogging",), gain)])
-    monkeypatch.setattr(module, "_standing", lambda _, one, given: replace(one, before=given))
-    answer = in_place(Answer((), _NONE, SearchResult((), None, 30.0, 0.0, 0.0, _NONE), None, None, 0))
-    assert answer.instead == told
-    best = answer.found.best
+    monkeypatch.setattr(module, "_judge_standing", lambda _, one, given: replace(one, before=given))
+    case = prefer_in_place(known_case(_BASE))
+    assert case.instead == told
+    best = case.found.best
     assert (best is not None) is takes_place
     assert best is None or best.before is question.given.fit
-
-
-def test_inertia_and_gravity_alone_are_told_beside_such_effects() -> None:
-    answer = Answer((), _NONE, _NONE, None, None, 0, instead=("frictional_lag",))
-    named = [
-        NamedEffect(name=name, kind="parameter", parameters={}, sentence="", indistinguishable_from=others)
-        for name, others in (("payload_error", ("torque_gain_error",)), ("torque_offset", ()))
-    ]
-    told = [one.indistinguishable_from for one in beside_moved(answer, named)]
-    assert told == [("torque_gain_error", "frictional_lag"), ()]
 
 
 def test_gravity_that_moves_leaves_the_mean_torque() -> None:
     position = np.linspace(-0.2, 0.3, 101)
     theta = np.array([0.1, 13.0, 21.0, -10.0, 5.0])
     body = np.array([0.0, 3.0, 19.0])
-    context = cast(Context, type("Along", (), {"position": position}))
-    moved = moved_to(body, theta, [context])
+    (context,) = _BASE.structure.contexts
+    moved = move_to(body, theta, [replace(context, position=position)])
 
     def mean(one: np.ndarray) -> float:
         return float(np.mean(one[1] * np.cos(position) + one[2] * np.sin(position)) + one[3])
@@ -95,7 +81,7 @@ def test_gravity_that_moves_leaves_the_mean_torque() -> None:
 
 
 def test_a_lag_too_short_to_be_named_is_faint_and_no_other_is() -> None:
-    lag, contexts = EFFECTS["frictional_lag"], [cast(Context, type("Along", (), {"dt": 1e-3}))]
+    lag, contexts = EFFECTS["frictional_lag"], list(_BASE.structure.contexts)
     assert lag.is_faint({"lag": 1e-3}, contexts)
     assert lag.refuse({"lag": 1e-3}, contexts)
     assert not lag.is_faint({"lag": 3e-3}, contexts)

@@ -13,7 +13,7 @@ from fricomp.diagnosis.forward.forward_joint import Run, simulate_forward
 from fricomp.diagnosis.inputs.controller import Controller
 from fricomp.diagnosis.inputs.track import Track
 from fricomp.diagnosis.joint.observer import Contribution, Plant
-from fricomp.diagnosis.record.sentence import forward_sentence
+from fricomp.diagnosis.record.sentence import describe_forward
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
 
@@ -101,6 +101,6 @@ def test_the_answer_says_how_the_forward_error_falls() -> None:
     forward = Forward(
         rmse_before=2e-3, rmse_after=5e-4, unit="rad", controller="PD controller (given)", interval=(4, 6)
     )
-    assert "falls from 0.002 to 0.0005 rad; PD controller (given)" in forward_sentence(forward)
-    assert "rises from 0.002 to 0.005 rad" in forward_sentence(with_fields(forward, rmse_after=5e-3))
-    assert "is 0.002 rad" in forward_sentence(with_fields(forward, rmse_after=2.0001e-3))
+    assert "falls from 0.002 to 0.0005 rad; PD controller (given)" in describe_forward(forward)
+    assert "rises from 0.002 to 0.005 rad" in describe_forward(with_fields(forward, rmse_after=5e-3))
+    assert "is 0.002 rad" in describe_forward(with_fields(forward, rmse_after=2.0001e-3))

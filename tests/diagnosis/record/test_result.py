@@ -18,7 +18,6 @@ from fricomp.diagnosis import (
     load_diagnosis,
     save_diagnosis,
 )
-from fricomp.diagnosis.record.result import Kind, Verdict, verdict_of
 from fricomp.errors import DiagnosisError
 
 
@@ -68,16 +67,3 @@ def test_foreign_files_are_refused(tmp_path: Path, content: str) -> None:
     path.write_text(content)
     with pytest.raises(DiagnosisError):
         load_diagnosis(path)
-
-
-@pytest.mark.parametrize(
-    ("kinds", "known", "beside_unknown"),
-    [
-        ((), "consistent", "unknown_physics"),
-        (("parameter",), "parameters", "unknown_physics"),
-        (("parameter", "measurement"), "measurement", "unknown_physics"),
-        (("measurement", "physics"), "missing_physics", "missing_physics"),
-    ],
-)
-def test_the_gravest_effect_gives_the_verdict(kinds: tuple[Kind, ...], known: Verdict, beside_unknown: Verdict) -> None:
-    assert (verdict_of(kinds), verdict_of(kinds, unknown=True)) == (known, beside_unknown)

@@ -8,8 +8,8 @@ import pytest
 
 from fricomp.diagnosis import DIAGNOSIS_SCHEMA, DiagnosisRecord, HeldOut, NamedEffect, Quantity
 from fricomp.diagnosis.record.result import Location
-from fricomp.diagnosis.record.sentence import sentences
-from fricomp.diagnosis.record.whereabouts import whereabouts
+from fricomp.diagnosis.record.sentence import write_sentences
+from fricomp.diagnosis.record.whereabouts import describe_whereabouts
 
 _HELD = HeldOut(
     rmse_before=0.2, rmse_after=0.03, noise_floor=0.02, unit="N·m", ci95_reduction=(0.8, 0.9), explained=0.987
@@ -41,20 +41,20 @@ def _record(location: Location, *effects: NamedEffect, **more: Any) -> Diagnosis
     ],
 )
 def test_the_strongest_facts_are_said_with_their_units(location: Location, said: str) -> None:
-    assert whereabouts(_record(location, _effect("any"))).endswith(said)
+    assert describe_whereabouts(_record(location, _effect("any"))).endswith(said)
 
 
 def test_a_ripple_sits_in_the_rhythm_of_the_position_and_the_order_of_a_filter_is_none() -> None:
     ripple, lag = Quantity(36.0, "1/rad", (35.9, 36.1)), Quantity(2.0, "1", (2.0, 2.0))
-    assert "in the rhythm of the position, at the order 36 1/rad" in whereabouts(
+    assert "in the rhythm of the position, at the order 36 1/rad" in describe_whereabouts(
         _record({}, _effect("cogging", order=ripple))
     )
-    assert whereabouts(_record({}, _effect("drive_lag", order=lag))) == ""
+    assert describe_whereabouts(_record({}, _effect("drive_lag", order=lag))) == ""
 
 
 def test_each_of_several_effects_has_its_strongest_fact_and_the_joint_its_name() -> None:
     effects = (_effect("end_stop", {"position": [(0.9, 1.0)]}), _effect("load", {"load_torque": [(2.0, 3.0)]}))
-    said = whereabouts(_record({"position": [(0.5, 1.0)]}, *effects, joint="elbow"))
+    said = describe_whereabouts(_record({"position": [(0.5, 1.0)]}, *effects, joint="elbow"))
     assert said == (
         "Most of the mismatch sits in joint elbow at position 0.5 to 1 rad. "
         "By effect: end_stop at position 0.9 to 1 rad; load at load torque 2 to 3 N·m."
@@ -63,12 +63,12 @@ def test_each_of_several_effects_has_its_strongest_fact_and_the_joint_its_name()
 
 def test_times_of_several_recordings_are_those_of_the_first() -> None:
     record = _record({"time": [(1.0, 2.0)]}, _effect("any"), recordings=("cold", "warm"))
-    assert whereabouts(record) == "Most of the mismatch sits at times 1 to 2 s of the first recording."
+    assert describe_whereabouts(record) == "Most of the mismatch sits at times 1 to 2 s of the first recording."
 
 
 def test_how_large_where_what_and_how_much_of_it_come_in_this_order() -> None:
     effects = (_effect("cogging", share=0.98), _effect("end_stop", share=0.007))
-    _, large, where, first, second, fall = sentences(_record({"position": [(0.5, 1.0)]}, *effects))
+    _, large, where, first, second, fall = write_sentences(_record({"position": [(0.5, 1.0)]}, *effects))
     assert "10.00 times its noise floor" in large
     assert "position 0.5 to 1 rad" in where
     assert (first[:7], second[:8]) == ("cogging", "end_stop")
@@ -81,15 +81,17 @@ def test_how_large_the_mismatch_of_parameters_is_counts_them_as_given() -> None:
         rmse_before=2.75, rmse_after=0.005, noise_floor=0.005, unit="N·m", ci95_reduction=(0.9, 1.0), explained=1.0,
         before="given",
     )  # fmt: skip
-    large = sentences(_record({}, _effect("payload_error"), verdict="parameters", heldout=held, noise_ratio=1.08))[1]
+    large = write_sentences(
+        _record({}, _effect("payload_error"), verdict="parameters", heldout=held, noise_ratio=1.08)
+    )[1]
     assert large.endswith("is 1.08 times its noise floor; with the parameters as given, it is 550 times.")
 
 
 def test_a_joint_with_nothing_missing_has_no_place_for_it() -> None:
-    assert len(sentences(_record({}, verdict="consistent"))) == 2
+    assert len(write_sentences(_record({}, verdict="consistent"))) == 2
 
 
 def test_the_wave_of_another_recording_is_called_so() -> None:
     wave = Quantity(0.2, "N·m", (0.1, 0.3))
-    said = " ".join(sentences(_record({}, _effect("cogging", sine=wave, sine_2=wave))))
+    said = " ".join(write_sentences(_record({}, _effect("cogging", sine=wave, sine_2=wave))))
     assert "sine 0.2 N·m (0.1 to 0.3), sine of recording 2 0.2 N·m" in said

@@ -26,7 +26,7 @@ from fricomp.diagnosis import (
     load_diagnosis,
 )
 from fricomp.diagnosis.record.result import Change
-from fricomp.diagnosis.record.sentence import sentences
+from fricomp.diagnosis.record.sentence import write_sentences
 from fricomp.diagnosis.report import (
     Units,
     WrittenDiagnosis,
@@ -182,7 +182,7 @@ def test_the_noise_ratio_has_the_digits_of_the_sentence(diagnosis: Diagnosis) ->
     record = with_fields(diagnosis.record, noise_ratio=10.4478)
     page = diagnosis_page(replace(diagnosis, record=record), {}, (), {})
     assert page.facts["residual over its noise"] == "10.45"
-    assert any("10.45 times its noise floor" in one for one in sentences(record))
+    assert any("10.45 times its noise floor" in one for one in write_sentences(record))
 
 
 def test_a_single_effect_has_one_line_of_where_it_sits(diagnosis: Diagnosis) -> None:
@@ -205,7 +205,7 @@ def test_the_order_of_a_filter_has_no_period_and_no_interval(diagnosis: Diagnosi
     rows = {row[1]: row for row in table.rows}
     assert set(rows) == {"time constant", "order"}
     assert rows["order"][3] == "–"
-    assert "order 2." in " ".join(sentences(record))
+    assert "order 2." in " ".join(write_sentences(record))
 
 
 def test_friction_of_the_simulation_is_said_to_be_no_part_of_the_verdict(diagnosis: Diagnosis) -> None:

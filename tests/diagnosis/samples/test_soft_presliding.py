@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fricomp.diagnosis.samples.soft_presliding import bristle, find_soft_presliding
+from fricomp.diagnosis.samples.soft_presliding import find_soft_presliding, simulate_bristle
 from fricomp.laws import LuGre
 from fricomp.recording import Recording, RecordingMetadata, find_public_data, read_public
 
@@ -13,7 +13,7 @@ def _pushed(distance: float, spring: float = 0.0) -> Recording:
     t = np.arange(7000) / 1000.0
     q = 0.025 * np.sin(6.3 * t) * (1.0 + 0.2 * np.sin(1.1 * t))
     v = np.gradient(q, t)
-    force = 9000.0 * bristle(q, distance) + 4000.0 * v + spring * q + 200.0
+    force = 9000.0 * simulate_bristle(q, distance) + 4000.0 * v + spring * q + 200.0
     force = force + 50.0 * np.random.default_rng(2).standard_normal(t.size)
     return Recording(time=t, position=q, torque=force, metadata=RecordingMetadata(motion="linear", torque_unit="N"))
 

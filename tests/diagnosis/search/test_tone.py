@@ -8,9 +8,9 @@ from typing import cast
 import numpy as np
 import pytest
 
-from fricomp.diagnosis.evidence.gates import vibration
+from fricomp.diagnosis.evidence.gates import find_vibration
 from fricomp.diagnosis.record.result import DIAGNOSIS_SCHEMA, DiagnosisRecord
-from fricomp.diagnosis.record.sentence import sentences
+from fricomp.diagnosis.record.sentence import write_sentences
 from fricomp.diagnosis.search.preparation import Baseline
 from fricomp.diagnosis.search.tone import find_tone
 
@@ -44,9 +44,9 @@ def test_what_follows_a_periodic_motion_is_novibration() -> None:
     time = np.arange(3000) * _STEP
     noise = np.random.default_rng(3).standard_normal(time.size)
     ripple = np.sin(20.0 * np.sin(2.0 * np.pi * 0.2 * time) + 0.7)
-    assert vibration(_prepared(noise + ripple)) is None
-    assert vibration(_prepared(noise + 2.0 * np.cos(2.0 * np.pi * 0.2 * time))) is None
-    assert vibration(_prepared(noise + 0.5 * np.sin(2.0 * np.pi * 7.3 * time))) is not None
+    assert find_vibration(_prepared(noise + ripple)) is None
+    assert find_vibration(_prepared(noise + 2.0 * np.cos(2.0 * np.pi * 0.2 * time))) is None
+    assert find_vibration(_prepared(noise + 0.5 * np.sin(2.0 * np.pi * 7.3 * time))) is not None
 
 
 def test_noise_and_one_bad_moment_are_novibration() -> None:
@@ -63,5 +63,5 @@ def test_a_vibration_is_said_with_its_frequency() -> None:
         sentences=(),
         location={"frequency": [(7.2, 7.4)], "velocity": [(0.1, 0.2)]},
     )
-    assert "Something vibrates at 7.3 Hz, whatever the joint does." in sentences(record)
-    assert not any("sits at" in line for line in sentences(record))
+    assert "Something vibrates at 7.3 Hz, whatever the joint does." in write_sentences(record)
+    assert not any("sits at" in line for line in write_sentences(record))

@@ -15,7 +15,7 @@ from fricomp.diagnosis.joint.observer import Observer
 from fricomp.diagnosis.search.explanation import Explanation
 from fricomp.diagnosis.search.preparation import Baseline, prepare
 from fricomp.diagnosis.search.refit import fit_from
-from fricomp.diagnosis.verdict.experiment import _ENOUGH, _Motion, _worth, propose
+from fricomp.diagnosis.verdict.experiment import _ENOUGH, _Motion, _rate, propose_motion
 
 from ..toy_joint import FloatArray, ToyJoint, recording
 
@@ -41,13 +41,13 @@ def test_no_motion_tells_driving_and_braking_from_friction_under_load_and_anothe
 ) -> None:
     linear, driving, _ = fitted
     assert driving.gain == pytest.approx(linear.gain, abs=1.0)
-    assert propose(prepared, linear, [driving], prepared.box) is None
+    assert propose_motion(prepared, linear, [driving], prepared.box) is None
 
 
 def test_a_faster_motion_tells_what_a_slow_one_cannot(prepared: Baseline, fitted: list[Explanation]) -> None:
     linear, driving, saturating = fitted
     assert saturating.gain == pytest.approx(linear.gain, abs=3.0)  # half of what one more parameter costs
-    proposal = propose(prepared, linear, [driving, saturating], prepared.box)
+    proposal = propose_motion(prepared, linear, [driving, saturating], prepared.box)
     assert proposal is not None
     assert proposal.separates == ("load_coulomb", "torque_saturation")
     assert 0.0 < proposal.difference < 1.0
@@ -65,14 +65,14 @@ def test_a_rival_at_the_edge_of_its_domain_is_not_simulated_beyond_it(
     late = np.arange(box.upper.size) == BASE_NAMES.index("delay")
     at_edge = replace(driving, fit=replace(driving.fit, theta=np.where(late, box.upper, driving.fit.theta)))
     simulated: list[FloatArray] = []
-    rows = _Motion.rows
+    rows = _Motion.predict_rows
 
     def watched(motion: _Motion, explanation: Explanation, points: Sequence[FloatArray]) -> FloatArray:
         simulated.extend(points if explanation is at_edge else ())
         return rows(motion, explanation, points)
 
-    monkeypatch.setattr(_Motion, "rows", watched)
-    propose(prepared, linear, [at_edge], prepared.box)
+    monkeypatch.setattr(_Motion, "predict_rows", watched)
+    propose_motion(prepared, linear, [at_edge], prepared.box)
     assert len(simulated) > box.upper.size
     assert np.all(np.array(simulated) <= box.upper)
 
@@ -81,17 +81,17 @@ def test_a_rival_that_does_not_simulate_on_a_motion_is_not_told_by_it(
     prepared: Baseline, fitted: list[Explanation], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     linear, driving, saturating = fitted
-    rows = _Motion.rows
+    rows = _Motion.predict_rows
 
     def runs_away(motion: _Motion, explanation: Explanation, points: Sequence[FloatArray]) -> FloatArray:
         result = rows(motion, explanation, points)
         result[1:] *= np.inf if explanation is saturating else 1.0
         return result
 
-    monkeypatch.setattr(_Motion, "rows", runs_away)
-    assert propose(prepared, linear, [driving, saturating], prepared.box) is None
+    monkeypatch.setattr(_Motion, "predict_rows", runs_away)
+    assert propose_motion(prepared, linear, [driving, saturating], prepared.box) is None
 
 
 def test_two_rivals_told_apart_are_worth_more_than_one_told_clearly() -> None:
-    assert _worth([1.1 * _ENOUGH, 1.1 * _ENOUGH]) > _worth([0.0, 100.0 * _ENOUGH])
-    assert _worth([1.1 * _ENOUGH, 0.5 * _ENOUGH]) > _worth([1.1 * _ENOUGH, 0.0])
+    assert _rate([1.1 * _ENOUGH, 1.1 * _ENOUGH]) > _rate([0.0, 100.0 * _ENOUGH])
+    assert _rate([1.1 * _ENOUGH, 0.5 * _ENOUGH]) > _rate([1.1 * _ENOUGH, 0.0])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ from fricomp.diagnosis.joint.kernel import observe
 from fricomp.diagnosis.joint.observer import Plant
 from fricomp.diagnosis.joint.solver import Fit
 from fricomp.diagnosis.search.explanation import Explanation
-from fricomp.diagnosis.verdict.extension import extended_model
+from fricomp.diagnosis.verdict.extension import write_extended_model
 from fricomp.laws import (
     BidirectionalStribeck,
     DwellStiction,
@@ -79,7 +78,7 @@ def extend(context: Context, **effects: dict[str, float]) -> FrictionModel | Non
     fit = Fit(theta, np.zeros(1), np.zeros((1, theta.size)), 0.0)
     explanation = Explanation(structure, fit, structure.build_box(), 1.0, 1.0, 1.0)
     columns = {"time": context.time, "position": context.position, "torque": context.torque}
-    return extended_model([Recording.from_channels(columns)], cast(Any, None), explanation)
+    return write_extended_model([Recording.from_channels(columns)], explanation)
 
 
 def extended(context: Context, **effects: dict[str, float]) -> FrictionModel:

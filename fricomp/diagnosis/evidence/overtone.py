@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from ..search.screening import screen
 
-__all__ = ["explained_by_overtone", "overtones"]
+__all__ = ["Overtone", "find_overtones", "is_explained_by_overtone"]
 
 _RIPPLES = ("cogging", "encoder_eccentricity", "kinematic_error", "position_coulomb")
 # Part of an order, and of a wave over the recorded range, by which an overtone may miss a multiple: short ranges tell
@@ -19,33 +20,45 @@ _RIPPLES = ("cogging", "encoder_eccentricity", "kinematic_error", "position_coul
 _RHYTHM, _WAVE, _OF_ITS_OWN = 0.01, 0.25, 0.5
 
 
-def overtones(
-    chosen: Explanation, energy: Mapping[str, float], span: float, as_well: Callable[[str, str, float], bool]
-) -> dict[str, tuple[str, float]]:
-    """Effects that complete the form of a stronger one, by the name of that one, and the order where it shows.
+class Overtone(NamedTuple):
+    """What completes the form of a stronger ripple.
+
+    Attributes:
+        name: Of the stronger ripple.
+        order: Order at which its form shows [1/rad] or [1/m].
+    """
+
+    name: str
+    order: float
+
+
+def find_overtones(
+    chosen: Explanation, energy: Mapping[str, float], span: float, does_as_well: Callable[[str, str, float], bool]
+) -> dict[str, Overtone]:
+    """Find the effects that only complete the form of a stronger one.
 
     Args:
         chosen: What was found.
         energy: That each of its effects explains.
         span: Range of the recorded position [rad] or [m].
-        as_well: Whether, in place of the first effect, the second one's own wave at that order explains as much.
+        does_as_well: Whether, in place of the first effect, the second one's own wave at that order explains as much.
     """
     resolution = _WAVE * 2.0 * np.pi / span
-    found: dict[str, tuple[str, float]] = {}
+    found: dict[str, Overtone] = {}
     values = {name: chosen.values[name] for name in chosen.names if name in _RIPPLES} if len(chosen.names) > 1 else {}
     for name, own in values.items():
         for other, tone in values.items():
             if other == name or energy[name] >= _OF_ITS_OWN * energy[other]:
                 continue
             times = round(own["order"] / tone["order"])
-            if _in_rhythm(own["order"], tone["order"], resolution):
-                found[name] = (other, own["order"])
-            elif times > 1 and as_well(name, other, times * tone["order"]):
-                found[name] = (other, times * tone["order"])
+            if _is_in_rhythm(own["order"], tone["order"], resolution):
+                found[name] = Overtone(other, own["order"])
+            elif times > 1 and does_as_well(name, other, times * tone["order"]):
+                found[name] = Overtone(other, times * tone["order"])
     return found
 
 
-def explained_by_overtone(
+def is_explained_by_overtone(
     prepared: Baseline, tried: Sequence[Explanation], chosen: Explanation, name: str, other: str, order: float
 ) -> bool:
     """Whether a wave of `other` at `order`, which is no free parameter, explains as much as the effect `name` does.
@@ -71,6 +84,6 @@ def explained_by_overtone(
     return bool(waves) and waves[0].energy >= fit.cost - chosen.fit.cost
 
 
-def _in_rhythm(order: float, tone: float, resolution: float) -> bool:
+def _is_in_rhythm(order: float, tone: float, resolution: float) -> bool:
     times = round(order / tone)
     return times >= 1 and abs(order - times * tone) < max(_RHYTHM * order, resolution)

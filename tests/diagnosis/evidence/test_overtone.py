@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis.effects.structure import Candidate
+from fricomp.diagnosis.evidence.overtone import find_overtones, is_explained_by_overtone
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer
 from fricomp.diagnosis.search.preparation import prepare
 from fricomp.diagnosis.search.refit import fit_from
-from fricomp.diagnosis.verdict.overtone import explained_by_overtone, overtones
 from fricomp.recording import Recording
 
 from ..known import Known, known
@@ -48,18 +48,18 @@ def ripples(**orders: float) -> Ripples:
 def test_a_weak_ripple_in_the_rhythm_of_a_strong_one_is_its_form(
     orders: dict[str, float], energy: tuple[float, float], found: dict[str, tuple[str, float]]
 ) -> None:
-    assert overtones(ripples(**orders), dict(zip(orders, energy, strict=True)), 2.0, never) == found
+    assert find_overtones(ripples(**orders), dict(zip(orders, energy, strict=True)), 2.0, never) == found
 
 
 def test_an_effect_that_is_no_ripple_is_no_overtone() -> None:
     one = ripples(cogging=240.0)
-    assert overtones(one, {"cogging": 1.0}, 2.0, never) == {}
+    assert find_overtones(one, {"cogging": 1.0}, 2.0, never) == {}
 
 
 @pytest.mark.parametrize(("span", "found"), [(1.0, True), (2.0, False)])
 def test_a_short_range_tells_orders_no_better_than_a_quarter_of_its_wave(span: float, found: bool) -> None:
     near = ripples(cogging=18.0, kinematic_error=36.9)
-    assert bool(overtones(near, {"cogging": 10.0, "kinematic_error": 1.0}, span, never)) == found
+    assert bool(find_overtones(near, {"cogging": 10.0, "kinematic_error": 1.0}, span, never)) == found
 
 
 @pytest.mark.parametrize(("order", "found"), [(39.0, {"kinematic_error": ("cogging", 36.0)}), (21.0, {})])
@@ -67,8 +67,8 @@ def test_what_an_overtone_explains_as_well_is_one_wherever_its_own_order_came_ou
     order: float, found: dict[str, tuple[str, float]]
 ) -> None:
     apart = ripples(cogging=18.0, kinematic_error=order)
-    assert overtones(apart, {"cogging": 10.0, "kinematic_error": 1.0}, 4.0, lambda *_: True) == found
-    assert overtones(apart, {"cogging": 10.0, "kinematic_error": 1.0}, 4.0, never) == {}
+    assert find_overtones(apart, {"cogging": 10.0, "kinematic_error": 1.0}, 4.0, lambda *_: True) == found
+    assert find_overtones(apart, {"cogging": 10.0, "kinematic_error": 1.0}, 4.0, never) == {}
 
 
 @pytest.mark.slow
@@ -88,7 +88,7 @@ def test_an_overtone_is_told_from_a_ripple_of_another_form(overtone: bool) -> No
         Candidate("kinematic_error", (("order", 2 * n), ("load_share", 0.6))),
     )
     tried = fit_from(prepared, [(c, prepared.fit.theta) for c in ((wave,), (wave, other))], prepared.box)
-    found = explained_by_overtone(prepared, tried, tried[1], "kinematic_error", "cogging", 2 * n)
+    found = is_explained_by_overtone(prepared, tried, tried[1], "kinematic_error", "cogging", 2 * n)
     assert found == overtone
 
 

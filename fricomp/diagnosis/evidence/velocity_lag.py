@@ -11,9 +11,10 @@ from scipy.signal import lfilter
 from fricomp.recording import Recording
 
 from ..inputs.track import differentiate
-from ..record.result import NamedEffect, Quantity
+from ..record.result import Quantity
+from .comparison import Shift
 
-__all__ = ["velocity_lag"]
+__all__ = ["find_velocity_lag"]
 
 _LEAST = 3e-3  # [s] shorter lags are those of usual velocity filters
 _LEFT = 0.5  # of the difference to the derivative, that a lag may leave: noise of a slow motion leaves nearly all
@@ -21,25 +22,23 @@ _SMOOTH = 0.015  # [s] of both, else a lag would do for the encoder's steps what
 _SCALE = 0.1  # a column that is off by a factor of more than that is another quantity, or in another unit
 
 
-def velocity_lag(recordings: Sequence[Recording]) -> list[NamedEffect]:
-    """The effect `velocity_filter_lag`, where the recorded velocity is late by more than a usual filter."""
-    lags = [lag for recording in recordings if (lag := _lag(recording)) is not None]
+def find_velocity_lag(recordings: Sequence[Recording]) -> Shift | None:
+    """The shift `velocity_filter_lag`, where the recorded velocity is late by more than a usual filter."""
+    lags = [lag for recording in recordings if (lag := _measure_lag(recording)) is not None]
     if not lags or float(np.median(lags)) < _LEAST:
-        return []
+        return None
     lag, spread = float(np.median(lags)), 3e-4
-    return [
-        NamedEffect(
-            name="velocity_filter_lag",
-            kind="measurement",
-            parameters={"time_constant": Quantity(lag, "s", (lag - spread, lag + spread))},
-            equation="v_recorded = v / (1 + T s)",
-            sentence=f"the recorded velocity lags behind the position by {1e3 * lag:.1f} ms",
-            citation="hollerbach2016",
-        )
-    ]
+    return Shift(
+        name="velocity_filter_lag",
+        kind="measurement",
+        parameters={"time_constant": Quantity(lag, "s", (lag - spread, lag + spread))},
+        sentence=f"the recorded velocity lags behind the position by {1e3 * lag:.1f} ms",
+        equation="v_recorded = v / (1 + T s)",
+        citation="hollerbach2016",
+    )
 
 
-def _lag(recording: Recording) -> float | None:
+def _measure_lag(recording: Recording) -> float | None:
     """Time constant of the first-order lag that makes the position's derivative most like the velocity [s].
 
     None where the column is no velocity of this position at all, whatever its lag, and 0 where none explains it.

@@ -1,0 +1,120 @@
+"""The case that is judge, and how it stands to the simulation and friction that were given."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fricomp.laws import BidirectionalStribeck, FrictionLaw, StribeckCurve
+from fricomp.model import FrictionModel
+from fricomp.recording import Recording
+
+from ..inputs.rigid import RigidJoint, Spring
+from ..joint.base import BODY_AND_CURVES
+from ..joint.solver import Fit
+from ..search.preparation import Baseline
+from ..search.search import SearchResult
+from .as_given import fit_as_given
+from .comparison import Comparison, Doubt
+from .friction_comparison import GivenFriction, compare_friction, list_friction_changes
+from .refitted import Refitted
+from .rigid_comparison import compare_rigid
+
+__all__ = ["Case", "compare_given", "fit_given", "share_between"]
+
+_ANY_SPEED = 1.0  # [rad/s] or [m/s], Stribeck velocity of a friction that does not fall with speed
+
+
+@dataclass(frozen=True)
+class Case:
+    """Recordings of one joint, the base fitted to them, what the search found, and what it is compared with.
+
+    Attributes:
+        recordings: Of the joint, on its own side.
+        prepared: Base model and nulls.
+        found: What the search found.
+        rigid: Inertia, gravity and spring of the simulation; None where none was given.
+        friction: Friction model that was given; None where none was.
+        seed: Of bootstraps and samples.
+        instead: Effects that explain, with the simulation as given, as much as another inertia or gravity.
+    """
+
+    recordings: tuple[Recording, ...]
+    prepared: Baseline
+    found: SearchResult
+    rigid: RigidJoint | None
+    friction: FrictionModel | None
+    seed: int
+    instead: tuple[str, ...] = ()
+
+    @property
+    def stated_friction(self) -> FrictionModel | None:
+        """The friction model that was given, else the simulation's own friction, which both directions share.
+
+        None where there is neither: then all of it is identified, and so is its difference between the directions.
+        """
+        rigid = self.rigid
+        if self.friction is not None or rigid is None or rigid.covariance is not None or rigid.friction_loss <= 0.0:
+            return self.friction
+        curve = StribeckCurve(rigid.friction_loss, rigid.friction_loss, _ANY_SPEED, rigid.damping)
+        return FrictionModel(FrictionLaw((BidirectionalStribeck(curve, curve),)))
+
+    @property
+    def unit(self) -> str:
+        """Unit of torque."""
+        return self.recordings[0].metadata.torque_unit
+
+    @property
+    def position_unit(self) -> str:
+        """Unit of position."""
+        return self.recordings[0].metadata.position_unit
+
+    @property
+    def spring(self) -> Spring | None:
+        """Of the simulation."""
+        return None if self.rigid is None else self.rigid.spring
+
+
+def compare_given(case: Case, refitted: Refitted, doubt: Doubt) -> Comparison:
+    """Compare what was refitted with the given simulation and friction.
+
+    Args:
+        case: What was given.
+        refitted: The joint that the verdict is about.
+        doubt: How far its parameters stray beyond what the fit knows of its own error.
+    """
+    cov, plant = doubt.known**2 * refitted.covariance[:BODY_AND_CURVES, :BODY_AND_CURVES], refitted.plant
+    result, given = Comparison(), case.rigid
+    rigid = given if given is not None and given.rotary else None
+    read = given is not None and given.covariance is not None  # from a recording of the simulation, friction and all
+    if given is not None and given.covariance is not None:
+        cov = cov + given.covariance
+    acceleration = float(np.sqrt(np.mean(np.concatenate([c.acceleration for c in refitted.structure.contexts]) ** 2)))
+    if rigid is not None:
+        result = compare_rigid(plant, cov[:3, :3], rigid, case.unit, doubt, acceleration)
+    if given is not None and (read or case.friction is None):
+        units = (case.unit, case.position_unit)
+        result = replace(result, changes=result.changes + list_friction_changes(plant, cov, given, units, doubt))
+    stated = case.stated_friction
+    if stated is None:
+        return result
+    held, offset = None if result.shifts else rigid, 0.0 if given is None else given.offset
+    beside = GivenFriction(stated, offset, held, exact=case.friction is not None)
+    more = compare_friction(plant, cov, beside, case.unit, doubt, acceleration)
+    return Comparison(result.shifts + more.shifts, result.changes + more.changes)
+
+
+def fit_given(case: Case, names: Sequence[str]) -> Fit | None:
+    """Fit the base with the parameters of these effects as given; None where none of them was given."""
+    return fit_as_given(case.prepared, names, case.rigid, case.stated_friction)
+
+
+def share_between(case: Case, names: Sequence[str]) -> tuple[float, ...]:
+    """Part that each of several moved parameters has in what putting all of them right explains. They sum to 1."""
+    if len(names) == 1:
+        return (1.0,)
+    alone = [fit_given(case, [one]) for one in names]
+    costs = [1e-30 if one is None else max(one.cost - case.prepared.fit.cost, 1e-30) for one in alone]
+    return tuple(cost / sum(costs) for cost in costs)

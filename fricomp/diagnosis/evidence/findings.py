@@ -1,0 +1,200 @@
+"""The stage that computes all evidence for one case: trial, comparison with what was given, and where it sits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..inputs.track import FloatArray
+from ..joint.solver import Fit
+from ..record.result import Distinguishability, Location, Quantity, RowSeries
+from ..search.explanation import Explanation
+from ..search.order import compute_order_spectrum
+from ..search.preparation import Baseline
+from ..search.tone import Tone
+from .agreement import prefer_agreeing
+from .alias import compare_effects
+from .case import Case, compare_given, fit_given, share_between
+from .comparison import PLAIN, UNEXPLAINED, Comparison, Doubt, Shift, compute_doubt
+from .confirmation import Confirmation, confirm
+from .effect_evidence import EffectEvidence, measure_effects
+from .gates import Trial, find_vibration, put_to_trial, stands_out
+from .in_place import prefer_in_place
+from .location import collect_rows, find_change_points, locate, map_excess
+from .refitted import Refitted
+from .velocity_lag import find_velocity_lag
+
+__all__ = ["Findings", "collect_findings", "prefer_simulation"]
+
+
+_RIPPLES = ("cogging", "position_coulomb")  # effects that a ripple of the samples may be finer than
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What speaks for and against each answer to a case. The verdict is a function of this.
+
+    Attributes:
+        case: The case.
+        trial: The best explanation on data that took no part.
+        unknown: Whether something is missing that no accepted effect covers.
+        refitted: The joint that the verdict is about: the base with the chosen effects, or alone.
+        base: Its parameters with their intervals.
+        held: Errors on data that took no part.
+        noise_ratio: Residual of the base over its noise.
+        comparison: What differs from the given simulation and friction.
+        parts: Part of each of those shifts in what putting them right explains; empty where the errors are counted from
+            the refitted base, and not from the base as given.
+        effects: Evidence for each chosen effect.
+        lag: A recorded velocity that lags behind the position; None where it does not.
+        location: Where the mismatch sits.
+        series: Rows before and after.
+        maps: Excess energy over bins of each quantity.
+        orders: Energy that a ripple of each order explains.
+        change_points: Times at which the size of the residual changes [s], for each recording.
+        told_apart: Which effects these recordings could tell apart.
+    """
+
+    case: Case
+    trial: Trial
+    unknown: bool
+    refitted: Refitted
+    base: dict[str, Quantity]
+    held: Confirmation
+    noise_ratio: float
+    comparison: Comparison
+    parts: tuple[float, ...]
+    effects: tuple[EffectEvidence, ...]
+    lag: Shift | None
+    location: Location
+    series: tuple[RowSeries, ...]
+    maps: dict[str, dict[str, FloatArray]]
+    orders: dict[str, FloatArray]
+    change_points: tuple[tuple[float, ...], ...]
+    told_apart: Distinguishability
+
+    @property
+    def chosen(self) -> Explanation | None:
+        """The explanation that held-out data bear out."""
+        return self.trial.chosen
+
+    @property
+    def as_given(self) -> bool:
+        """Whether the errors are counted from the base with parameters as given."""
+        return bool(self.parts)
+
+    @property
+    def rmse_refitted(self) -> float:
+        """Held-out error of the base refitted."""
+        return self.held.rmse_after if self.as_given else self.held.rmse_before
+
+    @property
+    def named_ripple(self) -> tuple[float, float] | None:
+        """Order and amplitude of the ripple that the rows show, of torque or of friction; None where they show none."""
+        for one in sorted(self.effects, key=lambda effect: -effect.energy):
+            values = {name: quantity.value for name, quantity in one.parameters.items()}
+            named = one.overtone_of is None and one.effect.name in _RIPPLES
+            if named and {"order", "sine", "cosine"} <= set(values):
+                return values["order"], float(np.hypot(values["sine"], values["cosine"]))
+        return None
+
+    @property
+    def detent_order(self) -> float | None:
+        """Order over the position of torque and friction that one unknown part ripples [1/rad] or [1/m]."""
+        best = self.case.found.best
+        return best.common_order if self.unknown and best is not None else None
+
+    @property
+    def foreign_curve(self) -> bool:
+        """Whether what is unknown follows the speed in a curve that is none of the catalogue."""
+        best = self.case.found.best
+        return self.unknown and best is not None and best.foreign_curve
+
+
+def prefer_simulation(case: Case) -> Case:
+    """The case with a best explanation that agrees with the simulation, where one fits as well."""
+
+    def differs(one: Explanation, doubt: Doubt) -> bool:
+        return bool(compare_given(case, Refitted.refit(case.prepared, one), doubt).shifts)
+
+    found = prefer_agreeing(case.prepared, case.found, case.rigid, differs)
+    return prefer_in_place(replace(case, found=found))
+
+
+def collect_findings(case: Case) -> Findings:
+    """Compute what speaks for and against each answer."""
+    prepared, found = case.prepared, case.found
+    trial = put_to_trial(prepared, found, case.seed)
+    chosen = trial.chosen
+    tone = find_vibration(prepared) if chosen is None else None
+    unknown = chosen is None and (tone is not None or stands_out(found, prepared))
+    refitted = Refitted.refit(prepared, chosen)
+    comparison = compare_given(case, refitted, _choose_doubt(prepared, trial, unknown))
+    names = [shift.name for shift in comparison.shifts]
+    given = None if unknown or chosen is not None else fit_given(case, names)
+    before = given or prepared.fit if chosen is None or chosen.before is None else chosen.before
+    held = trial.held or confirm(prepared, prepared.structure, prepared.fit, case.seed, given=given)
+    series = _collect_series(prepared, before, refitted)
+    effects, location = measure_effects(case, chosen, refitted, series) if chosen is not None else ((), {})
+    if chosen is None and (unknown or given is not None):
+        location = _locate_unknown(series, tone) if unknown else _locate_moved(series)
+    spectrum = compute_order_spectrum(
+        prepared.problem, prepared.structure.contexts, prepared.fit.residual, prepared.basis
+    )
+    return Findings(
+        case=case,
+        trial=trial,
+        unknown=unknown,
+        refitted=refitted,
+        base=refitted.list_base(case.unit, case.position_unit),
+        held=held,
+        noise_ratio=_compute_noise_ratio(prepared, trial, held),
+        comparison=comparison,
+        parts=() if given is None else share_between(case, names),
+        effects=effects,
+        lag=find_velocity_lag(case.recordings),
+        location=location,
+        series=series,
+        maps=map_excess(series, case.seed),
+        orders={"order": spectrum.order, "energy": spectrum.energy},
+        change_points=find_change_points(series),
+        told_apart=compare_effects(prepared, found.first),
+    )
+
+
+def _choose_doubt(prepared: Baseline, trial: Trial, unknown: bool) -> Doubt:
+    """How far refitted parameters stray: what is unknown biases them most, a named effect less."""
+    if trial.chosen is not None and trial.held is not None:
+        return compute_doubt(_compute_noise_ratio(prepared, trial, trial.held))
+    return UNEXPLAINED if unknown else PLAIN
+
+
+def _compute_noise_ratio(prepared: Baseline, trial: Trial, held: Confirmation) -> float:
+    """Residual of the base over its noise; what was named may have been taken for a part of that."""
+    ratio = prepared.noise_ratio
+    return ratio if trial.chosen is None else max(ratio, held.rmse_before / held.noise_floor)
+
+
+def _collect_series(prepared: Baseline, before: Fit, after: Refitted) -> tuple[RowSeries, ...]:
+    """Rows of the base, as given or refitted, and of the joint that the verdict is about."""
+    problem, weights = prepared.problem, prepared.nulls.weights
+    runs = [problem.compute_rows(prepared.structure.observe(problem, before.theta))]
+    same = after.fit is before
+    runs.append(runs[0] if same else problem.compute_rows(after.structure.observe(problem, after.fit.theta)))
+    corrected = [[r - m for r, m in zip(rows, weights.mean, strict=True)] for rows in runs]
+    return collect_rows(prepared, corrected[0], corrected[1])
+
+
+def _locate_unknown(series: tuple[RowSeries, ...], tone: Tone | None) -> Location:
+    """Where most of what exceeds the noise sits, and the frequency of a vibration."""
+    location = locate(series, [np.maximum((one.before / one.spread) ** 2 - 1.0, 0.0) for one in series], rows=5)
+    if tone is not None:
+        location["frequency"] = [(tone.frequency - tone.width, tone.frequency + tone.width)]
+    return location
+
+
+def _locate_moved(series: tuple[RowSeries, ...]) -> Location:
+    """Where putting moved parameters right shows."""
+    energy = [np.maximum(one.before**2 - one.after**2, 0.0) / one.spread**2 for one in series]
+    return locate(series, energy, rows=5)

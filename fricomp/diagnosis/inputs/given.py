@@ -1,0 +1,80 @@
+"""What a diagnosis is given, checked and brought to the side of the joint."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from fricomp.model import FrictionModel
+from fricomp.recording import Recording
+
+from .checks import kind_against, reasons_against, remarks_on
+from .controller import Controller, estimate_controller
+from .controller_check import check_controller
+from .rigid import RigidJoint, read_simulation
+
+__all__ = ["Given", "read_given"]
+
+
+@dataclass(frozen=True)
+class Given:
+    """What a diagnosis starts from.
+
+    Attributes:
+        recordings: Of one joint, on its own side.
+        rigid: The simulation's joint, where its inertia is in the unit of the recorded torque; else None.
+        friction: Friction model that is compared; None where none was given.
+        loops: The loop that moved the joint in each recording; None where it is not known.
+        remarks: What the checks noticed and dealt with, in sentences.
+        reasons: Why these data cannot be diagnosed, in sentences; empty where they can.
+    """
+
+    recordings: tuple[Recording, ...]
+    rigid: RigidJoint | None = None
+    friction: FrictionModel | None = None
+    loops: tuple[Controller | None, ...] = ()
+    remarks: tuple[str, ...] = ()
+    reasons: tuple[str, ...] = ()
+
+
+def read_given(
+    recordings: Sequence[Recording],
+    simulation: RigidJoint | str | Path | None,
+    *,
+    joint: str | None = None,
+    friction: FrictionModel | None = None,
+    controller: Controller | None = None,
+) -> Given:
+    """Read the simulation and check the recordings.
+
+    Args:
+        recordings: Of one joint.
+        simulation: MJCF or URDF file, or the joint that was read from one; None where there is none.
+        joint: Name of the joint; None where there is only one.
+        friction: Friction model that is compared.
+        controller: The loop that moved the joint; None to estimate it.
+
+    Raises:
+        DiagnosisError: The simulation cannot be read.
+    """
+    rigid = read_simulation(simulation, joint) if isinstance(simulation, str | Path) else simulation
+    reasons = [*reasons_against(recordings, joint), *(kind_against(recordings, rigid.rotary) if rigid else ())]
+    if reasons:
+        return Given(tuple(recordings), reasons=tuple(reasons))
+    remarks, turned = remarks_on(recordings), tuple(one.on_joint_side() for one in recordings)
+    remarks += [] if controller is None else check_controller(controller, turned)
+    # Inertia is compared only where it is in the unit of the recorded torque.
+    comparable = all(one.metadata.torque_unit in ("N·m", "N") for one in turned)
+    if rigid is not None and not comparable:
+        remarks.append(
+            f"The torque is in {turned[0].metadata.torque_unit}: inertia, gravity and any spring of the simulation "
+            "were not compared, they are fitted."
+        )
+    return Given(
+        recordings=turned,
+        rigid=rigid if comparable else None,
+        friction=friction,
+        loops=tuple(estimate_controller(one) if controller is None else controller for one in turned),
+        remarks=tuple(remarks),
+    )

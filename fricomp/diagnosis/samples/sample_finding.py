@@ -1,0 +1,230 @@
+"""What the samples of a recording show and the rows of the residual cannot: a candidate beside the search's answer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fricomp.laws import Cogging, FrictionLaw, Term
+from fricomp.model import FrictionModel
+
+from ..effects import EFFECTS
+from ..evidence.findings import Findings
+from ..inputs.track import FloatArray
+from ..record.result import HeldOut, Kind, Quantity, Rival, RowSeries
+from ..search.generic import measure_time_since_reversal
+from .drive_path import DrivePath
+from .fine_ripple import FineRipple, Harmonic
+from .soft_presliding import SoftPresliding
+
+__all__ = ["SampleFinding", "compute_held_out", "describe_drive_path", "describe_presliding", "describe_ripple"]
+
+_ALIKE = 1.15  # ratio of held-out errors up to which two explanations of the drive are not told apart
+_BOOTSTRAPS = 400
+
+
+@dataclass(frozen=True)
+class SampleFinding:
+    """An effect that the samples show, with what speaks for it.
+
+    Attributes:
+        name: Of the effect in the catalogue.
+        kind: "physics" or "measurement".
+        parameters: Its numbers with their intervals.
+        equation: Its equation.
+        sentence: What it means, in words.
+        held: Errors of samples on blocks that were left out; it explains `held.explained` of them.
+        series: Residual of the samples, before and after.
+        alike: Effects that explain the samples as well.
+        lawless: Whether the joint obeys no law of its own motion, so that nothing but its drive can be judge.
+        rivals: Explanations of the samples that were weighed, best first; empty where only this one was.
+        orders: Energy that a ripple of each order explains; empty where none was looked for.
+        ripple: Order [1/rad] and amplitude [N·m] of a ripple; None for other effects.
+        law: Friction law that takes the place of the base's; None where the base's stays.
+        terms: Terms of a friction law beside the base's.
+    """
+
+    name: str
+    kind: Kind
+    parameters: dict[str, Quantity]
+    equation: str
+    sentence: str
+    held: HeldOut
+    series: tuple[RowSeries, ...]
+    alike: tuple[str, ...] = ()
+    lawless: bool = False
+    rivals: tuple[Rival, ...] = ()
+    orders: dict[str, FloatArray] = field(default_factory=dict)
+    ripple: tuple[float, float] | None = None
+    law: FrictionLaw | None = None
+    terms: tuple[Term, ...] = ()
+
+    def extend(self, base: FrictionModel) -> FrictionModel | None:
+        """The refitted base with this effect; None where it belongs to no friction law."""
+        if self.law is not None:
+            return base.with_law(self.law)
+        return base.with_law(FrictionLaw((*base.law.terms, *self.terms))) if self.terms else None
+
+    @property
+    def citation(self) -> str:
+        """Key in the list of references."""
+        return EFFECTS[self.name].citation
+
+
+def describe_ripple(findings: Findings, ripples: Sequence[FineRipple]) -> SampleFinding:
+    """A ripple that is finer than the rows."""
+    unit = findings.case.unit
+    strongest = ripples[0].harmonics[0]
+    name = "position_coulomb" if strongest.level else "cogging"
+    others = ", ".join(f"{h.order:.5g} ({h.amplitude:.3g} {unit})" for h in ripples[0].harmonics[1:6])
+    more = f"; further orders {others}" if others else ""
+    waves = [one for one in ripples[0].harmonics if not one.level][:1]  # a law holds one term of each name
+    return SampleFinding(
+        name=name,
+        kind="physics",
+        parameters=_list_parameters(strongest, unit, findings.case.position_unit),
+        equation="tau = sum of A_k sin(n_k q + phi_k)" + (", times sgn(v)" if strongest.level else ""),
+        sentence=f"{EFFECTS[name].says}, finer than the rows of the residual{more}",
+        held=_hold_out(findings, ripples),
+        series=_collect_series(findings, ripples),
+        orders=ripples[0].orders,
+        ripple=(strongest.order, strongest.amplitude),
+        terms=tuple(Cogging(wave.sine, wave.cosine, wave.order) for wave in waves),
+    )
+
+
+def describe_presliding(findings: Findings, soft: Sequence[SoftPresliding]) -> SampleFinding:
+    """Presliding that fills the motion."""
+    unit, position = findings.case.unit, findings.case.position_unit
+    first, known = soft[0], EFFECTS["presliding_hysteresis"]
+    wide, half = float(np.exp(1.96 * first.distance_error)), 1.96 * first.level_error
+    stiffness = first.level / first.distance
+    return SampleFinding(
+        name=known.name,
+        kind="physics",
+        parameters={
+            "breakaway_distance": Quantity(first.distance, position, (first.distance / wide, first.distance * wide)),
+            "coulomb_torque": Quantity(first.level, unit, (first.level - half, first.level + half)),
+            "sigma_0": Quantity(stiffness, f"{unit}/{position}", (stiffness / wide, stiffness * wide)),
+        },
+        equation=known.equation,
+        sentence=f"{known.says}, which fills much of this motion; nothing without memory explains it",
+        held=_hold_out(findings, soft),
+        series=_collect_series(findings, soft),
+        law=first.law,
+    )
+
+
+def describe_drive_path(findings: Findings, path: DrivePath) -> SampleFinding:
+    """A drive that follows its command late."""
+    unit = findings.case.unit
+    other = {"drive_lag": "torque_delay", "torque_delay": "drive_lag"}[path.name]
+    half = 1.96 * path.deviation
+    parameter = "delay" if path.name == "torque_delay" else "time_constant"
+    recording = findings.case.recordings[0]
+    t = np.asarray(recording.time) - recording.time[0]
+    position = np.asarray(recording.position)
+    velocity = np.gradient(position, t) if recording.velocity is None else np.asarray(recording.velocity)
+    samples = {"time": t, "position": position, "velocity": velocity, "acceleration": np.gradient(velocity, t)}
+    return SampleFinding(
+        name=path.name,
+        kind="measurement",
+        parameters={parameter: Quantity(path.value, "s", (max(path.value - half, 0.0), path.value + half))},
+        equation=EFFECTS[path.name].equation,
+        sentence="the measured torque follows its command late, while what the joint pushes against is unknown",
+        held=compute_held_out(path.before, path.after, path.errors["history"], (unit, findings.case.seed)),
+        series=(_describe_rows(findings.series[0].name, samples, (path.before, path.after)),),
+        alike=(other,) if path.errors[other] < _ALIKE * path.errors[path.name] else (),
+        lawless=True,
+        rivals=_weigh_drives(path, other, unit),
+    )
+
+
+def _weigh_drives(path: DrivePath, other: str, unit: str) -> tuple[Rival, ...]:
+    """The explanations of a late torque; the gain of each is the logarithm of the fall of its error, times samples."""
+    best = path.errors[path.name]
+    weighed = [
+        Rival(
+            effects=(name,),
+            gain=float(path.before.size * np.log(path.errors["law"] / error)),
+            refused="" if name == path.name else f"held-out error {error:.3g} {unit} against {best:.3g}",
+        )
+        for name, error in path.errors.items()
+        if name in (path.name, other, "coulomb")
+    ]
+    return tuple(sorted(weighed, key=lambda rival: -rival.gain))
+
+
+def _list_parameters(harmonic: Harmonic, unit: str, position: str) -> dict[str, Quantity]:
+    wide = 1.96 * harmonic.order_error
+    low, high = max(harmonic.order - wide, 1e-12), harmonic.order + wide
+    half = 1.96 * harmonic.amplitude_error
+    size = harmonic.amplitude
+    return {
+        "order": Quantity(harmonic.order, f"1/{position}", (low, high)),
+        "period": Quantity(2.0 * np.pi / harmonic.order, position, (2.0 * np.pi / high, 2.0 * np.pi / low)),
+        "amplitude": Quantity(size, unit, (max(size - half, 0.0), size + half)),
+    }
+
+
+def _hold_out(findings: Findings, found: Sequence[FineRipple | SoftPresliding]) -> HeldOut:
+    """Errors over the samples of all recordings."""
+    before, after = (np.concatenate([getattr(one, side) for one in found]) for side in ("before", "after"))
+    # Noise of single samples, from the differences of neighbours that nothing smooth explains.
+    steps = np.concatenate([np.diff(one.after) for one in found])
+    floor = float(np.median(np.abs(steps)) / (0.6745 * np.sqrt(2.0)))
+    return compute_held_out(before, after, floor, (findings.case.unit, findings.case.seed))
+
+
+def compute_held_out(before: FloatArray, after: FloatArray, floor: float, how: tuple[str, int]) -> HeldOut:
+    """Compute errors, with the interval of their fall from a bootstrap over blocks.
+
+    Args:
+        before: Errors of the samples without the effect [N·m] or [N].
+        after: The same with it.
+        floor: Noise of a sample.
+        how: Unit of torque, and seed of the bootstrap.
+    """
+    unit, seed = how
+    blocks = np.array_split(np.arange(before.size), 40)
+    energy = np.array([[float(one[b] @ one[b]) for b in blocks] for one in (before, after)])
+    drawn = np.random.default_rng(seed).integers(0, 40, (_BOOTSTRAPS, 40))
+    falls = 1.0 - np.sqrt(energy[1][drawn].sum(axis=1) / energy[0][drawn].sum(axis=1))
+    first, last = (float(np.sqrt(np.mean(one**2))) for one in (before, after))
+    low, high = np.quantile(falls, [0.025, 0.975])
+    floor = min(floor, last)
+    return HeldOut(
+        rmse_before=first,
+        rmse_after=last,
+        noise_floor=floor,
+        unit=unit,
+        ci95_reduction=(float(low), float(high)),
+        explained=float((first**2 - last**2) / (first**2 - floor**2)),
+    )
+
+
+def _collect_series(findings: Findings, found: Sequence[FineRipple | SoftPresliding]) -> tuple[RowSeries, ...]:
+    pairs = zip(findings.series, found, strict=False)
+    return tuple(_describe_rows(rows.name, one.samples, (one.before, one.after)) for rows, one in pairs)
+
+
+def _describe_rows(name: str, samples: dict[str, FloatArray], sides: tuple[FloatArray, FloatArray]) -> RowSeries:
+    """Samples with their residual before and after, as rows."""
+    time = samples["time"]
+    dt = float(np.median(np.diff(time)))
+    spread = np.full(time.size, max(float(np.median(np.abs(np.diff(sides[1])))) / 0.954, 1e-12))
+    return RowSeries(
+        name=name,
+        time=time,
+        position=samples["position"],
+        velocity=samples["velocity"],
+        acceleration=samples["acceleration"],
+        load_torque=np.zeros(time.size),
+        time_since_reversal=measure_time_since_reversal(samples["velocity"], dt),
+        temperature=None,
+        before=sides[0],
+        after=sides[1],
+        spread=spread,
+    )

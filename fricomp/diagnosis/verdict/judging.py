@@ -1,0 +1,144 @@
+"""The stage that judges: from the evidence to the verdict and its names. It computes nothing but that."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from ..evidence.findings import Findings
+from ..record.result import Change, HeldOut, Kind, Location, NamedEffect, Rival, VerdictName
+from ..samples.sample_finding import SampleFinding
+from .naming import compare_spring, name_effects, name_sample
+from .rivals import list_rivals, list_sample_rivals
+from .shared_effect import SharedEffects, SimulationEffects, share_effects
+
+__all__ = ["Verdict", "choose_verdict", "judge"]
+
+_OTHER_ORDER = 1.5  # ratio of orders from which two ripples are not the same one
+_LARGER = 2.0  # ratio of amplitudes from which the finer ripple is the one to name
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The answer to a case, before it is written down.
+
+    Attributes:
+        word: The answer in one word.
+        effects: What is named, strongest first.
+        held: Errors on held-out data.
+        location: Where the mismatch sits.
+        noise_ratio: Residual of the base over its noise.
+        coverage: Part of the explainable energy that is covered; None where nothing stood out.
+        changes: Parameters of the given simulation that the refit moved.
+        rivals: Explanations that were weighed.
+        undecided: Whether an effect of the search cannot be told from another one.
+        shared: Which of the effects the simulation has itself.
+        sample: What the samples show, where the answer rests on that; else None.
+    """
+
+    word: VerdictName
+    effects: tuple[NamedEffect, ...]
+    held: HeldOut
+    location: Location
+    noise_ratio: float
+    coverage: float | None
+    changes: tuple[Change, ...]
+    rivals: tuple[Rival, ...]
+    undecided: bool
+    shared: SharedEffects
+    sample: SampleFinding | None = None
+
+
+def judge(
+    findings: Findings, sample: SampleFinding | None = None, simulated: SimulationEffects | None = None
+) -> Verdict:
+    """Judge what the rows and the samples show.
+
+    Args:
+        findings: Evidence from the rows of the residual.
+        sample: What the samples show besides; None where they show nothing.
+        simulated: Effects that the simulation has itself; None where nobody looked for them.
+    """
+    named = name_effects(findings, findings.held.explained)
+    if sample is None or not _replaces_search(sample, findings):
+        return _judge_rows(findings, named, share_effects(named, simulated))
+    return _judge_samples(findings, sample, named, simulated)
+
+
+def choose_verdict(kinds: Collection[Kind], *, unknown: bool = False) -> VerdictName:
+    """Choose the verdict on effects of these kinds, the gravest of which counts.
+
+    Args:
+        kinds: Of the effects.
+        unknown: Whether something is missing besides that no effect explains.
+    """
+    if "physics" in kinds:
+        return "missing_physics"
+    if unknown:
+        return "unknown_physics"
+    if "measurement" in kinds:
+        return "measurement"
+    return "parameters" if kinds else "consistent"
+
+
+def _replaces_search(sample: SampleFinding, findings: Findings) -> bool:
+    """Whether a ripple of the samples is another and larger one than that of the rows, where these show one."""
+    coarse = findings.named_ripple
+    if coarse is None or sample.ripple is None:
+        return True
+    order, amplitude = sample.ripple
+    return order > _OTHER_ORDER * coarse[0] and amplitude > _LARGER * coarse[1]
+
+
+def _judge_rows(findings: Findings, named: tuple[NamedEffect, ...], shared: SharedEffects) -> Verdict:
+    best, held = findings.case.found.best, findings.held
+    searched = {one.effect.name for one in findings.effects}
+    return Verdict(
+        word=choose_verdict(shared.kinds, unknown=findings.unknown),
+        effects=shared.effects,
+        held=HeldOut(
+            rmse_before=held.rmse_before,
+            rmse_after=held.rmse_after,
+            noise_floor=held.noise_floor,
+            unit=findings.case.unit,
+            ci95_reduction=held.ci95_reduction,
+            explained=held.explained,
+            before="given" if findings.as_given else "refitted",
+        ),
+        location=findings.location,
+        noise_ratio=findings.noise_ratio,
+        coverage=best.coverage if best is not None else None,
+        changes=(*findings.comparison.changes, *compare_spring(named, findings.case.spring)),
+        rivals=list_rivals(findings),
+        undecided=any(one.indistinguishable_from for one in shared.effects if one.name in searched),
+        shared=shared,
+    )
+
+
+def _judge_samples(
+    findings: Findings, sample: SampleFinding, named: tuple[NamedEffect, ...], simulated: SimulationEffects | None
+) -> Verdict:
+    """What differs from the given simulation and friction stays as it is, unless the joint obeys no law at all.
+
+    The error is then counted from the base refitted, so that none of that has a share.
+    """
+    held = sample.held
+    rows = name_effects(findings, 0.0) if findings.as_given else named
+    order = [one.name for one in named]
+    compared = sorted((one for one in rows if one.share == 0.0), key=lambda one: order.index(one.name))
+    effects = (name_sample(sample), *(() if sample.lawless else compared))
+    shared = share_effects(effects, simulated)
+    changes = (*findings.comparison.changes, *compare_spring(named, findings.case.spring))
+    return Verdict(
+        word=choose_verdict(shared.kinds),
+        effects=shared.effects,
+        held=held,
+        location={},
+        noise_ratio=held.rmse_before / max(held.noise_floor, 1e-30),
+        coverage=held.explained,
+        changes=() if sample.lawless else changes,
+        rivals=sample.rivals or list_sample_rivals(findings, effects, named),
+        undecided=False,
+        shared=shared,
+        sample=sample,
+    )

@@ -1,0 +1,122 @@
+"""The last stage: the diagnosis, written once from the evidence, the verdict and what was simulated with it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from fricomp.recording import Recording
+
+from ..evidence.findings import Findings
+from ..evidence.location import map_excess
+from ..joint.base import BASE_NAMES
+from ..record.result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord, Evidence, Forward, NextExperiment
+from ..record.sentence import (
+    FOREIGN_CURVE,
+    LAWLESS,
+    NO_MOTION,
+    NOTHING_BUT_SHARED,
+    Notes,
+    describe_detent,
+    write_record,
+)
+from ..samples.sample_finding import SampleFinding
+from .experiment import Proposal
+from .extension import write_base_model, write_extended_model
+from .judging import Verdict
+
+__all__ = ["write_diagnosis", "write_refusal"]
+
+
+def write_diagnosis(
+    findings: Findings,
+    verdict: Verdict,
+    proposal: Proposal | None = None,
+    forward: Forward | None = None,
+    remarks: Sequence[str] = (),
+) -> Diagnosis:
+    """Write the record with its sentences, and beside it the curves and models.
+
+    Args:
+        findings: Evidence from the rows.
+        verdict: What was judge of it.
+        proposal: The motion that would tell rivals apart; None where none is proposed.
+        forward: Errors of a forward simulation; None where there was none.
+        remarks: What the checks of the data noticed.
+    """
+    case, sample = findings.case, verdict.sample
+    fields = DiagnosisRecord(
+        schema=DIAGNOSIS_SCHEMA,
+        verdict=verdict.word,
+        effects=verdict.effects,
+        heldout=verdict.held,
+        forward=forward,
+        location=verdict.location,
+        next_experiment=None if proposal is None else _describe_experiment(proposal, case.unit),
+        noise_ratio=verdict.noise_ratio,
+        coverage=verdict.coverage,
+        base={} if sample is not None and sample.lawless else findings.base,
+        changes=verdict.changes,
+        rivals=verdict.rivals,
+        distinguishability=findings.told_apart,
+        recordings=tuple(rows.name for rows in findings.series),
+        joint=case.recordings[0].metadata.joint,
+    )
+    record = write_record(fields, _collect_notes(findings, verdict, proposal, remarks))
+    if sample is not None:
+        return _write_with_samples(findings, sample, record)
+    return Diagnosis(
+        record=record,
+        evidence=Evidence(findings.series, findings.maps, findings.orders, findings.change_points),
+        base_model=write_base_model(case.recordings, case.prepared),
+        extended_model=write_extended_model(case.recordings, findings.chosen, case.spring),
+        motion=None if proposal is None else proposal.motion,
+        detent_order=findings.detent_order,
+        covariance=findings.refitted.covariance[: len(BASE_NAMES), : len(BASE_NAMES)],
+    )
+
+
+def write_refusal(recordings: Sequence[Recording], reasons: Sequence[str], remarks: Sequence[str] = ()) -> Diagnosis:
+    """Write why data cannot be diagnosed.
+
+    Args:
+        recordings: The data.
+        reasons: What speaks against them, in sentences.
+        remarks: What else is to be told.
+    """
+    fields = DiagnosisRecord(
+        schema=DIAGNOSIS_SCHEMA,
+        verdict="bad_data",
+        recordings=tuple(f"recording {i + 1}" for i in range(len(recordings))),
+        joint=recordings[0].metadata.joint,
+    )
+    return Diagnosis(write_record(fields, Notes(facts=tuple(reasons), remarks=tuple(remarks))))
+
+
+def _write_with_samples(findings: Findings, sample: SampleFinding, record: DiagnosisRecord) -> Diagnosis:
+    """The diagnosis with curves and models of the samples."""
+    evidence = Evidence(sample.series, map_excess(sample.series, findings.case.seed), sample.orders)
+    if sample.lawless:
+        return Diagnosis(record, evidence)
+    base = write_base_model(findings.case.recordings, findings.case.prepared)
+    return Diagnosis(record, evidence, base, sample.extend(base))
+
+
+def _describe_experiment(proposal: Proposal, unit: str) -> NextExperiment:
+    why = f"{proposal.title}, where the explanations differ by {proposal.difference:.3g} {unit} and more"
+    return NextExperiment(motion="motion.csv", separates=proposal.separates, why=why)
+
+
+def _collect_notes(findings: Findings, verdict: Verdict, proposal: Proposal | None, remarks: Sequence[str]) -> Notes:
+    """What the sentences say that no field of the record holds."""
+    opening, facts = "", []
+    if verdict.word == "consistent" and verdict.shared.all_shared:
+        opening = NOTHING_BUT_SHARED
+    elif verdict.sample is not None and verdict.sample.lawless:
+        opening = LAWLESS
+    if verdict.undecided and proposal is None:
+        facts.append(NO_MOTION)
+    if verdict.sample is None and findings.foreign_curve:
+        facts.append(f"{FOREIGN_CURVE[0].upper()}{FOREIGN_CURVE[1:]}.")
+    if verdict.sample is None and findings.detent_order is not None:
+        facts.append(describe_detent(findings.detent_order, findings.case.position_unit))
+    return Notes(opening=opening, facts=tuple(facts), remarks=(*remarks, *verdict.shared.told))

@@ -1,0 +1,100 @@
+"""The verdict is a function of the evidence, and the record says what the verdict rests on."""
+
+from __future__ import annotations
+
+import pytest
+
+from fricomp.diagnosis.effects import EFFECTS
+from fricomp.diagnosis.evidence.comparison import Comparison, Shift
+from fricomp.diagnosis.evidence.effect_evidence import EffectEvidence
+from fricomp.diagnosis.evidence.gates import Trial
+from fricomp.diagnosis.record.result import Forward, Kind, NamedEffect, VerdictName
+from fricomp.diagnosis.record.sentence import NO_MOTION, NOTHING_BUT_SHARED
+from fricomp.diagnosis.verdict.experiment import Proposal
+from fricomp.diagnosis.verdict.judging import choose_verdict, judge
+from fricomp.diagnosis.verdict.shared_effect import SimulationEffects
+from fricomp.diagnosis.verdict.writing import write_diagnosis, write_refusal
+
+from ..known import known_baseline, known_case, known_findings, known_fit, known_search
+
+_FORWARD = Forward(rmse_before=0.2, rmse_after=0.1, unit="rad", controller="a PD loop", interval=(1.0, 2.0))
+
+
+@pytest.mark.parametrize(
+    ("kinds", "known", "beside_unknown"),
+    [
+        ((), "consistent", "unknown_physics"),
+        (("parameter",), "parameters", "unknown_physics"),
+        (("parameter", "measurement"), "measurement", "unknown_physics"),
+        (("measurement", "physics"), "missing_physics", "missing_physics"),
+    ],
+)
+def test_the_gravest_effect_gives_the_verdict(
+    kinds: tuple[Kind, ...], known: VerdictName, beside_unknown: VerdictName
+) -> None:
+    assert (choose_verdict(kinds), choose_verdict(kinds, unknown=True)) == (known, beside_unknown)
+
+
+def test_rivals_say_what_speaks_against_them() -> None:
+    prepared = known_baseline()
+    chosen, failed = (known_fit(prepared, (name,), 400.0) for name in ("cogging", "end_stop"))
+    others = (
+        known_fit(prepared, ("backlash",), 300.0, refused="it would push"),
+        known_fit(prepared, ("load_coulomb",), 20.0),
+    )
+    case = known_case(prepared, known_search(chosen, failed, *others))
+    trial = Trial(chosen=chosen)
+    assert [one.refused for one in judge(known_findings(prepared, case, trial=trial)).rivals] == [
+        "",
+        "another explanation is better or simpler",
+        "it would push",
+        "does not exceed what a recording with nothing missing gives",
+    ]
+    refused = judge(known_findings(prepared, case, trial=Trial(failed=failed))).rivals
+    assert refused[0].refused == "leaves too much unexplained"
+    assert refused[1].refused == "does not make the held-out error fall for sure"
+
+
+def test_errors_are_those_of_the_base_as_given_where_only_parameters_are_off() -> None:
+    shift = Shift("payload_error", {}, "the load is not the simulation's")
+    verdict = judge(known_findings(known_baseline(), comparison=Comparison((shift,)), parts=(1.0,)))
+    assert (verdict.word, verdict.held.before) == ("parameters", "given")
+
+
+def test_sentences_stand_in_one_order_and_remarks_come_last() -> None:
+    effect = EffectEvidence(EFFECTS["cogging"], {}, 1.0, {}, ("kinematic_error",))
+    prepared = known_baseline()
+    trial = Trial(chosen=known_fit(prepared, ("cogging",), 50.0))
+    findings = known_findings(prepared, trial=trial, effects=(effect,))
+    record = write_diagnosis(findings, judge(findings), forward=_FORWARD, remarks=("noticed",)).record
+    assert record.sentences[0].startswith("The simulation leaves out physics")
+    assert record.sentences[-3] == NO_MOTION
+    assert record.sentences[-2].startswith("Simulated forward in MuJoCo")
+    assert record.sentences[-1] == "noticed"
+    proposal = Proposal({}, "a sine", ("cogging", "kinematic_error"), 0.1)
+    proposed = write_diagnosis(findings, judge(findings), proposal).record
+    assert NO_MOTION not in proposed.sentences
+    assert proposed.next_experiment is not None
+
+
+def test_what_the_simulation_shows_as_well_is_not_missing() -> None:
+    effect = EffectEvidence(EFFECTS["cogging"], {}, 1.0, {}, ("kinematic_error",))
+    prepared = known_baseline()
+    trial = Trial(chosen=known_fit(prepared, ("cogging",), 50.0))
+    findings = known_findings(prepared, trial=trial, effects=(effect,))
+    own = SimulationEffects((NamedEffect(name="cogging", kind="physics", parameters={}),), remarks=("last",))
+    record = write_diagnosis(findings, judge(findings, simulated=own), remarks=("noticed",)).record
+    assert (record.verdict, record.effects) == ("consistent", ())
+    assert record.sentences[0] == NOTHING_BUT_SHARED
+    assert NO_MOTION not in record.sentences
+    assert record.sentences[-3:] == (
+        "noticed",
+        "The simulation shows cogging as well, so this is not missing in it.",
+        "last",
+    )
+
+
+def test_data_that_cannot_be_diagnosed_say_why() -> None:
+    record = write_refusal(known_case(known_baseline()).recordings, ["it stands still"], ["beside"]).record
+    assert record.verdict == "bad_data"
+    assert record.sentences == ("The data cannot be diagnosed.", "it stands still", "beside")
