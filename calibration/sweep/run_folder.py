@@ -14,7 +14,7 @@ import msgspec
 
 from fricomp.errors import OutputError, ParameterError, RecordingError, SweepAborted
 from fricomp.folder_lock import FolderLock
-from fricomp.recording import RecordingMetadata, RecordingWriter, read_blocks
+from fricomp.recording import RecordingMetadata, RecordingWriter
 from fricomp.results import CALIBRATION, make_folder, require_free
 from fricomp.version import __version__
 from fricomp.whole_file import remove_abandoned_parts, write_whole
@@ -75,7 +75,7 @@ class RunFolder:
         make_folder(Path(path))
         folder = cls(Path(path), _Run(SCHEMA, "started", _now(), request, _versions()))
         require_free(folder.path, CALIBRATION, overwrite=True)
-        if not overwrite and folder.recording.exists() and read_blocks(folder.recording):
+        if not overwrite and folder.recording.exists() and _is_worth_keeping(folder.recording):
             go_on = "" if request.motion else "go on with it (--resume), "
             raise SweepAborted(
                 f"{folder.path} holds a run already: {go_on}replace it (--overwrite), or choose another folder (--out)"
@@ -166,6 +166,16 @@ class RunFolder:
     def _save(self) -> None:
         text = msgspec.json.format(msgspec.json.encode(self._run), indent=2)
         write_whole(self.path / _REQUEST, text + b"\n", SweepAborted)
+
+
+def _is_worth_keeping(recording: Path) -> bool:
+    """Whether there is more than a start that failed: a run without a plateau, a breakaway or a motion is none.
+
+    Raises:
+        RecordingError: It is no recording of a run.
+    """
+    data = load_sweep(recording)
+    return any(data.of_kind(kind) for kind in ("plateau", "breakaway", "motion"))
 
 
 def _changed(stored: Any, changes: Mapping[str, Any]) -> Any:
