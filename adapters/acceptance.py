@@ -88,7 +88,9 @@ def check_watchdog(watchdog: Watchdog | None, period: float) -> None:
         )
 
 
-def make_gate(options: AdapterOptions, mode: CommandMode, period: float) -> SafetyGate:
+def make_gate(
+    options: AdapterOptions, joints: Sequence[JointCapabilities], mode: CommandMode, period: float
+) -> SafetyGate:
     """The gate for these options; its torque is watched where the drive closes a loop of its own.
 
     Raises:
@@ -101,6 +103,7 @@ def make_gate(options: AdapterOptions, mode: CommandMode, period: float) -> Safe
             ramp_time=options.ramp_time,
             stale_after=options.stale_after,
             watch_torque=mode != "torque",
+            quanta=[(joint.position_quantum, joint.velocity_quantum) for joint in joints],
         )
     except ParameterError as error:
         raise AdapterConfigurationError(str(error)) from error

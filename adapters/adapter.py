@@ -120,7 +120,7 @@ class JointAdapter(HeldDriver):
             self._latch()
             if self._gate is not None and self._gate.tripped:
                 raise AdapterError(f"the gate has tripped ({self._gate.trip_record}): call clear_faults() first")
-            gate = make_gate(wanted, mode, period)
+            gate = make_gate(wanted, self.capabilities.joints, mode, period)
             self._refuse_held()
             try:
                 self._checked_options, self._half_configured = wanted, True

@@ -52,6 +52,7 @@ class LimitsConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fields=Tru
         velocity: Speed beyond which the joints are stopped [rad/s] or [m/s].
         position: Range outside which the joints are stopped [rad] or [m]; none where the joint turns freely.
         temperature: Temperature above which the joints are stopped [°C].
+        breakaway: Largest torque under which the joint may stand still; half of `torque` if not given.
     """
 
     torque: float
@@ -59,6 +60,7 @@ class LimitsConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fields=Tru
     velocity: float
     position: tuple[float, float] | None = None
     temperature: float | None = None
+    breakaway: float | None = None
 
 
 class TransmissionConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

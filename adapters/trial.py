@@ -133,7 +133,12 @@ class _Trial:
         self.doing = "configure"
         options, share = self.adapter.options, self.settings.share
         limits = tuple(
-            replace(limit, torque=share * limit.torque, torque_rate=min(limit.torque_rate, limit.torque))
+            replace(
+                limit,
+                torque=share * limit.torque,
+                torque_rate=min(limit.torque_rate, limit.torque),
+                breakaway=limit.breakaway_torque,  # of the joint, whatever part of its torque is used
+            )
             for limit in options.limits
         )
         self.adapter.options = replace(options, limits=limits)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from fricomp.control.limits import JointLimits
+from fricomp.control.motion_watch import MotionWatch
 from fricomp.errors import ParameterError, SafetyTrip
 from fricomp.joint import JointFeedback
 
@@ -21,6 +22,7 @@ ABSURD_TORQUE_RATIO = 100.0
 """A command this many times the limit is a fault (N·mm for N·m, a diverged controller), not a demand to be clamped."""
 
 _NANOSECONDS = 1e9
+_HIGHEST = sys.float_info.max  # no position is as high as infinity, not even on a joint that turns freely
 # Reported torque over its limit, and states in a row, from which a drive's own loop goes too far: noise stays below.
 _TOO_MUCH, _IN_A_ROW = 1.25, 3
 _UNKNOWN_TEMPERATURE_NS = 1_000_000_000  # drives tell it some ten times a second
@@ -33,6 +35,10 @@ TripReason = Literal[
     "position_limit",
     "overtemperature",
     "overtorque",
+    "jump",
+    "contradiction",
+    "frozen",
+    "runaway",
     "stale",
     "drive_fault",
     "link",
@@ -75,6 +81,8 @@ class SafetyGate:
         stale_after: Age of the joint's data at which the gate trips [s].
         watch_torque: Trip where the joints report more torque than their limits, too: where drives close the loop
             themselves, the torque that passes here is not all that they make.
+        quanta: Steps of each joint's position [rad] or [m] and velocity [rad/s] or [m/s], by which motion that
+            contradicts itself is told from coarse sensors; none where they are fine.
 
     Raises:
         ParameterError: No joint, or a time that is not finite and positive (`ramp_time` may be zero).
@@ -88,6 +96,7 @@ class SafetyGate:
         ramp_time: float = 0.2,
         stale_after: float = 0.02,
         watch_torque: bool = False,
+        quanta: Sequence[tuple[float, float]] = (),
     ) -> None:
         if not limits:
             raise ParameterError("a safety gate needs the limits of at least one joint")
@@ -102,13 +111,9 @@ class SafetyGate:
         self._torque_limits = [limit.torque for limit in limits]
         self._rates = [limit.torque_rate / _NANOSECONDS for limit in limits]
         self._steps = [rate * self._period_ns for rate in self._rates]
-        highest = sys.float_info.max
-        ranges = [limit.position or (-highest, highest) for limit in limits]
-        self._state_limits = (
-            [limit.velocity for limit in limits],
-            [low for low, _ in ranges],
-            [high for _, high in ranges],
-        )
+        self._motion = MotionWatch(limits, quanta, period, stale_after)
+        self._fastest = [limit.velocity for limit in limits]
+        self._ranges = [limit.position or (-_HIGHEST, _HIGHEST) for limit in limits]
         self._hottest = [(j, limit.temperature) for j, limit in enumerate(limits) if limit.temperature is not None]
         self._too_much = [_TOO_MUCH * limit.torque for limit in limits] if watch_torque else []
         self._n_too_much = 0
@@ -153,6 +158,7 @@ class SafetyGate:
         self.raise_if_tripped()
         self._last[:] = [0.0] * len(self._last)
         self._n_too_much = 0
+        self._motion.forget()
         self._feedback_ns = self._armed_ns = now_ns
         self._open_ns, self._due_ns = now_ns + self._ramp_ns, now_ns + self._period_ns
         self._armed = True
@@ -206,6 +212,8 @@ class SafetyGate:
             try:
                 if not self._is_well(feedback):
                     self._trip_state(feedback, now_ns)
+                elif feedback.time_ns >= self._motion.due_ns and self._armed:
+                    self._watch_motion(feedback, now_ns)
                 if self._too_much:
                     self._watch_torque(feedback.torque, now_ns)
             except (TypeError, ValueError, OverflowError) as error:
@@ -222,16 +230,21 @@ class SafetyGate:
         position, velocity, temperature = feedback.position, feedback.velocity, feedback.temperature
         if not len(position) == len(velocity) == len(temperature) == len(self._last):
             raise ValueError(f"state of {len(position)} joints, expected {len(self._last)}")
-        fastest, lowest, highest = self._state_limits
+        fastest, lowest, highest = self._fastest, self._motion.lowest, self._motion.highest
         for j in self._indices:  # cheaper than any zip
             limit = fastest[j]
-            # No position is as high as infinity, not even on a joint that turns freely.
             if not (-limit <= velocity[j] <= limit and lowest[j] <= position[j] <= highest[j]):
                 return False
         for j, hottest in self._hottest:
             if not temperature[j] <= hottest:
                 return False
         return not any(feedback.fault)
+
+    def _watch_motion(self, feedback: JointFeedback, now_ns: int) -> None:
+        """Trip where the motion contradicts itself, or the torque that acts."""
+        found = self._motion.look(feedback, feedback.torque if self._too_much else self._last)
+        if found is not None:
+            self.trip(found.reason, found.detail, now_ns)
 
     def _watch_torque(self, torque: Sequence[float], now_ns: int) -> None:
         """Trip where joints keep reporting too much; NaN is a torque that the drive does not tell."""
@@ -245,9 +258,8 @@ class SafetyGate:
         """Find out which limit it was."""
         if any(feedback.fault):
             self.trip("drive_fault", f"the drives report {list(feedback.fault)}", now_ns)
-        state = zip(feedback.position, feedback.velocity, strict=True)
-        rows = zip(state, *self._state_limits, strict=True)
-        for joint, ((q, v), fastest, lowest, highest) in enumerate(rows):
+        rows = zip(feedback.position, feedback.velocity, self._fastest, self._ranges, strict=True)
+        for joint, (q, v, fastest, (lowest, highest)) in enumerate(rows):
             if not (math.isfinite(q) and math.isfinite(v)):
                 self.trip("not_finite", f"joint {joint} reports position {q!r} and velocity {v!r}", now_ns)
             elif abs(v) > fastest:
@@ -262,6 +274,8 @@ class SafetyGate:
             elif math.isnan(hot) and self._armed and now_ns - self._armed_ns > _UNKNOWN_TEMPERATURE_NS:
                 detail = f"joint {joint} does not report its temperature, limit {hottest:g} °C"
                 self.trip("overtemperature", detail, now_ns)
+        if self._record is None and self._armed:  # within its limits, and farther than it could come unseen
+            self._watch_motion(feedback, now_ns)
 
     def admit(self, torque_in: Sequence[float] | Any, torque_out: MutableSequence[float] | Any, now_ns: int) -> bool:
         """Check, clamp, ramp and rate-limit a command for all joints.

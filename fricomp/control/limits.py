@@ -10,6 +10,10 @@ from fricomp.errors import ParameterError
 __all__ = ["JointLimits"]
 
 
+BREAKAWAY_SHARE = 0.5
+"""Breakaway torque of a joint for which none is given, of its torque limit [1]: friction of gears stays below."""
+
+
 @dataclass(frozen=True)
 class JointLimits:
     """Limits of one joint, in the actuator's torque unit and joint-side SI.
@@ -20,6 +24,8 @@ class JointLimits:
         velocity: Speed beyond which the gate trips [rad/s] or [m/s].
         position: Range outside which the gate trips [rad] or [m]; None where the joint turns freely.
         temperature: Temperature above which the gate trips [°C]; None where it is not watched.
+        breakaway: Largest torque under which the joint may stand still, by its friction or a load; beyond it a joint
+            that does not move, or runs against the torque, trips the gate. Half of `torque` if None.
 
     Raises:
         ParameterError: A limit is not finite, not positive, or a range is not ascending.
@@ -30,6 +36,12 @@ class JointLimits:
     velocity: float
     position: tuple[float, float] | None = None
     temperature: float | None = None
+    breakaway: float | None = None
+
+    @property
+    def breakaway_torque(self) -> float:
+        """The breakaway torque as it is given, or half of the torque limit."""
+        return BREAKAWAY_SHARE * self.torque if self.breakaway is None else self.breakaway
 
     def __post_init__(self) -> None:
         for name in ("torque", "torque_rate", "velocity"):
@@ -39,12 +51,20 @@ class JointLimits:
             object.__setattr__(self, name, float(value))
         if self.position is not None:
             object.__setattr__(self, "position", _range(self.position))
+        if self.breakaway is not None:
+            if not (_is_finite(self.breakaway) and self.breakaway > 0.0):
+                raise ParameterError(f"the breakaway limit must be finite and positive or None, got {self.breakaway!r}")
+            object.__setattr__(self, "breakaway", float(self.breakaway))
         if self.temperature is not None and not _is_finite(self.temperature):
             raise ParameterError(f"the temperature limit must be finite [°C] or None, got {self.temperature!r}")
 
 
 def _is_finite(value: object) -> bool:
-    return isinstance(value, int | float) and math.isfinite(value)
+    """Whether a value is a number, which True is not, and a 64 bit float holds it."""
+    try:
+        return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    except OverflowError:
+        return False
 
 
 def _range(limits: tuple[float, float]) -> tuple[float, float]:

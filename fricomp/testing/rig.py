@@ -82,7 +82,8 @@ class AdapterRig(ABC):
     """An adapter, not yet opened, wired to drives that a test can look into.
 
     The adapter has a ramp time of zero, a torque rate that never limits and a position range wider than 1 rad to both
-    sides; clock, link and drives run in lock step.
+    sides; its drives may stand still under full torque, so that its `breakaway` limit is not below that of the torque.
+    Clock, link and drives run in lock step.
 
     Attributes:
         adapter: The adapter.

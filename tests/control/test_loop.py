@@ -56,7 +56,8 @@ class IdealJoints:
         self.capabilities = Capabilities(
             tuple(JointCapabilities(f"j{k}") for k in range(n_joints)), ("torque", "position"), 1000.0, None, True
         )
-        self.limits = [JointLimits(limit, 1e6, 10.0, (-3.0, 3.0))] * n_joints
+        # They stand still under any torque.
+        self.limits = [JointLimits(limit, 1e6, 10.0, (-3.0, 3.0), breakaway=limit)] * n_joints
         self.gate = SafetyGate(self.limits, period=1e-3)
         self.written: list[list[float]] = []
         self.events: list[str] = []

@@ -141,7 +141,7 @@ def test_a_damping_too_coarse_for_the_torque_range_is_refused() -> None:
 
 def test_the_joint_never_gets_more_than_the_ramp_allows_however_fast_the_reference() -> None:
     adapter, limit, ramp = TwinMitAdapter.from_configuration({}), 1.0, 0.1
-    limits = tuple(replace(each, torque=limit) for each in adapter.options.limits)
+    limits = tuple(replace(each, torque=limit, breakaway=5.0) for each in adapter.options.limits)
     whole, cut = adapter.options, replace(adapter.options, limits=limits, ramp_time=ramp)
     with adapter:
         adapter.options = cut

@@ -15,6 +15,7 @@ def joint_tables(n_joints: int, torque: float, velocity: float, **extra: Any) ->
     tables: list[dict[str, Any]] = []
     for joint in range(n_joints):
         limits = {"torque": torque, "torque_rate": 1e9, "velocity": velocity, "position": (-3.0, 3.0)}
+        limits["breakaway"] = 1e3  # drives in a test's hand stand still under any torque
         tables.append({"name": f"joint {joint}", "id": joint + 1, "limits": limits, **extra})
     return tables
 
