@@ -52,7 +52,7 @@ class LimitsConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fields=Tru
         velocity: Speed beyond which the joints are stopped [rad/s] or [m/s].
         position: Range outside which the joints are stopped [rad] or [m]; none where the joint turns freely.
         temperature: Temperature above which the joints are stopped [°C].
-        breakaway: Largest torque under which the joint may stand still; half of `torque` if not given.
+        breakaway: Largest torque with which its friction may hold the joint; 0.45 of `torque` if not given.
     """
 
     torque: float

@@ -10,8 +10,9 @@ from fricomp.errors import ParameterError
 __all__ = ["JointLimits"]
 
 
-BREAKAWAY_SHARE = 0.5
-"""Breakaway torque of a joint for which none is given, of its torque limit [1]: friction of gears stays below."""
+BREAKAWAY_SHARE = 0.45
+"""Breakaway torque of a joint for which none is given, of its torque limit [1]: friction of gears stays below, and a
+joint that does not move from no torque to all of it is found."""
 
 
 @dataclass(frozen=True)
@@ -24,8 +25,8 @@ class JointLimits:
         velocity: Speed beyond which the gate trips [rad/s] or [m/s].
         position: Range outside which the gate trips [rad] or [m]; None where the joint turns freely.
         temperature: Temperature above which the gate trips [°C]; None where it is not watched.
-        breakaway: Largest torque under which the joint may stand still, by its friction or a load; beyond it a joint
-            that does not move, or runs against the torque, trips the gate. Half of `torque` if None.
+        breakaway: Largest torque with which friction may hold the joint. One that stands still while the torque
+            changes by more than twice as much, whatever its load, trips the gate. 0.45 of `torque` if None.
 
     Raises:
         ParameterError: A limit is not finite, not positive, or a range is not ascending.
@@ -40,7 +41,7 @@ class JointLimits:
 
     @property
     def breakaway_torque(self) -> float:
-        """The breakaway torque as it is given, or half of the torque limit."""
+        """The breakaway torque as it is given, or a share of the torque limit."""
         return BREAKAWAY_SHARE * self.torque if self.breakaway is None else self.breakaway
 
     def __post_init__(self) -> None:

@@ -34,9 +34,11 @@ STEPS_OF_VELOCITY = 0.5
 SHARE_OF_VELOCITY = 0.005
 """Error of a reported velocity that is no contradiction yet, of the velocity limit [1]: offsets of tachometers."""
 STANDING = 0.035
-"""Time without one step of the encoder, under more than the breakaway torque, that a live joint does not stand [s]."""
+"""Time without one step of the encoder, while friction cannot hold the joint, that a live joint does not stand [s]."""
+LARGE = 0.8
+"""Torque against which no load should speed a joint up, of the torque limit [1]: the drive has nothing left to add."""
 RUNNING = 0.03
-"""Time over which a joint may go on speeding up against a large torque [s]: delays and filters are shorter."""
+"""Time over which a joint may go on speeding up against such a torque [s]: delays and filters are shorter."""
 GAINED = 0.02
 """Speed that a runaway must have gained meanwhile, of the velocity limit [1]: more than noise."""
 HORIZON = 0.01
@@ -61,7 +63,9 @@ class MotionWatch:
     """Compares positions, velocities and torques of all joints over time.
 
     With the drift r of the position against the integral of the velocity, which fades over twice the lag, a joint is
-    well while |r| <= lag · (fastest speed of late) + two steps of position + what rounding and offset of the velocity make of it.
+    well while |r| <= lag · (fastest speed of late) + two steps of position + what rounding and offset of the velocity
+    make of it. One that stands still is held by friction, whatever its load, while the torques at that place differ by
+    less than twice its breakaway torque.
 
     Args:
         limits: One entry a joint.
@@ -82,15 +86,18 @@ class MotionWatch:
         period: float,
         stale_after: float,
     ) -> None:
-        self.lag = LAG + LAG_OF_STALE * stale_after
+        lag = self._lag = LAG + LAG_OF_STALE * stale_after
+        self._memory = MEMORY * lag
         self._interval = 1e-9 * LOOK_NS + period
         self._joints = range(len(limits))
         self._ranges = [limit.position or (-inf, inf) for limit in limits]
-        self._fastest = [limit.velocity for limit in limits]
-        self._breakaway = [limit.breakaway_torque for limit in limits]
+        self._limits = tuple(limits)
+        self._bands = [2.0 * limit.breakaway_torque for limit in limits]
+        self._large = [LARGE * limit.torque for limit in limits]
+        self._headroom = [HEADROOM * limit.velocity for limit in limits]
         steps = list(quanta) or [(0.0, 0.0)] * len(limits)
         self._floors = [
-            STEPS_OF_POSITION * q + MEMORY * self.lag * (STEPS_OF_VELOCITY * v + SHARE_OF_VELOCITY * limit.velocity)
+            STEPS_OF_POSITION * q + self._memory * (STEPS_OF_VELOCITY * v + SHARE_OF_VELOCITY * limit.velocity)
             for (q, v), limit in zip(steps, limits, strict=True)
         ]
         self.lowest, self.highest = [low for low, _ in self._ranges], [high for _, high in self._ranges]
@@ -103,7 +110,8 @@ class MotionWatch:
         self.due_ns = self._seen_ns = 0
         self._gap = 0.0
         self._speed, self._drift = [0.0] * n, [0.0] * n
-        self._standing, self._running, self._running_from = [0.0] * n, [0.0] * n, [0.0] * n
+        self._least, self._most, self._standing = [0.0] * n, [0.0] * n, [0.0] * n
+        self._running, self._running_from = [0.0] * n, [0.0] * n
         self.lowest[:], self.highest[:] = [low for low, _ in self._ranges], [high for _, high in self._ranges]
 
     def look(self, feedback: JointFeedback, torque: Sequence[float]) -> Contradiction | None:
@@ -116,68 +124,84 @@ class MotionWatch:
         elapsed = (feedback.time_ns - self._seen_ns) * 1e-9
         if elapsed <= 0.0:
             return None
-        is_first, self._seen_ns = self._seen_ns == 0, feedback.time_ns
-        self.due_ns = feedback.time_ns + LOOK_NS
-        found = None if is_first else self._compare(feedback, torque, elapsed)
-        self._position[:], self._velocity[:] = feedback.position, feedback.velocity
-        self._tighten()
+        is_first, self._seen_ns, self.due_ns = not self._seen_ns, feedback.time_ns, feedback.time_ns + LOOK_NS
+        if is_first:  # nothing to compare with
+            self._position[:], self._velocity[:] = feedback.position, feedback.velocity
+            self._least[:] = self._most[:] = torque
+            return None
+        found = None
+        fading, leaking = exp(-elapsed / HOLD), exp(-elapsed / self._memory)
+        self._gap = max(self._gap * fading, elapsed - self._interval)  # nobody knows when in a gap a state was taken
+        least, most, bands, large = self._least, self._most, self._bands, self._large
+        for j in self._joints:
+            q, u = feedback.position[j], torque[j]
+            if q != self._position[j]:
+                least[j] = most[j] = u
+                self._standing[j] = 0.0
+            elif not least[j] <= u <= most[j]:
+                least[j], most[j] = min(least[j], u), max(most[j], u)
+            found = self._compare(j, q, feedback.velocity[j], elapsed, fading, leaking) or found
+            if most[j] - least[j] > bands[j]:
+                found = self._watch_standing(j, u, elapsed) or found
+            if -large[j] <= u <= large[j]:
+                self._running[j] = 0.0
+            else:
+                found = self._watch_running(j, u, elapsed) or found
         return found
 
-    def _compare(self, feedback: JointFeedback, torque: Sequence[float], elapsed: float) -> Contradiction | None:
-        position, velocity = feedback.position, feedback.velocity
-        fading, leaking = exp(-elapsed / HOLD), exp(-elapsed / (MEMORY * self.lag))
-        self._gap = max(self._gap * fading, elapsed - self._interval)  # nobody knows when in a gap a state was taken
-        allowed = self.lag + self._gap
-        for j in self._joints:
-            step, v = position[j] - self._position[j], velocity[j]
-            self._speed[j] = speed = max(abs(v), self._speed[j] * fading)
-            if abs(step) > self._reach(j, elapsed):
-                return Contradiction("jump", f"joint {j} jumps by {step:.4g} within {1e3 * elapsed:.3g} ms")
-            self._drift[j] = drift = self._drift[j] * leaking + step - 0.5 * (v + self._velocity[j]) * elapsed
-            if abs(drift) > allowed * speed + self._floors[j]:
-                return Contradiction(
-                    "contradiction",
-                    f"joint {j} reports {v:.4g} as its velocity, and its position has moved by {drift:.4g} more than "
-                    f"that of late, limit {allowed * speed + self._floors[j]:.4g}",
-                )
-            if abs(torque[j]) > self._breakaway[j]:
-                found = self._watch_answer(j, step, v, torque[j], elapsed)
-                if found is not None:
-                    return found
-            else:
-                self._standing[j] = self._running[j] = 0.0
+    def _compare(
+        self, j: int, q: float, v: float, elapsed: float, fading: float, leaking: float
+    ) -> Contradiction | None:
+        """Position against velocity; and how far the joint may be when it is looked at again."""
+        floor, step = self._floors[j], q - self._position[j]
+        speed = max(v, -v, self._speed[j] * fading)
+        drift = self._drift[j] * leaking + step - 0.5 * (v + self._velocity[j]) * elapsed
+        reach = 2.0 * speed + self._headroom[j]
+        self._position[j], self._velocity[j], self._speed[j], self._drift[j] = q, v, speed, drift
+        if abs(step) > reach * max(elapsed, HORIZON) + floor:
+            return Contradiction("jump", f"joint {j} jumps by {step:.4g} within {1e3 * elapsed:.3g} ms")
+        allowed = (self._lag + self._gap) * speed + floor
+        if not -allowed <= drift <= allowed:
+            return Contradiction(
+                "contradiction",
+                f"joint {j} reports {v:.4g} as its velocity, and its position has moved by {drift:.4g} more than that "
+                f"of late, limit {allowed:.4g}",
+            )
+        reach, (low, high) = reach * HORIZON + floor, self._ranges[j]
+        self.lowest[j] = q - reach if q - reach > low else low
+        self.highest[j] = q + reach if q + reach < high else high
         return None
 
-    def _watch_answer(self, j: int, step: float, v: float, torque: float, elapsed: float) -> Contradiction | None:
-        """Whether a joint answers a torque beyond its breakaway torque: it moves, and not ever faster against it."""
-        under = f"joint {j} under {torque:.4g}, more than its breakaway torque {self._breakaway[j]:.4g},"
-        self._standing[j] = 0.0 if step else self._standing[j] + elapsed
-        if self._standing[j] > STANDING:
-            return Contradiction(
-                "frozen",
-                f"{under} has not moved by one step for {1e3 * self._standing[j]:.0f} ms: its encoder has failed, or "
-                f"it is blocked; where friction holds it there, raise the limit breakaway",
-            )
-        if v * torque >= 0.0 or abs(v) <= self._running_from[j] or not self._running[j]:
-            self._running[j], self._running_from[j] = (elapsed if v * torque < 0.0 else 0.0), abs(v)
+    def _watch_standing(self, j: int, torque: float, elapsed: float) -> Contradiction | None:
+        """Whether a joint stands where friction held it under a torque that differs from this one by too much."""
+        least, most, band = self._least[j], self._most[j], self._bands[j]
+        is_held = torque - least <= band and most - torque <= band
+        self._standing[j] = 0.0 if is_held else self._standing[j] + elapsed
+        if self._standing[j] <= STANDING:
+            return None
+        return Contradiction(
+            "frozen",
+            f"joint {j} has not moved by one step for {1e3 * self._standing[j]:.0f} ms under {torque:.4g}, and stood "
+            f"there under {least if torque - least > band else most:.4g}: no friction up to its breakaway limit "
+            f"{0.5 * band:.4g} holds it under both. Its encoder has failed, or it is blocked; where it sticks as hard "
+            f"as that, raise its limit breakaway",
+        )
+
+    def _watch_running(self, j: int, torque: float, elapsed: float) -> Contradiction | None:
+        """Whether a joint becomes ever faster against almost all that its drive may give."""
+        v = self._velocity[j]
+        if v * torque >= 0.0:
+            self._running[j] = 0.0
+            return None
+        if not self._running[j] or abs(v) <= self._running_from[j]:
+            self._running[j], self._running_from[j] = elapsed, abs(v)
             return None
         self._running[j] += elapsed
         gained = abs(v) - self._running_from[j]
-        if self._running[j] > RUNNING and gained > GAINED * self._fastest[j]:
-            return Contradiction(
-                "runaway",
-                f"{under} moves against it and has become faster by {gained:.4g} in {1e3 * self._running[j]:.0f} ms: "
-                f"its sensor is mirrored, or a load overcomes the drive",
-            )
-        return None
-
-    def _reach(self, joint: int, elapsed: float) -> float:
-        """How far a joint may move within a time [s]."""
-        faster = 2.0 * self._speed[joint] + HEADROOM * self._fastest[joint]
-        return faster * max(elapsed, HORIZON) + self._floors[joint]
-
-    def _tighten(self) -> None:
-        for j in self._joints:
-            reach, at, (low, high) = self._reach(j, HORIZON), self._position[j], self._ranges[j]
-            self.lowest[j] = max(low, at - reach)
-            self.highest[j] = min(high, at + reach)
+        if self._running[j] <= RUNNING or gained <= GAINED * self._limits[j].velocity:
+            return None
+        return Contradiction(
+            "runaway",
+            f"joint {j} moves against a torque of {torque:.4g} and has become faster by {gained:.4g} in "
+            f"{1e3 * self._running[j]:.0f} ms: its sensor is mirrored, or a load overcomes the drive",
+        )
