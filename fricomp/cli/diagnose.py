@@ -194,7 +194,7 @@ def run_diagnosis(
     from fricomp.cli.diagnosis_folder import require_own
     from fricomp.cli.diagnosis_warnings import diagnosis_warnings, distinct_names
     from fricomp.cli.terminal import progress
-    from fricomp.diagnosis.report import with_names, write_diagnosis
+    from fricomp.diagnosis.report import write_diagnosis
     from fricomp.results import DIAGNOSIS, claim_folder
 
     start, inputs = perf_counter(), [path for path in (options["simulation"], *given.values()) if path is not None]
@@ -209,7 +209,8 @@ def run_diagnosis(
         def say(what: str) -> None:
             bar.update(task, description=what)
 
-        diagnosis = with_names(_diagnose(read, series, options, given, say), distinct_names(paths))
+        named = {**options, "names": distinct_names(paths)}
+        diagnosis = _diagnose(read, series, named, given, say)
         warnings = diagnosis_warnings(read, diagnosis.record)
         say("writing the report")
         facts = _facts(paths, series, options, given) | {"time taken": f"{perf_counter() - start:.1f} s"}
@@ -278,7 +279,13 @@ def _facts(
 
 def _print_diagnosis(run: DiagnosisRun, out: Path) -> None:
     from fricomp.cli.terminal import console
-    from fricomp.diagnosis.report import change_table, effect_table, error_table, forward_table, next_step
+    from fricomp.diagnosis.report import (
+        build_change_table,
+        build_effect_table,
+        build_error_table,
+        build_forward_table,
+        describe_next_step,
+    )
 
     show, record = console(), run.diagnosis.record
     for warning in run.warnings:
@@ -286,10 +293,11 @@ def _print_diagnosis(run: DiagnosisRun, out: Path) -> None:
     for number, sentence in enumerate(record.sentences):
         style = "bold" if number == 0 else "yellow" if "Careful: " in sentence else None
         show.print(sentence, style=style, markup=False)
-    step = next_step(record, out)
+    step = describe_next_step(record, out)
     if step is not None:
         show.print(step, markup=False, soft_wrap=True)
-    for table in (effect_table(record), change_table(record), error_table(record), forward_table(record)):
+    for build in (build_effect_table, build_change_table, build_error_table, build_forward_table):
+        table = build(record)
         if table is not None:
             show.print()
             show.print(rich_table(table))
@@ -304,7 +312,7 @@ def _diagnose_fleet(
     from functools import partial
 
     from fricomp.cli.diagnosis_folder import check_folder
-    from fricomp.diagnosis.report import fleet_table, write_fleet
+    from fricomp.diagnosis.report import build_fleet_table, write_fleet
     from fricomp.fleet import FleetJoint, list_joints
 
     require("pyarrow")
@@ -318,7 +326,7 @@ def _diagnose_fleet(
 
     settings = _fleet_settings(options, given) | {"command": "diagnose"}
     rows = run_joints(joints, work, out, run, settings, "diagnosing joints", check=check)
-    show_fleet(rows, fleet_table(rows), write_fleet(rows, out))
+    show_fleet(rows, build_fleet_table(rows), write_fleet(rows, out))
 
 
 def _fleet_settings(options: dict[str, Any], given: dict[str, Path | None]) -> dict[str, str]:
@@ -338,8 +346,8 @@ def _fleet_settings(options: dict[str, Any], given: dict[str, Path | None]) -> d
 
 def _diagnose_one(joint: FleetJoint, out: Path, *, options: dict[str, Any], given: dict[str, Path | None]) -> FleetRow:
     """On a worker: diagnose one joint of a fleet."""
-    from fricomp.diagnosis.report import fleet_row
+    from fricomp.diagnosis.report import build_fleet_row
 
     options = options | {"simulation": joint.simulation, "joint": joint.joint}
     run = run_diagnosis(joint.recordings, out, options, given | {"friction": joint.friction}, quiet=True)
-    return fleet_row(run.diagnosis.record) | {"warnings": "\n".join(run.warnings)}
+    return build_fleet_row(run.diagnosis.record) | {"warnings": "\n".join(run.warnings)}

@@ -73,6 +73,7 @@ def diagnose(
     controller: Controller | None = None,
     thorough: bool = False,
     seed: int = 0,
+    names: Sequence[str] | None = None,
     progress: Progress | None = None,
 ) -> Diagnosis:
     """Say what a simulation of a joint leaves out, from recordings of the real one.
@@ -86,6 +87,7 @@ def diagnose(
         controller: The loop that moved the joint; None to estimate it where the reference was recorded.
         thorough: Use more nulls for the thresholds.
         seed: Of the nulls and bootstraps; the same seed gives the same answer.
+        names: What each recording is called in the answer; None to count them.
         progress: Called with a few words before each step.
 
     Raises:
@@ -94,11 +96,11 @@ def diagnose(
     series = [recordings] if isinstance(recordings, Recording) else list(recordings)
     if not series:
         raise DiagnosisError("no recording was given: diagnose needs at least one")
-    names = {one.metadata.joint for one in series} - {"", "joint"}
-    if len(names) > 1 and joint is None:
-        return diagnose_arm(series, simulation)
+    joints = {one.metadata.joint for one in series} - {"", "joint"}
+    if len(joints) > 1 and joint is None:
+        return diagnose_arm(series, simulation, names)
     _report(progress, "checking the data")
-    given = read_given(series, simulation, joint=joint, friction=friction, controller=controller)
+    given = read_given(series, simulation, joint=joint, friction=friction, controller=controller, names=names)
     return diagnose_given(given, thorough=thorough, seed=seed, progress=progress)
 
 
@@ -126,8 +128,8 @@ def diagnose_given(
     """
     told = () if simulated is None else simulated.remarks
     if given.reasons:
-        return write_refusal(given.recordings, given.reasons, told)
-    tracks = build_tracks(given.recordings, given.loops, None if given.rigid is None else given.rigid.spring)
+        return write_refusal(given, given.reasons, told)
+    tracks = _build_tracks(given)
     base = partial(prepare, tracks, observer=_choose_observer(given, tracks), seed=seed, rigid=given.rigid)
     base = partial(base, nulls=SETTINGS.nulls_thorough if thorough else SETTINGS.nulls)
     try:
@@ -135,7 +137,7 @@ def diagnose_given(
         prepared = base()
         reasons = _check_inertia(given, prepared)
         if reasons:
-            return write_refusal(given.recordings, reasons, told)
+            return write_refusal(given, reasons, told)
         prepared, found = _search(prepared, base, progress)
         _report(progress, "confirming on held-out data")
         case = Case(given.recordings, prepared, found, given.rigid, given.friction, seed)
@@ -155,6 +157,13 @@ def diagnose_given(
 def _report(progress: Progress | None, words: str) -> None:
     if progress is not None:
         progress(words)
+
+
+def _build_tracks(given: Given) -> list[Track]:
+    """The recordings on one grid, by their names, without the torque of a spring that the simulation has."""
+    spring = None if given.rigid is None else given.rigid.spring
+    tracks = build_tracks(given.recordings, given.loops, spring)
+    return [replace(track, name=name) for track, name in zip(tracks, given.names, strict=True)]
 
 
 def _choose_observer(given: Given, tracks: Sequence[Track]) -> Observer:

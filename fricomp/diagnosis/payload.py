@@ -20,6 +20,7 @@ from fricomp.recording import Recording
 
 from .inputs.arm_dynamics import ArmDynamics, ArmMotion, place_points, read_arm
 from .inputs.checks import reasons_against
+from .inputs.given import Given
 from .inputs.rigid import RigidJoint
 from .inputs.track import FloatArray
 from .record.result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord, NamedEffect, Quantity
@@ -83,26 +84,32 @@ def group_sessions(recordings: Sequence[Recording]) -> list[Session]:
     return sessions
 
 
-def diagnose_arm(recordings: Sequence[Recording], simulation: RigidJoint | str | Path | None) -> Diagnosis:
+def diagnose_arm(
+    recordings: Sequence[Recording],
+    simulation: RigidJoint | str | Path | None,
+    names: Sequence[str] | None = None,
+) -> Diagnosis:
     """Say whether an arm carries another payload in its last session than in its first.
 
     Args:
         recordings: Two sessions of all joints, one after the other.
         simulation: MJCF or URDF file with the kinematics of the arm.
+        names: What each recording is called; None for its session and its joint.
 
     Raises:
         DiagnosisError: There is no such file, the recordings are not two sessions of all joints, or no joint's torque
             is in N·m.
     """
     if simulation is None or isinstance(simulation, RigidJoint):
-        names = sorted({one.metadata.joint for one in recordings} - {"", "joint"})
+        joints = sorted({one.metadata.joint for one in recordings} - {"", "joint"})
         raise DiagnosisError(
-            f"the recordings are of several joints ({', '.join(names)}): diagnose one joint at a time, or give two "
+            f"the recordings are of several joints ({', '.join(joints)}): diagnose one joint at a time, or give two "
             "sessions of all joints and the simulation of the arm to compare payloads"
         )
     reasons = [f"{one.metadata.joint}: {reason}" for one in recordings for reason in reasons_against([one], None)]
     if reasons:
-        return write_refusal(recordings, reasons)
+        called = tuple(names or (f"recording {i + 1}" for i in range(len(recordings))))
+        return write_refusal(Given(tuple(recordings), called), reasons)
     arm, sessions = read_arm(simulation), group_sessions([one.on_joint_side() for one in recordings])
     for session in sessions:
         missing = sorted(set(arm.joints) - set(session))
@@ -111,7 +118,8 @@ def diagnose_arm(recordings: Sequence[Recording], simulation: RigidJoint | str |
                 f"an arm is diagnosed from two sessions with a recording of every joint ({', '.join(arm.joints)}); "
                 f"got {len(sessions)}" + (f", one without {', '.join(missing)}" if missing else "")
             )
-    return _write_answer(find_payload(arm, sessions), sessions)
+    counted = tuple(f"session {i + 1}, {name}" for i, session in enumerate(sessions) for name in session)
+    return _write_answer(find_payload(arm, sessions), tuple(names or counted))
 
 
 def find_payload(arm: ArmDynamics, sessions: Sequence[Session]) -> Payload:
@@ -280,7 +288,7 @@ def _compute_rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _write_answer(found: Payload, sessions: Sequence[Session]) -> Diagnosis:
+def _write_answer(found: Payload, names: tuple[str, ...]) -> Diagnosis:
     noise = float(np.sqrt(np.mean([value**2 for value in found.noise.values()])))
     held = compute_held_out(found.before, found.after, noise, ("N·m", 0))
     seen = found.significance > _SIGNIFICANT and held.rmse_after < held.rmse_before
@@ -303,7 +311,7 @@ def _write_answer(found: Payload, sessions: Sequence[Session]) -> Diagnosis:
         verdict="parameters" if seen else "consistent",
         effects=(effect,) if seen else (),
         heldout=held,
-        recordings=tuple(f"session {i + 1}, {name}" for i, session in enumerate(sessions) for name in session),
+        recordings=names,
         joint="arm",
     )
     notes = Notes(lead=(_describe_joints(found),)) if seen else Notes(opening=_describe_likeness(found))

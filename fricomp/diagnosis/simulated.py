@@ -34,6 +34,7 @@ def diagnose_against(
     controller: Controller | None = None,
     thorough: bool = False,
     seed: int = 0,
+    names: Sequence[str] | None = None,
     progress: Progress | None = None,
 ) -> Diagnosis:
     """Say what a simulation of a joint leaves out that is known only by what it recorded under the same commands.
@@ -45,6 +46,7 @@ def diagnose_against(
         controller: The loop that moved the real joint; None to estimate it where the reference was recorded.
         thorough: Use more nulls for the thresholds.
         seed: Of noise, nulls and bootstraps; the same seed gives the same answer.
+        names: What each recording is called in the answer; None to count them.
         progress: Called with a few words before each step.
 
     Raises:
@@ -52,13 +54,13 @@ def diagnose_against(
     """
     series = [recordings] if isinstance(recordings, Recording) else list(recordings)
     if reasons_against(series, joint):
-        return diagnose(series, joint=joint)  # which says so
+        return diagnose(series, joint=joint, names=names)  # which says so
     alike = _have_one_unit(simulated, series)
     if progress is not None:
         progress("reading the simulation from its recording")
     known = read_simulated(simulated, series, seed=seed, progress=progress)
     friction = known.friction if alike else None
-    given = read_given(series, known.rigid, joint=joint, friction=friction, controller=controller)
+    given = read_given(series, known.rigid, joint=joint, friction=friction, controller=controller, names=names)
     remarks = (*known.remarks, *compare_motions(series, simulated))
     own = SimulationEffects(known.effects, sure=known.noise_ratio is None, remarks=remarks)
     return diagnose_given(given, own, thorough=thorough, seed=seed, progress=progress)

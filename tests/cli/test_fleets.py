@@ -9,7 +9,7 @@ from typer.testing import CliRunner, Result
 
 from fricomp.cli.main import app
 from fricomp.diagnosis import DIAGNOSIS_SCHEMA, DiagnosisRecord
-from fricomp.diagnosis.report import fleet_row
+from fricomp.diagnosis.report import build_fleet_row
 from fricomp.errors import IdentificationError, RecordingError
 from fricomp.fleet import FleetJoint, FleetRow, read_rows
 from fricomp.laws import Coulomb, FrictionLaw
@@ -25,7 +25,7 @@ def diagnosed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
     def at_once(joint: FleetJoint, out: Path, **_: Any) -> FleetRow:
         names.append(joint.name)
-        return fleet_row(DiagnosisRecord(schema=DIAGNOSIS_SCHEMA, verdict="consistent"))
+        return build_fleet_row(DiagnosisRecord(schema=DIAGNOSIS_SCHEMA, verdict="consistent"))
 
     monkeypatch.setattr("fricomp.cli.diagnose._diagnose_one", at_once)
     return names

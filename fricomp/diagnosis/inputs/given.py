@@ -23,6 +23,7 @@ class Given:
 
     Attributes:
         recordings: Of one joint, on its own side.
+        names: What each recording is called.
         rigid: The simulation's joint, where its inertia is in the unit of the recorded torque; else None.
         friction: Friction model that is compared; None where none was given.
         loops: The loop that moved the joint in each recording; None where it is not known.
@@ -31,6 +32,7 @@ class Given:
     """
 
     recordings: tuple[Recording, ...]
+    names: tuple[str, ...]
     rigid: RigidJoint | None = None
     friction: FrictionModel | None = None
     loops: tuple[Controller | None, ...] = ()
@@ -45,6 +47,7 @@ def read_given(
     joint: str | None = None,
     friction: FrictionModel | None = None,
     controller: Controller | None = None,
+    names: Sequence[str] | None = None,
 ) -> Given:
     """Read the simulation and check the recordings.
 
@@ -54,14 +57,16 @@ def read_given(
         joint: Name of the joint; None where there is only one.
         friction: Friction model that is compared.
         controller: The loop that moved the joint; None to estimate it.
+        names: What each recording is called; None to count them.
 
     Raises:
         DiagnosisError: The simulation cannot be read.
     """
+    called = tuple(names or (f"recording {i + 1}" for i in range(len(recordings))))
     rigid = read_simulation(simulation, joint) if isinstance(simulation, str | Path) else simulation
     reasons = [*reasons_against(recordings, joint), *(kind_against(recordings, rigid.rotary) if rigid else ())]
     if reasons:
-        return Given(tuple(recordings), reasons=tuple(reasons))
+        return Given(tuple(recordings), called, reasons=tuple(reasons))
     remarks, turned = remarks_on(recordings), tuple(one.on_joint_side() for one in recordings)
     remarks += [] if controller is None else check_controller(controller, turned)
     # Inertia is compared only where it is in the unit of the recorded torque.
@@ -73,6 +78,7 @@ def read_given(
         )
     return Given(
         recordings=turned,
+        names=called,
         rigid=rigid if comparable else None,
         friction=friction,
         loops=tuple(estimate_controller(one) if controller is None else controller for one in turned),

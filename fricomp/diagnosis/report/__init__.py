@@ -1,40 +1,45 @@
 """A diagnosis for people: tables, charts, the report page, and the folder of files."""
 
 from .files import WrittenDiagnosis, write_diagnosis
-from .fleet import fleet_row, fleet_table, write_fleet
-from .page import diagnosis_charts, diagnosis_page
-from .tables import base_table, change_table, effect_table, error_table, forward_table, location_table
+from .fleet import build_fleet_row, build_fleet_table, write_fleet
+from .page import build_diagnosis_page, draw_diagnosis_charts
+from .tables import (
+    build_base_table,
+    build_change_table,
+    build_effect_table,
+    build_error_table,
+    build_forward_table,
+    build_location_table,
+)
 from .wording import (
     VERDICT_TITLES,
     Units,
-    derived_parameters,
+    derive_parameters,
+    describe_next_step,
     format_interval,
     format_location,
     format_quantity,
-    next_step,
-    with_names,
 )
 
 __all__ = [
     "VERDICT_TITLES",
     "Units",
     "WrittenDiagnosis",
-    "base_table",
-    "change_table",
-    "derived_parameters",
-    "diagnosis_charts",
-    "diagnosis_page",
-    "effect_table",
-    "error_table",
-    "fleet_row",
-    "fleet_table",
+    "build_base_table",
+    "build_change_table",
+    "build_diagnosis_page",
+    "build_effect_table",
+    "build_error_table",
+    "build_fleet_row",
+    "build_fleet_table",
+    "build_forward_table",
+    "build_location_table",
+    "derive_parameters",
+    "describe_next_step",
+    "draw_diagnosis_charts",
     "format_interval",
     "format_location",
     "format_quantity",
-    "forward_table",
-    "location_table",
-    "next_step",
-    "with_names",
     "write_diagnosis",
     "write_fleet",
 ]

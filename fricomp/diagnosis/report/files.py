@@ -22,8 +22,8 @@ from ..evidence.friction_comparison import FRICTION_CHANGES
 from ..record.record_file import save_diagnosis
 from ..record.result import Diagnosis
 from .network import save_extended_network
-from .over_time import motion_columns
-from .page import diagnosis_charts, diagnosis_page
+from .over_time import list_motion_columns
+from .page import build_diagnosis_page, draw_diagnosis_charts
 
 __all__ = ["WrittenDiagnosis", "write_diagnosis"]
 
@@ -72,9 +72,9 @@ def write_diagnosis(
     target.mkdir(parents=True, exist_ok=True)
     save_diagnosis(diagnosis, target / "diagnosis.json")
     models, notes = _write_models(diagnosis, target, simulation, joint)
-    charts = diagnosis_charts(diagnosis)
+    charts = draw_diagnosis_charts(diagnosis)
     pictures = [draw_png(chart, target / f"{name}.png") for name, chart in charts.items()]
-    page = diagnosis_page(diagnosis, charts, tuple(notes), facts or {}, target)
+    page = build_diagnosis_page(diagnosis, charts, tuple(notes), facts or {}, target)
     report = write_report(page, target / "report.html")
     return WrittenDiagnosis(target, (target / "diagnosis.json", report, *models, *pictures), tuple(notes))
 
@@ -91,7 +91,8 @@ def _write_models(
         save_model(model, folder / "friction.json")
         files.append(folder / "friction.json")
         law = " + ".join(term.name for term in model.law.terms)
-        notes.append(f"friction.json: the {kind} friction law: {law}{_left_out(diagnosis)}.{_whole_spring(diagnosis)}")
+        spring = _describe_spring(diagnosis)
+        notes.append(f"friction.json: the {kind} friction law: {law}{_describe_missing(diagnosis)}.{spring}")
         for name, write in (("friction.onnx", save_extended_network), ("friction.xml", _save_mjcf(simulation, joint))):
             try:
                 notes.append(f"{name}: {write(model, folder / name)}.")
@@ -111,14 +112,14 @@ def _write_models(
     return files, notes
 
 
-def _whole_spring(diagnosis: Diagnosis) -> str:
+def _describe_spring(diagnosis: Diagnosis) -> str:
     """What a law with a spring means beside a simulation that has one of its own."""
     if all(change.name != SPRING_CHANGE for change in diagnosis.record.changes):
         return ""
     return " The spring in it is the joint's whole one, in place of that of the simulation."
 
 
-def _left_out(diagnosis: Diagnosis) -> str:
+def _describe_missing(diagnosis: Diagnosis) -> str:
     """What was named and is not in the law: it stands in no term of it."""
     model = diagnosis.extended_model
     inside = {"stribeck_shape"} | {term.name for term in model.law.terms} if model is not None else set()
@@ -136,14 +137,14 @@ def _save_mjcf(simulation: Path | None, joint: str | None):  # type: ignore[no-u
             raise DiagnosisError(f"MuJoCo wants {unit}, and the torque of this recording is in {model.torque_unit}")
         export = export_mjcf(model)
         text = simulation.read_text(encoding="utf-8-sig") if simulation is not None else None
-        name = joint or (_only_joint(text) if text is not None else None) or model.joint
+        name = joint or (_find_only_joint(text) if text is not None else None) or model.joint
         write_whole(path, apply_to_mjcf(export, text, name))
         return str(export.fidelity)
 
     return write
 
 
-def _only_joint(text: str) -> str | None:
+def _find_only_joint(text: str) -> str | None:
     """The joint of a simulation that has one only: the diagnosed one, whatever the recording calls it."""
     try:
         joints = {joint.get("name") for body in ET.fromstring(text).iter("body") for joint in body.iter("joint")}
@@ -153,7 +154,7 @@ def _only_joint(text: str) -> str | None:
 
 
 def _write_motion(motion: Mapping[str, FloatArray], path: Path) -> Path:
-    columns = motion_columns(motion)
+    columns = list_motion_columns(motion)
     rows = np.column_stack(list(columns.values()))
     lines = [",".join(columns), *(",".join(f"{value:.9g}" for value in row) for row in rows)]
     write_whole(path, "\r\n".join(lines) + "\r\n")

@@ -14,13 +14,13 @@ from fricomp.report import Chart, HeatMap, Panel, ReportPage, Section, Table, wr
 from ..record.result import DiagnosisRecord
 from .wording import VERDICT_TITLES
 
-__all__ = ["fleet_row", "fleet_table", "write_fleet"]
+__all__ = ["build_fleet_row", "build_fleet_table", "write_fleet"]
 
 _Row = Mapping[str, Any]
 _LONGEST = 300  # joints in the map; all are in the table
 
 
-def fleet_row(record: DiagnosisRecord) -> dict[str, Any]:
+def build_fleet_row(record: DiagnosisRecord) -> dict[str, Any]:
     """What a fleet's table keeps of a diagnosis; names are joined by a plus sign, alias sets by a bar."""
     held, effects = record.heldout, record.effects
     return {
@@ -36,13 +36,13 @@ def fleet_row(record: DiagnosisRecord) -> dict[str, Any]:
     }
 
 
-def fleet_table(rows: Sequence[_Row]) -> Table:
+def build_fleet_table(rows: Sequence[_Row]) -> Table:
     """One line a joint."""
     columns = ("joint", "verdict", "named", "held-out error", "report")
-    return Table(columns, tuple(_line(row) for row in rows))
+    return Table(columns, tuple(_format_row(row) for row in rows))
 
 
-def _line(row: _Row) -> tuple[str, ...]:
+def _format_row(row: _Row) -> tuple[str, ...]:
     name = str(row["name"])
     if row["error"]:
         return (name, "failed", "–", str(row["error"]), "–")
@@ -56,7 +56,7 @@ def write_fleet(rows: Sequence[_Row], folder: Path) -> Path:
     """Write `fleet.html` beside the folders of the diagnoses.
 
     Args:
-        rows: Of `fleet_row`, each with `name` and `error`.
+        rows: Of `build_fleet_row`, each with `name` and `error`.
         folder: Where.
 
     Returns:
@@ -67,16 +67,17 @@ def write_fleet(rows: Sequence[_Row], folder: Path) -> Path:
     summary = [f"{count} of {len(rows)}: {VERDICT_TITLES[verdict]}." for verdict, count in verdicts.most_common()]
     if len(done) < len(rows):
         summary.append(f"{len(rows) - len(done)} of {len(rows)} failed; the table says why.")
-    sections = [Section("How often each is missing", (_count_table(done),))] if any(r["named"] for r in done) else []
-    chart = _share_chart([row for row in done if row["named"]][:_LONGEST])
+    named = [row for row in done if row["named"]]
+    sections = [Section("How often each is missing", (_build_count_table(done),))] if named else []
+    chart = _draw_shares(named[:_LONGEST])
     sections += [Section("Which misses what", (chart,))] if chart is not None else []
-    sections.append(Section("Each", (fleet_table(rows),)))
+    sections.append(Section("Each", (build_fleet_table(rows),)))
     return write_report(
         ReportPage(f"Diagnosis of {len(rows)} joints", tuple(summary), tuple(sections)), folder / "fleet.html"
     )
 
 
-def _count_table(rows: Sequence[_Row]) -> Table:
+def _build_count_table(rows: Sequence[_Row]) -> Table:
     """Effects by the number of joints in which they were named."""
     joints: dict[str, list[str]] = {}
     for row in rows:
@@ -89,7 +90,7 @@ def _count_table(rows: Sequence[_Row]) -> Table:
     return Table(("effect", "joints", "which"), tuple(lines))
 
 
-def _share_chart(rows: Sequence[_Row]) -> Chart | None:
+def _draw_shares(rows: Sequence[_Row]) -> Chart | None:
     effects = sorted({name for row in rows for name in str(row["named"]).split("+")})
     if not effects:
         return None

@@ -11,20 +11,20 @@ from fricomp.report import Band, Chart, HeatMap, Line, Mark, Panel, Rule
 
 from ..record.result import Evidence, Interval, Location, RowSeries
 from .over_time import AFTER, BEFORE, NOISE
-from .wording import AXIS_TITLES, Units, words
+from .wording import AXIS_TITLES, Units, describe_name
 
-__all__ = ["map_chart", "plane_chart"]
+__all__ = ["draw_map_chart", "draw_plane_chart"]
 
 _ORDER = ("velocity", "position", "load_torque", "time_since_reversal", "temperature", "acceleration", "time")
 _FEWEST = 8  # rows in a bin that still say something
 _BINS = (18, 16)  # of a plane
 
 
-def map_chart(evidence: Evidence, location: Location, units: Units, models: tuple[str, ...]) -> Chart | None:
+def draw_map_chart(evidence: Evidence, location: Location, units: Units, models: tuple[str, ...]) -> Chart | None:
     """Residual over noise by velocity, position, load, time since reversal, temperature, acceleration, time."""
     quantities = [name for name in _ORDER if name in evidence.maps] + sorted(set(evidence.maps) - set(_ORDER))
     panels = tuple(
-        _panel(name, evidence.maps[name], location.get(name, []), evidence.series, (units, models))
+        _draw_panel(name, evidence.maps[name], location.get(name, []), evidence.series, (units, models))
         for name in quantities
     )
     if not panels:
@@ -41,7 +41,7 @@ def map_chart(evidence: Evidence, location: Location, units: Units, models: tupl
     )
 
 
-def _panel(
+def _draw_panel(
     name: str,
     found: Mapping[str, FloatArray],
     located: Sequence[Interval],
@@ -50,9 +50,9 @@ def _panel(
 ) -> Panel:
     units, models = style
     edges = np.asarray(found["edges"])
-    before = _ratio(found["excess"])
-    low, high = _ratio(found["lower"]), _ratio(found["upper"])
-    after = _ratio(found["excess_after"]) if "excess_after" in found else _after(name, edges, series)
+    before = _compute_ratio(found["excess"])
+    low, high = _compute_ratio(found["lower"]), _compute_ratio(found["upper"])
+    after = _compute_ratio(found["excess_after"]) if "excess_after" in found else _bin_after(name, edges, series)
     top = float(np.nanmax(np.concatenate([high, [1.2]])))
     marks: list[Mark] = [
         Band(np.array(span), np.zeros(2), np.full(2, 1.05 * top), "located here" if i == 0 else "", color=4)
@@ -64,17 +64,17 @@ def _panel(
     if len(models) > 1 and after is not None:
         marks.append(Line(x, np.repeat(after, 2), models[1], color=AFTER))
     marks.append(Rule(1.0, "y", color=NOISE))
-    title = AXIS_TITLES.get(name, words(name)).capitalize()
-    return Panel(tuple(marks), units.axis(name), "residual / noise [1]", title, y_range=(0.0, 1.05 * top))
+    title = AXIS_TITLES.get(name, describe_name(name)).capitalize()
+    return Panel(tuple(marks), units.label_axis(name), "residual / noise [1]", title, y_range=(0.0, 1.05 * top))
 
 
-def _ratio(excess: FloatArray) -> FloatArray:
+def _compute_ratio(excess: FloatArray) -> FloatArray:
     """RMS over noise from the energy above the noise in noise variances."""
     result: FloatArray = np.sqrt(np.maximum(1.0 + np.asarray(excess), 0.0))
     return result
 
 
-def _after(name: str, edges: FloatArray, series: Sequence[RowSeries]) -> FloatArray | None:
+def _bin_after(name: str, edges: FloatArray, series: Sequence[RowSeries]) -> FloatArray | None:
     """Residual over noise of the extended model in the same bins; None where the rows do not have the quantity."""
     columns = [getattr(one, name, None) for one in series]
     if not series or any(column is None for column in columns):
@@ -89,13 +89,13 @@ def _after(name: str, edges: FloatArray, series: Sequence[RowSeries]) -> FloatAr
     return result
 
 
-def plane_chart(series: Sequence[RowSeries], units: Units, models: tuple[str, ...]) -> Chart | None:
+def draw_plane_chart(series: Sequence[RowSeries], units: Units, models: tuple[str, ...]) -> Chart | None:
     """Residual over noise over velocity and position, and over velocity and load, before and after."""
     panels: list[Panel] = []
     for name in ("position", "load_torque"):
         column = np.concatenate([getattr(one, name) for one in series]) if series else np.zeros(0)
         if column.size and float(np.ptp(column)) > 1e-9 * max(float(np.max(np.abs(column))), 1e-9):
-            panels += _plane(name, series, units, models)
+            panels += _draw_plane(name, series, units, models)
     if not panels:
         return None
     caption = "Colour is the RMS of the missing torque over its noise in each cell"
@@ -103,26 +103,26 @@ def plane_chart(series: Sequence[RowSeries], units: Units, models: tuple[str, ..
     return Chart("planes", "Over two quantities", tuple(panels), columns=len(models), caption=caption)
 
 
-def _plane(name: str, series: Sequence[RowSeries], units: Units, models: tuple[str, ...]) -> list[Panel]:
+def _draw_plane(name: str, series: Sequence[RowSeries], units: Units, models: tuple[str, ...]) -> list[Panel]:
     x = np.concatenate([getattr(one, name) for one in series])
     v = np.concatenate([one.velocity for one in series])
-    x_edges, v_edges = _edges(x, _BINS[0]), _edges(v, _BINS[1])
-    grids = [_cells((x, v), (x_edges, v_edges), series, side) for side in ("before", "after")[: len(models)]]
+    x_edges, v_edges = _place_edges(x, _BINS[0]), _place_edges(v, _BINS[1])
+    grids = [_bin_cells((x, v), (x_edges, v_edges), series, side) for side in ("before", "after")[: len(models)]]
     largest = max((float(np.nanmax(grid)) for grid in grids if np.any(np.isfinite(grid))), default=1.0)
     limits = (0.0, max(largest, 1.5))
     labels = ("", "residual / noise")[-len(models) :]
     return [
         Panel(
-            (HeatMap(_middles(x_edges), _middles(v_edges), grid, label, limits=limits),),
-            units.axis(name),
-            units.axis("velocity"),
+            (HeatMap(_find_middles(x_edges), _find_middles(v_edges), grid, label, limits=limits),),
+            units.label_axis(name),
+            units.label_axis("velocity"),
             model.capitalize(),
         )
         for grid, model, label in zip(grids, models, labels, strict=True)
     ]
 
 
-def _cells(
+def _bin_cells(
     at: tuple[FloatArray, FloatArray], edges: tuple[FloatArray, FloatArray], series: Sequence[RowSeries], side: str
 ) -> FloatArray:
     energy = np.concatenate([(getattr(one, side) / one.spread) ** 2 for one in series])
@@ -132,12 +132,12 @@ def _cells(
     return result
 
 
-def _edges(values: FloatArray, count: int) -> FloatArray:
+def _place_edges(values: FloatArray, count: int) -> FloatArray:
     """Even edges over all but the rarest values."""
     low, high = (float(value) for value in np.quantile(values, (0.002, 0.998)))
     return np.linspace(low, high, count + 1)
 
 
-def _middles(edges: FloatArray) -> FloatArray:
+def _find_middles(edges: FloatArray) -> FloatArray:
     result: FloatArray = 0.5 * (edges[1:] + edges[:-1])
     return result

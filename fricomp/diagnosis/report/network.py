@@ -33,32 +33,32 @@ def save_extended_network(model: FrictionModel, path: Path) -> str:
         if len(state_columns([model])) > len(_PLAIN):
             raise DiagnosisError(f"{error}; use friction.json") from error
         return f"the same law as a network, within {_learn(model, path):.2%} of its largest torque{memory}"
-    save_graph(graph, path, _metadata(model, "closed form", inputs))
+    save_graph(graph, path, _describe_network(model, "closed form", inputs))
     return f"the same law as a graph of {', '.join(inputs)}; only rounding to single precision is lost{memory}"
 
 
 def _learn(model: FrictionModel, path: Path) -> float:
     """Train the network to the law over the velocities of the data; the largest deviation."""
 
-    def torque(velocity: FloatArray, _: FloatArray | None) -> FloatArray:
+    def compute_torque(velocity: FloatArray, _: FloatArray | None) -> FloatArray:
         return np.asarray(model.law.torque(velocity), dtype=np.float64)
 
-    top = float(np.max(np.abs(_speeds(model))))
+    top = float(np.max(np.abs(_list_speeds(model))))
     bends = [value for name, value in model.law.parameters().items() if name.endswith("stribeck_velocity")]
-    result = distil(torque, top, bend=min(bends, default=0.01 * top) / top)
+    result = distil(compute_torque, top, bend=min(bends, default=0.01 * top) / top)
     if result.largest_error > _ENOUGH:
         raise DiagnosisError(f"the network comes only within {result.largest_error:.1%} of this law; use friction.json")
-    save_network(result.network, path, _metadata(model, "network trained on the closed form", _PLAIN))
+    save_network(result.network, path, _describe_network(model, "network trained on the closed form", _PLAIN))
     return result.largest_error
 
 
-def _speeds(model: FrictionModel) -> tuple[float, float]:
+def _list_speeds(model: FrictionModel) -> tuple[float, float]:
     low, high = model.validity.velocity or (-1.0, 1.0)
     return min(low, -1e-6), max(high, 1e-6)
 
 
-def _metadata(model: FrictionModel, made: str, inputs: Sequence[str]) -> dict[str, str]:
-    low, high = _speeds(model)
+def _describe_network(model: FrictionModel, made: str, inputs: Sequence[str]) -> dict[str, str]:
+    low, high = _list_speeds(model)
     return {
         "input": f"{', '.join(inputs)}; velocity in {model.position_unit}/s, torque in {model.torque_unit}",
         "output": f"friction torque [{model.torque_unit}]",

@@ -10,7 +10,7 @@ from fricomp.laws import FloatArray
 from fricomp.report import Band, Chart, Line, Mark, Panel, Rule
 
 from ..record.result import DiagnosisRecord, RowSeries
-from .wording import Units, words
+from .wording import Units, describe_name
 
 __all__ = [
     "AFTER",
@@ -19,10 +19,10 @@ __all__ = [
     "BEFORE",
     "NAMED",
     "NOISE",
-    "models_of",
-    "motion_chart",
-    "motion_columns",
-    "time_chart",
+    "draw_motion_chart",
+    "draw_time_chart",
+    "list_motion_columns",
+    "name_models",
 ]
 
 BEFORE, AFTER, NOISE = 1, 0, 6
@@ -35,14 +35,14 @@ AS_GIVEN = "named parameters as given, the rest refitted"
 """Name of the base model before, where only parameters are off."""
 
 
-def models_of(record: DiagnosisRecord) -> tuple[str, ...]:
+def name_models(record: DiagnosisRecord) -> tuple[str, ...]:
     """Names of what the rows before and after belong to; of one where nothing was named."""
     if record.heldout is not None and record.heldout.before == "given":
         return (AS_GIVEN, "everything refitted")
     return (BASE, NAMED) if record.effects else (BASE,)
 
 
-def time_chart(
+def draw_time_chart(
     series: RowSeries, units: Units, number: int, models: tuple[str, ...], changes: tuple[float, ...] = ()
 ) -> Chart:
     """Missing torque before and after, over the motion.
@@ -67,12 +67,12 @@ def time_chart(
         "time [s]",
         f"missing torque [{units.torque}]",
         "Measured less simulated torque",
-        y_range=_range_of([rows for rows, _ in sides[: len(models)]], noise),
+        y_range=_find_range([rows for rows, _ in sides[: len(models)]], noise),
     )
     motion = Panel(
-        (Line(series.time, series.velocity, color=2, width=1.0),), "time [s]", units.axis("velocity"), "Motion"
+        (Line(series.time, series.velocity, color=2, width=1.0),), "time [s]", units.label_axis("velocity"), "Motion"
     )
-    place = Panel((Line(series.time, series.position, color=3, width=1.0),), "time [s]", units.axis("position"))
+    place = Panel((Line(series.time, series.position, color=3, width=1.0),), "time [s]", units.label_axis("position"))
     return Chart(
         f"over-time-{number}",
         f"Over time: {series.name}",
@@ -85,22 +85,22 @@ def time_chart(
     )
 
 
-def _range_of(rows: Sequence[FloatArray], noise: FloatArray) -> tuple[float, float]:
+def _find_range(rows: Sequence[FloatArray], noise: FloatArray) -> tuple[float, float]:
     """What shows all rows and the usual noise; its few wide places would leave the rows a flat line."""
     largest = max(float(np.nanmax(np.abs(each), initial=0.0)) for each in (*rows, np.nanmedian(noise, keepdims=True)))
     reach = 1.1 * largest if largest > 0.0 else 1.0
     return -reach, reach
 
 
-def motion_chart(motion: Mapping[str, FloatArray], units: Units) -> Chart:
+def draw_motion_chart(motion: Mapping[str, FloatArray], units: Units) -> Chart:
     """The motion to record next."""
-    columns = motion_columns(motion)
+    columns = list_motion_columns(motion)
     panels = tuple(
         Panel(
             (Line(columns["time"], columns[name], color=2, width=1.2),),
             "time [s]",
-            units.axis(name),
-            words(name).capitalize(),
+            units.label_axis(name),
+            describe_name(name).capitalize(),
         )
         for name in ("velocity", "position")
         if name in columns
@@ -109,7 +109,7 @@ def motion_chart(motion: Mapping[str, FloatArray], units: Units) -> Chart:
     return Chart("motion", "Motion to record next", panels, caption=caption, panel_height=200, share_x=True)
 
 
-def motion_columns(motion: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+def list_motion_columns(motion: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
     """Columns as a motion file names them: time first, then velocity and position."""
     plain = {name.removesuffix("_reference"): np.asarray(values) for name, values in motion.items()}
     return {name: plain[name] for name in ("time", "velocity", "position") if name in plain}

@@ -11,39 +11,46 @@ import numpy as np
 from fricomp.report import Chart, ReportPage, Section, Table
 
 from ..record.result import Diagnosis, Evidence, NamedEffect
-from .maps import map_chart, plane_chart
-from .over_time import models_of, motion_chart, time_chart
-from .tables import base_table, change_table, effect_table, error_table, forward_table, location_table
-from .weighing import distinguishability_chart, order_chart, rival_chart, rival_table
-from .wording import VERDICT_TITLES, Units, next_step
+from .maps import draw_map_chart, draw_plane_chart
+from .over_time import draw_motion_chart, draw_time_chart, name_models
+from .tables import (
+    build_base_table,
+    build_change_table,
+    build_effect_table,
+    build_error_table,
+    build_forward_table,
+    build_location_table,
+)
+from .weighing import build_rival_table, draw_distinguishability, draw_order_chart, draw_rival_chart
+from .wording import VERDICT_TITLES, Units, describe_next_step
 
-__all__ = ["diagnosis_charts", "diagnosis_page"]
+__all__ = ["build_diagnosis_page", "draw_diagnosis_charts"]
 
 _MOST_RECORDINGS = 6  # that are drawn over time
 
 
-def diagnosis_charts(diagnosis: Diagnosis) -> dict[str, Chart]:
+def draw_diagnosis_charts(diagnosis: Diagnosis) -> dict[str, Chart]:
     """Every chart that the evidence allows, by name."""
-    record, units = diagnosis.record, Units.of(diagnosis)
-    evidence = _beside_the_floor(diagnosis.evidence) if record.effects else diagnosis.evidence
-    models = models_of(record)
+    record, units = diagnosis.record, Units.read(diagnosis)
+    evidence = _lower_floor(diagnosis.evidence) if record.effects else diagnosis.evidence
+    models = name_models(record)
     changes = evidence.change_points or ((),) * len(evidence.series)
     found: list[Chart | None] = [
-        time_chart(series, units, i + 1, models, times)
+        draw_time_chart(series, units, i + 1, models, times)
         for i, (series, times) in enumerate(zip(evidence.series[:_MOST_RECORDINGS], changes, strict=False))
     ]
     found += [
-        map_chart(evidence, record.location, units, models),
-        plane_chart(evidence.series, units, models),
-        order_chart(evidence.orders, record, units),
-        rival_chart(record.rivals, record.effects),
-        distinguishability_chart(record.distinguishability),
-        motion_chart(diagnosis.motion, units) if diagnosis.motion else None,
+        draw_map_chart(evidence, record.location, units, models),
+        draw_plane_chart(evidence.series, units, models),
+        draw_order_chart(evidence.orders, record, units),
+        draw_rival_chart(record.rivals, record.effects),
+        draw_distinguishability(record.distinguishability),
+        draw_motion_chart(diagnosis.motion, units) if diagnosis.motion else None,
     ]
     return {chart.name: chart for chart in found if chart is not None}
 
 
-def _beside_the_floor(evidence: Evidence) -> Evidence:
+def _lower_floor(evidence: Evidence) -> Evidence:
     """The evidence with the noise lowered to what the named model leaves, where that is less.
 
     A ripple too fine for the nulls is taken for noise by them; once it is named, the figures of the diagnosis stand
@@ -61,7 +68,7 @@ def _beside_the_floor(evidence: Evidence) -> Evidence:
     return replace(evidence, series=series, maps=maps)
 
 
-def diagnosis_page(
+def build_diagnosis_page(
     diagnosis: Diagnosis,
     charts: Mapping[str, Chart],
     notes: tuple[str, ...],
@@ -72,54 +79,55 @@ def diagnosis_page(
 
     Args:
         diagnosis: What was found.
-        charts: From `diagnosis_charts`.
+        charts: From `draw_diagnosis_charts`.
         notes: One sentence for each file that was written or could not be.
         facts: Further lines on how the diagnosis was made.
         folder: Where the proposed motion is written.
     """
-    step = next_step(diagnosis.record, folder)
-    record, units = diagnosis.record, Units.of(diagnosis)
+    step = describe_next_step(diagnosis.record, folder)
+    record, units = diagnosis.record, Units.read(diagnosis)
     over_time = [chart for name, chart in charts.items() if name.startswith("over-time")]
+    made = Table(("what", "value"), tuple(facts.items())) if facts else None
     sections = [
-        _section(
+        _build_section(
             "What was found",
-            effect_table(record),
-            *_explanations(record.effects),
-            error_table(record),
-            forward_table(record),
+            build_effect_table(record),
+            *_explain_effects(record.effects),
+            build_error_table(record),
+            build_forward_table(record),
         ),
-        _section("What changed in the simulation", change_table(record)),
-        _section("Before and after" if record.effects else "Over time", *over_time),
-        _section("Where it sits", location_table(record, units), charts.get("where"), charts.get("planes")),
-        _section("Ripple over position", charts.get("orders")),
-        _section("What was weighed", charts.get("rivals"), rival_table(record.rivals, record.effects)),
-        _section("What this recording can tell apart", charts.get("distinguishability")),
-        _section("What to record next", step, charts.get("motion")),
-        _section("The base model", base_table(record), folded=True),
-        _section("Files", *notes),
-        _section("How it was made", Table(("what", "value"), tuple(facts.items())) if facts else None, folded=True),
+        _build_section("What changed in the simulation", build_change_table(record)),
+        _build_section("Before and after" if record.effects else "Over time", *over_time),
+        _build_section("Where it sits", build_location_table(record, units), charts.get("where"), charts.get("planes")),
+        _build_section("Ripple over position", charts.get("orders")),
+        _build_section("What was weighed", charts.get("rivals"), build_rival_table(record.rivals, record.effects)),
+        _build_section("What this recording can tell apart", charts.get("distinguishability")),
+        _build_section("What to record next", step, charts.get("motion")),
+        _build_section("The base model", build_base_table(record), folded=True),
+        _build_section("Files", *notes),
+        _build_section("How it was made", made, folded=True),
     ]
     return ReportPage(
-        title=f"{_joint(record.joint)}: {VERDICT_TITLES[record.verdict]}",
+        title=f"{_name_joint(record.joint)}: {VERDICT_TITLES[record.verdict]}",
         subtitle=f"Diagnosis of {', '.join(record.recordings) or 'a recording'}",
         summary=record.sentences if step is None else (*record.sentences, step),
         sections=tuple(section for section in sections if section is not None),
-        facts=_key_figures(diagnosis, units),
+        facts=_list_key_figures(diagnosis, units),
     )
 
 
-def _joint(name: str) -> str:
+def _name_joint(name: str) -> str:
     """The joint's name, unless it has none but the default."""
     return "Diagnosis" if name in ("", "joint") else f"Joint {name}"
 
 
-def _section(title: str, *blocks: str | Chart | Table | None, folded: bool = False) -> Section | None:
+def _build_section(title: str, *blocks: str | Chart | Table | None, folded: bool = False) -> Section | None:
     """A section of the blocks there are; None where there are none."""
     present = tuple(block for block in blocks if block is not None)
     return Section(title, present, folded=folded) if present else None
 
 
-def _explanations(effects: tuple[NamedEffect, ...]) -> list[str]:
+def _explain_effects(effects: tuple[NamedEffect, ...]) -> list[str]:
     """Kind, meaning, equation and source of each effect in one paragraph."""
     texts = []
     for effect in effects:
@@ -129,7 +137,7 @@ def _explanations(effects: tuple[NamedEffect, ...]) -> list[str]:
     return texts
 
 
-def _key_figures(diagnosis: Diagnosis, units: Units) -> dict[str, str]:
+def _list_key_figures(diagnosis: Diagnosis, units: Units) -> dict[str, str]:
     record, facts = diagnosis.record, {"verdict": diagnosis.verdict.replace("_", " ")}
     if record.noise_ratio is not None:
         facts["residual over its noise"] = f"{record.noise_ratio:.2f}"  # as in the sentences

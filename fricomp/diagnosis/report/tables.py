@@ -6,23 +6,30 @@ from fricomp.report import Table
 
 from ..evidence.friction_comparison import FRICTION_CHANGES
 from ..record.result import DiagnosisRecord
-from .over_time import BASE, NAMED, models_of
+from .over_time import BASE, NAMED, name_models
 from .wording import (
     Units,
-    derived_parameters,
+    derive_parameters,
+    describe_name,
     format_interval,
     format_location,
     format_number,
     format_quantity,
-    words,
 )
 
-__all__ = ["base_table", "change_table", "effect_table", "error_table", "forward_table", "location_table"]
+__all__ = [
+    "build_base_table",
+    "build_change_table",
+    "build_effect_table",
+    "build_error_table",
+    "build_forward_table",
+    "build_location_table",
+]
 
 _BASE = f"{BASE}: rigid joint and friction, refitted"
 
 
-def effect_table(record: DiagnosisRecord) -> Table | None:
+def build_effect_table(record: DiagnosisRecord) -> Table | None:
     """Every named effect with its parameters, its share and its aliases; None where nothing was named.
 
     The unit stands behind the value: a terminal has no room for a column of it.
@@ -33,10 +40,10 @@ def effect_table(record: DiagnosisRecord) -> Table | None:
         aliases = ", ".join(effect.indistinguishable_from) or "–"
         head: tuple[str, ...] = (effect.name,)
         rest = (share, aliases)
-        for name, quantity in derived_parameters(effect).items():
+        for name, quantity in derive_parameters(effect).items():
             unit = "" if quantity.unit == "1" else f" {quantity.unit}"
             value = format_number(quantity.value, 0.5 * (quantity.ci95[1] - quantity.ci95[0]) or None)
-            rows.append((*head, words(name), value + unit, format_interval(quantity), *rest))
+            rows.append((*head, describe_name(name), value + unit, format_interval(quantity), *rest))
             head, rest = ("",), ("", "")
         if not effect.parameters:
             rows.append((*head, "–", "–", "–", *rest))
@@ -44,13 +51,13 @@ def effect_table(record: DiagnosisRecord) -> Table | None:
     return Table(columns, tuple(rows)) if rows else None
 
 
-def error_table(record: DiagnosisRecord) -> Table | None:
+def build_error_table(record: DiagnosisRecord) -> Table | None:
     """Held-out error before and after beside the noise floor; None where nothing could be simulated."""
     found = record.heldout
     if found is None:
         return None
     low, high = found.ci95_reduction
-    before, *after = models_of(record)
+    before, *after = name_models(record)
     rows: list[tuple[str, ...]] = [(_BASE if before == BASE else before, f"{found.rmse_before:.4g}", "–")]
     rows += [(name, f"{found.rmse_after:.4g}", f"{low:.0%} to {high:.0%}") for name in after]
     rows.append(("noise floor: nothing missing", f"{found.noise_floor:.4g}", "–"))
@@ -60,24 +67,24 @@ def error_table(record: DiagnosisRecord) -> Table | None:
     return Table(columns[:width], tuple(row[:width] for row in rows), caption)
 
 
-def forward_table(record: DiagnosisRecord) -> Table | None:
+def build_forward_table(record: DiagnosisRecord) -> Table | None:
     """Position error of the forward simulation before and after; None where none was made."""
     found = record.forward
     if found is None:
         return None
     rows: list[tuple[str, ...]] = [(_BASE, f"{found.rmse_before:.4g}")]
-    if models_of(record)[-1] == NAMED:
+    if name_models(record)[-1] == NAMED:
         rows.append((NAMED, f"{found.rmse_after:.4g}"))
     low, high = found.interval
     caption = f"Simulated in MuJoCo from {low:.3g} to {high:.3g} s, which took no part. {found.controller}."
     return Table(("position error of a forward simulation", f"RMS [{found.unit}]"), tuple(rows), caption)
 
 
-def change_table(record: DiagnosisRecord) -> Table | None:
+def build_change_table(record: DiagnosisRecord) -> Table | None:
     """Parameters of the given simulation that the refit moved; None where there are none."""
     rows = tuple(
         (
-            words(change.name),
+            describe_name(change.name),
             format_number(change.given),
             format_number(change.refitted.value),
             format_interval(change.refitted),
@@ -91,13 +98,13 @@ def change_table(record: DiagnosisRecord) -> Table | None:
     return Table(columns, rows, caption if friction else "") if rows else None
 
 
-def base_table(record: DiagnosisRecord) -> Table | None:
+def build_base_table(record: DiagnosisRecord) -> Table | None:
     """Parameters of the refitted base model."""
-    rows = tuple((words(name), format_quantity(quantity)) for name, quantity in record.base.items())
+    rows = tuple((describe_name(name), format_quantity(quantity)) for name, quantity in record.base.items())
     return Table(("parameter", "value"), rows, "The simulation, with its parameters refitted.") if rows else None
 
 
-def location_table(record: DiagnosisRecord, units: Units) -> Table | None:
+def build_location_table(record: DiagnosisRecord, units: Units) -> Table | None:
     """Where the mismatch sits, and where each effect acts."""
     alone = len(record.effects) == 1 and record.effects[0].location == record.location
     rows = [("the whole mismatch", format_location(record.location, units))] if record.location and not alone else []

@@ -13,14 +13,14 @@ from ..record.result import DiagnosisRecord, Distinguishability, NamedEffect, Ri
 from .over_time import AFTER, BASE, BEFORE, NAMED, NOISE
 from .wording import Units
 
-__all__ = ["distinguishability_chart", "order_chart", "rival_chart", "rival_table"]
+__all__ = ["build_rival_table", "draw_distinguishability", "draw_order_chart", "draw_rival_chart"]
 
 _MOST = 14
 _ACCEPTED, _ALIKE, _REFUSED = "named", "cannot be told from what was named", "refused"
 _OUTCOME_COLORS = {_ACCEPTED: AFTER, _ALIKE: 5, _REFUSED: NOISE}
 
 
-def rival_chart(rivals: Sequence[Rival], effects: Sequence[NamedEffect] = ()) -> Chart | None:
+def draw_rival_chart(rivals: Sequence[Rival], effects: Sequence[NamedEffect] = ()) -> Chart | None:
     """Evidence for each explanation, best first.
 
     Args:
@@ -32,7 +32,7 @@ def rival_chart(rivals: Sequence[Rival], effects: Sequence[NamedEffect] = ()) ->
         return None
     names = tuple(" + ".join(rival.effects) for rival in shown)
     gains = np.array([rival.gain for rival in shown])
-    outcomes = [_outcome(rival, effects) for rival in shown]
+    outcomes = [_judge_outcome(rival, effects) for rival in shown]
     marks = tuple(
         Bars(names, np.where([one == outcome for one in outcomes], gains, np.nan), outcome, color=color)
         for outcome, color in _OUTCOME_COLORS.items()
@@ -48,7 +48,7 @@ def rival_chart(rivals: Sequence[Rival], effects: Sequence[NamedEffect] = ()) ->
     return Chart("rivals", "Evidence for each explanation", (panel,), caption=caption, panel_height=360)
 
 
-def _outcome(rival: Rival, effects: Sequence[NamedEffect]) -> str:
+def _judge_outcome(rival: Rival, effects: Sequence[NamedEffect]) -> str:
     """Whether an explanation was named, cannot be told from what was named, or was refused."""
     if not rival.refused:
         return _ACCEPTED
@@ -58,7 +58,7 @@ def _outcome(rival: Rival, effects: Sequence[NamedEffect]) -> str:
     return _ALIKE if alike else _REFUSED
 
 
-def rival_table(rivals: Sequence[Rival], effects: Sequence[NamedEffect] = ()) -> Table | None:
+def build_rival_table(rivals: Sequence[Rival], effects: Sequence[NamedEffect] = ()) -> Table | None:
     """Explanations with what spoke against them.
 
     Args:
@@ -72,7 +72,7 @@ def rival_table(rivals: Sequence[Rival], effects: Sequence[NamedEffect] = ()) ->
             " + ".join(rival.effects),
             f"{rival.gain:,.0f}" if rival.gain else "–",
             "–" if rival.coverage is None else f"{rival.coverage:.1%}",
-            rival.refused if (found := _outcome(rival, effects)) == _REFUSED else found,
+            rival.refused if (found := _judge_outcome(rival, effects)) == _REFUSED else found,
         )
         for rival in rivals[:_MOST]
     )
@@ -80,7 +80,7 @@ def rival_table(rivals: Sequence[Rival], effects: Sequence[NamedEffect] = ()) ->
     return Table(("explanation", "evidence", "coverage", "outcome"), rows, caption)
 
 
-def distinguishability_chart(found: Distinguishability | None) -> Chart | None:
+def draw_distinguishability(found: Distinguishability | None) -> Chart | None:
     """Which effects this recording can tell apart."""
     if found is None or len(found.names) < 2:
         return None
@@ -103,7 +103,7 @@ def distinguishability_chart(found: Distinguishability | None) -> Chart | None:
     return Chart("distinguishability", title, (panel,), caption=caption, panel_height=height)
 
 
-def order_chart(orders: Mapping[str, FloatArray], record: DiagnosisRecord, units: Units) -> Chart | None:
+def draw_order_chart(orders: Mapping[str, FloatArray], record: DiagnosisRecord, units: Units) -> Chart | None:
     """Energy that a ripple of each order over position explains."""
     before = orders.get("energy")
     if before is None:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from math import ceil, floor, isfinite, log10, pi
 from pathlib import Path
-
-from msgspec.structs import replace as with_fields
 
 from ..record.result import Diagnosis, DiagnosisRecord, Location, NamedEffect, Quantity
 from ..record.sentence import describe_parameter
@@ -17,14 +15,13 @@ __all__ = [
     "AXIS_TITLES",
     "VERDICT_TITLES",
     "Units",
-    "derived_parameters",
+    "derive_parameters",
+    "describe_name",
+    "describe_next_step",
     "format_interval",
     "format_location",
     "format_number",
     "format_quantity",
-    "next_step",
-    "with_names",
-    "words",
 ]
 
 _UNDETERMINED = 10.0  # times a positive value, that the end of its interval may be
@@ -62,33 +59,26 @@ class Units:
     position: str = "rad"
 
     @classmethod
-    def of(cls, diagnosis: Diagnosis) -> Units:
+    def read(cls, diagnosis: Diagnosis) -> Units:
         """The units that the models and the held-out error of a diagnosis state."""
         model = diagnosis.base_model or diagnosis.extended_model
         if model is not None:
             return cls(model.torque_unit, model.position_unit)
         return cls(diagnosis.heldout.unit) if diagnosis.heldout is not None else cls()
 
-    def unit(self, quantity: str) -> str:
+    def find_unit(self, quantity: str) -> str:
         """Unit of a quantity that residuals are located by."""
         x = self.position
         known = {"velocity": f"{x}/s", "position": x, "acceleration": f"{x}/s²", "load_torque": self.torque}
         known |= {"frequency": "Hz", "temperature": "°C"}
         return known.get(quantity, "s")
 
-    def axis(self, quantity: str) -> str:
+    def label_axis(self, quantity: str) -> str:
         """Axis label with the unit."""
-        return f"{AXIS_TITLES.get(quantity, words(quantity))} [{self.unit(quantity)}]"
+        return f"{AXIS_TITLES.get(quantity, describe_name(quantity))} [{self.find_unit(quantity)}]"
 
 
-def with_names(diagnosis: Diagnosis, names: Sequence[str]) -> Diagnosis:
-    """The diagnosis with its recordings called by these names, one each."""
-    series = tuple(replace(one, name=name) for one, name in zip(diagnosis.evidence.series, names, strict=False))
-    record = with_fields(diagnosis.record, recordings=tuple(names))
-    return replace(diagnosis, record=record, evidence=replace(diagnosis.evidence, series=series))
-
-
-def words(name: str) -> str:
+def describe_name(name: str) -> str:
     """A name in a file as words: `forward.coulomb_torque` is `coulomb torque, forward`."""
     parts = [describe_parameter(part) for part in name.split(".")]
     return ", ".join(reversed(parts))
@@ -136,11 +126,11 @@ def format_location(location: Location, units: Units) -> str:
     for quantity, intervals in location.items():
         spans = ", ".join(f"{low:.3g} to {high:.3g}" for low, high in intervals[:4])
         more = f" and {len(intervals) - 4} more" if len(intervals) > 4 else ""
-        parts.append(f"{AXIS_TITLES.get(quantity, words(quantity))} {spans} {units.unit(quantity)}{more}")
+        parts.append(f"{AXIS_TITLES.get(quantity, describe_name(quantity))} {spans} {units.find_unit(quantity)}{more}")
     return "; ".join(parts)
 
 
-def next_step(record: DiagnosisRecord, folder: Path | None = None) -> str | None:
+def describe_next_step(record: DiagnosisRecord, folder: Path | None = None) -> str | None:
     """What to record next, in one sentence with its command; None where no motion is proposed.
 
     Args:
@@ -160,7 +150,7 @@ def next_step(record: DiagnosisRecord, folder: Path | None = None) -> str | None
     )
 
 
-def derived_parameters(effect: NamedEffect) -> Mapping[str, Quantity]:
+def derive_parameters(effect: NamedEffect) -> Mapping[str, Quantity]:
     """Parameters of an effect, and what people look up instead: a ripple's period, its amplitude in each recording."""
     found = dict(effect.parameters)
     order = found.get("order")
@@ -174,11 +164,11 @@ def derived_parameters(effect: NamedEffect) -> Mapping[str, Quantity]:
         of_wave = name.removeprefix("sine")  # "_2" of the second recording, whose encoder starts anew
         cosine = found.get(f"cosine{of_wave}")
         if name.startswith("sine") and cosine is not None:
-            found.setdefault(f"amplitude{of_wave}", _amplitude(sine, cosine))
+            found.setdefault(f"amplitude{of_wave}", _compute_amplitude(sine, cosine))
     return found
 
 
-def _amplitude(sine: Quantity, cosine: Quantity) -> Quantity:
+def _compute_amplitude(sine: Quantity, cosine: Quantity) -> Quantity:
     """Length of a ripple's two parts, with the interval carried over to first order."""
     size = (sine.value**2 + cosine.value**2) ** 0.5
     halves = [0.5 * (part.ci95[1] - part.ci95[0]) for part in (sine, cosine)]

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from fricomp.recording import Recording
-
 from ..evidence.findings import Findings
 from ..evidence.location import map_excess
+from ..inputs.given import Given
 from ..joint.base import BASE_NAMES
 from ..record.result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord, Evidence, Forward, NextExperiment
 from ..record.sentence import (
@@ -75,19 +74,19 @@ def write_diagnosis(
     )
 
 
-def write_refusal(recordings: Sequence[Recording], reasons: Sequence[str], remarks: Sequence[str] = ()) -> Diagnosis:
+def write_refusal(given: Given, reasons: Sequence[str], remarks: Sequence[str] = ()) -> Diagnosis:
     """Write why data cannot be diagnosed.
 
     Args:
-        recordings: The data.
+        given: The data.
         reasons: What speaks against them, in sentences.
         remarks: What else is to be told.
     """
     fields = DiagnosisRecord(
         schema=DIAGNOSIS_SCHEMA,
         verdict="bad_data",
-        recordings=tuple(f"recording {i + 1}" for i in range(len(recordings))),
-        joint=recordings[0].metadata.joint,
+        recordings=given.names,
+        joint=given.recordings[0].metadata.joint,
     )
     return Diagnosis(write_record(fields, Notes(facts=tuple(reasons), remarks=tuple(remarks))))
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 
 from fricomp.diagnosis import Diagnosis, DiagnosisRecord, Quantity, diagnose, load_diagnosis
-from fricomp.diagnosis.report import derived_parameters, with_names, write_diagnosis
+from fricomp.diagnosis.report import derive_parameters, write_diagnosis
 from fricomp.errors import DiagnosisError, FricompError
 from fricomp.recording import read_public
 from fricomp.whole_file import whole_file
@@ -72,7 +72,7 @@ class RealOutcome:
         """Name, known value and found value of each parameter that the case knows, of the strongest effect with it."""
         found: dict[str, Quantity] = {}
         for effect in self.record.effects if self.record else ():
-            found = {**derived_parameters(effect), **found}
+            found = {**derive_parameters(effect), **found}
         return tuple((name, value, found[name]) for name, value in self.case.known if name in found)
 
     @property
@@ -135,7 +135,7 @@ def _diagnose(case: RealCase, place: Path, seed: int) -> RealOutcome:
         named = [(source, recording) for source in case.sources for recording in read_public(source)]
         names = [f"{source}/{one.metadata.joint}" if case.arm else source for source, one in named]
         simulation = _written_arm(case.arm, place) if case.arm else None
-        diagnosis: Diagnosis = with_names(diagnose([one for _, one in named], simulation, seed=seed), names)
+        diagnosis: Diagnosis = diagnose([one for _, one in named], simulation, seed=seed, names=names)
     except FricompError as error:
         return RealOutcome(case, None, str(error), time.perf_counter() - start)
     seconds = time.perf_counter() - start

@@ -3,7 +3,7 @@
 import pytest
 
 from fricomp.diagnosis.record.result import NamedEffect, Quantity
-from fricomp.diagnosis.report.wording import derived_parameters, format_interval, format_number
+from fricomp.diagnosis.report.wording import derive_parameters, format_interval, format_number
 
 
 @pytest.mark.parametrize(
@@ -24,6 +24,6 @@ def test_a_number_is_written_whatever_its_step(value: float, step: float | None,
 def test_a_period_whose_order_may_be_none_at_all_is_not_determined() -> None:
     order = Quantity(2.8, "1/rad", (-3096.0, 3102.0))
     effect = NamedEffect(name="cogging", kind="physics", parameters={"order": order})
-    period = derived_parameters(effect)["period"]
+    period = derive_parameters(effect)["period"]
     assert format_interval(period) == "not determined"
     assert format_number(period.value, 0.5 * (period.ci95[1] - period.ci95[0])) == "2.244"

@@ -8,6 +8,7 @@ from fricomp.diagnosis.effects import EFFECTS
 from fricomp.diagnosis.evidence.comparison import Comparison, Shift
 from fricomp.diagnosis.evidence.effect_evidence import EffectEvidence
 from fricomp.diagnosis.evidence.gates import Trial
+from fricomp.diagnosis.inputs.given import Given
 from fricomp.diagnosis.record.result import Forward, Kind, NamedEffect, VerdictName
 from fricomp.diagnosis.record.sentence import NO_MOTION, NOTHING_BUT_SHARED
 from fricomp.diagnosis.verdict.experiment import Proposal
@@ -95,6 +96,8 @@ def test_what_the_simulation_shows_as_well_is_not_missing() -> None:
 
 
 def test_data_that_cannot_be_diagnosed_say_why() -> None:
-    record = write_refusal(known_case(known_baseline()).recordings, ["it stands still"], ["beside"]).record
+    given = Given(known_case(known_baseline()).recordings, ("elbow_cold",))
+    record = write_refusal(given, ["it stands still"], ["beside"]).record
+    assert record.recordings == ("elbow_cold",)
     assert record.verdict == "bad_data"
     assert record.sentences == ("The data cannot be diagnosed.", "it stands still", "beside")
