@@ -12,11 +12,9 @@ from ..inputs.track import FloatArray, Track, differentiate
 from ..joint.observer import Observation, Plant
 from ..joint.problem import Problem
 from . import Context
+from .settings import EFFECT
 
 __all__ = ["add_load", "build_contexts", "move_context"]
-
-_SMOOTH, _QUICK = 0.061, 0.015  # [s]
-_SAME = 0.01  # part of a recorded load that gravity and acceleration may leave unexplained
 
 
 def build_contexts(
@@ -35,8 +33,8 @@ def _build_context(track: Track, plant: Plant, seen: Observation, hints: Mapping
     position = _correct_position(track, seen)
     # From the encoder alone, and smooth: the model's own acceleration answers to the noise of the torque, and columns
     # made from it would explain that noise.
-    velocity = differentiate(track.position, track.dt, _SMOOTH)
-    acceleration = differentiate(velocity, track.dt, _SMOOTH)
+    velocity = differentiate(track.position, track.dt, EFFECT.smooth_window)
+    acceleration = differentiate(velocity, track.dt, EFFECT.smooth_window)
     load = track.channels.get("load_torque")
     gravity = plant.compute_gravity_torque(position, track.rotary)
     load = gravity - plant.offset if load is None else remove_noise(load, position, acceleration, track)
@@ -73,7 +71,7 @@ def _correct_position(track: Track, seen: Observation) -> FloatArray:
     slow = smooth(off, track.dt)
     quick, step = off - slow, track.resolution
     beyond = quick - np.clip(quick, -step, step)
-    return np.asarray(seen.position + slow + smooth(beyond, track.dt, _QUICK), dtype=np.float64)
+    return np.asarray(seen.position + slow + smooth(beyond, track.dt, EFFECT.quick_window), dtype=np.float64)
 
 
 def move_context(context: Context, track: Track, seen: Observation) -> Context:
@@ -88,7 +86,7 @@ def add_load(context: Context, plant: Plant, further: FloatArray) -> Context:
     return replace(context, plant=plant, gravity=gravity, load_torque=context.load_torque if recorded else gravity)
 
 
-def smooth(values: FloatArray, dt: float, over: float = _SMOOTH) -> FloatArray:
+def smooth(values: FloatArray, dt: float, over: float = EFFECT.smooth_window) -> FloatArray:
     """Local cubic over a window of this length [s]. Shape (n,)."""
     window = max(7, 2 * round(over / dt / 2) + 1)
     result: FloatArray = savgol_filter(values, window, 3)
@@ -105,4 +103,4 @@ def remove_noise(load: FloatArray, position: FloatArray, acceleration: FloatArra
     A = np.stack(columns, axis=1)
     explained: FloatArray = A @ np.linalg.lstsq(A, load, rcond=None)[0]
     calm = smooth(load, track.dt)
-    return explained if float(np.var(calm - explained)) < _SAME * float(np.var(calm)) else calm
+    return explained if float(np.var(calm - explained)) < EFFECT.unexplained_load * float(np.var(calm)) else calm

@@ -15,6 +15,7 @@ from fricomp.laws import Term
 from ..inputs.track import FloatArray
 from ..joint.observer import Contribution, Plant
 from .forward_part import ForwardPart
+from .settings import EFFECT
 
 __all__ = [
     "EFFECTS",
@@ -28,8 +29,6 @@ __all__ = [
     "register",
 ]
 
-_FORM = 0.03  # of a size; an order, an edge, a time are known as well as the fit says
-_AT_BOUND = 1e-3  # relative distance from a bound at which a fit stands at it
 
 Kind = Literal["physics", "measurement", "parameter"]
 Values = Mapping[str, float]
@@ -134,7 +133,7 @@ class EffectParameter:
 
     def compute_form_deviation(self, value: float) -> float:
         """Standard deviation that the law's form leaves, in the solver's coordinates."""
-        usual = _FORM if self.linear or self.logarithmic else 0.0
+        usual = EFFECT.usual_form if self.linear or self.logarithmic else 0.0
         relative = usual if self.form is None else self.form
         return float(np.hypot(relative * (1.0 if self.logarithmic else abs(value)), self.least_form))
 
@@ -223,7 +222,7 @@ def compute_lowest_order(contexts: Sequence[Context]) -> float:
 
 def refuse_long_wave(order: float, contexts: Sequence[Context]) -> str | None:
     """Why a ripple is none: its fit went to the lowest order, since anything that varies slowly looks like that."""
-    if order > (1.0 + _AT_BOUND) * compute_lowest_order(contexts):
+    if order > (1.0 + EFFECT.at_bound) * compute_lowest_order(contexts):
         return None
     return "no period of it lies within the recorded range"
 

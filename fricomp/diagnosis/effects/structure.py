@@ -11,8 +11,9 @@ import numpy as np
 
 from ..inputs.track import FloatArray
 from ..joint.base import BASE_NAMES, unpack
-from ..joint.observer import THREADS, Contribution, Observation, Plant
+from ..joint.observer import Contribution, Observation, Plant
 from ..joint.problem import Problem
+from ..joint.settings import JOINT
 from ..joint.solver import Box, Descent, Fit, descend, run_together
 from . import EFFECTS, Context, Effect, EffectParameter
 from .context import add_load
@@ -188,7 +189,7 @@ def _compute_contributions(points: Sequence[tuple[Structure, FloatArray]]) -> li
     """What the effects add at each point. A Jacobian moves one parameter at a time: most points share theirs."""
     keys = [(id(structure), point[N_BASE:].tobytes()) for structure, point in points]
     different = dict(zip(keys, points, strict=True))
-    with ThreadPoolExecutor(THREADS) as pool:
+    with ThreadPoolExecutor(JOINT.threads) as pool:
         known = dict(zip(different, pool.map(_compute_at, different.values()), strict=True))
     return [known[key] for key in keys]
 

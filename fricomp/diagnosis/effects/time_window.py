@@ -18,6 +18,7 @@ from ..inputs.track import FloatArray
 from ..joint.problem import Problem
 from ..joint.solver import Box, Fit, raise_diagonal
 from . import Context
+from .settings import EFFECT
 
 __all__ = ["find_time_windows", "shape_push"]
 
@@ -28,24 +29,6 @@ class _Window(NamedTuple):
     recording: int
     start: float
     end: float
-
-
-_ROUNDS = 6
-_MEAN = 9  # rows, of the running mean that a push lifts
-_CORE, _EDGE = 6.0, 2.5  # standard deviations of that mean inside a window, and at its edge
-_CLOSE = 7  # rows; windows nearer to each other are one
-_MOST = 5  # windows
-_JOINED = 0.4  # [s]
-_STEPS = (0.16, 0.08, 0.04, 0.02)  # [s] by which the ends of a window are moved
-_FAINT = 0.03  # of the energy of the strongest: weaker windows are what a strong one bends the base by
-_LONGEST = 0.35  # of the recordings, all windows together
-_CONTRAST = 100.0  # energy of a row above its noise inside, over that outside
-_QUIET = 1.0  # such energy outside that a base model leaves now and then
-_NEAR = 0.06  # of the range of position, speed and acceleration: states as near count as the same
-_VISITED = 0.4  # share of the windows' rows whose state occurs outside as well
-# Share of their energy at positions, speeds and accelerations that occur outside as well: stops that are met once have
-# 0.00 to 0.01, and pushes 0.31 and more.
-_ELSEWHERE = 0.1
 
 
 def shape_push(time: FloatArray, start: float, end: float, roundness: float = 1.0) -> FloatArray:
@@ -59,18 +42,18 @@ def find_time_windows(problem: Problem, contexts: Sequence[Context], fit: Fit, b
     """The windows as recording, start and end [s], one after the other; none where it is no matter of time alone."""
     inside = np.zeros(fit.residual.size, dtype=bool)
     left = fit.residual
-    for _ in range(_ROUNDS):
+    for _ in range(EFFECT.window_rounds):
         found = _find_standing_out(problem, left)
         if np.array_equal(found, inside) or not 0.0 < found.mean() < 0.6:
             inside = found
             break
         inside, left = found, _refit_without(found, fit, box)
-    if not inside.any() or inside.mean() > _LONGEST or not _is_compact(inside, left):
+    if not inside.any() or inside.mean() > EFFECT.longest_windows or not _is_compact(inside, left):
         return ()
     windows = [_fit_window(problem, window, left) for window in _find_intervals(problem, inside, left)]
     energy = [_compute_explained(problem, window, left) for window in windows]
-    windows = [window for window, one in zip(windows, energy, strict=True) if one > _FAINT * max(energy)]
-    if len(windows) > _MOST or not _is_independent_of_state(problem, contexts, inside, left):
+    windows = [window for window, one in zip(windows, energy, strict=True) if one > EFFECT.faint_window * max(energy)]
+    if len(windows) > EFFECT.most_windows or not _is_independent_of_state(problem, contexts, inside, left):
         return ()
     return tuple(value for window in windows for value in window)
 
@@ -79,31 +62,32 @@ def _find_standing_out(problem: Problem, left: FloatArray) -> _Mask:
     """Rows in a stretch whose running mean stands out."""
     masks = []
     for part in _split_by_recording(problem, left):
-        mean = np.abs(uniform_filter1d(part, _MEAN)) * np.sqrt(_MEAN)
+        mean = np.abs(uniform_filter1d(part, EFFECT.window_mean)) * np.sqrt(EFFECT.window_mean)
         level = max(float(np.median(mean)) / 0.6745, 1.0)
-        edge, core = mean > _EDGE * level, mean > _CORE * level
+        edge, core = mean > EFFECT.window_edge * level, mean > EFFECT.window_core * level
         stretch, _ = label(edge)
         kept = np.isin(stretch, np.unique(stretch[core])) & edge
-        masks.append(binary_closing(np.pad(kept, _CLOSE), np.ones(_CLOSE))[_CLOSE:-_CLOSE])
+        gap = EFFECT.window_gap
+        masks.append(binary_closing(np.pad(kept, gap), np.ones(gap))[gap:-gap])
     return np.concatenate(masks)
 
 
 def _refit_without(inside: _Mask, fit: Fit, box: Box) -> FloatArray:
     """The residual once the base is refitted, linearly, to the rows that are not `inside`. Shape (m,)."""
     A = fit.jacobian * box.scale
-    out = ~binary_dilation(inside, np.ones(2 * _MEAN + 1))
+    out = ~binary_dilation(inside, np.ones(2 * EFFECT.window_mean + 1))
     H = A[out].T @ A[out] + raise_diagonal(box.scaled_precision, 1e-6)
     result: FloatArray = fit.residual - A @ np.linalg.solve(H, A[out].T @ fit.residual[out])
     return result
 
 
 def _is_compact(inside: _Mask, left: FloatArray) -> bool:
-    out = ~binary_dilation(inside, np.ones(_MEAN))
+    out = ~binary_dilation(inside, np.ones(EFFECT.window_mean))
     if out.sum() < 0.3 * inside.size:
         return False
     outside = max(float(np.mean(left[out] ** 2)) - 1.0, 0.0)
     within = float(np.mean(left[inside] ** 2)) - 1.0
-    return within > 5.0 and outside < max(_QUIET, within / _CONTRAST)
+    return within > 5.0 and outside < max(EFFECT.quiet_outside, within / EFFECT.window_contrast)
 
 
 def _is_independent_of_state(problem: Problem, contexts: Sequence[Context], inside: _Mask, left: FloatArray) -> bool:
@@ -113,12 +97,11 @@ def _is_independent_of_state(problem: Problem, contexts: Sequence[Context], insi
     occur outside as well: what is loud at one end of the range, where the joint was only then, may be a stop.
     """
     states = _collect_states(problem, contexts)
-    if float(np.mean(_find_near(states, inside))) <= _VISITED:
+    if float(np.mean(_find_near(states, inside))) <= EFFECT.visited_share:
         return False
     energy = left[inside] ** 2
-    return all(
-        float(energy @ _find_near(state[:, None], inside)) > _ELSEWHERE * float(energy.sum()) for state in states.T
-    )
+    least = EFFECT.visited_energy * float(energy.sum())
+    return all(float(energy @ _find_near(state[:, None], inside)) > least for state in states.T)
 
 
 def _collect_states(problem: Problem, contexts: Sequence[Context]) -> FloatArray:
@@ -138,7 +121,7 @@ def _collect_states(problem: Problem, contexts: Sequence[Context]) -> FloatArray
 def _find_near(points: FloatArray, inside: _Mask) -> _Mask:
     """Which points inside have one nearby outside. Shape (n_inside,)."""
     distance, _ = cKDTree(points[~inside]).query(points[inside])
-    result: _Mask = distance < _NEAR
+    result: _Mask = distance < EFFECT.near_state
     return result
 
 
@@ -153,7 +136,8 @@ def _find_intervals(problem: Problem, inside: _Mask, left: FloatArray) -> list[_
         for i in range(1, count + 1):
             rows = np.flatnonzero(stretch == i)
             sign, start, end = np.sign(values[rows].sum()), float(time[rows[0]]), float(time[rows[-1]])
-            if windows and windows[-1].recording == which and sign == last and start - windows[-1].end < _JOINED:
+            near = windows and windows[-1].recording == which and start - windows[-1].end < EFFECT.window_break
+            if near and sign == last:
                 start = windows.pop().start
             windows.append(_Window(which, start, end))
             last = sign
@@ -163,7 +147,7 @@ def _find_intervals(problem: Problem, inside: _Mask, left: FloatArray) -> list[_
 def _fit_window(problem: Problem, window: _Window, left: FloatArray) -> _Window:
     """Start and end moved until a push between them explains most of what the base leaves."""
     best, most = window, _compute_explained(problem, window, left)
-    for step in _STEPS:
+    for step in EFFECT.window_steps:
         moved = True
         while moved:
             moved = False

@@ -12,6 +12,7 @@ from scipy.signal import savgol_coeffs
 
 from ..inputs.track import FloatArray
 from ..joint.kernel import compile_kernel
+from .settings import EFFECT
 
 if TYPE_CHECKING:
     from . import Context
@@ -19,9 +20,6 @@ if TYPE_CHECKING:
 ComplexArray = NDArray[np.complex128]
 
 __all__ = ["Coupling", "Transmission", "compute_carried", "compute_uneven_running", "simulate_twist"]
-
-_WINDOW = 0.015  # [s] of the local cubic that takes the curvature of the twist; a third of a row
-_FINEST = 0.25  # [rad] of the load's own oscillation in one substep
 
 
 @dataclass(frozen=True)
@@ -142,9 +140,9 @@ def compute_carried(context: Context, transmission: Transmission) -> FloatArray:
     t, q = transmission, context.position
     gravity, gradient = _compute_gravity(context)
     frequency = np.sqrt(t.stiffness / t.inertia)
-    substeps = int(np.clip(np.ceil(frequency * context.dt / _FINEST), 1, 20))
+    substeps = int(np.clip(np.ceil(frequency * context.dt / EFFECT.twist_substep), 1, 20))
     s = simulate_twist(q, gravity, gradient, np.array([context.dt, substeps, *t.build_coupling(context)]))
-    window = max(5, 2 * round(_WINDOW / context.dt / 2) + 1)
+    window = max(5, 2 * round(EFFECT.twist_window / context.dt / 2) + 1)
     curvature = np.convolve(s, _compute_curvature_weights(window, context.dt), mode="same")
     curvature[: window // 2] = curvature[-(window // 2) :] = 0.0
     result: FloatArray = -gradient * s - t.inertia * curvature

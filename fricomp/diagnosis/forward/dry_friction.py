@@ -6,14 +6,12 @@ from abc import ABC, abstractmethod
 from math import copysign, exp, sqrt
 
 from ..joint.observer import Plant
+from .settings import FORWARD
 
-__all__ = ["SOFT", "DryFriction", "FrictionCurve", "build_dry_friction", "compute_bristle_rate"]
+__all__ = ["DryFriction", "FrictionCurve", "build_dry_friction", "compute_bristle_rate"]
 
-SOFT = 0.5
-"""Largest product of a bristle's rate and the step, with which its torque is applied: stable up to 2."""
 
-_MOST_POWER = 50.0  # beyond which the Stribeck curve has fallen
-_LEAST_FALL = exp(-_MOST_POWER)
+_LEAST_FALL = exp(-FORWARD.fallen)
 
 
 class FrictionCurve:
@@ -29,7 +27,7 @@ class FrictionCurve:
         self.felt = w + (self.felt - w) * self.keep
         coulomb, static, speed, viscous = self.forward if w >= 0.0 else self.reverse
         power = abs(self.felt / speed) ** self.exponent
-        fall = exp(-power) if power < _MOST_POWER else _LEAST_FALL
+        fall = exp(-power) if power < FORWARD.fallen else _LEAST_FALL
         return coulomb + (static - coulomb) * fall, viscous * self.felt
 
 
@@ -51,7 +49,8 @@ def build_dry_friction(plant: Plant, inertia: float, step: float, net: float) ->
     """Dry friction of `plant` on a motor side of `inertia` [kg·m²], which holds `net` [N·m] at the start."""
     if plant.creep_velocity > 0.0:
         return _Creep(plant, inertia, step)
-    return _Bristle(plant, step, net) if compute_bristle_rate(plant, inertia) * step <= SOFT else _FrictionLoss()
+    soft = compute_bristle_rate(plant, inertia) * step <= FORWARD.soft_bristle
+    return _Bristle(plant, step, net) if soft else _FrictionLoss()
 
 
 def compute_bristle_rate(plant: Plant, inertia: float) -> float:

@@ -23,14 +23,9 @@ from ..record.result import Forward
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from .forward_joint import Run, simulate_forward
+from .settings import FORWARD
 
 __all__ = ["add_spring", "measure_forward_error"]
-
-_HELD_OUT = 1.0 / 3.0  # of the recording, its last part
-_LONGEST = 20.0  # [s]
-_GAP = 0.5  # [s] between the rows that are fitted and the stretch
-_SLOW = 1.5  # times the step of a track, beyond which samples are further apart than it
-_SETTLE = 0.1  # of the stretch, in which the initial state dies out
 
 
 def measure_forward_error(
@@ -47,7 +42,7 @@ def measure_forward_error(
     track = prepared.problem.tracks[0]
     if recording.position_reference is None:
         return None
-    length = min(_HELD_OUT * track.size * track.dt, _LONGEST)
+    length = min(FORWARD.held_out * track.size * track.dt, FORWARD.longest)
     start = track.size - round(length / track.dt)
     loop = _set_rate(controller, recording, track)
     base = _train(prepared, (prepared.structure, prepared.fit.theta, prepared.fit.jacobian), start)
@@ -55,7 +50,7 @@ def measure_forward_error(
     if chosen is not None:
         theta = _train(prepared, (chosen.structure, chosen.fit.theta, chosen.fit.jacobian), start)
         runs.append(_build_run(recording, prepared, (chosen.structure, theta), loop, start))
-    kept = slice(start + round(_SETTLE * (track.size - start)), track.size)
+    kept = slice(start + round(FORWARD.settling * (track.size - start)), track.size)
     errors = [_compute_rms(simulate_forward(run)[kept.start - start :] - track.position[kept]) for run in runs]
     if not all(np.isfinite(errors)) or errors[0] > float(np.ptp(track.position)):
         return None
@@ -71,7 +66,7 @@ def measure_forward_error(
 
 def _set_rate(controller: Controller, recording: Recording, track: Track) -> Controller:
     """The loop with a rate: that of the recording where none is known, unless that is too slow to be the loop's."""
-    slow = recording.sample_period > _SLOW * track.dt
+    slow = recording.sample_period > FORWARD.slow_sampling * track.dt
     return controller if controller.frequency or slow else replace(controller, frequency=1.0 / recording.sample_period)
 
 
@@ -113,7 +108,7 @@ def _train(prepared: Baseline, model: tuple[Structure, FloatArray, FloatArray], 
     residual = structure.compute_residuals(prepared.problem, [theta])[0]
     first = prepared.problem.grids[0].centres
     kept = np.ones(residual.size, dtype=bool)
-    kept[: first.size] = first < start - _GAP / prepared.problem.tracks[0].dt
+    kept[: first.size] = first < start - FORWARD.gap / prepared.problem.tracks[0].dt
     box: Box = prepared.box.join(structure.build_box())
     A = jacobian[kept] * box.scale
     prior = raise_diagonal(box.scaled_precision, 0.1)

@@ -20,15 +20,12 @@ from ..effects.two_masses import Coupling
 from ..inputs.controller import Controller
 from ..inputs.track import FloatArray, Track
 from ..joint.observer import Plant
-from .dry_friction import SOFT, FrictionCurve, build_dry_friction, compute_bristle_rate
+from .dry_friction import FrictionCurve, build_dry_friction, compute_bristle_rate
 from .forward_loop import Drive, Loop
+from .settings import FORWARD
 
 __all__ = ["Run", "simulate_forward"]
 
-_LONGEST, _SHORTEST = 2e-4, 1e-4  # [s] steps of the simulation
-_FINE = 0.25  # [rad] of the fastest oscillation in a step
-_LEAST = 0.01  # share of the inertia that stays on the motor side
-_LEAST_LEVEL = 1e-9  # [N·m] of dry friction
 _XML = """<mujoco><option timestep="{step}" gravity="0 0 0" integrator="implicitfast"/><worldbody><body>
 <inertial pos="0 0 0" mass="1e-9" diaginertia="1e-12 1e-12 1e-12"/>
 <joint type="{kind}" axis="0 0 1" armature="{motor}" frictionloss="1e-9"
@@ -62,7 +59,7 @@ class Run:
     def motor(self) -> float:
         """Inertia of the motor side [kg·m²]."""
         load = 0.0 if self.effects.coupling is None else self.effects.coupling.inertia
-        return max(self.plant.inertia - load, _LEAST * self.plant.inertia)
+        return max(self.plant.inertia - load, FORWARD.least_motor_share * self.plant.inertia)
 
     @property
     def substeps(self) -> int:
@@ -71,9 +68,9 @@ class Run:
         """
         rates = [] if self.effects.coupling is None else [self.effects.coupling.compute_rate(self.motor)]
         bristle = compute_bristle_rate(self.plant, self.motor)
-        rates += [bristle] if bristle * _SHORTEST <= SOFT else []
-        frequency, most = self.controller.frequency, self.track.dt / _SHORTEST
-        wanted = max([1.0 / _LONGEST, frequency or 0.0, *(rate / _FINE for rate in rates)])
+        rates += [bristle] if bristle * FORWARD.shortest_step <= FORWARD.soft_bristle else []
+        frequency, most = self.controller.frequency, self.track.dt / FORWARD.shortest_step
+        wanted = max([1.0 / FORWARD.longest_step, frequency or 0.0, *(rate / FORWARD.fine for rate in rates)])
         least = int(np.ceil(min(self.track.dt * wanted, most)))
         if frequency is None:
             return least
@@ -140,7 +137,7 @@ class _Joint:
         self.load = _Rigid(gravity) if coupling is None else _Coupled(gravity, coupling, model, data)
         self.offset = run.plant.offset
         level, viscous = self.curve.follow(w)
-        level = max(level + self.level[k], _LEAST_LEVEL)
+        level = max(level + self.level[k], FORWARD.least_level)
         held = torque - self.offset - self.additive[k] - viscous - gravity.compute_torque(q)
         self.dry = build_dry_friction(run.plant, run.motor, step, min(max(held, -level), level))
 
@@ -155,7 +152,7 @@ class _Joint:
             added, raised = state.follow(w, self.friction)
             net, level = net - added, level + raised
         gravity, load = self.load.follow(q)
-        dry, loss = self.dry.follow(w, level if level > _LEAST_LEVEL else _LEAST_LEVEL, net - load)
+        dry, loss = self.dry.follow(w, level if level > FORWARD.least_level else FORWARD.least_level, net - load)
         self.friction = dry + copysign(loss, w) + viscous
         self.loss[0], self.applied[0] = loss, net - dry - gravity
 

@@ -11,12 +11,10 @@ import numpy as np
 from fricomp.errors import DiagnosisError
 from fricomp.simulation_file import compile_simulation
 
+from .settings import INPUT
 from .track import FloatArray
 
 __all__ = ["ArmDynamics", "ArmMotion", "read_arm"]
-
-_SPREAD = 0.1  # [m] distance of the point masses from the body's origin
-_STILL = 1e-9  # [kg] of bodies while another one is weighed
 
 
 @dataclass(frozen=True)
@@ -57,7 +55,7 @@ class ArmDynamics:
         import mujoco
 
         model: Any = self.model
-        model.body_mass[:], model.body_inertia[:] = _STILL, 1e-12
+        model.body_mass[:], model.body_inertia[:] = INPUT.still_mass, 1e-12
         model.body_mass[body], model.body_ipos[body], model.body_iquat[body] = 1.0, point, (1.0, 0.0, 0.0, 0.0)
         model.dof_armature[:], model.dof_damping[:], model.dof_frictionloss[:] = 0.0, 0.0, 0.0
         mujoco.mj_setConst(model, mujoco.MjData(model))
@@ -74,7 +72,7 @@ def place_points() -> FloatArray:
     """Where the ten point masses sit on a body: their masses and moments are independent [m]. Shape (10, 3)."""
     e = np.eye(3)
     points = [np.zeros(3), *e, *-e, e[0] + e[1], e[1] + e[2], e[0] + e[2]]
-    result: FloatArray = _SPREAD * np.array(points)
+    result: FloatArray = INPUT.mass_distance * np.array(points)
     return result
 
 

@@ -15,16 +15,10 @@ from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
 
 from .left_out import fit_without_blocks
-from .track import FloatArray, differentiate
+from .settings import INPUT
+from .signal import FloatArray, differentiate
 
-__all__ = ["EXPLAINED", "Controller", "compute_answer", "estimate_controller", "read_controller", "read_told_torque"]
-
-EXPLAINED = 0.9
-"""Part of the torque's variance that an estimated controller must explain, on blocks left out."""
-_WORTH = 0.1  # of the unexplained variance that one more gain must take
-_CUTOFFS = (None, 15.0, 30.0, 60.0, 120.0)  # [Hz] of the filter on the velocity
-_FOLDS = 5
-_LONGEST = 40_000  # samples for the estimate
+__all__ = ["Controller", "compute_answer", "estimate_controller", "read_controller", "read_told_torque"]
 
 
 @dataclass(frozen=True)
@@ -123,10 +117,10 @@ def estimate_controller(recording: Recording) -> Controller | None:
     if recording.position_reference is None or len(recording) < 500:
         return None
     torque = read_told_torque(recording)
-    found = [_fit_loop(_build_columns(recording, cutoff), torque, cutoff) for cutoff in _CUTOFFS]
+    found = [_fit_loop(_build_columns(recording, cutoff), torque, cutoff) for cutoff in INPUT.velocity_cutoffs]
     best = max(found, key=lambda one: one.explained)
     stable = best.proportional_gain > 0.0 and best.derivative_gain >= 0.0
-    return best if stable and best.explained > EXPLAINED else None
+    return best if stable and best.explained > INPUT.loop_explains else None
 
 
 def compute_answer(controller: Controller, recording: Recording) -> FloatArray:
@@ -150,7 +144,7 @@ def compute_answer(controller: Controller, recording: Recording) -> FloatArray:
 def read_told_torque(recording: Recording) -> FloatArray:
     """What a loop told its drive, or else the torque [N·m]; of the samples that gains are estimated from."""
     told = recording.torque if recording.torque_command is None else recording.torque_command
-    return np.asarray(told)[:_LONGEST]
+    return np.asarray(told)[: INPUT.loop_samples]
 
 
 def _fit_loop(columns: dict[str, FloatArray], torque: FloatArray, cutoff: float | None) -> Controller:
@@ -160,7 +154,7 @@ def _fit_loop(columns: dict[str, FloatArray], torque: FloatArray, cutoff: float 
     for name in ("acceleration", "integral", "reference", "velocity"):
         trial = [one for one in chosen if one != name]
         unexplained = _compute_unexplained(columns, trial, torque)
-        if unexplained * (1.0 - _WORTH) < left and not (name == "velocity" and "reference" in chosen):
+        if unexplained * (1.0 - INPUT.gain_worth) < left and not (name == "velocity" and "reference" in chosen):
             chosen, left = trial, unexplained
     weights = dict(zip([*chosen, "bias"], _fit(columns, chosen, torque), strict=True))
     damping = weights.get("velocity", 0.0)
@@ -198,7 +192,7 @@ def _build_columns(recording: Recording, cutoff: float | None) -> dict[str, Floa
         "integral": np.cumsum(error) * dt,
         "acceleration": differentiate(wanted, dt),
     }
-    return {name: values[:_LONGEST] for name, values in columns.items()}
+    return {name: values[: INPUT.loop_samples] for name, values in columns.items()}
 
 
 def _build_table(columns: dict[str, FloatArray], names: list[str]) -> FloatArray:
@@ -215,6 +209,6 @@ def _compute_unexplained(columns: dict[str, FloatArray], names: list[str], torqu
     """Part of the torque's variance that is left on blocks that took no part."""
     table, error = _build_table(columns, names), np.empty(torque.size)
     size = np.linalg.norm(table, axis=0) + 1e-30
-    for part, weights in fit_without_blocks(table / size, torque, _FOLDS, rcond=1e-9):
+    for part, weights in fit_without_blocks(table / size, torque, INPUT.loop_folds, rcond=1e-9):
         error[part] = torque[part] - table[part] @ (weights / size)
     return float(np.mean(error**2) / max(float(np.var(torque)), 1e-30))

@@ -9,11 +9,10 @@ from scipy.ndimage import uniform_filter1d
 
 from fricomp.recording import Recording
 
-from .controller import EXPLAINED, Controller, compute_answer, estimate_controller, read_told_torque
+from .controller import Controller, compute_answer, estimate_controller, read_told_torque
+from .settings import INPUT
 
 __all__ = ["check_controller"]
-
-_SMOOTH = 0.02  # [s] over which both torques are averaged: neither a delay nor the encoder's steps are a wrong gain
 
 
 def check_controller(controller: Controller, recordings: Sequence[Recording]) -> list[str]:
@@ -23,7 +22,7 @@ def check_controller(controller: Controller, recordings: Sequence[Recording]) ->
         if recording.position_reference is None:
             continue
         explained = _compute_explained(controller, recording)
-        if explained >= EXPLAINED:
+        if explained >= INPUT.loop_explains:
             continue
         prefix = f"recording {i + 1}: " if len(recordings) > 1 else ""
         units = recording.metadata.torque_unit, recording.metadata.position_unit
@@ -44,6 +43,6 @@ def check_controller(controller: Controller, recordings: Sequence[Recording]) ->
 def _compute_explained(controller: Controller, recording: Recording) -> float:
     """Part of the torque's variance that a loop explains; 0 and less where it explains none."""
     torque = read_told_torque(recording)
-    rows = max(1, round(_SMOOTH / recording.sample_period))
+    rows = max(1, round(INPUT.told_window / recording.sample_period))
     told, left = (uniform_filter1d(one, rows) for one in (torque, torque - compute_answer(controller, recording)))
     return 1.0 - float(np.var(left)) / max(float(np.var(told)), 1e-30)

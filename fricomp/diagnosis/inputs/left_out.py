@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from .track import FloatArray
+from .signal import FloatArray
 
 __all__ = ["fit_without_blocks"]
 

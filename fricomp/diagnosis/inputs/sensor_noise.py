@@ -9,6 +9,7 @@ import numpy as np
 
 from fricomp.recording import Recording
 
+from .settings import INPUT
 from .track import (
     TorqueNoise,
     differentiate,
@@ -19,10 +20,6 @@ from .track import (
 )
 
 __all__ = ["SensorNoise", "add_sensor_noise", "measure_sensor_noise"]
-
-_LEAST = 1e-3  # of a torque's own deviation: what sensors without visible noise are taken to have
-_ROUNDING = 1.0 / np.sqrt(12.0)  # standard deviation of a rounded value, in steps
-_MORE_THAN_ROUNDING = 2.0  # times that of the encoder's step, from which a position has noise of its own
 
 
 @dataclass(frozen=True)
@@ -53,12 +50,12 @@ def measure_sensor_noise(recording: Recording) -> SensorNoise:
     position, torque = np.array(recording.position), np.array(recording.torque)
     velocity = differentiate(position, period)
     step = recording.metadata.encoder_resolution or find_encoder_step(position)
-    rounding, white = _ROUNDING * step, measure_position_noise(position, velocity).white
+    rounding, white = INPUT.rounding * step, measure_position_noise(position, velocity).white
     return SensorNoise(
         period=period,
         torque=_combine_noise(measure_torque_noise(torque, find_calm_samples(position, velocity, period))),
         encoder_step=step,
-        position=_subtract_variance(white, rounding) if white > _MORE_THAN_ROUNDING * rounding else 0.0,
+        position=_subtract_variance(white, rounding) if white > INPUT.own_noise * rounding else 0.0,
     )
 
 
@@ -104,7 +101,7 @@ def _compute_scale(recording: Recording, other: Recording) -> float:
 def _measure_visible(recording: Recording) -> SensorNoise:
     """The noise of a recording, of which the torque's is at least that of its rounding, and not nothing."""
     noise, torque = measure_sensor_noise(recording), np.array(recording.torque)
-    least = max(_LEAST * float(np.std(torque)), _ROUNDING * find_encoder_step(torque))
+    least = max(INPUT.least_noise * float(np.std(torque)), INPUT.rounding * find_encoder_step(torque))
     return SensorNoise(noise.period, max(noise.torque, least), noise.encoder_step, noise.position)
 
 

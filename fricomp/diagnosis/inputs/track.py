@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,9 @@ from scipy.ndimage import median_filter
 from scipy.optimize import nnls
 from scipy.signal import lfilter, savgol_filter
 
-if TYPE_CHECKING:
-    from .controller import Controller
+from .controller import Controller
+from .settings import INPUT
+from .signal import FloatArray, differentiate
 
 __all__ = [
     "SIMULATED_SPRING",
@@ -27,26 +28,8 @@ __all__ = [
     "differentiate",
 ]
 
-FloatArray = NDArray[np.float64]
-
 SIMULATED_SPRING, SIMULATED_STIFFNESS = "simulated_spring", "simulated_stiffness"
 """Channels of a track: torque of the simulation's own spring, which its torque is without, and the stiffness."""
-
-_VELOCITY_WINDOW = 0.021  # [s] longest Savitzky-Golay window that keeps the reversals of a joint
-_SPIKE = 5.0  # noise deviations from the median of seven samples, beyond which a sample is no measurement
-_SHORTEST_WINDOW = 7  # samples, for slow recordings
-_WHITE = 0.7  # variance by fifth over that by fourth differences, below which these hold motion
-_FEW = 0.1  # share of moving samples below which resting ones are used as well
-# Student's noise: degrees of freedom; robust over true deviation of its second differences, and their 0.99 quantile
-# over their median (four million draws each). The last one stands for normal noise.
-_STUDENT = (
-    (2.5, 0.613, 6.9),
-    (3.0, 0.748, 5.8),
-    (4.0, 0.855, 5.0),
-    (5.0, 0.898, 4.6),
-    (7.0, 0.937, 4.3),
-    (np.inf, 1.0, 0.0),
-)
 
 
 class TorqueNoise(NamedTuple):
@@ -175,13 +158,6 @@ class Track:
         )
 
 
-def differentiate(values: FloatArray, dt: float, window: float = _VELOCITY_WINDOW, order: int = 1) -> FloatArray:
-    """Derivative by a local cubic (Savitzky and Golay) over `window` [s]; of order 0 the smoothed values."""
-    samples = min(max(_SHORTEST_WINDOW, 2 * round(window / dt / 2) + 1), values.size - 1 + values.size % 2)
-    result: FloatArray = savgol_filter(values, samples, 3, deriv=order, delta=dt)
-    return result
-
-
 def find_encoder_step(position: FloatArray) -> float:
     """Smallest step that most changes of `position` are multiples of; 0 for a position that is not quantised.
 
@@ -201,16 +177,18 @@ def find_encoder_step(position: FloatArray) -> float:
 def remove_spikes(values: FloatArray, noise: float) -> FloatArray:
     """`values` with samples that stand out from their neighbours' median by many noise deviations put back on it."""
     middle = median_filter(values, 7, mode="nearest")
-    limit = _SPIKE * max(noise, 1e-3 * float(np.std(values)))
+    limit = INPUT.spike * max(noise, 1e-3 * float(np.std(values)))
     return np.where(np.abs(values - middle) > limit, middle, values)
 
 
 def find_calm_samples(position: FloatArray, velocity: FloatArray, dt: float) -> NDArray[np.bool_]:
     """The half of the moving samples in which the motion changes least, where torque is smoothest. Shape (n,)."""
-    samples = min(max(_SHORTEST_WINDOW, 2 * round(3.0 * _VELOCITY_WINDOW / dt / 2) + 1), position.size // 2 * 2 - 1)
+    samples = min(
+        max(INPUT.shortest_window, 2 * round(3.0 * INPUT.velocity_window / dt / 2) + 1), position.size // 2 * 2 - 1
+    )
     jerk = np.abs(savgol_filter(position, samples, 4, deriv=3))
     moving = np.abs(velocity) > 0.02 * np.quantile(np.abs(velocity), 0.98)
-    if np.mean(moving) < _FEW:
+    if np.mean(moving) < INPUT.few_moving:
         moving = np.ones(position.size, dtype=bool)
     calm: NDArray[np.bool_] = moving & (jerk <= np.median(jerk[moving]))
     return calm
@@ -232,7 +210,7 @@ def measure_position_noise(position: FloatArray, velocity: FloatArray) -> Positi
     for low, high in pairwise(edges):
         inside = (speed >= low) & (speed <= high)
         variance, check = (_compute_trimmed_mean(one[inside[: one.size]]) for one in (fourth, fifth))
-        if check < _WHITE * variance and low >= edges[3]:
+        if check < INPUT.white_differences * variance and low >= edges[3]:
             return PositionNoise(0.0, 0.0)
         squares.append(float(np.mean(speed[inside] ** 2)))
         variances.append(variance)
@@ -279,5 +257,5 @@ def measure_torque_noise(values: FloatArray, calm: NDArray[np.bool_] | None = No
 def _match_tails(spread: float) -> tuple[float, float]:
     """Degrees of freedom of a Student distribution, and its robust over its true deviation, from the quotient of the
     0.99 quantile and the median of the absolute second differences."""
-    index = int(np.searchsorted(-np.array([one[2] for one in _STUDENT]), -spread))
-    return _STUDENT[min(index, len(_STUDENT) - 1)][:2]
+    index = int(np.searchsorted(-np.array([one[2] for one in INPUT.student_tails]), -spread))
+    return INPUT.student_tails[min(index, len(INPUT.student_tails) - 1)][:2]

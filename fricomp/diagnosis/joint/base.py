@@ -9,13 +9,12 @@ import numpy as np
 from ..inputs.rigid import RigidJoint
 from ..inputs.track import FloatArray
 from .observer import Plant
+from .settings import JOINT
 from .solver import Box
 
 __all__ = [
     "BASE_NAMES",
     "BODY_AND_CURVES",
-    "LATEST",
-    "SOFTEST",
     "BaseModel",
     "align_falls",
     "even_directions",
@@ -50,28 +49,8 @@ BASE_NAMES = (
 BODY_AND_CURVES = BASE_NAMES.index("log_breakaway")
 """Parameters before it are inertia, gravity, offset and the curves of both directions."""
 
-SOFTEST = 2.5e-4
-"""Presliding distance F_c / sigma_0 of the softest bristle that is part of the base [rad]."""
 
-LATEST = 5e-4
-"""Longest time by which the torque is behind the motion in a usual chain of sensors [s]; more swallows real delays."""
-
-# Presliding distance of the base model [rad]: friction without any, such as MuJoCo's own, turns over at once in a
-# reversal. A bristle of 2e-6 rad takes half a millisecond for it, which leaves 1.3 times the noise on a chirp, and the
-# torque by which the observer feels it looks like a frictional lag.
-_BREAKAWAY = (1e-7, SOFTEST)
-_USUAL_BREAKAWAY = 3.6e-5  # [rad] where it starts
-# Longest step in scales: parameters that enter linearly may go anywhere at once.
-_FRICTION_REACH = [10.0, 10.0, 2.0, 20.0]
-_REACH = np.array([4.0, 40.0, 40.0, 40.0, *_FRICTION_REACH, *_FRICTION_REACH, 3.0, 2.0, 3.0, 2.0, 2.0, 3.0, 3.0])
-_UNEVEN = 0.1  # of the Coulomb torque, by which both directions must differ to be evened
 _FALL = ("excess", "log_stribeck_velocity")  # how friction falls with speed
-_UNLIKE = 1.6  # difference of the logarithms of both directions' Stribeck velocities that is none of a joint
-_HELD = 1e-9  # scale of a parameter that is not fitted
-_DAMPING = 0.012  # [s] largest sigma_1 / sigma_0 of a bristle that is part of the base
-_NEAR = 0.9  # of such a bound, from which more may hide behind it
-_RIGID = 0.3  # relative deviation of a simulation's inertia and gravity from those of the joint
-_ASYMMETRY = 0.2  # deviation of the difference of the Coulomb torques of both directions, in their mean
 
 
 def pack(plant: Plant) -> FloatArray:
@@ -123,7 +102,7 @@ def even_directions(theta: FloatArray) -> FloatArray | None:
         BASE_NAMES.index(n) for n in ("forward.coulomb_torque", "reverse.coulomb_torque", "offset")
     )
     difference = theta[forward] - theta[reverse]
-    if abs(difference) < _UNEVEN * unpack(theta[: len(BASE_NAMES)]).level:
+    if abs(difference) < JOINT.uneven_share * unpack(theta[: len(BASE_NAMES)]).level:
         return None
     result = theta.copy()
     result[[forward, reverse, offset]] += [-0.5 * difference, 0.5 * difference, 0.5 * difference]
@@ -139,7 +118,7 @@ def align_falls(theta: FloatArray) -> FloatArray | None:
     """
     sides = [[BASE_NAMES.index(f"{side}.{name}") for name in _FALL] for side in ("forward", "reverse")]
     low, high = sorted(sides, key=lambda side: theta[side[1]])
-    if theta[high[1]] - theta[low[1]] < _UNLIKE:
+    if theta[high[1]] - theta[low[1]] < JOINT.unlike_stribeck:
         return None
     result = theta.copy()
     result[high] = theta[low]
@@ -148,18 +127,18 @@ def align_falls(theta: FloatArray) -> FloatArray | None:
 
 def is_at_latest(plant: Plant) -> bool:
     """Whether the torque comes about as late as the base allows, so that a longer delay may hide behind it."""
-    return plant.delay > _NEAR * LATEST
+    return plant.delay > JOINT.at_bound_share * JOINT.longest_delay
 
 
 def is_at_earliest(plant: Plant, dt: float) -> bool:
     """Whether the torque comes about as early as the base allows, so that a lag may hide behind it."""
-    return plant.delay < _NEAR * _compute_earliest(dt)
+    return plant.delay < JOINT.at_bound_share * _compute_earliest(dt)
 
 
 def _compute_earliest(dt: float) -> float:
     """Least delay of the base [s]: a torque may belong to either end of its sample; of a millisecond to its middle,
     since a whole one would swallow real lags."""
-    return -max(0.5 * dt, dt - LATEST)
+    return -max(0.5 * dt, dt - JOINT.longest_delay)
 
 
 @dataclass(frozen=True)
@@ -183,12 +162,12 @@ class BaseModel:
         viscous = max(plant.forward[3], plant.reverse[3], 0.1 * level / top_speed)
         size = max(float(np.hypot(*plant.gravity)), level)
         gravity_free = 100.0 * size if rotary else 0.0
-        breakaway = np.log(_BREAKAWAY)
+        breakaway = np.log((JOINT.stiffest_bristle, JOINT.softest_bristle))
         start = pack(
             replace(
                 plant,
-                sigma_0=plant.level / _USUAL_BREAKAWAY,
-                delay=0.5 * (LATEST + _compute_earliest(dt)),
+                sigma_0=plant.level / JOINT.usual_bristle,
+                delay=0.5 * (JOINT.longest_delay + _compute_earliest(dt)),
                 sharpness=0.5,
             )
         )
@@ -199,30 +178,30 @@ class BaseModel:
         lower = [inertia - 3, -gravity_free, -gravity_free, -100 * size, *friction_low, *friction_low, breakaway[0]]
         upper = [inertia + 3, gravity_free, gravity_free, 100 * size, *friction_high, *friction_high, breakaway[1]]
         scale = [0.05, 0.05 * size, 0.05 * size, 0.05 * level, *friction_scale, *friction_scale, 0.3]
-        reach = 0.5 * (LATEST - _compute_earliest(dt))
-        bristle_scale = [0.5 * reach, 0.2 * _DAMPING, 0.3, 0.5, _HELD, _HELD]
+        reach = 0.5 * (JOINT.longest_delay - _compute_earliest(dt))
+        bristle_scale = [0.5 * reach, 0.2 * JOINT.largest_damping_time, 0.3, 0.5, JOINT.held_scale, JOINT.held_scale]
         low = np.array([*lower, _compute_earliest(dt), 0.0, 0.0, 0.0, 0.0, 0.0])
-        high = np.array([*upper, LATEST, _DAMPING, 1.0, 1.5, 0.0, 0.0])
+        high = np.array([*upper, JOINT.longest_delay, JOINT.largest_damping_time, 1.0, 1.5, 0.0, 0.0])
         centre = start.copy()
         centre[4] = centre[8] = level
         weight = np.zeros(start.size)
         if known is not None:
-            weight[0] = 1.0 / _RIGID
+            weight[0] = 1.0 / JOINT.simulation_spread
             centre[1:3] = known.gravity
-            weight[1:3] = 1.0 / (_RIGID * max(float(np.hypot(*known.gravity)), level))
+            weight[1:3] = 1.0 / (JOINT.simulation_spread * max(float(np.hypot(*known.gravity)), level))
         for i in (6, 10):
             centre[i] = np.log(0.05 * top_speed)
             weight[i] = 1.0 / 1.5
         weight[12] = 1.0 / 1.5
         weight[13] = 1.0 / reach
-        weight[14] = 1.0 / (0.5 * _DAMPING)
+        weight[14] = 1.0 / (0.5 * JOINT.largest_damping_time)
         weight[15] = 1.0 / 0.5
         centre[15] = 0.5
         weight[16] = 1.0 / 0.7
         # Sliding shows offset and difference of the directions as one sum; only the start of motion could part them.
-        difference = (np.eye(start.size)[4] - np.eye(start.size)[8]) / (_ASYMMETRY * level)
+        difference = (np.eye(start.size)[4] - np.eye(start.size)[8]) / (JOINT.asymmetry_spread * level)
         precision = np.diag(weight**2) + np.outer(difference, difference)
         return cls(
             np.clip(start, low, high),
-            Box(low, high, np.array([*scale, *bristle_scale]), centre, precision, _REACH),
+            Box(low, high, np.array([*scale, *bristle_scale]), centre, precision, np.array(JOINT.longest_steps)),
         )

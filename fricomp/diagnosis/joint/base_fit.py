@@ -10,35 +10,23 @@ import numpy as np
 from ..inputs.track import FloatArray
 from .base import BASE_NAMES, align_falls, even_directions, unpack
 from .problem import Problem
+from .settings import JOINT
 from .solver import Box, Fit, minimise
 
 __all__ = ["fit_base", "fit_creep", "is_loud", "propose_creep_starts", "try_other_bristle"]
 
 _BREAKAWAY, _DAMPING = BASE_NAMES.index("log_breakaway"), BASE_NAMES.index("damping_time")
-_STARTS = (1e-6, 3e-5)  # [rad] presliding distances to start from
-_LOUD = 1.1  # residual over noise
 _CREEP, _LEAD = BASE_NAMES.index("creep_velocity"), BASE_NAMES.index("creep_lead")
 _SHARPNESS = BASE_NAMES.index("sharpness")
-_SLOWEST, _FASTEST = 1e-3, 0.1  # creep velocity, of the fastest motion
-_LONGEST_LEAD = 0.03  # [s]
-# Steps towards creep, after which the better start goes on unless its cost is this many times that of a bristle: by
-# the weights of a bristle, which hardly lets a joint at rest be noisy, friction that does creep has left twice as much
-# and joints that stick 5 to 8000 times as much.
-_FIRST_STEPS, _HOPELESS = 12, 4.0
-# MuJoCo's friction loss with its usual impedance: F = d (tau + b J v), cut off at the level, with d = 0.9 and a rate b
-# of 105 1/s or, in a stiffer simulation, ten times that.
-_IMPEDANCE, _RATES = 0.9, (105.0, 1050.0)  # [1/s]
-_NEAR = 0.9  # of the largest damping of a bristle
-# Steps of a weighted fit, and fall of the cost in units of the noise that ends it: Coulomb, static and viscous torque
-# of a slow motion lie along a narrow valley, and a fit that stops on its way down leaves the rest to any effect.
-_STEPS, _SETTLED = 48, 0.3
 
 
 def fit_base(problem: Problem, theta: FloatArray, box: Box) -> Fit:
     """The base fitted from `theta` with the problem's weights, to the bottom of its valley, and from there with both
     directions evened, or falling alike, where they differ much."""
     evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
-    fitted = partial(minimise, evaluate, box=box, iterations=_STEPS, refresh=2, tolerance=_SETTLED)
+    fitted = partial(
+        minimise, evaluate, box=box, iterations=JOINT.base_steps, refresh=2, tolerance=JOINT.base_tolerance
+    )
     fit = fitted(theta)
     others = [start for start in (even_directions(fit.theta), align_falls(fit.theta)) if start is not None]
     return min([fit, *map(fitted, others)], key=_get_cost)
@@ -46,7 +34,7 @@ def fit_base(problem: Problem, theta: FloatArray, box: Box) -> Fit:
 
 def is_loud(fit: Fit) -> bool:
     """Whether a weighted fit leaves more than noise."""
-    return float(fit.residual @ fit.residual) > _LOUD**2 * fit.residual.size
+    return float(fit.residual @ fit.residual) > JOINT.loud**2 * fit.residual.size
 
 
 def try_other_bristle(problem: Problem, fit: Fit, box: Box) -> Fit:
@@ -61,9 +49,9 @@ def try_other_bristle(problem: Problem, fit: Fit, box: Box) -> Fit:
         fit: Of the base, with these weights.
         box: Domain of the base parameters.
     """
-    if not is_loud(fit) or fit.theta[_DAMPING] < _NEAR * box.upper[_DAMPING]:
+    if not is_loud(fit) or fit.theta[_DAMPING] < JOINT.damped_share * box.upper[_DAMPING]:
         return fit
-    tried = [fit_base(problem, _set_bristle(fit.theta, box, distance), box) for distance in _STARTS]
+    tried = [fit_base(problem, _set_bristle(fit.theta, box, distance), box) for distance in JOINT.stiff_bristles]
     return min([fit, *tried], key=_get_cost)
 
 
@@ -97,11 +85,11 @@ def fit_creep(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[F
     """
     evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
     tried = [
-        (minimise(evaluate, start, free, iterations=_FIRST_STEPS, refresh=2), free)
+        (minimise(evaluate, start, free, iterations=JOINT.creep_steps, refresh=2), free)
         for start, free in propose_creep_starts(fit.theta, box, top_speed)
     ]
     best, free = min(tried, key=lambda one: one[0].cost)
-    return (fit_base(problem, best.theta, free), free) if best.cost < _HOPELESS * fit.cost else None
+    return (fit_base(problem, best.theta, free), free) if best.cost < JOINT.hopeless_cost * fit.cost else None
 
 
 def propose_creep_starts(theta: FloatArray, box: Box, top_speed: float) -> list[tuple[FloatArray, Box]]:
@@ -112,7 +100,7 @@ def propose_creep_starts(theta: FloatArray, box: Box, top_speed: float) -> list[
         box: Domain of the base parameters.
         top_speed: Of the recorded motion [rad/s].
     """
-    starts = [_set_creep(theta, rate) for rate in _RATES]
+    starts = [_set_creep(theta, rate) for rate in JOINT.creep_rates]
     return [(start, _free_creep(box, start, top_speed)) for start in starts]
 
 
@@ -120,7 +108,7 @@ def _set_creep(theta: FloatArray, rate: float) -> FloatArray:
     """`theta` with the friction loss of MuJoCo at this rate [1/s]. Shape (p,)."""
     start, plant = theta.copy(), unpack(theta)
     start[_SHARPNESS] = 1.0
-    start[_CREEP] = plant.level * (1.0 - _IMPEDANCE) / (_IMPEDANCE * rate * plant.inertia)
+    start[_CREEP] = plant.level * (1.0 - JOINT.impedance) / (JOINT.impedance * rate * plant.inertia)
     start[_LEAD] = 1.0 / rate
     return start
 
@@ -129,6 +117,6 @@ def _free_creep(box: Box, start: FloatArray, top_speed: float) -> Box:
     """`box` in which friction creeps, with scales for a fit from `start`."""
     lower, upper, scale = box.lower.copy(), box.upper.copy(), box.scale.copy()
     at = [_CREEP, _LEAD]
-    lower[at], upper[at] = (_SLOWEST * top_speed, 0.0), (_FASTEST * top_speed, _LONGEST_LEAD)
-    scale[at] = 0.1 * max(float(start[_CREEP]), _SLOWEST * top_speed), 0.1 * start[_LEAD]
+    lower[at], upper[at] = (JOINT.slowest_creep * top_speed, 0.0), (JOINT.fastest_creep * top_speed, JOINT.longest_lead)
+    scale[at] = 0.1 * max(float(start[_CREEP]), JOINT.slowest_creep * top_speed), 0.1 * start[_LEAD]
     return replace(box, lower=lower, upper=upper, scale=scale)

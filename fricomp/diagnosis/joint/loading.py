@@ -25,11 +25,10 @@ from ..inputs.track import (
     measure_torque_noise,
     remove_spikes,
 )
-from .base import LATEST
+from .settings import JOINT
 
 __all__ = ["build_tracks", "has_low_rate"]
 
-_FINEST = 1e-3  # [s] grid of slow recordings
 _CHANNELS = ("load_torque", "temperature", "position_reference", "torque_command", "current")
 
 
@@ -71,7 +70,7 @@ def _estimate_usual_delay(recording: Recording) -> tuple[float, float]:
     torque takes up to half a millisecond.
     """
     half = 0.5 * recording.sample_period
-    return -half if recording.metadata.torque_kind == "commanded" else 0.0, 0.5 * max(half, LATEST)
+    return -half if recording.metadata.torque_kind == "commanded" else 0.0, 0.5 * max(half, JOINT.longest_delay)
 
 
 def _remove_spring(track: Track, spring: Spring) -> Track:

@@ -15,21 +15,10 @@ from ..inputs.delay import shift
 from ..inputs.track import FloatArray, TorqueNoise, Track, differentiate, remove_spikes
 from .observer import Contribution, Job, Observation, Plant
 from .problem import Problem, Weights, improve_track
+from .settings import JOINT
 from .step_answer import StepAnswer, simulate_step_answers
 
 __all__ = ["Nulls", "make_nulls"]
-
-_AR_ORDER = 4
-_STIFFNESS = 1.6  # factor on the bristle stiffness that its unknown law stands for
-_CREEP = 1.1  # factor on the creep velocity: a cut-off line and a smooth curve that turn over alike differ as much
-_DOUBT = 0.5  # part of its effect on a row that counts as uncertain
-_TORQUE_WINDOW = 0.011  # [s] smoothing that separates the applied torque from its noise
-_DELAY_SPREAD = 5e-5  # [s]
-_FEW = 8  # nulls from which the noise is matched
-_MEMORY = 0.9  # correlation of coloured noise where the samples show none
-_THROUGHOUT = 0.999  # of a row's window
-_ENOUGH = 100  # rows for a median
-_CORRECTION = (0.7, 1.4)  # of the matched noise, for what does not add up in squares
 
 
 @dataclass(frozen=True)
@@ -74,7 +63,7 @@ def make_nulls(problem: Problem, plant: Plant, effects: Sequence[Contribution], 
         for track, one in zip(calm.tracks, truth, strict=True)
     )
     answers = tuple(
-        simulate_step_answers(job, one, torque, count=max(count, _FEW), seed=seed)
+        simulate_step_answers(job, one, torque, count=max(count, JOINT.matching_nulls), seed=seed)
         for job, one, torque in zip(map(Job, problem.tracks, repeat(plant), effects), truth, applied, strict=True)
     )
     chain = _Chain(problem, plant, tuple(effects), tuple(truth), applied, answers)
@@ -131,17 +120,17 @@ def _match_noise(chain: _Chain, index: int, data: FloatArray, seed: int) -> Torq
     track, slides = chain.problem.tracks[index], _find_sliding(chain.problem, index)
     seen = track.torque_noise
     size = seen.size or 1e-3 * float(np.std(track.torque))
-    memory = seen.memory if seen.coloured > 0.0 else _MEMORY
+    memory = seen.memory if seen.coloured > 0.0 else JOINT.usual_memory
     kinds = (TorqueNoise(0.0, 0.0, 0.0), TorqueNoise(size, 0.0, 0.0, seen.freedom), TorqueNoise(0.0, size, memory))
     without, white, coloured = (
-        _compute_variation(chain.simulate_rows(index, kind, _FEW, seed), slides) for kind in kinds
+        _compute_variation(chain.simulate_rows(index, kind, JOINT.matching_nulls, seed), slides) for kind in kinds
     )
     target = _compute_variation(data[None], slides)
     columns = np.stack([white - without, coloured - without], axis=1) / target[:, None]
     found, _ = nnls(np.maximum(columns, 0.0), np.maximum(target - without, 0.0) / target)
     noise = TorqueNoise(size * float(np.sqrt(found[0])), size * float(np.sqrt(found[1])), memory, seen.freedom)
-    again = _compute_variation(chain.simulate_rows(index, noise, _FEW, seed), slides)
-    factor = float(np.clip(np.sqrt(target[0] / again[0]), *_CORRECTION))
+    again = _compute_variation(chain.simulate_rows(index, noise, JOINT.matching_nulls, seed), slides)
+    factor = float(np.clip(np.sqrt(target[0] / again[0]), *JOINT.noise_correction))
     return noise._replace(white=factor * noise.white, coloured=factor * noise.coloured)
 
 
@@ -152,8 +141,8 @@ def _find_sliding(problem: Problem, index: int) -> NDArray[np.bool_]:
     loop need not repeat exactly, and a median over both kinds of rows would depend on it.
     """
     moves = (np.abs(problem.tracks[index].velocity) > problem.observer.rest_speed).astype(np.float64)
-    rows = problem.grids[index].average(moves) > _THROUGHOUT
-    return rows if np.count_nonzero(rows) >= _ENOUGH else np.ones_like(rows)
+    rows = problem.grids[index].average(moves) > JOINT.throughout
+    return rows if np.count_nonzero(rows) >= JOINT.enough_rows else np.ones_like(rows)
 
 
 def _compute_variation(rows: FloatArray, slides: NDArray[np.bool_]) -> FloatArray:
@@ -171,7 +160,10 @@ def _compute_presliding(problem: Problem, plant: Plant, effects: Sequence[Contri
     """
     variants = [
         replace(plant, sigma_0=plant.sigma_0 * factor, creep_velocity=plant.creep_velocity / slower)
-        for factor, slower in ((1.0 / _STIFFNESS, 1.0 / _CREEP), (_STIFFNESS, _CREEP))
+        for factor, slower in (
+            (1.0 / JOINT.stiffness_doubt, 1.0 / JOINT.creep_doubt),
+            (JOINT.stiffness_doubt, JOINT.creep_doubt),
+        )
     ]
     softer, stiffer = problem.observe_all(variants, [effects, effects])
     return [
@@ -181,7 +173,7 @@ def _compute_presliding(problem: Problem, plant: Plant, effects: Sequence[Contri
 
 def _smooth(track: Track) -> FloatArray:
     """Recorded torque without most of its noise [N·m]."""
-    width = max(3, 2 * round(_TORQUE_WINDOW / track.dt / 2) + 1)
+    width = max(3, 2 * round(JOINT.torque_window / track.dt / 2) + 1)
     window = np.hanning(width + 2)[1:-1]
     smooth: FloatArray = np.convolve(np.pad(track.torque, width // 2, mode="edge"), window / window.sum(), mode="valid")
     return smooth
@@ -191,7 +183,7 @@ def _draw_null(
     track: Track, position: FloatArray, applied: FloatArray, noise: TorqueNoise, rng: np.random.Generator
 ) -> Track:
     """The recording of a joint moved along `position` by `applied`: fresh noise, rounding and a small delay."""
-    torque = shift(applied, rng.normal(0.0, _DELAY_SPREAD) / track.dt)
+    torque = shift(applied, rng.normal(0.0, JOINT.delay_spread) / track.dt)
     if track.jitter > 0.0:
         late = track.jitter / track.dt * rng.standard_normal(track.size)
         torque, position = torque + late * np.gradient(torque), position + late * np.gradient(position)
@@ -204,7 +196,7 @@ def _draw_null(
 def _build_weights(rows: Sequence[FloatArray], presliding: Sequence[FloatArray]) -> Weights:
     mean = tuple(r.mean(axis=0) for r in rows)
     noise = [_compute_row_spread(r, m) for r, m in zip(rows, mean, strict=True)]
-    spread = tuple(np.hypot(s, _DOUBT * p) for s, p in zip(noise, presliding, strict=True))
+    spread = tuple(np.hypot(s, JOINT.law_doubt * p) for s, p in zip(noise, presliding, strict=True))
     unit = [(r - m) / s for r, m, s in zip(rows, mean, noise, strict=True)]
     return Weights(mean, spread, _build_whitener(unit))
 
@@ -220,10 +212,13 @@ def _compute_row_spread(rows: FloatArray, mean: FloatArray) -> FloatArray:
 def _build_whitener(unit: Sequence[FloatArray]) -> FloatArray:
     """AR filter from the pooled autocorrelation of the nulls, scaled to unit innovation variance."""
     lags = np.array(
-        [np.mean([np.mean(u[:, lag:] * u[:, : u.shape[1] - lag]) for u in unit]) for lag in range(_AR_ORDER + 1)]
+        [
+            np.mean([np.mean(u[:, lag:] * u[:, : u.shape[1] - lag]) for u in unit])
+            for lag in range(JOINT.whitener_order + 1)
+        ]
     )
-    R = np.array([[lags[abs(i - j)] for j in range(_AR_ORDER)] for i in range(_AR_ORDER)])
-    a = np.linalg.solve(R + 1e-6 * lags[0] * np.eye(_AR_ORDER), lags[1:])
+    R = np.array([[lags[abs(i - j)] for j in range(JOINT.whitener_order)] for i in range(JOINT.whitener_order)])
+    a = np.linalg.solve(R + 1e-6 * lags[0] * np.eye(JOINT.whitener_order), lags[1:])
     innovation = max(float(lags[0] - a @ lags[1:]), 1e-3 * lags[0])
     result: FloatArray = np.concatenate([[1.0], -a]) / np.sqrt(innovation)
     return result

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from ..inputs.delay import apply_lags, shift, undo_lags
 from ..inputs.track import FloatArray, Track
 from .kernel import FRICTION_SLOTS, LANES, observe
+from .settings import JOINT
 
 __all__ = [
-    "THREADS",
     "Contribution",
     "Observation",
     "Observer",
@@ -27,8 +27,6 @@ __all__ = [
     "simulate_all",
     "stack_plants",
 ]
-
-THREADS = 2
 
 
 @dataclass(frozen=True)
@@ -197,7 +195,7 @@ def _run_all(
         groups.setdefault(id(job.track.substeps), []).append(index)
     batches = [part[i : i + LANES[-1]] for part in groups.values() for i in range(0, len(part), LANES[-1])]
     result: dict[int, tuple[FloatArray, ...]] = {}
-    with ThreadPoolExecutor(THREADS) as pool:
+    with ThreadPoolExecutor(JOINT.threads) as pool:
         runs = pool.map(lambda batch: _simulate([jobs[i] for i in batch], settings, seen), batches)
         for batch, observations in zip(batches, runs, strict=True):
             result |= dict(zip(batch, observations, strict=True))

@@ -11,22 +11,15 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion
 
 from ..inputs.track import FloatArray, Track, differentiate
-from .base import SOFTEST, unpack
+from .base import unpack
 from .observer import Contribution, Job, Observation, Observer, Plant, compute_missing_torques, simulate_all
 from .rows import RowGrid
+from .settings import JOINT
 
 __all__ = ["Problem", "Weights", "build_problem"]
 
 # Torque that effects add along each recording, for their parameters.
 Effects = Callable[[FloatArray], list[Contribution]]
-
-_ROW_WIDTH = 0.042  # [s]
-_ROW_STEP = 0.020  # [s]
-_INNOVATION_WINDOW = 0.061  # [s]
-_FINE, _COARSE = (3, 40), 2  # substeps of a sample
-_SLIDING = 4.0  # rest speeds
-_YIELDED = 16.0  # presliding distances of the softest bristle of the base
-_MARGIN = 0.02  # [s] by which the simulated joint may turn earlier or later than the recorded one
 
 
 @dataclass(frozen=True)
@@ -152,7 +145,7 @@ def improve_track(track: Track, observation: Observation, returning: FloatArray)
         returning: What the observer adds to the velocity of a resting model's position [rad/s]. Left out, a bristle
             that is too soft would say that the joint moves while the encoder stands still, and be kept soft by it.
     """
-    slope = differentiate(track.position - observation.position, track.dt, _INNOVATION_WINDOW)
+    slope = differentiate(track.position - observation.position, track.dt, JOINT.innovation_window)
     return replace(track, velocity=observation.velocity + returning + slope)
 
 
@@ -161,8 +154,8 @@ def build_problem(tracks: Sequence[Track], plant: Plant, observer: Observer) -> 
     inertia, omega = plant.inertia, observer.bandwidth
     slope = max(0.858 * (s - c) / v - f for c, s, v, f in (plant.forward, plant.reverse))
     gains = (inertia * omega**2, 2.0 * inertia * omega + max(slope, 0.0))
-    scale = max(1.0, 5.0 / (omega * _ROW_WIDTH))
-    grids = [RowGrid.build(t, scale * _ROW_WIDTH, scale * _ROW_STEP, 0.5) for t in tracks]
+    scale = max(1.0, 5.0 / (omega * JOINT.row_width))
+    grids = [RowGrid.build(t, scale * JOINT.row_width, scale * JOINT.row_step, 0.5) for t in tracks]
     return Problem(tuple(tracks), tuple(grids), observer, gains).cut_samples_for(plant)
 
 
@@ -173,12 +166,12 @@ def _choose_substeps(track: Track, plant: Plant, observer: Observer, gains: tupl
     """
     stiffest = np.sqrt((3.0 * plant.sigma_0 + gains[0]) / plant.inertia) / observer.step
     fastest = (gains[1] + 3.0 * max(plant.forward[3], plant.reverse[3])) / plant.inertia / 0.4
-    fine = int(np.clip(np.ceil(max(stiffest, fastest) * track.dt), *_FINE))
-    coarse = int(np.clip(np.ceil(fastest * track.dt), _COARSE, fine))
-    direction = np.sign(track.velocity) * (np.abs(track.velocity) > _SLIDING * observer.rest_speed)
+    fine = int(np.clip(np.ceil(max(stiffest, fastest) * track.dt), *JOINT.fine_substeps))
+    coarse = int(np.clip(np.ceil(fastest * track.dt), JOINT.coarse_substeps, fine))
+    direction = np.sign(track.velocity) * (np.abs(track.velocity) > JOINT.certain_sliding * observer.rest_speed)
     turned = np.concatenate([[True], direction[1:] != direction[:-1]]) | (direction == 0.0)
     index = np.arange(track.size)
     since = track.position - track.position[np.maximum.accumulate(np.where(turned, index, 0))]
-    yielded = (direction != 0.0) & (np.abs(since) > _YIELDED * SOFTEST)
-    margin = max(1, round(_MARGIN / track.dt))
+    yielded = (direction != 0.0) & (np.abs(since) > JOINT.yielded_travel * JOINT.softest_bristle)
+    margin = max(1, round(JOINT.turning_margin / track.dt))
     return np.where(binary_erosion(yielded, np.ones(2 * margin + 1)), coarse, fine)

@@ -10,17 +10,10 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from ..inputs.track import FloatArray
+from .settings import JOINT
 
 __all__ = ["Box", "Descent", "Fit", "choose_steps", "descend", "minimise", "raise_diagonal", "run_together"]
 
-_DIFFERENCE = 0.02  # of a parameter's scale
-_DAMPINGS = (1.0, 30.0, 900.0)  # tried at once, as simulations come in batches
-# Of the least damped step, tried besides: a narrow valley that bends lets no whole step pass, and one that damping has
-# made short is short along the valley most of all.
-_PARTS = (0.5, 0.2)
-_FURTHER = (0.1, 10.0, 300.0, 1.0, 1.0)  # factor on the damping after each of them
-_LARGEST = 1e50  # of a derivative
-_TOLERANCE = 1e-2  # fall of the cost that ends the descent, in units of the mean squared residual
 
 Residual = Callable[[Sequence[FloatArray]], list[FloatArray]]
 
@@ -97,7 +90,7 @@ def minimise(
     *,
     iterations: int = 8,
     refresh: int = 1,
-    tolerance: float = _TOLERANCE,
+    tolerance: float = JOINT.tolerance,
 ) -> Fit:
     """Least squares from `theta`, for residuals that are evaluated at several points at once."""
     descent = descend(theta, box, iterations=iterations, refresh=refresh, tolerance=tolerance)
@@ -134,7 +127,7 @@ def descend(
     jacobian: FloatArray | None = None,
     iterations: int = 8,
     refresh: int = 1,
-    tolerance: float = _TOLERANCE,
+    tolerance: float = JOINT.tolerance,
 ) -> Descent:
     """Least squares from `theta`.
 
@@ -159,8 +152,8 @@ def descend(
     damping, age = 1e-3, 0
     for _ in range(iterations):
         normal = _Normal(J, residual, box)
-        trials = [_compute_step(normal, theta, box, damping * factor) for factor in _DAMPINGS]
-        trials += [theta + part * (trials[0] - theta) for part in _PARTS]
+        trials = [_compute_step(normal, theta, box, damping * factor) for factor in JOINT.dampings]
+        trials += [theta + part * (trials[0] - theta) for part in JOINT.step_parts]
         values = yield trials
         costs = [_compute_cost(value, trial, box) for value, trial in zip(values, trials, strict=True)]
         best = int(np.argmin(costs))
@@ -177,7 +170,7 @@ def descend(
             float(np.sum((move / box.scale) ** 2)), 1e-30
         )
         theta, residual, cost, age = trials[best], values[best], costs[best], age + 1
-        damping = max(1e-6, damping * _FURTHER[best])
+        damping = max(1e-6, damping * JOINT.further_damping[best])
         # A short step by an old Jacobian may only mean that it is old.
         if gain < tolerance * cost / residual.size and (age == 1 or refresh > iterations):
             break
@@ -201,7 +194,7 @@ def _list_free(box: Box) -> list[int]:
     return [int(i) for i in np.flatnonzero(box.lower < box.upper)]
 
 
-def choose_steps(theta: FloatArray, box: Box, part: float = _DIFFERENCE) -> FloatArray:
+def choose_steps(theta: FloatArray, box: Box, part: float = JOINT.difference) -> FloatArray:
     """One-sided steps for differences, `part` of each parameter's scale, that stay inside. Shape (p,)."""
     step = part * box.scale
     return np.where(theta + step > box.upper, -step, step)
@@ -217,7 +210,7 @@ def _build_columns(moved: Sequence[FloatArray], at: FloatArray, steps: FloatArra
     for i, value in zip(which, moved, strict=True):
         column = (value - at) / steps[i]
         # A point that does not simulate says nothing about its parameter.
-        if np.max(np.abs(column)) < _LARGEST:
+        if np.max(np.abs(column)) < JOINT.largest_derivative:
             result[:, i] = column
     return result
 

@@ -8,14 +8,9 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from ..inputs.track import FloatArray
+from .settings import JOINT
 
 __all__ = ["estimate_floor", "is_structured"]
-
-_AROUND = 101  # lines whose median is the level about each of them
-_LINE = 2.5  # times the loudest line of a null over its level, from which a line is none of noise
-_BANDS, _LINES_OF_A_BAND = 20, 20
-_PEAK, _LEAST_PEAK = 1.5, 2.0  # times the highest peak of a null, and peak at least, that is none of noise
-_LIMIT = 4.0  # typical deviations that a row counts for at most: one bad moment fills the whole spectrum
 
 
 def is_structured(ours: FloatArray, theirs: Sequence[FloatArray]) -> bool:
@@ -29,15 +24,15 @@ def is_structured(ours: FloatArray, theirs: Sequence[FloatArray]) -> bool:
         theirs: The same of nulls.
     """
     loudest = max(float(np.max(_divide_by_level(one))) for one in theirs)
-    if float(np.max(_divide_by_level(ours))) > _LINE * loudest:
+    if float(np.max(_divide_by_level(ours))) > JOINT.line_ratio * loudest:
         return True
-    count = min(_BANDS, ours.size // (2 * _LINES_OF_A_BAND))
+    count = min(JOINT.bands, ours.size // (2 * JOINT.band_lines))
     if count < 3:
         return False
     bands = [_average_bands(one, count) for one in theirs]
     usual = np.mean(bands, axis=0)
     highest = max(_compute_peak(one / usual) for one in bands)
-    return _compute_peak(_average_bands(ours, count) / usual) > max(_PEAK * highest, _LEAST_PEAK)
+    return _compute_peak(_average_bands(ours, count) / usual) > max(JOINT.peak_ratio * highest, JOINT.least_peak)
 
 
 def estimate_floor(values: FloatArray) -> float:
@@ -47,7 +42,7 @@ def estimate_floor(values: FloatArray) -> float:
 
 def _compute_power(values: FloatArray) -> FloatArray:
     """Energy of each line but the mean, in rows that count for no more than a few. Shape (m // 2,)."""
-    limit = _LIMIT * float(np.median(np.abs(values))) / 0.6745
+    limit = JOINT.row_limit * float(np.median(np.abs(values))) / 0.6745
     result: FloatArray = np.abs(np.fft.rfft(np.clip(values, -limit, limit))[1:]) ** 2
     return result
 
@@ -55,7 +50,9 @@ def _compute_power(values: FloatArray) -> FloatArray:
 def _divide_by_level(values: FloatArray) -> FloatArray:
     """Energy of each line over the level about it. Shape (m // 2,)."""
     power = _compute_power(values)
-    result: FloatArray = power * np.log(2.0) / np.maximum(median_filter(power, min(_AROUND, power.size)), 1e-300)
+    result: FloatArray = (
+        power * np.log(2.0) / np.maximum(median_filter(power, min(JOINT.lines_around, power.size)), 1e-300)
+    )
     return result
 
 

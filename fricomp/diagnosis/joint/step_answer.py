@@ -12,12 +12,10 @@ from ..inputs.controller import Controller
 from ..inputs.delay import shift
 from ..inputs.track import FloatArray, Track
 from .kernel import LANES, close_loop
-from .observer import THREADS, Job, Observation, broadcast_level, choose_lanes, compute_torque, stack_plants
+from .observer import Job, Observation, broadcast_level, choose_lanes, compute_torque, stack_plants
+from .settings import JOINT
 
 __all__ = ["StepAnswer", "simulate_step_answers"]
-
-_LOUD = 0.5  # of the noise seen in the torque, below which the answer is not worth a simulation
-_ASTRAY = 10.0  # steps of the encoder that the joint may be off, else it is no loop that moved a joint
 
 
 class StepAnswer(NamedTuple):
@@ -61,7 +59,7 @@ def simulate_step_answers(
     smooth, stepped = first[0], first[1]
     if not _is_credible(stepped, smooth, truth, track):
         return []
-    with ThreadPoolExecutor(THREADS) as pool:
+    with ThreadPoolExecutor(JOINT.threads) as pool:
         runs = [
             *first[1:],
             *(run for batch in pool.map(lambda one: _run(told, loop, one), batches[1:]) for run in batch),
@@ -88,5 +86,5 @@ def _is_credible(stepped: StepAnswer, smooth: StepAnswer, truth: Observation, tr
     """Whether the loop leaves the joint where it was, and its answer stands out of the torque's noise."""
     with np.errstate(over="ignore", invalid="ignore"):  # a loop that swings up
         far = max(float(np.std(one.position - truth.position)) for one in (stepped, smooth))
-        loud = float(np.std(stepped.torque - smooth.torque)) > _LOUD * track.torque_noise.size
-    return far < _ASTRAY * track.resolution and loud
+        loud = float(np.std(stepped.torque - smooth.torque)) > JOINT.heard_share * track.torque_noise.size
+    return far < JOINT.astray_steps * track.resolution and loud

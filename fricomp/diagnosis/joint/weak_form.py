@@ -18,13 +18,9 @@ from fricomp.errors import DiagnosisError
 
 from ..inputs.track import FloatArray, Track
 from .observer import Plant
+from .settings import JOINT
 
 __all__ = ["estimate_plants", "estimate_rest_speed"]
-
-_MOST_ROWS = 6000
-_REST_SPEED = 5e-3  # [rad/s] or [m/s] of a joint of the usual speed
-_REST_SHARE = 0.05  # of the top speed, for slower ones
-_SLOW = 0.1  # share of the rows that are the slowest
 
 
 def estimate_rest_speed(tracks: Sequence[Track], width: float = 0.042) -> float:
@@ -32,7 +28,7 @@ def estimate_rest_speed(tracks: Sequence[Track], width: float = 0.042) -> float:
     not below what one encoder step in a window of `width` [s] looks like."""
     top = max(float(np.quantile(np.abs(track.velocity), 0.98)) for track in tracks)
     step = max(track.resolution for track in tracks) / width
-    return min(_REST_SPEED, max(_REST_SHARE * top, step))
+    return min(JOINT.rest_speed, max(JOINT.rest_share * top, step))
 
 
 class WeakRows(NamedTuple):
@@ -67,7 +63,7 @@ def estimate_plants(
             f"the joint hardly ever slides faster than {rest_speed:g} rad/s (or m/s) for {width:g} s on end: "
             "record a faster motion"
         )
-    keep = np.linspace(0, joined.torque.size - 1, min(_MOST_ROWS, joined.torque.size)).astype(int)
+    keep = np.linspace(0, joined.torque.size - 1, min(JOINT.most_rows, joined.torque.size)).astype(int)
     joined = WeakRows(*(part[keep] for part in joined))
     top = float(np.quantile(np.abs(joined.velocity), 0.98))
     grid = np.log(np.geomspace(max(2 * rest_speed, 0.01 * top), 0.5 * top, 6))
@@ -145,7 +141,7 @@ def _build_plant(log_speeds: FloatArray, rows: WeakRows, *, hold: bool) -> Plant
     f, r = (tuple(map(float, part)) for part in (x[1 + free : 4 + free], x[4 + free :]))
     speeds = np.exp(log_speeds)
     floor = 1e-3 * float(np.std(rows.torque))
-    slowest = float(np.quantile(np.abs(rows.velocity), _SLOW)) if hold else np.inf
+    slowest = float(np.quantile(np.abs(rows.velocity), JOINT.slow_share)) if hold else np.inf
     forward, reverse = (_bound_curve(part, floor, float(vs), slowest) for part, vs in zip((f, r), speeds, strict=True))
     inertia = max(float(x[0]), 1e-3 * float(np.std(rows.torque) / (np.std(rows.inertia) + 1e-9)))
     return Plant(

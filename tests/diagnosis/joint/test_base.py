@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fricomp.diagnosis.joint.base import BASE_NAMES, SOFTEST, BaseModel, align_falls, even_directions, pack, unpack
+from fricomp.diagnosis.joint.base import BASE_NAMES, BaseModel, align_falls, even_directions, pack, unpack
 from fricomp.diagnosis.joint.observer import Observer, Plant
+from fricomp.diagnosis.joint.settings import JOINT
 
 _PLANT = Plant(
     0.3, (1.0, 6.0), 0.1, (2.0, 2.6, 0.05, 1.0), (2.4, 2.7, 0.04, 1.2), 4e4, sigma_1=40.0, delay=1e-4, sharpness=0.3,
@@ -32,7 +33,7 @@ def test_a_bristle_keeps_its_travel_when_the_friction_rises() -> None:
     theta[_COULOMB] *= 2.0
     assert unpack(theta).sigma_0 == pytest.approx(2.0 * _PLANT.sigma_0)
     softest = _model().box.upper[BASE_NAMES.index("log_breakaway")]
-    assert np.exp(softest) == pytest.approx(SOFTEST)
+    assert np.exp(softest) == pytest.approx(JOINT.softest_bristle)
 
 
 def test_friction_without_presliding_is_no_stranger_to_the_base() -> None:
@@ -41,7 +42,7 @@ def test_friction_without_presliding_is_no_stranger_to_the_base() -> None:
     stiffest = np.exp(model.box.lower[BASE_NAMES.index("log_breakaway")])
     assert np.sqrt(2.0 * 2.0 * stiffest / 15.0) < 2e-4
     start = np.exp(model.start[BASE_NAMES.index("log_breakaway")])
-    assert 100.0 * stiffest < start < 0.5 * SOFTEST
+    assert 100.0 * stiffest < start < 0.5 * JOINT.softest_bristle
 
 
 def test_the_prior_binds_the_difference_of_the_directions_and_not_their_mean() -> None:

@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fricomp.diagnosis.joint.base import BASE_NAMES, SOFTEST
+from fricomp.diagnosis.joint.base import BASE_NAMES
 from fricomp.diagnosis.joint.base_fit import try_other_bristle
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer
+from fricomp.diagnosis.joint.settings import JOINT
 from fricomp.diagnosis.joint.solver import Fit, minimise
 from fricomp.diagnosis.search.preparation import Baseline, prepare
 
@@ -28,7 +29,7 @@ def _run_away(prepared: Baseline) -> Fit:
     """The fit from a soft bristle that is damped as much as it may be, held there."""
     box, theta = prepared.box, prepared.fit.theta.copy()
     held = [BASE_NAMES.index(name) for name in ("log_breakaway", "damping_time")]
-    theta[held] = np.log(SOFTEST), box.upper[held[1]]
+    theta[held] = np.log(JOINT.softest_bristle), box.upper[held[1]]
     evaluate = prepared.problem.build_residual(prepared.problem.add_nothing, len(BASE_NAMES))
     lower, upper = box.lower.copy(), box.upper.copy()
     lower[held], upper[held] = theta[held] - 1e-12, theta[held]
@@ -41,7 +42,7 @@ def test_a_fit_that_ran_away_is_brought_back(prepared: Baseline) -> None:
     back = try_other_bristle(prepared.problem, away, prepared.box)
     assert back.cost < 1.1 * prepared.fit.cost
     travel = np.exp(back.theta[BASE_NAMES.index("log_breakaway")])
-    assert travel < 0.1 * SOFTEST
+    assert travel < 0.1 * JOINT.softest_bristle
 
 
 def test_a_quiet_fit_stays(prepared: Baseline) -> None:

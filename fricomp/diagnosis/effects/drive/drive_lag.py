@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 from ...joint.base import is_at_earliest
 from ...joint.observer import Contribution
 from ..effect import Context, Effect, EffectParameter, Values, register
-
-_SHORTEST = 1e-6  # [s]
 
 
 @register
@@ -20,6 +19,8 @@ class DriveLag(Effect):
     equation = "tau = tau_command / (1 + T s / n)^n"
     citation = "hollerbach2016"
     says = "the torque that acts follows the recorded one through a low pass"
+    shortest_lag: ClassVar[float] = 1e-6
+    """Time constant below which the low pass is left out [s]; it only keeps the filter from dividing by nothing."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (
@@ -38,7 +39,7 @@ class DriveLag(Effect):
         """The recorded torque itself is filtered: where the joint sticks, the torque that a base without the lag needs
         is another one.
         """
-        if values["time_constant"] < _SHORTEST:
+        if values["time_constant"] < self.shortest_lag:
             return Contribution()
         order = round(values["order"])
         return Contribution(lags=(values["time_constant"] / order,) * order)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 
@@ -11,9 +12,6 @@ from ...joint.observer import Contribution
 from ..effect import Context, Effect, EffectParameter, Values, register
 from ..heating_time import HEATING_TIME, propose_heating_times
 from ..warming import compute_warming
-
-# A motor that loses much of its torque over 15 s was given 23 and 29 s: up to twice as long.
-_WINDING_TIME = replace(HEATING_TIME, form=0.4)
 
 
 @register
@@ -26,9 +24,12 @@ class TorqueConstantHeating(Effect):
     citation = "pillay1989"
     says = "the torque constant falls as the motor warms"
     scales_torque = True
+    winding_time: ClassVar[EffectParameter] = replace(HEATING_TIME, form=0.4)
+    """Time constant of the winding [s]. A motor that loses much of its torque over 15 s was given 23 and 29 s: up
+    to twice as long."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        return EffectParameter("loss", "1", 0.02, -0.9, 0.9), _WINDING_TIME
+        return EffectParameter("loss", "1", 0.02, -0.9, 0.9), self.winding_time
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return propose_heating_times()

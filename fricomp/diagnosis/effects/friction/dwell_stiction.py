@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import exp
+from typing import ClassVar
 
 import numpy as np
 
@@ -15,9 +16,6 @@ from ...joint.kernel import dwell
 from ...joint.observer import Contribution, Plant
 from ..effect import Context, Effect, EffectParameter, Values, register
 from ..forward_part import ForwardPart, HiddenState
-
-_REST_SPEED = 3e-3  # [rad/s] or [m/s] below which the contact ages
-_MOST = 3.0  # of the Coulomb torque: rests have been seen to raise static friction by as much as that torque itself
 
 
 @register
@@ -31,6 +29,11 @@ class DwellStiction(Effect):
     says = "the breakaway torque grows with the time at rest"
     shown_at_rest = True
     like_a_bristle = True
+    rest_speed: ClassVar[float] = 3e-3
+    """Speed below which the contact ages [rad/s] or [m/s]."""
+    largest_rise: ClassVar[float] = 3.0
+    """Largest rise in the Coulomb torque. Rests have been seen to raise static friction by as much as that torque
+    itself."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (
@@ -50,7 +53,7 @@ class DwellStiction(Effect):
         return ForwardPart(states=(_Age(context, values),))
 
     def find_obstacle(self, contexts: Sequence[Context]) -> str | None:
-        rests = max(float(np.mean(np.abs(c.velocity) < _REST_SPEED)) for c in contexts)
+        rests = max(float(np.mean(np.abs(c.velocity) < self.rest_speed)) for c in contexts)
         return "the joint never rests" if rests < 0.01 else None
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
@@ -58,13 +61,13 @@ class DwellStiction(Effect):
             return "the static friction would fall at rest"
         # Rests may be short beside the time constant.
         grown = max(float(np.max(_compute_growth(context, values))) for context in contexts)
-        if values["rise"] * grown > _MOST * contexts[0].plant.level:
+        if values["rise"] * grown > self.largest_rise * contexts[0].plant.level:
             return "a rest would hold the joint with many times its sliding friction"
         return None
 
     def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         time, travel = (float(np.exp(values[name])) for name in ("time_constant", "travel"))
-        return DwellStictionTerm(values["rise"], time, travel, _REST_SPEED)
+        return DwellStictionTerm(values["rise"], time, travel, self.rest_speed)
 
 
 class _Age(HiddenState):
@@ -79,7 +82,7 @@ class _Age(HiddenState):
         self.gain, self.per_speed = 1.0 - float(np.exp(-step / self.time)), step / self.travel
 
     def follow(self, velocity: float, friction: float) -> tuple[float, float]:
-        if abs(velocity) < _REST_SPEED:
+        if abs(velocity) < DwellStiction.rest_speed:
             self.grown += self.gain * (1.0 - self.grown)
         else:
             self.grown *= exp(-abs(velocity) * self.per_speed)
@@ -89,7 +92,7 @@ class _Age(HiddenState):
 def _compute_growth(context: Context, values: Values) -> FloatArray:
     """Share of the rise that rests have brought. Shape (n,)."""
     time, travel = np.exp(values["time_constant"]), np.exp(values["travel"])
-    return dwell(context.velocity, np.array([context.dt, time, travel, _REST_SPEED]))
+    return dwell(context.velocity, np.array([context.dt, time, travel, DwellStiction.rest_speed]))
 
 
 def _build_size(name: str, unit: str, limits: tuple[float, float], *, prior: float, form: float) -> EffectParameter:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 from ...joint.observer import Contribution
 from ..effect import Context, Effect, EffectParameter, Values, register
-
-_SHORTEST = 1.5e-3  # [s]; a bristle of another form has been seen to look like 1.3 ms
 
 
 @register
@@ -19,6 +18,8 @@ class FrictionalLag(Effect):
     equation = "tau_f(t) = F(v(t - tau_L))"
     citation = "hess1990"
     says = "the friction level follows the velocity with a lag"
+    shortest_lag: ClassVar[float] = 1.5e-3
+    """Lag below which it is too faint to be named [s]. A bristle of another form has been seen to look like 1.3 ms."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (EffectParameter("lag", "s", 2e-3, 0.0, 0.1, linear=False),)
@@ -33,4 +34,4 @@ class FrictionalLag(Effect):
         return "the lag is shorter than recordings can show" if self.is_faint(values, contexts) else None
 
     def is_faint(self, values: Values, contexts: Sequence[Context]) -> bool:
-        return values["lag"] < max(contexts[0].dt, _SHORTEST)
+        return values["lag"] < max(contexts[0].dt, self.shortest_lag)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 
-from ...joint.base import SOFTEST
 from ...joint.observer import Contribution
+from ...joint.settings import JOINT
 from ..effect import Context, Effect, EffectParameter, Values, register
-
-_LEAST = 4e-4  # [rad] breakaway distance that no joint has of itself
 
 
 @register
@@ -24,9 +23,11 @@ class PreslidingHysteresis(Effect):
     says = "after each reversal the friction builds up over a visible travel"
     shown_at_rest = True
     like_a_bristle = True
+    least_distance: ClassVar[float] = 4e-4
+    """Least breakaway distance [rad]; no joint has that much of itself."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        low, high = float(np.log(_LEAST)), float(np.log(5e-2))
+        low, high = float(np.log(self.least_distance)), float(np.log(5e-2))
         return (
             EffectParameter(
                 "breakaway_distance", "{position}", 0.3, low, high, linear=False, logarithmic=True, form=0.15
@@ -40,7 +41,7 @@ class PreslidingHysteresis(Effect):
     def is_suspected(self, contexts: Sequence[Context]) -> bool:
         """The base's own bristle is as soft as it may be."""
         plant = contexts[0].plant
-        return plant.level / plant.sigma_0 > 0.8 * SOFTEST
+        return plant.level / plant.sigma_0 > 0.8 * JOINT.softest_bristle
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         sigma_0 = context.plant.level / float(np.exp(values["breakaway_distance"]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -10,8 +11,8 @@ from ...joint.kernel import compile_kernel
 from ...joint.observer import Contribution
 from ..effect import Context, Effect, EffectParameter, Values, register
 
-_LARGEST = 0.1  # [rad] that a disc off its centre can read wrong, and more than any mount allows
-_ROUNDS = 4  # towards the position at which the error is made
+_ROUNDS = 4
+"""Number of rounds towards the position at which the error is made: a small angle converges in fewer."""
 
 
 @compile_kernel
@@ -69,6 +70,8 @@ class EncoderEccentricity(Effect):
     equation = "q_recorded = q + A sin(n q + phi)"
     citation = ""
     says = "the encoder reads once or twice per turn wrong"
+    largest_error: ClassVar[float] = 0.1
+    """Largest error [rad]; no mount lets a disc be so far off its centre."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         size = 1e-3
@@ -93,7 +96,11 @@ class EncoderEccentricity(Effect):
         )
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        return "no disc is so far off its centre" if np.hypot(values["sine"], values["cosine"]) > _LARGEST else None
+        return (
+            "no disc is so far off its centre"
+            if np.hypot(values["sine"], values["cosine"]) > self.largest_error
+            else None
+        )
 
     def find_obstacle(self, contexts: Sequence[Context]) -> str | None:
         return None if contexts[0].rotary else "the joint is linear"

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 
 from ...joint.kernel import compile_kernel
 from ...joint.observer import Contribution
 from ..effect import Context, Effect, EffectParameter, Values, register
-
-_SELDOM = 0.01  # share of the samples
-# Of the torque's reach, and times its noise: a loop that hardly ever saturates, or is as small as the noise, follows
-# the noise of the torque, and explains it.
-_WIDEST, _ABOVE_NOISE = 0.8, 10.0
 
 
 @compile_kernel
@@ -45,6 +41,12 @@ class TorqueSensorHysteresis(Effect):
     equation = "r = h z, z' = tau' (1 - [z tau' > 0] |z / w|^n)"
     citation = "wen1976"
     says = "the torque reading lags behind the load in a loop"
+    seldom: ClassVar[float] = 0.01
+    """Part of the samples at each end that does not count for the reach of the torque."""
+    widest: ClassVar[float] = 0.8
+    """Largest width in the reach of the torque. A loop that hardly ever saturates is a gain."""
+    above_noise: ClassVar[float] = 10.0
+    """Least width in the noise of the torque. A smaller loop follows that noise, and explains it."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         low, high = (float(value) for value in np.log(_bound_widths(contexts)))
@@ -60,7 +62,7 @@ class TorqueSensorHysteresis(Effect):
 
     def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         narrowest, widest = _bound_widths(contexts)
-        usual = np.geomspace(0.02, 0.5, 8) * widest / _WIDEST
+        usual = np.geomspace(0.02, 0.5, 8) * widest / self.widest
         widths = np.log(np.unique(np.maximum(usual, narrowest)))
         return [
             {"width": float(width), "exponent": exponent, "initial": initial}
@@ -80,7 +82,12 @@ class TorqueSensorHysteresis(Effect):
 
 def _bound_widths(contexts: Sequence[Context]) -> tuple[float, float]:
     """Narrowest and widest loop that shows as one [N·m]: it is no noise, and saturates again and again."""
-    ends = [np.quantile(context.recorded, [_SELDOM, 1.0 - _SELDOM]) for context in contexts]
+    ends = [
+        np.quantile(context.recorded, [TorqueSensorHysteresis.seldom, 1.0 - TorqueSensorHysteresis.seldom])
+        for context in contexts
+    ]
     reach = max(0.5 * float(high - low) for low, high in ends)
     noise = max(context.noise for context in contexts)
-    return min(max(0.005 * reach, _ABOVE_NOISE * noise), 0.5 * _WIDEST * reach), _WIDEST * reach
+    return min(
+        max(0.005 * reach, TorqueSensorHysteresis.above_noise * noise), 0.5 * TorqueSensorHysteresis.widest * reach
+    ), TorqueSensorHysteresis.widest * reach

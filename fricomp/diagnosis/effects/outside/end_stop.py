@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -11,8 +12,6 @@ from fricomp.laws import Term
 
 from ...joint.observer import Contribution, Plant
 from ..effect import Context, Effect, EffectParameter, Values, register
-
-_WIDEST = 0.35  # of the samples and of the range; a stop is at its end
 
 
 @register
@@ -25,6 +24,8 @@ class EndStop(Effect):
     citation = ""
     says = "a stop pushes back at the end of the range"
     shown_at_rest = True
+    widest: ClassVar[float] = 0.35
+    """Largest part of the samples and of the range in which it may act, since a stop is at the end of the range."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = contexts[0].scale
@@ -52,7 +53,7 @@ class EndStop(Effect):
         low, high = _find_range(contexts)
         reach = high - values["edge"] if values["side"] > 0.0 else values["edge"] - low
         widest = max(float(np.mean(inside)), reach / (high - low))
-        return "it would act over more than a third of the range" if widest > _WIDEST else None
+        return "it would act over more than a third of the range" if widest > self.widest else None
 
     def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
         return EndStopTerm(values["stiffness"], values["edge"], values["side"])

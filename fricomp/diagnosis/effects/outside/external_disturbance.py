@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 
 from ...joint.observer import Contribution
 from ..effect import Context, Effect, EffectParameter, Values, register
 from ..time_window import shape_push
-
-_SHORTEST = 0.2  # [s] of the longest window: ten rows; shorter ones have been seen of drives that could not follow
-# [s] A push with sharp edges is not the power of a sine that is fitted: such ends were 5 to 81 ms off (38 ms rms), and
-# its torque 7 % too large, as the sine is pointed.
-_EDGE = 0.04
 
 
 @register
@@ -25,6 +21,11 @@ class ExternalDisturbance(Effect):
     equation = "tau = sum of A_k sin(pi (t - t_k) / T_k)^n_k"
     citation = ""
     says = "a torque from outside acts for a while; it is no function of the joint's state"
+    shortest: ClassVar[float] = 0.2
+    """Least length of the longest window [s], ten rows. Shorter ones have been seen of drives that could not follow."""
+    edge: ClassVar[float] = 0.04
+    """Standard deviation of the ends of a push [s]. One with sharp edges is not the power of a sine that is fitted:
+    such ends were 5 to 81 ms off (38 ms rms), and its torque 7 % too large, as the sine is pointed."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = 0.05 * contexts[0].scale
@@ -32,8 +33,8 @@ class ExternalDisturbance(Effect):
         for k in range(1, len(_list_windows(contexts)) + 1):
             found += [
                 EffectParameter(f"torque_{k}", "{torque}", scale, -1e5, 1e5, form=0.05),
-                EffectParameter(f"start_{k}", "s", 0.05, 0.0, 1e6, linear=False, least_form=_EDGE),
-                EffectParameter(f"end_{k}", "s", 0.05, 0.0, 1e6, linear=False, least_form=_EDGE),
+                EffectParameter(f"start_{k}", "s", 0.05, 0.0, 1e6, linear=False, least_form=self.edge),
+                EffectParameter(f"end_{k}", "s", 0.05, 0.0, 1e6, linear=False, least_form=self.edge),
                 EffectParameter(f"roundness_{k}", "1", 0.2, -3.0, 1.5, linear=False, prior=1.0, logarithmic=True),
             ]
         return tuple(found)
@@ -56,7 +57,7 @@ class ExternalDisturbance(Effect):
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         count = len(_list_windows(contexts))
         longest = max(values[f"end_{k}"] - values[f"start_{k}"] for k in range(1, count + 1))
-        return "so short a push shows no more than that something was amiss" if longest < _SHORTEST else None
+        return "so short a push shows no more than that something was amiss" if longest < self.shortest else None
 
 
 def _list_windows(contexts: Sequence[Context]) -> list[tuple[float, float, float]]:

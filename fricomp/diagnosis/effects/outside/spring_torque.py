@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 from fricomp.laws import SpringTorque as SpringTorqueTerm
 from fricomp.laws import Term
@@ -10,8 +11,6 @@ from fricomp.laws import Term
 from ...inputs.track import SIMULATED_STIFFNESS
 from ...joint.observer import Contribution, Plant
 from ..effect import Context, Effect, EffectParameter, Values, register
-
-_FORM = 0.1  # of a spring that the joint lacks, by which the fit may find more of it missing
 
 
 @register
@@ -24,6 +23,8 @@ class SpringTorque(Effect):
     citation = ""
     says = "a spring pulls the joint"
     shown_at_rest = True
+    excess: ClassVar[float] = 0.1
+    """Part of a spring which the joint lacks by which the fit may find more of it missing than the simulation has."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = contexts[0].scale
@@ -47,7 +48,7 @@ class SpringTorque(Effect):
         if given is None:
             return "the spring would push away from its centre" if values["stiffness"] <= 0.0 else None
         # Beside a simulation with a spring it is the difference: a joint without any shows less all of that one.
-        least = -(1.0 + _FORM) * float(given[0])
+        least = -(1.0 + self.excess) * float(given[0])
         return "with the simulation's it would push away from its centre" if values["stiffness"] < least else None
 
     def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:

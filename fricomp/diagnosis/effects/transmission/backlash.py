@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -10,9 +11,6 @@ from ...joint.observer import Contribution
 from ..effect import Context, Effect, EffectParameter, Values, register
 from ..forward_part import ForwardPart
 from ..two_masses import Transmission, compute_carried
-
-_STIFF = 600.0  # [rad/s] of the load on the teeth once they touch: faster than any row can show
-_DAMPING_RATIO = 0.5  # and lossy, as lubricated teeth are: bounces lie below a row
 
 
 @register
@@ -25,6 +23,10 @@ class Backlash(Effect):
     citation = "nordin2002"
     says = "a gap lets the load go whenever the transmitted torque changes sign"
     shown_at_rest = True
+    touching_rate: ClassVar[float] = 600.0
+    """Rate of the load on the teeth once they touch [rad/s]: faster than any row can show."""
+    damping_ratio: ClassVar[float] = 0.5
+    """Damping ratio of the load there: lubricated teeth are lossy, and bounces lie below a row."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         low, high = float(np.log(2e-5)), float(np.log(3e-2))
@@ -56,4 +58,6 @@ class Backlash(Effect):
 
 def _build_transmission(context: Context, values: Values) -> Transmission:
     inertia = context.plant.inertia * values["load_share"]
-    return Transmission(inertia, inertia * _STIFF**2, _DAMPING_RATIO, float(np.exp(values["gap"])))
+    return Transmission(
+        inertia, inertia * Backlash.touching_rate**2, Backlash.damping_ratio, float(np.exp(values["gap"]))
+    )

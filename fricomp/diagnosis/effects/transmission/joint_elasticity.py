@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -11,10 +12,6 @@ from ...joint.observer import Contribution
 from ..effect import Context, Effect, EffectParameter, Values, register
 from ..forward_part import ForwardPart
 from ..two_masses import Transmission, compute_carried
-
-# Below its resonance a spring shows over the square of the load's share: MuJoCo's were given 1 to 3 % too much, others
-# up to 21 % too little.
-_STIFFNESS = 0.15
 
 
 @register
@@ -26,12 +23,22 @@ class JointElasticity(Effect):
     equation = "J_l theta'' = K (q - theta) + d (q' - theta') - gravity"
     citation = "spong1987"
     says = "the transmission is flexible"
+    stiffness_form: ClassVar[float] = 0.15
+    """Relative deviation that another form leaves in the stiffness. Below its resonance a spring shows over the
+    square of the load's share: MuJoCo's were given 1 to 3 % too much, others up to 21 % too little."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         low, high = (float(np.log(contexts[0].plant.inertia * w**2)) for w in (15.0, 1500.0))
         return (
             EffectParameter(
-                "stiffness", "{torque}/{position}", 0.2, low, high, linear=False, logarithmic=True, form=_STIFFNESS
+                "stiffness",
+                "{torque}/{position}",
+                0.2,
+                low,
+                high,
+                linear=False,
+                logarithmic=True,
+                form=self.stiffness_form,
             ),
             # MuJoCo's second hinge with a share of 0.587 was given 0.594 to 0.609.
             EffectParameter("load_share", "1", 0.1, 0.05, 0.98, linear=False, prior=0.3, form=0.025),

@@ -1,0 +1,70 @@
+"""Numbers that decide in this stage, each with its reason and what moves with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["EFFECT", "EffectSettings"]
+
+
+@dataclass(frozen=True)
+class EffectSettings:
+    """What all effects share: the motion that they are computed from, and how their numbers are judged."""
+
+    smooth_window: float = 0.061
+    """Window over which motion and bristle torque are smoothed [s]. A shorter one puts noise into the columns of
+    effects, which then explain that noise."""
+    quick_window: float = 0.015
+    """Window over which the position is smoothed where the encoder contradicts the model by more than a step [s]."""
+    unexplained_load: float = 0.01
+    """Part of a recorded load that gravity and acceleration may leave, for them to take its place. A larger one
+    loses loads from outside."""
+    usual_form: float = 0.03
+    """Relative deviation that a law of slightly another form leaves in a size. An order, an edge, a time are known
+    as well as the fit says."""
+    at_bound: float = 1e-3
+    """Relative distance from a bound at which a fit stands at it."""
+    shortest_heating: float = 1.0
+    """Shortest time constant of heating [s], that of a winding."""
+    longest_heating: float = 1000.0
+    """Longest time constant of heating [s], that of a gearbox."""
+    heating_starts: tuple[float, ...] = (10.0, 30.0, 100.0)
+    """Time constants of heating from which fits start [s]."""
+    window_rounds: int = 6
+    """Most times that windows are left out of a refit and found again."""
+    window_mean: int = 9
+    """Number of rows of the running mean that a push lifts. More rows miss short pushes."""
+    window_core: float = 6.0
+    """Standard deviations by which that mean stands out somewhere inside a window."""
+    window_edge: float = 2.5
+    """Standard deviations by which it stands out up to the edge of a window."""
+    window_gap: int = 7
+    """Number of rows; windows that are nearer to each other are one."""
+    most_windows: int = 5
+    """Most windows. More of them are no pushes, and each has four parameters."""
+    window_break: float = 0.4
+    """Longest break between windows of one direction that are joined [s]."""
+    window_steps: tuple[float, ...] = (0.16, 0.08, 0.04, 0.02)
+    """Steps by which the ends of a window are moved [s]."""
+    faint_window: float = 0.03
+    """Part of the strongest window's energy below which another one is what the strong one bends the base by."""
+    longest_windows: float = 0.35
+    """Part of the recordings that all windows together may fill. What acts longer is no push."""
+    window_contrast: float = 100.0
+    """Energy of a row above its noise inside the windows, over that outside."""
+    quiet_outside: float = 1.0
+    """Such energy outside that a base leaves now and then, and that is allowed in any case."""
+    near_state: float = 0.06
+    """Distance below which two states count as the same, in the ranges of position, speed and acceleration."""
+    visited_share: float = 0.4
+    """Part of the windows' rows whose state must occur outside as well."""
+    visited_energy: float = 0.1
+    """Part of their energy that must lie at positions, speeds and accelerations that occur outside as well. Stops
+    that are met once have 0.00 to 0.01, and pushes 0.31 and more."""
+    twist_window: float = 0.015
+    """Window of the local cubic that takes the curvature of the twist [s]; a third of a row."""
+    twist_substep: float = 0.25
+    """Longest substep of a load on its spring, in its own oscillation [rad]."""
+
+
+EFFECT = EffectSettings()

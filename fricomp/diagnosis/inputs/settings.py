@@ -1,0 +1,63 @@
+"""Numbers that decide in this stage, each with its reason and what moves with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+
+__all__ = ["INPUT", "InputSettings"]
+
+
+@dataclass(frozen=True)
+class InputSettings:
+    """What is read out of recordings and simulations before anything is fitted."""
+
+    mass_distance: float = 0.1
+    """Distance of the point masses from a body's origin [m]; any one of the size of a link spans the same."""
+    still_mass: float = 1e-9
+    """Mass of a body while another one is weighed [kg], small enough to leave no trace."""
+    loop_explains: float = 0.9
+    """Part of the torque's variance that a loop must explain, on blocks left out. A lower one takes other loops for
+    a PID."""
+    gain_worth: float = 0.1
+    """Part of the unexplained variance that one more gain must take."""
+    velocity_cutoffs: tuple[float | None, ...] = (None, 15.0, 30.0, 60.0, 120.0)
+    """Cut-off frequencies of the velocity filter that are tried [Hz]; None for no filter."""
+    loop_folds: int = 5
+    """Number of blocks that are left out in turn."""
+    loop_samples: int = 40_000
+    """Most samples for the estimate of a loop; more take time and change no gain."""
+    told_window: float = 0.02
+    """Window over which told and recorded torque are averaged [s]. Neither a delay nor the encoder's steps are a
+    wrong gain."""
+    least_noise: float = 1e-3
+    """Noise of a torque without visible noise, in its own deviation."""
+    rounding: float = 1.0 / sqrt(12.0)
+    """Standard deviation of a rounded value, in steps: that of a uniform distribution."""
+    own_noise: float = 2.0
+    """Rounding errors of the encoder from which a position has noise of its own."""
+    velocity_window: float = 0.021
+    """Longest Savitzky-Golay window that keeps the reversals of a joint [s]."""
+    spike: float = 5.0
+    """Noise deviations from the median of seven samples beyond which a sample is no measurement."""
+    shortest_window: int = 7
+    """Fewest samples of that window, for slow recordings."""
+    white_differences: float = 0.7
+    """Variance by fifth over that by fourth differences below which these hold motion."""
+    few_moving: float = 0.1
+    """Part of moving samples below which resting ones are used as well."""
+    student_tails: tuple[tuple[float, float, float], ...] = (
+        (2.5, 0.613, 6.9),
+        (3.0, 0.748, 5.8),
+        (4.0, 0.855, 5.0),
+        (5.0, 0.898, 4.6),
+        (7.0, 0.937, 4.3),
+        (np.inf, 1.0, 0.0),
+    )
+    """Student's noise: degrees of freedom, robust over true deviation of its second differences, and their 0.99
+    quantile over their median (from four million draws each). The last one stands for normal noise."""
+
+
+INPUT = InputSettings()
