@@ -3,7 +3,8 @@
 from importlib import import_module
 from pkgutil import iter_modules, walk_packages
 
-from .effect import EFFECTS, Context, Effect, EffectParameter, Kind, register
+from .context import Context
+from .effect import EFFECTS, Effect, EffectParameter, Kind, register
 
 __all__ = ["EFFECTS", "Context", "Effect", "EffectParameter", "Kind", "register"]
 

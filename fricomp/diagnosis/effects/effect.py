@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -14,12 +13,12 @@ from fricomp.laws import Term
 
 from ..inputs.track import FloatArray
 from ..joint.observer import Contribution, Plant
+from .context import Context
 from .forward_part import ForwardPart
 from .settings import EFFECT
 
 __all__ = [
     "EFFECTS",
-    "Context",
     "Effect",
     "EffectParameter",
     "Kind",
@@ -32,68 +31,6 @@ __all__ = [
 
 Kind = Literal["physics", "measurement", "parameter"]
 Values = Mapping[str, float]
-
-
-@dataclass(frozen=True)
-class Context:
-    """What effects may draw on along one recording: the motion of the fitted base model, and recorded channels.
-
-    Attributes:
-        dt: Sample time [s].
-        position: Position [rad] or [m]. Shape (n,), like all arrays here.
-        velocity: Velocity of the model [rad/s] or [m/s]; exactly smooth at rest.
-        acceleration: Acceleration [rad/s²] or [m/s²].
-        torque: Torque that the base model needs: that of the recording without its noise [N·m] or [N].
-        recorded: Torque of the recording [N·m] or [N]. What follows it explains its noise as well.
-        gravity: Gravity torque of the base model [N·m] or [N].
-        load_torque: Torque transmitted to the load: recorded, else gravity of the base model [N·m].
-        friction: Friction torque of the base model [N·m].
-        plant: The base model.
-        rotary: Whether positions are angles.
-        channels: Further recorded columns by name.
-        scale: Typical friction torque, for scaling parameters [N·m].
-        usual_load: Typical load [N·m], the same in all recordings and whatever is fitted.
-        usual_temperature: Mean temperature of all recordings [°C]; 0 where it was not recorded.
-        noise: Standard deviation of the noise in the recorded torque [N·m] or [N].
-        index: Which of the recordings this is, counted from 0.
-        hints: Starting values found in the residual, such as the orders over position that stand out.
-        usual_delay: By how much the torque is late without any flaw, and how far that strays [s].
-    """
-
-    dt: float
-    position: FloatArray
-    velocity: FloatArray
-    acceleration: FloatArray
-    torque: FloatArray
-    recorded: FloatArray
-    gravity: FloatArray
-    load_torque: FloatArray
-    friction: FloatArray
-    plant: Plant
-    rotary: bool
-    scale: float
-    usual_load: float = 1.0
-    usual_temperature: float = 0.0
-    channels: Mapping[str, FloatArray] = field(default_factory=dict)
-    noise: float = 0.0
-    index: int = 0
-    hints: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
-    usual_delay: tuple[float, float] = (0.0, 2.5e-4)
-
-    @property
-    def time(self) -> FloatArray:
-        """Time since the first sample [s]."""
-        return np.arange(self.position.size, dtype=np.float64) * np.float64(self.dt)
-
-    @cached_property
-    def waves(self) -> tuple[FloatArray, FloatArray]:
-        """Cosine and sine of the position. Shapes (n,)."""
-        return np.cos(self.position), np.sin(self.position)
-
-    @property
-    def stribeck_velocity(self) -> FloatArray:
-        """Stribeck velocity of the direction of motion [rad/s]."""
-        return np.where(self.velocity >= 0.0, self.plant.forward[2], self.plant.reverse[2])
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 from ..inputs.track import FloatArray
 from ..joint.problem import Problem
 from ..joint.solver import Box, Fit, raise_diagonal
-from . import Context
+from .context import Context
 from .settings import EFFECT
 
 __all__ = ["find_time_windows", "shape_push"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +12,8 @@ from scipy.signal import savgol_coeffs
 
 from ..inputs.track import FloatArray
 from ..joint.kernel import compile_kernel
+from .context import Context
 from .settings import EFFECT
-
-if TYPE_CHECKING:
-    from . import Context
 
 ComplexArray = NDArray[np.complex128]
 

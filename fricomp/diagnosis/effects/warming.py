@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from scipy.signal import lfilter
 
 from ..inputs.track import FloatArray
-
-if TYPE_CHECKING:
-    from . import Context
+from .context import Context
 
 __all__ = ["compute_heat", "compute_losses", "compute_warming"]
 

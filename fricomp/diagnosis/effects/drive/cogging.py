@@ -10,7 +10,8 @@ from fricomp.laws import Cogging as CoggingTerm
 from fricomp.laws import Term
 
 from ...joint.observer import Contribution, Plant
-from ..effect import Context, Effect, EffectParameter, Values, compute_lowest_order, refuse_long_wave, register
+from ..context import Context
+from ..effect import Effect, EffectParameter, Values, compute_lowest_order, refuse_long_wave, register
 
 
 @register

@@ -7,7 +7,8 @@ from typing import ClassVar
 
 from ...joint.base import is_at_earliest
 from ...joint.observer import Contribution
-from ..effect import Context, Effect, EffectParameter, Values, register
+from ..context import Context
+from ..effect import Effect, EffectParameter, Values, register
 
 
 @register

@@ -8,7 +8,8 @@ import numpy as np
 
 from ...inputs.track import FloatArray
 from ...joint.observer import Contribution
-from ..effect import Context, Effect, EffectParameter, Values, register
+from ..context import Context
+from ..effect import Effect, EffectParameter, Values, register
 
 
 @register

@@ -9,7 +9,8 @@ from typing import ClassVar
 import numpy as np
 
 from ...joint.observer import Contribution
-from ..effect import Context, Effect, EffectParameter, Values, register
+from ..context import Context
+from ..effect import Effect, EffectParameter, Values, register
 from ..heating_time import HEATING_TIME, propose_heating_times
 from ..warming import compute_warming
 

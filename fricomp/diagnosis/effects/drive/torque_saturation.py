@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...joint.observer import Contribution
-from ..effect import Context, Effect, EffectParameter, Values, register
+from ..context import Context
+from ..effect import Effect, EffectParameter, Values, register
 
 
 @register

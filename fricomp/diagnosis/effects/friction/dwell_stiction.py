@@ -14,7 +14,8 @@ from fricomp.laws import Term
 from ...inputs.track import FloatArray
 from ...joint.kernel import dwell
 from ...joint.observer import Contribution, Plant
-from ..effect import Context, Effect, EffectParameter, Values, register
+from ..context import Context
+from ..effect import Effect, EffectParameter, Values, register
 from ..forward_part import ForwardPart, HiddenState
 
 

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 from ...joint.observer import Contribution
-from ..effect import Context, Effect, EffectParameter, Values, register
+from ..context import Context
+from ..effect import Effect, EffectParameter, Values, register
 
 
 @register

@@ -10,7 +10,8 @@ from fricomp.laws import LoadCoulomb as LoadCoulombTerm
 from fricomp.laws import Term
 
 from ...joint.observer import Contribution, Plant
-from ..effect import Context, Effect, EffectParameter, Values, register
+from ..context import Context
+from ..effect import Effect, EffectParameter, Values, register
 from .load_share import SHARE, compute_felt_load, propose_shares
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...inputs.track import FloatArray
-from ..effect import Context, EffectParameter, Values
+from ..context import Context
+from ..effect import EffectParameter, Values
 
 __all__ = ["SHARE", "compute_felt_load", "propose_shares"]
 

@@ -12,7 +12,8 @@ from fricomp.laws import ThermalFriction as ThermalFrictionTerm
 from fricomp.laws.thermal_friction import STRONGEST_FALL
 
 from ...joint.observer import Contribution, Plant
-from ..effect import Context, Effect, EffectParameter, Values, register
+from ..context import Context
+from ..effect import Effect, EffectParameter, Values, register
 from ..forward_part import ForwardPart, HiddenState
 from ..heating_time import HEATING_TIME, propose_heating_times
 from ..warming import compute_heat, compute_losses, compute_warming

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from ...joint.base import is_at_latest
 from ...joint.observer import Contribution
-from ..effect import Context, Effect, EffectParameter, Values, register
+from ..context import Context
+from ..effect import Effect, EffectParameter, Values, register
 
 
 @register

@@ -9,7 +9,8 @@ import numpy as np
 
 from ...joint.kernel import compile_kernel
 from ...joint.observer import Contribution
-from ..effect import Context, Effect, EffectParameter, Values, register
+from ..context import Context
+from ..effect import Effect, EffectParameter, Values, register
 
 
 @compile_kernel

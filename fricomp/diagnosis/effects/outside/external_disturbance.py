@@ -8,7 +8,8 @@ from typing import ClassVar
 import numpy as np
 
 from ...joint.observer import Contribution
-from ..effect import Context, Effect, EffectParameter, Values, register
+from ..context import Context
+from ..effect import Effect, EffectParameter, Values, register
 from ..time_window import shape_push
 
 

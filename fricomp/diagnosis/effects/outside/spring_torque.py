@@ -10,7 +10,8 @@ from fricomp.laws import Term
 
 from ...inputs.track import SIMULATED_STIFFNESS
 from ...joint.observer import Contribution, Plant
-from ..effect import Context, Effect, EffectParameter, Values, register
+from ..context import Context
+from ..effect import Effect, EffectParameter, Values, register
 
 
 @register

@@ -9,7 +9,8 @@ import numpy as np
 
 from ...inputs.track import FloatArray
 from ...joint.observer import Contribution
-from ..effect import Context, Effect, EffectParameter, Values, register
+from ..context import Context
+from ..effect import Effect, EffectParameter, Values, register
 from ..forward_part import ForwardPart
 from ..two_masses import Transmission, compute_carried
 
