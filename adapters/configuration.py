@@ -13,6 +13,7 @@ import msgspec
 from fricomp.control import JointLimits
 from fricomp.errors import AdapterConfigurationError, ParameterError
 from fricomp.model import Motion
+from fricomp.untrusted import parse_toml
 
 from .options import AdapterOptions
 from .transmission import Transmission
@@ -224,7 +225,7 @@ def read_table(path: str | Path) -> ConfigurationTable:
         AdapterConfigurationError: It cannot be read.
     """
     try:
-        found = tomllib.loads(Path(path).read_text("utf-8"))
+        found = parse_toml(Path(path).read_text("utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise AdapterConfigurationError(f"cannot read the configuration {path}: {error}") from error
     _resolve_paths(found, Path(path).absolute().parent)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import struct
 from pathlib import Path
 from typing import NamedTuple
 
+import msgspec
+
 from fricomp.errors import AdapterConfigurationError
+from fricomp.untrusted import parse_json
 
 __all__ = [
     "CONTROL_MODE",
@@ -75,12 +77,12 @@ def read_endpoints(path: str | Path) -> tuple[str, dict[str, Endpoint]]:
             "the drive's firmware from the vendor"
         ) from error
     try:
-        content = json.loads(text)
+        content = parse_json(text)
         found = {
             name: Endpoint(int(entry["id"]), FORMATS[entry["type"]])
             for name, entry in content["endpoints"].items()
             if entry.get("type") in FORMATS
         }
         return str(content["fw_version"]), found
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
+    except (msgspec.DecodeError, ValueError, OverflowError, KeyError, TypeError, AttributeError) as error:
         raise AdapterConfigurationError(f"{path} {_NOT_ONE}") from error

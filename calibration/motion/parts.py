@@ -13,6 +13,7 @@ import numpy as np
 from fricomp.recording import Finding, Recording, check_recording, raise_errors, read_blocks
 from fricomp.recording.file import read_content
 from fricomp.recording.timing_checks import locate_gaps
+from fricomp.untrusted import parse_json
 
 __all__ = ["MotionParts", "MotionRecording", "read_motion_recording", "split_motion"]
 
@@ -122,7 +123,7 @@ def _choose_blocks(recording: Recording, path: Path) -> tuple[Recording, tuple[s
 def _kind_of(label: str) -> str:
     """What a block is, from the label that a sweep gives it; empty for labels of others."""
     try:
-        return msgspec.json.decode(label, type=_Label).kind
+        return parse_json(label, _Label).kind
     except msgspec.MsgspecError:
         return ""
 

@@ -12,6 +12,7 @@ import msgspec
 
 from fricomp.errors import RecordingError
 from fricomp.recording import Recording, RecordingWarning, read_blocks, read_recording
+from fricomp.untrusted import parse_json
 
 from .breakaway import BreakawayRamp
 from .point import SettledPart
@@ -121,7 +122,7 @@ def _labelled(
 ) -> Iterable[tuple[BlockLabel, Recording]]:
     for text, start, stop in blocks:
         try:
-            label = msgspec.json.decode(text, type=BlockLabel)
+            label = parse_json(text, BlockLabel)
         except msgspec.DecodeError as error:
             raise RecordingError(f"{os.fspath(path)} was not written by a sweep: block {text!r}: {error}") from error
         yield label, recording.rows(slice(start, stop))

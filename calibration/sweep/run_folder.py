@@ -16,6 +16,7 @@ from fricomp.errors import OutputError, ParameterError, RecordingError, SweepAbo
 from fricomp.folder_lock import FolderLock
 from fricomp.recording import RecordingMetadata, RecordingWriter
 from fricomp.results import CALIBRATION, make_folder, require_free
+from fricomp.untrusted import parse_json
 from fricomp.version import __version__
 from fricomp.whole_file import remove_abandoned_parts, write_whole
 
@@ -101,7 +102,7 @@ class RunFolder:
         """
         file = Path(path) / _REQUEST
         try:
-            stored = msgspec.json.decode(file.read_bytes())
+            stored = parse_json(file.read_bytes())
             require_free(Path(path), CALIBRATION, overwrite=True)
             return cls(Path(path), msgspec.convert(_changed(stored, changes or {}), _Run))
         except OutputError:
@@ -112,7 +113,7 @@ class RunFolder:
             raise RecordingError(
                 f"{file} does not say what can be done: {error}; --method, --noise and --normal-load may be given anew"
             ) from error
-        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        except msgspec.DecodeError as error:
             raise RecordingError(f"{file} is damaged: {error}") from error
 
     @property

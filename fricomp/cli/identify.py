@@ -80,6 +80,7 @@ def identify(
 ) -> None:
     """Identify friction; with a recording, inertia, gravity and offset first."""
     from fricomp.cli.out_folder import require_folder
+    from fricomp.cli.terminal import plain
     from fricomp.control.trust import find_doubt_in_status
     from fricomp.results import IDENTIFICATION, claim_folder
 
@@ -106,7 +107,7 @@ def identify(
             _write_report(found, file, out, settings)
             _finish(found.result, found.free, out)
         for note in found.notes:
-            typer.echo(note)
+            typer.echo(plain(note))
         departs = found.free is not None and found.free.departs  # then the network is what was asked for
         if find_doubt_in_status(found.result.status, "") is not None and not departs:
             raise typer.Exit(EXIT_NOT_USABLE)

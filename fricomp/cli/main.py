@@ -100,7 +100,9 @@ def run() -> None:
 
 
 def _fail(message: str) -> None:
-    print(f"fricomp: {message}", file=sys.stderr)
+    from fricomp.cli.terminal import plain
+
+    print(f"fricomp: {plain(message)}", file=sys.stderr)
     sys.exit(EXIT_ERROR)
 
 

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rich.console import Console
+from rich.console import Console, ConsoleOptions, RenderableType
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+from rich.segment import Segment
 
 if TYPE_CHECKING:
     from fricomp.recording import Finding
 
-__all__ = ["careful", "console", "progress", "resumable"]
+__all__ = ["careful", "console", "plain", "progress", "resumable"]
 
 
 def careful(finding: Finding) -> str:
@@ -22,16 +23,36 @@ def careful(finding: Finding) -> str:
     return f"Careful: {finding.message.rstrip('.')}: {finding.advice}."
 
 
+_CONTROL = {code: f"\\x{code:02x}" for code in (*range(0x20), *range(0x7F, 0xA0)) if chr(code) not in "\n\t"}
+_CONTROL |= {
+    code: f"\\u{code:04x}" for code in (*range(0x202A, 0x202F), *range(0x2066, 0x206A), *range(0xD800, 0xE000))
+}
+"""What a terminal would obey, what turns the direction of writing, and what no encoding has, by what is shown."""
+
+
+def plain(text: str) -> str:
+    """Text from a file, in which nothing is left that a terminal would obey."""
+    return text.translate(_CONTROL)
+
+
+class _PlainConsole(Console):
+    """A console that shows control characters of names and messages instead of sending them to the terminal."""
+
+    def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
+        for segment in super().render(renderable, options):
+            yield segment if segment.control else segment._replace(text=plain(segment.text))
+
+
 def console(*, stderr: bool = False) -> Console:
     """Where commands print tables and sentences; brackets in them, as of an extra or a folder, are no markup."""
-    return Console(stderr=stderr, highlight=False, markup=False)
+    return _PlainConsole(stderr=stderr, highlight=False, markup=False)
 
 
 def progress(*, quiet: bool = False) -> Progress:
     """A progress bar with the time left; on stderr, and silent when that is not a terminal or quiet is asked for."""
-    errors = Console(stderr=True)
+    errors = console(stderr=True)
     return Progress(
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         TaskProgressColumn(),
         TimeRemainingColumn(),

@@ -15,6 +15,14 @@ from fricomp.errors import MissingExtraError, ModelFileError, ParameterError
 __all__ = ["Loads", "open_network", "read_largest_torques", "read_loads", "read_velocity_range"]
 
 
+_LARGEST_FILE = 64 * 2**20  # [bytes]; those of a thousand joints have a tenth of it
+_GROWING = frozenset(
+    ("ConstantOfShape", "Expand", "EyeLike", "GridSample", "OneHot", "Pad", "RandomNormal", "RandomNormalLike",
+     "RandomUniform", "RandomUniformLike", "Range", "Resize", "ScatterND", "Tile", "Upsample", "ConvTranspose")
+)  # fmt: skip
+"""Nodes whose result may be of any size, whatever goes into them; no friction network needs them."""
+
+
 class Loads(NamedTuple):
     """Normal loads of one joint of a network.
 
@@ -40,6 +48,7 @@ def open_network(path: Path) -> Any:
         import onnxruntime
     except ImportError:
         raise MissingExtraError("onnxruntime", "onnx") from None
+    _require_small_graph(path)
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     options.execution_mode = onnxruntime.ExecutionMode.ORT_SEQUENTIAL
@@ -52,6 +61,38 @@ def open_network(path: Path) -> Any:
     if [item.name for item in session.get_inputs()] != ["state"] or shapes != [(2,), (1,)]:
         raise ModelFileError(f"{path} is no friction network: it must take `state` (n, 2) and give `torque` (n, 1)")
     return session
+
+
+def _require_small_graph(path: Path) -> None:
+    """Refuse a graph that takes memory out of proportion to its file, or reads other files, before it is run.
+
+    Raises:
+        MissingExtraError: onnx is not installed.
+        ModelFileError: It is no ONNX file, is too large, or has a node that makes tensors of any size.
+    """
+    try:
+        import onnx
+    except ImportError:
+        raise MissingExtraError("onnx", "onnx") from None
+    try:
+        size = path.stat().st_size
+        graph = onnx.load(str(path), load_external_data=False).graph if size <= _LARGEST_FILE else None
+    except Exception as error:  # protobuf raises kinds of its own
+        raise ModelFileError(f"cannot read the network {path}: {error}") from error
+    if graph is None:
+        raise ModelFileError(f"{path} has {size} bytes: a friction network has at most {_LARGEST_FILE}")
+    grown = sorted({node.op_type for node in graph.node if node.op_type in _GROWING or _has_graph(node)})
+    if grown:
+        raise ModelFileError(
+            f"{path} is no friction network: it has a node {grown[0]}, which makes tensors of any size"
+        )
+    if any(tensor.external_data for tensor in graph.initializer):
+        raise ModelFileError(f"{path} takes weights from other files: put them into the network's own")
+
+
+def _has_graph(node: Any) -> bool:
+    """Whether a node runs a graph of its own, as a loop does."""
+    return any(part.HasField("g") or part.graphs for part in node.attribute)
 
 
 def read_velocity_range(given: tuple[float, float] | None, about: Mapping[str, str]) -> tuple[float, float]:

@@ -82,8 +82,9 @@ def render_c_header(
 
 
 def _comment(text: str) -> str:
-    """`text` without what would end a comment, or leave ASCII."""
-    return text.replace("·", "*").replace("*/", "* /").replace("/*", "/ *").encode("ascii", "replace").decode()
+    """`text` for a comment or a message: nothing in it ends a line or a comment, splices lines, or is a trigraph."""
+    shown = re.sub(r"[^ !#-)+-\[\]-~*]", "_", text.replace("·", "*"))
+    return shown.replace("*/", "* /").replace("/*", "/ *").replace("??", "__")
 
 
 def _functions(

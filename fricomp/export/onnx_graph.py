@@ -252,7 +252,7 @@ def _onnx() -> Any:
 def _read_network(onnx: Any, path: Path, any_status: bool) -> tuple[dict[str, FloatArray], dict[str, str]]:
     """The weights of a network by name, and its metadata."""
     try:
-        model = onnx.load(str(path))
+        model = onnx.load(str(path), load_external_data=False)
     except Exception as error:  # protobuf raises its own kinds
         raise ExportError(f"cannot read the network {path}: {error}") from error
     about = {item.key: item.value for item in model.metadata_props}

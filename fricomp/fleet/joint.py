@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from fricomp.errors import RecordingError
+from fricomp.untrusted import parse_toml
 
 __all__ = ["FleetJoint", "find_recordings", "is_joint_table", "list_joints", "read_joint_table"]
 
@@ -145,7 +146,7 @@ def _read_csv(path: Path) -> list[dict[str, Any]]:
 
 
 def _read_toml(path: Path) -> list[dict[str, Any]]:
-    content = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    content = parse_toml(path.read_text(encoding="utf-8-sig"))
     rows = content.get("joint")
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
         raise RecordingError(f"{path} is no table of joints: it needs tables [[joint]] with a recording each")

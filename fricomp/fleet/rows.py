@@ -7,7 +7,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from fricomp.errors import RecordingError
+from fricomp.untrusted import parse_json
 from fricomp.whole_file import whole_file, write_whole
 
 from .joint import FleetJoint
@@ -54,8 +57,8 @@ def begin_fleet(out: Path, settings: Mapping[str, Any], resume: bool) -> dict[st
 
 def _require_settings(path: Path, wanted: Mapping[str, Any]) -> None:
     try:
-        found = json.loads(path.read_bytes())
-    except ValueError as error:
+        found = parse_json(path.read_bytes())
+    except msgspec.DecodeError as error:
         raise RecordingError(f"the settings {path} of this fleet are damaged: give another --out") from error
     if found == wanted:
         return

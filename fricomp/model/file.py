@@ -15,6 +15,7 @@ import numpy as np
 from fricomp.errors import FricompError, ModelFileError
 from fricomp.laws import FrictionLaw, Term, term_class
 from fricomp.model.model import Covariance, FrictionModel, Motion, Provenance, Validity
+from fricomp.untrusted import parse_json
 from fricomp.whole_file import write_whole
 
 __all__ = ["MODEL_SCHEMA", "decode_model", "encode_model", "load_model", "model_json_schema", "save_model"]
@@ -126,7 +127,7 @@ def decode_model(data: bytes, source: str = "the model") -> FrictionModel:
         ModelFileError: The bytes are damaged, foreign, in units of their own, or written by a newer version.
     """
     try:
-        schema = msgspec.json.decode(data, type=_Header).schema
+        schema = parse_json(data, _Header).schema
     except (msgspec.DecodeError, UnicodeDecodeError) as error:
         raise ModelFileError(f"{source} is not a fricomp model file, or is damaged: {error}") from error
     family, _, version = schema.partition("/")
@@ -135,7 +136,7 @@ def decode_model(data: bytes, source: str = "the model") -> FrictionModel:
     if int(version) > int(_VERSION):
         raise ModelFileError(f"{source} has schema {schema!r}, newer than {MODEL_SCHEMA!r}: upgrade fricomp to read it")
     try:
-        record = msgspec.json.decode(data, type=_ModelRecord)
+        record = parse_json(data, _ModelRecord)
         model = _model(record)
     except (msgspec.DecodeError, FricompError, TypeError) as error:
         raise ModelFileError(f"{source} is damaged: {error}") from error

@@ -26,6 +26,7 @@ from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import RecordingMetadata, metadata_from_fields, metadata_to_fields
 from fricomp.recording.recording import CHANNELS, REQUIRED_CHANNELS, Recording
 from fricomp.recording.validity import drop_bad_rows
+from fricomp.untrusted import parse_json
 from fricomp.whole_file import write_whole
 
 SCHEMA = "fricomp.recording/1"
@@ -129,7 +130,7 @@ def _take_comment(comment: str, fields: dict[str, Any], path: Path) -> None:
 
 def _parse_value(text: str) -> object:
     try:
-        return msgspec.json.decode(text)
+        return parse_json(text)
     except msgspec.DecodeError:
         return text
 

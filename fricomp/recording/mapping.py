@@ -25,6 +25,7 @@ from msgspec import Meta
 
 from fricomp.errors import RecordingError
 from fricomp.recording.recording import CHANNELS, REQUIRED_CHANNELS
+from fricomp.untrusted import parse_toml
 
 Format = Literal["text", "mat", "npz", "npy", "json", "binary", "mcap", "rosbag2"]
 Column = Annotated[int, Meta(ge=1)] | str
@@ -183,7 +184,7 @@ def load_mapping(name_or_path: str | Path) -> Mapping:
     import tomllib
 
     try:
-        return _parse_mapping(tomllib.loads(_read_mapping(name_or_path)))
+        return _parse_mapping(parse_toml(_read_mapping(name_or_path)))
     except (tomllib.TOMLDecodeError, msgspec.ValidationError, UnicodeDecodeError) as error:
         raise RecordingError(f"mapping {name_or_path}: {error}") from error
 

@@ -11,6 +11,7 @@ from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import metadata_from_fields, metadata_to_fields
 from fricomp.recording.recording import Recording
 from fricomp.recording.validity import drop_bad_rows
+from fricomp.untrusted import find_size_limit, parse_json
 from fricomp.whole_file import whole_file
 
 _KEY = b"fricomp.recording"
@@ -41,14 +42,21 @@ def read_parquet(path: Path, *, skip_bad_rows: bool = False) -> FileContent:
         MissingExtraError: pyarrow is not installed.
         RecordingError: The file cannot be read or is no recording.
     """
-    pyarrow, parquet = _import_pyarrow()
+    _, parquet = _import_pyarrow()
     try:
-        table = parquet.read_table(path)
+        with parquet.ParquetFile(path) as file:
+            if file.metadata.num_rows * max(file.metadata.num_columns, 1) * 8 > find_size_limit(path):
+                raise RecordingError(f"{path} claims {file.metadata.num_rows} rows: it is damaged, or no recording")
+            table = file.read()
+        columns = {name: table.column(name).to_numpy() for name in table.column_names}
+    except RecordingError:
+        raise
     except OSError as error:
         raise RecordingError(f"cannot read {path}: {error.strerror or error}") from error
-    except pyarrow.ArrowException as error:
+    except MemoryError as error:
+        raise RecordingError(f"{path} claims more content than there is memory: it is damaged") from error
+    except Exception as error:  # pyarrow's own kinds, and what damaged bytes make it stumble over
         raise RecordingError(f"{path} is no Parquet file: {error}") from error
-    columns = {name: table.column(name).to_numpy() for name in table.column_names}
     findings: tuple[Finding, ...] = ()
     try:
         fields = _decode_fields((table.schema.metadata or {}).get(_KEY))
@@ -63,7 +71,7 @@ def _decode_fields(encoded: bytes | None) -> dict[str, Any]:
     if encoded is None:
         return {}
     try:
-        fields = msgspec.json.decode(encoded, type=dict[str, Any])
+        fields = parse_json(encoded, dict[str, Any])
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:
         raise RecordingError(f"its metadata are damaged: {error}") from error
     schema = fields.pop("schema", SCHEMA)

@@ -17,6 +17,7 @@ from fricomp.errors import RecordingError
 from fricomp.recording.csv_file import format_preamble, format_rows
 from fricomp.recording.metadata import RecordingMetadata
 from fricomp.recording.recording import CHANNELS, REQUIRED_CHANNELS, Recording
+from fricomp.untrusted import parse_json
 
 _MARK = "# block: "
 
@@ -202,7 +203,7 @@ def _scan(content: bytes, path: Path) -> tuple[tuple[str, ...], list[tuple[Block
 
 def _decode_mark(line: bytes, path: Path) -> _Mark:
     try:
-        return msgspec.json.decode(line[len(_MARK) :], type=_Mark)
+        return parse_json(line[len(_MARK) :], _Mark)
     except (msgspec.MsgspecError, UnicodeDecodeError) as error:
         raise RecordingError(f"{path}: damaged line {line.decode(errors='replace').strip()!r}: remove it") from error
 

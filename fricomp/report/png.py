@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from contextlib import AbstractContextManager
 from functools import cache
 from io import BytesIO
@@ -122,7 +123,9 @@ def _save(figure: Any, target: Path) -> None:
     from PIL import Image
 
     full = BytesIO()
-    figure.savefig(full, dpi=_DOTS_PER_INCH, format="png")
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing")  # a name in letters that the font has not
+        figure.savefig(full, dpi=_DOTS_PER_INCH, format="png")
     with whole_file(target) as part:
         Image.open(full).convert("RGB").quantize(256).save(part, format="PNG", optimize=True)
 

@@ -10,6 +10,7 @@ import msgspec
 import numpy as np
 
 from fricomp.errors import DiagnosisError
+from fricomp.untrusted import parse_json
 from fricomp.whole_file import write_whole
 
 from .result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord
@@ -50,7 +51,7 @@ def load_diagnosis(path: str | Path) -> DiagnosisRecord:
         DiagnosisError: The file is missing, damaged, or of another schema.
     """
     try:
-        record = msgspec.json.decode(Path(path).read_bytes(), type=DiagnosisRecord)
+        record = parse_json(Path(path).read_bytes(), DiagnosisRecord)
     except OSError as error:
         raise DiagnosisError(f"cannot read the diagnosis {path}: {error.strerror or error}") from error
     except msgspec.DecodeError as error:

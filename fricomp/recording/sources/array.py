@@ -1,8 +1,10 @@
 """Arrays in files: MATLAB, numpy, JSON and raw binary."""
 
+import math
+import struct
 import zlib
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import msgspec
 import numpy as np
@@ -10,7 +12,9 @@ import numpy as np
 from fricomp.errors import MissingExtraError, RecordingError
 from fricomp.recording.mapping import Source
 from fricomp.recording.sources.columns import Columns, columns_of_records, flatten_arrays
+from fricomp.untrusted import find_size_limit, parse_json
 
+_MAT_HEADER, _MAT_COMPRESSED, _MAT_STEP = 128, 15, 2**20  # of the format: header, kind of an element; a step
 _DAMAGED = (ValueError, AttributeError, EOFError, zlib.error)  # what numpy raises on a broken file
 
 
@@ -26,7 +30,10 @@ def read_mat(path: Path, source: Source) -> Columns:
     except ImportError as error:
         raise MissingExtraError("scipy", "convert") from error
     try:
+        _require_content(path, _measure_mat(path))
         content = loadmat(path, simplify_cells=True)
+    except RecordingError:
+        raise
     except NotImplementedError as error:
         raise RecordingError(f"{path} is a MATLAB 7.3 file: save it in MATLAB with save(..., '-v7')") from error
     except OSError:
@@ -38,10 +45,15 @@ def read_mat(path: Path, source: Source) -> Columns:
 
 def read_npz(path: Path, source: Source) -> Columns:
     """Read the arrays of a numpy archive; pickled objects are refused."""
-    from zipfile import BadZipFile
+    from zipfile import BadZipFile, ZipFile
 
     try:
-        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
+        with ZipFile(path) as packed:
+            _require_content(path, sum(member.file_size for member in packed.infolist()))
+            for member in packed.infolist():
+                with packed.open(member) as stream:
+                    _require_array(path, stream, member.file_size)
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
             return flatten_arrays({name: archive[name] for name in archive.files})
     except (*_DAMAGED, BadZipFile) as error:
         raise RecordingError(f"{path} is no numpy archive of numbers: {error}") from error
@@ -50,6 +62,8 @@ def read_npz(path: Path, source: Source) -> Columns:
 def read_npy(path: Path, source: Source) -> Columns:
     """Read one numpy array of shape (n_samples, n_columns); pickled objects are refused."""
     try:
+        with path.open("rb") as stream:
+            _require_array(path, stream, path.stat().st_size)
         array = np.load(path, allow_pickle=False)
     except _DAMAGED as error:
         raise RecordingError(f"{path} is no numpy array of numbers: {error}") from error
@@ -58,10 +72,46 @@ def read_npy(path: Path, source: Source) -> Columns:
     return flatten_arrays({"array": np.atleast_2d(array)})
 
 
+def _require_array(path: Path, stream: IO[bytes], size: int) -> None:
+    """Refuse an array whose header claims more than there are bytes, before memory is taken for it."""
+    version = np.lib.format.read_magic(stream)
+    read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+    shape, _, dtype = read_header(stream)
+    if math.prod(shape) * max(dtype.itemsize, 1) > size:
+        raise RecordingError(f"{path} claims an array of shape {shape}, and has {size} bytes: it is damaged")
+
+
+def _require_content(path: Path, content: int) -> None:
+    """Refuse a file that unpacks into more than any recording has, before it is unpacked."""
+    if content > find_size_limit(path):
+        raise RecordingError(
+            f"{path} of {path.stat().st_size} bytes unpacks into more than {find_size_limit(path)} bytes: it is "
+            "damaged, or no recording"
+        )
+
+
+def _measure_mat(path: Path) -> int:
+    """Bytes of the packed variables of a MATLAB file once they are unpacked, counted up to the limit."""
+    content, limit = 0, find_size_limit(path)
+    data = path.read_bytes()
+    order = "<" if data[126:128] == b"IM" else ">"
+    position = _MAT_HEADER
+    while position + 8 <= len(data) and content <= limit:
+        kind, size = struct.unpack_from(f"{order}II", data, position)
+        if kind == _MAT_COMPRESSED:
+            unpacked = zlib.decompressobj()
+            packed = data[position + 8 : position + 8 + size]
+            while packed and content <= limit:
+                content += len(unpacked.decompress(packed, _MAT_STEP))
+                packed = unpacked.unconsumed_tail
+        position += 8 + size
+    return content
+
+
 def read_json(path: Path, source: Source) -> Columns:
     """Read JSON: a list of rows at `source.records`, or an object of lists."""
     try:
-        content = msgspec.json.decode(path.read_bytes())
+        content = parse_json(path.read_bytes())
         for key in source.records.split(".") if source.records else ():
             content = content[key]
     except (msgspec.DecodeError, UnicodeDecodeError) as error:

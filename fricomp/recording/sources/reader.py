@@ -3,13 +3,14 @@
 from collections.abc import Callable, Collection
 from pathlib import Path
 
-from fricomp.errors import RecordingError
+from fricomp.errors import FricompError, RecordingError
 from fricomp.recording.mapping import Column, Format, Source
 from fricomp.recording.sources.array import read_binary, read_json, read_mat, read_npy, read_npz
 from fricomp.recording.sources.columns import Columns
 from fricomp.recording.sources.robot_log import read_mcap, read_rosbag
 from fricomp.recording.sources.text import read_text
 
+_LONGEST_REASON = 300  # characters of a foreign error that are told
 _READERS: dict[Format, Callable[[Path, Source], Columns]] = {
     "mat": read_mat,
     "npz": read_npz,
@@ -54,8 +55,17 @@ def read_columns(path: Path, source: Source, keys: Collection[Column], *, skip_b
         if kind == "text":
             return read_text(path, source, keys, skip_bad_rows=skip_bad_rows)
         return _READERS[kind](path, source)
+    except FricompError:
+        raise
     except OSError as error:
         raise RecordingError(f"cannot read {path}: {error.strerror or error}") from error
+    except MemoryError as error:
+        raise RecordingError(
+            f"{path} claims more content than there is memory: it is damaged, or no recording"
+        ) from error
+    except Exception as error:  # a foreign parser raises whatever damaged bytes make it stumble over
+        what = str(error)[:_LONGEST_REASON] or type(error).__name__
+        raise RecordingError(f"{path} is damaged, or no {kind} that can be read: {what}") from error
 
 
 def _guess_format(path: Path) -> Format:

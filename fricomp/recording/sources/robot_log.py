@@ -13,6 +13,7 @@ import numpy as np
 from fricomp.errors import MissingExtraError, RecordingError
 from fricomp.recording.mapping import Source
 from fricomp.recording.sources.columns import Columns, columns_of_records
+from fricomp.untrusted import parse_json
 
 _JOINT_STATE = ("sensor_msgs/msg/JointState", "sensor_msgs/JointState")
 
@@ -34,7 +35,7 @@ def read_mcap(path: Path, source: Source) -> Columns:
             records = [
                 {**fields, "time": fields.get("time", message.log_time * 1e-9)}
                 for _, channel, message in make_reader(stream).iter_messages(source.topic or None)
-                if channel.message_encoding == "json" and isinstance(fields := msgspec.json.decode(message.data), dict)
+                if channel.message_encoding == "json" and isinstance(fields := parse_json(message.data), dict)
             ]
     except (McapError, msgspec.DecodeError, UnicodeDecodeError) as error:
         raise RecordingError(f"{path} is no MCAP file that can be read: {error}") from error

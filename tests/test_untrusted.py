@@ -1,0 +1,191 @@
+"""Files that anybody may have made: text that would be obeyed, and content that would exhaust the machine."""
+
+import io
+import re
+import shutil
+import subprocess
+import zipfile
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import onnx
+import pyarrow
+import pytest
+from onnx import helper
+from pyarrow import parquet
+from typer.testing import CliRunner
+
+from fricomp.adapters.configuration import read_table
+from fricomp.adapters.odrive.endpoint import read_endpoints
+from fricomp.cli.main import app
+from fricomp.cli.terminal import console, plain
+from fricomp.control.network_file import open_network
+from fricomp.diagnosis import read_controller
+from fricomp.diagnosis.record.record_file import load_diagnosis
+from fricomp.errors import FricompError
+from fricomp.export import render_c_header
+from fricomp.laws import FrictionLaw, Stribeck, StribeckCurve
+from fricomp.model import FrictionModel, load_model, save_model
+from fricomp.recording import convert, load_mapping, read_recording
+from fricomp.recording.mapping import Source
+from fricomp.recording.sources import read_columns
+from fricomp.report import Chart, Check, Line, Panel, ReportPage, Section, Table, draw_png, write_report
+from fricomp.untrusted import parse_json, parse_toml
+from fricomp.whole_file import write_whole
+
+HOSTILE = 'el"bow\\\n*/ int injected; /* ??/\n\x1b]0;owned\x07 \u202e[bold]$x_{ </script><script>alert(1)</script>'
+DEEP = 100_000
+
+
+def _model(joint: str = HOSTILE) -> FrictionModel:
+    return FrictionModel(FrictionLaw((Stribeck(StribeckCurve(0.2, 0.5, 0.05, 0.1)),)), joint=joint)
+
+
+# -- text that would be obeyed -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ending", ["", "\\", "*", "?", "/", "??"])
+def test_a_joint_name_adds_no_symbol_to_the_header(ending: str, tmp_path: Path) -> None:
+    compiler = shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("no gcc: apt-get install gcc")
+    (tmp_path / "friction.h").write_text(render_c_header(_model(HOSTILE + ending), prefix="joint", any_status=True))
+    (tmp_path / "main.c").write_text('#include "friction.h"\n')
+    flags = ["-std=c99", "-Werror", "-Wall", "-Wno-unused-function", "-trigraphs", "-c", "main.c", "-o", "main.o"]
+    subprocess.run([compiler, *flags], cwd=tmp_path, check=True)
+    symbols = subprocess.run(["nm", "main.o"], cwd=tmp_path, check=True, capture_output=True, text=True).stdout
+    assert "injected" not in symbols
+
+
+def test_the_terminal_is_sent_no_escapes_of_a_joint_name(tmp_path: Path) -> None:
+    save_model(_model(), tmp_path / "friction.json")
+    call = ["check-loop", str(tmp_path / "friction.json"), "--inertia", "0.1", "--bandwidth", "5"]
+    said = CliRunner().invoke(app, call, env={"COLUMNS": "300"}).output
+    assert "\\x1b]0;owned" in said
+    assert not set(said) & {"\x1b", "\x07", "\u202e"}
+
+
+def test_colours_of_our_own_still_reach_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TERM", "xterm-256color")
+    screen, stream = console(), io.StringIO()
+    screen.file, screen._force_terminal, screen._color_system = stream, True, screen._color_system
+    screen.print("elbow\x1b[2J", style="bold")
+    assert "elbow\\x1b[2J" in stream.getvalue()
+    assert plain("tab\tand line\n") == "tab\tand line\n"
+
+
+def test_a_page_and_a_picture_show_a_name_as_it_is(tmp_path: Path) -> None:
+    line = Line(np.arange(3.0), np.arange(3.0), HOSTILE)
+    chart = Chart("curve", HOSTILE, (Panel((line,), HOSTILE, HOSTILE, HOSTILE),), caption=HOSTILE)
+    blocks = (chart, Table((HOSTILE,), ((HOSTILE,),)), Check(HOSTILE, "passed", HOSTILE), HOSTILE)
+    page = ReportPage(HOSTILE, (HOSTILE,), (Section(HOSTILE, blocks),), HOSTILE, {HOSTILE: HOSTILE})
+    text = write_report(page, tmp_path / "report.html").read_text()
+    assert "&lt;script&gt;alert(1)" in text
+    assert re.search(r"<script>\s*alert", text) is None
+    assert draw_png(chart, tmp_path / "curve.png").read_bytes().startswith(b"\x89PNG")
+
+
+# -- content that would exhaust the machine ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("text", ["[" * DEEP, '{"a":' * DEEP, "9" * 5000, "\udcff"])
+def test_json_that_no_parser_takes_is_an_error_of_the_parser(text: str) -> None:
+    with pytest.raises(msgspec.DecodeError):
+        parse_json(text.encode("utf-8", "surrogateescape"), dict[str, float])
+
+
+@pytest.mark.parametrize("text", [f"a = {'[' * DEEP}", f"a = {'9' * 5000}", f"a = {'{b=' * DEEP}"])
+def test_toml_that_no_parser_takes_is_an_error_of_the_parser(text: str) -> None:
+    with pytest.raises(ValueError, match=r"nested too deeply|digits"):
+        parse_toml(text)
+
+
+@pytest.mark.parametrize("content", ["[" * DEEP, '{"endpoints":' * DEEP, f"a = {'[' * DEEP}", f"a = {'9' * 5000}"])
+@pytest.mark.parametrize(
+    "read", [load_model, load_diagnosis, read_table, read_controller, load_mapping, read_endpoints, read_recording]
+)
+def test_every_reader_of_text_refuses_it(read: Callable[[Path], object], content: str, tmp_path: Path) -> None:
+    path = tmp_path / "hostile.csv"
+    path.write_text(content)
+    with pytest.raises(FricompError, match=r"hostile\.csv"):
+        read(path)
+
+
+def _header(shape: str) -> bytes:
+    text = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}".ljust(117) + "\n"
+    return b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text.encode()
+
+
+def _write_npz(path: Path, member: bytes) -> None:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("array.npy", member)
+
+
+def _write_mat(path: Path) -> None:
+    packed = zlib.compressobj(9)
+    step = packed.compress(bytes(2**24))
+    pieces = [step, *(packed.compress(bytes(2**24)) for _ in range(80)), packed.flush()]
+    data = b"".join(pieces)
+    path.write_bytes(
+        b"MATLAB 5.0".ljust(124) + b"\x00\x01IM" + (15).to_bytes(4, "little") + len(data).to_bytes(4, "little") + data
+    )
+
+
+def _write_parquet(path: Path) -> None:
+    column = pyarrow.DictionaryArray.from_arrays(np.zeros(70_000_000, dtype=np.int8), [0.0])
+    parquet.write_table(pyarrow.table({"time": column, "position": column, "torque": column}), path)
+
+
+BOMBS: dict[str, Callable[[Path], None]] = {
+    "terabytes.npy": lambda path: write_whole(path, _header("(1000000000000, 7)") + bytes(64)),
+    "negative.npy": lambda path: write_whole(path, _header("(-1, 7)") + bytes(64)),
+    "terabytes.npz": lambda path: _write_npz(path, _header("(1000000000000, 7)") + bytes(64)),
+    "bomb.mat": _write_mat,
+}
+
+
+@pytest.mark.parametrize("name", BOMBS)
+def test_a_file_that_claims_more_than_it_has_is_refused_before_memory_is_taken(name: str, tmp_path: Path) -> None:
+    BOMBS[name](tmp_path / name)
+    with pytest.raises(FricompError, match=name):
+        read_columns(tmp_path / name, Source(), [1])
+
+
+def test_a_parquet_file_of_constants_without_end_is_refused(tmp_path: Path) -> None:
+    _write_parquet(tmp_path / "bomb.parquet")
+    with pytest.raises(FricompError, match=r"bomb.parquet claims 70000000 rows"):
+        read_recording(tmp_path / "bomb.parquet")
+
+
+def _network(path: Path, *nodes: onnx.NodeProto, external: bool = False) -> None:
+    size = helper.make_tensor("size", onnx.TensorProto.INT64, (1,), [10**12])
+    if external:
+        size.external_data.add(key="location", value="/etc/passwd")
+        size.data_location = onnx.TensorProto.EXTERNAL
+    state = helper.make_tensor_value_info("state", onnx.TensorProto.FLOAT, (1, 2))
+    torque = helper.make_tensor_value_info("torque", onnx.TensorProto.FLOAT, (1, 1))
+    graph = helper.make_graph(list(nodes), "network", [state], [torque], [size])
+    path.write_bytes(helper.make_model(graph).SerializeToString())
+
+
+def test_a_network_that_makes_tensors_of_any_size_is_refused_before_it_is_loaded(tmp_path: Path) -> None:
+    path = tmp_path / "bomb.onnx"
+    _network(path, helper.make_node("ConstantOfShape", ["size"], ["torque"]))
+    with pytest.raises(FricompError, match=r"bomb.onnx is no friction network: it has a node ConstantOfShape"):
+        open_network(path)
+    _network(path, helper.make_node("Identity", ["size"], ["torque"]), external=True)
+    with pytest.raises(FricompError, match=r"bomb.onnx takes weights from other files"):
+        open_network(path)
+    path.write_bytes(b"\x0a\xff\xff")
+    with pytest.raises(FricompError, match=r"cannot read the network .*bomb.onnx"):
+        open_network(path)
+
+
+def test_a_hostile_source_is_one_sentence_of_convert(tmp_path: Path) -> None:
+    (tmp_path / "deep.json").write_text("[" * DEEP)
+    (tmp_path / "map.toml").write_text('[channels]\ntime.column = "t"\nposition.column = "q"\ntorque.column = "i"\n')
+    with pytest.raises(FricompError, match=r"deep.json is no JSON: it is nested too deeply"):
+        list(convert(tmp_path / "deep.json", load_mapping(tmp_path / "map.toml")))
