@@ -17,13 +17,7 @@ from fricomp.diagnosis.joint.observer import Plant
 from fricomp.diagnosis.joint.solver import Fit
 from fricomp.diagnosis.search.explanation import Explanation, find_refusal
 
-CATALOGUE = {
-    "load_coulomb", "load_stribeck", "load_quadratic", "position_coulomb", "cogging", "kinematic_error",
-    "presliding_hysteresis", "frictional_lag", "dwell_stiction", "thermal_friction", "stribeck_shape",
-    "power_law_viscous", "quadratic_drag", "joint_elasticity", "backlash", "torque_gain_error", "torque_saturation",
-    "torque_delay", "encoder_eccentricity", "spring_torque", "neighbour_coupling", "end_stop", "external_disturbance",
-    "torque_sensor_hysteresis", "supply_sag", "drive_lag", "torque_constant_heating", "payload_error",
-}  # fmt: skip
+CATALOGUE = sorted(EFFECTS)
 
 
 @pytest.fixture(scope="module")
@@ -54,10 +48,6 @@ def context() -> Context:
     )
 
 
-def test_the_catalogue_is_complete() -> None:
-    assert set(EFFECTS) == CATALOGUE
-
-
 def test_the_documentation_lists_every_effect() -> None:
     text = (Path(__file__).parents[2] / "docs/diagnosis.md").read_text()
     for name, effect in EFFECTS.items():
@@ -65,7 +55,7 @@ def test_the_documentation_lists_every_effect() -> None:
         assert f"| `{name}` | {effect.kind} | {effect.says} | `{equation}` |" in text
 
 
-@pytest.mark.parametrize("name", sorted(CATALOGUE))
+@pytest.mark.parametrize("name", CATALOGUE)
 def test_contribution_is_finite_at_every_start(name: str, context: Context) -> None:
     effect = EFFECTS[name]
     starts = effect.propose_starts([context])
@@ -78,7 +68,7 @@ def test_contribution_is_finite_at_every_start(name: str, context: Context) -> N
         assert np.all(np.isfinite(contribution.level))
 
 
-@pytest.mark.parametrize("name", sorted(CATALOGUE))
+@pytest.mark.parametrize("name", CATALOGUE)
 def test_linear_effects_vanish_at_zero(name: str, context: Context) -> None:
     effect = EFFECTS[name]
     if not any(p.linear for p in effect.list_parameters([context])):
@@ -100,7 +90,7 @@ def test_values_of_the_wrong_sign_are_refused(name: str, context: Context) -> No
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize("name", sorted(CATALOGUE))
+@pytest.mark.parametrize("name", CATALOGUE)
 def test_whatever_is_not_refused_is_a_term_of_a_friction_law(name: str, sign: float, context: Context) -> None:
     effect = EFFECTS[name]
     for start in effect.propose_starts([context]):

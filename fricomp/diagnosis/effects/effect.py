@@ -9,7 +9,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from fricomp.laws import Term
+from fricomp.laws import FrictionLaw, Term
 
 from ..inputs.track import FloatArray
 from ..joint.observer import Contribution, Plant
@@ -76,16 +76,42 @@ class EffectParameter:
 
 
 class Effect(ABC):
-    """One effect of the catalogue. Stateless; instances register under their name."""
+    """One effect of the catalogue. Stateless; instances register under their name.
+
+    Attributes:
+        name: The literature's name.
+        kind: What it is; decides the verdict.
+        equation: Its law, as the report prints it.
+        citation: Key of its source in the references; empty where the law needs none.
+        says: What is missing, in words for the report.
+        shown_at_rest: Whether rows about rest speak for it too, and not only those in which the joint slides.
+        like_a_bristle: Whether it takes up what the form of the bristle leaves about rest.
+        scales_torque: Whether it scales the torque by a factor that changes with time, but hardly over the whole
+            recording.
+        misreads_position: Whether the encoder's error is a wave over the position.
+        ripple: Whether it is a wave over the position with an `order`, a `sine` and a `cosine`.
+        wave: Whether that wave is one of torque or one of friction, of which one part of a joint may make both.
+        gain_share: Factor on the gain of explanations with it. It is less than 1 for an effect that can imitate others,
+            or has more forms than they.
+        imitates_others: Whether it can imitate effects of any form, so that what it adds completes no explanation.
+        viscous_exponent: Parameter that is the exponent of a curve over speed, for an effect that may take the place
+            of all viscous friction; empty for others.
+    """
 
     name: ClassVar[str]
     kind: ClassVar[Kind]
     equation: ClassVar[str]
     citation: ClassVar[str]
     says: ClassVar[str]
-    shown_at_rest: ClassVar[bool] = False  # else only rows in which the joint slides speak for it
-    like_a_bristle: ClassVar[bool] = False  # takes up what the form of the bristle leaves about rest
-    scales_torque: ClassVar[bool] = False  # by a factor that changes with time, but hardly over the whole recording
+    shown_at_rest: ClassVar[bool] = False
+    like_a_bristle: ClassVar[bool] = False
+    scales_torque: ClassVar[bool] = False
+    misreads_position: ClassVar[bool] = False
+    ripple: ClassVar[bool] = False
+    wave: ClassVar[Literal["", "torque", "friction"]] = ""
+    gain_share: ClassVar[float] = 1.0
+    imitates_others: ClassVar[bool] = False
+    viscous_exponent: ClassVar[str] = ""
 
     @abstractmethod
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
@@ -132,6 +158,14 @@ class Effect(ABC):
         `contexts` are those that its contribution was fitted along. What changes the curves or the bristle themselves
         is no term of its own: its contribution says so.
         """
+        return None
+
+    def is_in_law(self, law: FrictionLaw) -> bool:
+        """Whether the law of an extended model says all of the effect: as a term of its name, if nothing else."""
+        return any(term.name == self.name for term in law.terms)
+
+    def compute_curve(self, values: Values, speed: float) -> float | None:
+        """Friction at a speed [N·m] of an effect that is a curve over speed alone; None for any other."""
         return None
 
     def build_forward_part(self, context: Context, values: Values) -> ForwardPart:

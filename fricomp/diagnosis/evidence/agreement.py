@@ -15,8 +15,9 @@ from ..inputs.track import FloatArray
 from ..joint.solver import Box
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
-from ..search.refit import LAST_STEPS, compute_preference, fit_from, polish
+from ..search.refit import compute_preference, fit_from, polish
 from ..search.search import SearchResult
+from ..search.settings import SEARCH
 from .alias import CLOSE, is_as_good, list_alternatives, list_printed_rivals
 from .comparison import AGREES, NAMED, Doubt
 
@@ -80,7 +81,7 @@ def _finish(prepared: Baseline, held: Sequence[Explanation], best: Explanation, 
     far = [one.refused != "" or one.gain <= _NEAR * best.gain for one in order]
     ends = [one for i, one in enumerate(order[:number]) if i == 0 or not far[i]]
     rest = [one for one in order if all(one is not each for each in ends)]
-    return [*polish(prepared, ends, iterations=LAST_STEPS), *rest] if ends else rest
+    return [*polish(prepared, ends, iterations=SEARCH.last_steps), *rest] if ends else rest
 
 
 def _keep_agreeing(

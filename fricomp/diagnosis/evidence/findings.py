@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..effects import EFFECTS
 from ..inputs.track import FloatArray
 from ..joint.solver import Fit
 from ..record.result import Distinguishability, Location, Quantity, RowSeries
@@ -26,9 +27,6 @@ from .refitted import Refitted
 from .velocity_lag import find_velocity_lag
 
 __all__ = ["Findings", "collect_findings", "prefer_simulation"]
-
-
-_RIPPLES = ("cogging", "position_coulomb")  # effects that a ripple of the samples may be finer than
 
 
 @dataclass(frozen=True)
@@ -94,7 +92,7 @@ class Findings:
         """Order and amplitude of the ripple that the rows show, of torque or of friction; None where they show none."""
         for one in sorted(self.effects, key=lambda effect: -effect.energy):
             values = {name: quantity.value for name, quantity in one.parameters.items()}
-            named = one.overtone_of is None and one.effect.name in _RIPPLES
+            named = one.overtone_of is None and bool(EFFECTS[one.effect.name].wave)
             if named and {"order", "sine", "cosine"} <= set(values):
                 return values["order"], float(np.hypot(values["sine"], values["cosine"]))
         return None

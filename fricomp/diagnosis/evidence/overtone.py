@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..effects import EFFECTS
 from ..effects.structure import Candidate
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
@@ -14,7 +15,6 @@ from ..search.screening import screen
 
 __all__ = ["Overtone", "find_overtones", "is_explained_by_overtone"]
 
-_RIPPLES = ("cogging", "encoder_eccentricity", "kinematic_error", "position_coulomb")
 # Part of an order, and of a wave over the recorded range, by which an overtone may miss a multiple: short ranges tell
 # orders no better. Part of the energy of the other, from which a ripple counts.
 _RHYTHM, _WAVE, _OF_ITS_OWN = 0.01, 0.25, 0.5
@@ -45,7 +45,8 @@ def find_overtones(
     """
     resolution = _WAVE * 2.0 * np.pi / span
     found: dict[str, Overtone] = {}
-    values = {name: chosen.values[name] for name in chosen.names if name in _RIPPLES} if len(chosen.names) > 1 else {}
+    ripples = [name for name in chosen.names if EFFECTS[name].ripple]
+    values = {name: chosen.values[name] for name in ripples} if len(ripples) > 1 else {}
     for name, own in values.items():
         for other, tone in values.items():
             if other == name or energy[name] >= _OF_ITS_OWN * energy[other]:

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..effects import EFFECTS
 from ..effects.structure import N_BASE, Structure, fit_all
 from ..inputs.track import FloatArray
 from ..joint.base import BASE_NAMES
@@ -94,7 +95,8 @@ class Refitted:
     @property
     def _uneven_reading(self) -> float:
         """RMS of the slope of the encoder's error: ripples are counted over what it reads [1]."""
-        disc = self.structure.name_values(self.fit.theta[N_BASE:]).get("encoder_eccentricity")
+        values = self.structure.name_values(self.fit.theta[N_BASE:])
+        disc = next((one for name, one in values.items() if EFFECTS[name].misreads_position), None)
         return 0.0 if disc is None else float(disc["order"] * np.hypot(disc["sine"], disc["cosine"]) / np.sqrt(2.0))
 
     def list_base(self, torque_unit: str, position_unit: str) -> dict[str, Quantity]:

@@ -12,11 +12,12 @@ import numpy as np
 
 from fricomp.errors import DiagnosisError, FricompError
 from fricomp.export import apply_to_mjcf, export_mjcf
-from fricomp.laws import FloatArray, LaggedLuGre, LaggedStribeck, LuGre
+from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel, save_model
 from fricomp.report import draw_png, write_report
 from fricomp.whole_file import write_whole
 
+from ..effects import EFFECTS
 from ..effects.spring import SPRING_CHANGE
 from ..evidence.friction_comparison import FRICTION_CHANGES
 from ..record.record_file import save_diagnosis
@@ -122,11 +123,8 @@ def _describe_spring(diagnosis: Diagnosis) -> str:
 def _describe_missing(diagnosis: Diagnosis) -> str:
     """What was named and is not in the law: it stands in no term of it."""
     model = diagnosis.extended_model
-    inside = {"stribeck_shape"} | {term.name for term in model.law.terms} if model is not None else set()
-    for term in model.law.terms if model is not None else ():
-        inside |= {"presliding_hysteresis"} if isinstance(term, LuGre) else set()
-        inside |= {"frictional_lag"} if isinstance(term, LaggedStribeck | LaggedLuGre) else set()
-    missing = [one.name for one in diagnosis.record.effects if one.kind == "physics" and one.name not in inside]
+    named = [one.name for one in diagnosis.record.effects if one.kind == "physics"]
+    missing = [name for name in named if model is None or not EFFECTS[name].is_in_law(model.law)]
     return f"; without {', '.join(missing)}, for which no term is written" if missing else ""
 
 

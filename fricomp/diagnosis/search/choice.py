@@ -6,27 +6,12 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
+from ..effects import EFFECTS
 from .explanation import Explanation, compute_evidence
 from .preparation import Baseline
+from .settings import SEARCH
 
-__all__ = ["ENOUGH", "choose", "rank_acceptable", "select_finalists"]
-
-ENOUGH = 0.98  # coverage at which a generic basis sees nothing more
-_ANOTHER = 0.08  # of the gain, that one more effect must add: less is the form of the first one not quite met
-# Thresholds of gain, part of it, and part of what is left, of effects that complete an explanation.
-_MUCH, _MATERIAL, _REMNANT = 3.0, 0.01, 0.3
-_LOUD, _SILENCED = 0.2, 0.4  # part of the noise that is left beyond it, and part of that that may remain
-# Coverage that it must add while a generic basis sees something, or part of what was not covered.
-_WIDER, _OF_THE_REST = 0.015, 0.1
-_UNTOUCHED, _APART = 0.3, 2.0  # noise of a row, and thresholds of evidence in rows that the first effects hardly reach
-# Thresholds from which they count wherever they show, a bristle has been seen to bring 7; and part of the gain, where
-# nothing says that they complete it.
-_OVERWHELMING, _MOST = 10.0, 0.3
-# What of its gain an explanation counts for that would fill in for others: pushes in windows of time for anything that
-# comes and goes, a friction wave of any order for friction under a load that follows the position.
-_FILLS_IN = {"external_disturbance": 0.8, "position_coulomb": 0.98}
-_MORE_FORMS = {"load_quadratic": 0.998}  # the same for an effect that has a form nearly that of a simpler one
-_NEAR, _FINALISTS = 0.1, 2  # of its gain that a rival may lack, and how many of them there are
+__all__ = ["choose", "rank_acceptable", "select_finalists"]
 
 
 def rank_acceptable(tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
@@ -66,13 +51,13 @@ def _is_better(prepared: Baseline, larger: Explanation, best: Explanation, thres
     shown = compute_evidence(prepared, set(larger.names) - set(best.names), best.fit, larger.fit)
     more = _weigh(larger) - _weigh(best)
     if _can_complete(prepared, larger, best, threshold):
-        return shown > threshold or more > max(_OVERWHELMING * threshold, _ANOTHER * best.gain)
-    wider = best.coverage + min(_WIDER, _OF_THE_REST * (1.0 - best.coverage))
-    visible = shown > max(threshold, _ANOTHER * best.certain)
+        return shown > threshold or more > max(SEARCH.overwhelming * threshold, SEARCH.another_effect * best.gain)
+    wider = best.coverage + min(SEARCH.wider_coverage, SEARCH.wider_share * (1.0 - best.coverage))
+    visible = shown > max(threshold, SEARCH.another_effect * best.certain)
     return (
         more > _compute_worth(best, threshold)
-        and (visible or more > max(_OVERWHELMING * threshold, _MOST * best.gain))
-        and larger.coverage > min(wider, ENOUGH)
+        and (visible or more > max(SEARCH.overwhelming * threshold, SEARCH.overwhelming_share * best.gain))
+        and larger.coverage > min(wider, SEARCH.enough)
     ) or _is_apart(prepared, larger, best, threshold)
 
 
@@ -83,46 +68,45 @@ def _is_apart(prepared: Baseline, larger: Explanation, part: Explanation, thresh
     """
     further = set(larger.names) - set(part.names)
     # What both leave unexplained is taken for noise: as much of it as they leave can be fitted by anything.
-    needed = _APART * threshold * max(1.0, larger.fit.cost / larger.fit.residual.size)
-    if _can_fill_in(further) or _weigh(larger) < _weigh(part) + needed:
+    needed = SEARCH.apart * threshold * max(1.0, larger.fit.cost / larger.fit.residual.size)
+    if _can_imitate(further) or _weigh(larger) < _weigh(part) + needed:
         return False
-    untouched = np.abs(part.compute_reach(prepared)) < _UNTOUCHED
+    untouched = np.abs(part.compute_reach(prepared)) < SEARCH.untouched
     shown = compute_evidence(prepared, further, part.fit, larger.fit, at=untouched) if np.any(untouched) else 0.0
     return shown > needed
 
 
 def _compute_worth(part: Explanation, threshold: float) -> float:
     """Gain that further effects must add: less is the form of the first ones not quite met."""
-    return max(threshold, _ANOTHER * part.gain)
+    return max(threshold, SEARCH.another_effect * part.gain)
 
 
 def _can_complete(prepared: Baseline, larger: Explanation, part: Explanation, threshold: float) -> bool:
     """Whether its further effects take away nearly all that is left, as none does of a form that is not quite met."""
-    clear = _weigh(larger) > _weigh(part) + max(_MUCH * threshold, _MATERIAL * part.gain)
-    takes_all = larger.left < _REMNANT * part.left or _can_silence(prepared, larger, part)
-    fills_in = _can_fill_in(set(larger.names) - set(part.names))
-    return clear and larger.coverage > ENOUGH and takes_all and not fills_in
+    clear = _weigh(larger) > _weigh(part) + max(SEARCH.completing_gain * threshold, SEARCH.completing_share * part.gain)
+    takes_all = larger.left < SEARCH.completing_left * part.left or _can_silence(prepared, larger, part)
+    imitates = _can_imitate(set(larger.names) - set(part.names))
+    return clear and larger.coverage > SEARCH.enough and takes_all and not imitates
 
 
 def _can_silence(prepared: Baseline, larger: Explanation, part: Explanation) -> bool:
     """Whether most of what a part leaves beyond the noise goes, about reversals too, where no generic basis sees it."""
     noise = float(np.mean([null @ null for null in prepared.null_residuals]))
     before, after = (float(one.fit.residual @ one.fit.residual) - noise for one in (part, larger))
-    return before > _LOUD * noise and after < _SILENCED * before
+    return before > SEARCH.loud_part * noise and after < SEARCH.silenced_part * before
 
 
-def _can_fill_in(names: Collection[str]) -> bool:
-    """Whether any of these effects fills in for others."""
-    return not _FILLS_IN.keys().isdisjoint(names)
+def _can_imitate(names: Collection[str]) -> bool:
+    """Whether any of these effects can imitate others."""
+    return any(EFFECTS[name].imitates_others for name in names)
 
 
 def _weigh(explanation: Explanation) -> float:
-    """Gain, less a share for effects that fill in for others, or have more forms than those."""
-    shares = _FILLS_IN | _MORE_FORMS
-    return explanation.gain * min(shares.get(name, 1.0) for name in explanation.names)
+    """Gain, less a share for effects that can imitate others, or have more forms than those."""
+    return explanation.gain * min(EFFECTS[name].gain_share for name in explanation.names)
 
 
 def select_finalists(best: Explanation, accepted: Sequence[Explanation]) -> list[Explanation]:
     """The chosen explanation and the rivals that the last steps could still bring before it."""
-    near = [e for e in accepted if e is not best and e.gain > (1.0 - _NEAR) * best.gain]
-    return [best, *sorted(near, key=lambda rival: -rival.gain)[:_FINALISTS]]
+    near = [e for e in accepted if e is not best and e.gain > (1.0 - SEARCH.rival_share) * best.gain]
+    return [best, *sorted(near, key=lambda rival: -rival.gain)[: SEARCH.finalists]]

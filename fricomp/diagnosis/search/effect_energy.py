@@ -13,14 +13,9 @@ from ..joint.observer import Observation, Plant
 from ..joint.problem import Problem, build_problem
 from ..joint.rows import RowGrid
 from .preparation import Baseline
+from .settings import SEARCH
 
 __all__ = ["compute_effect_energy"]
-
-_SAME = 1e-9  # part of a column, below which it is one of the others
-_FEWEST = 50  # rows in which the joint slides that tell the noise
-_TIGHTER = 3.0  # at least, than the observer of the residual
-_STIFFER = 4.0  # at least, than the bristle
-_FASTEST = 10.0  # [rad] a sample, which its substeps still follow
 
 
 def compute_effect_energy(
@@ -56,7 +51,7 @@ def compute_effect_energy(
         columns.append(_build_plain_joint(track, grid, without[i], plant) / noise[:, None])
     missing, known = np.concatenate(torque), np.concatenate(columns)
     known = known / np.maximum(np.linalg.norm(known, axis=0), 1e-30)
-    left = missing - known @ np.linalg.lstsq(known, missing, rcond=_SAME)[0]
+    left = missing - known @ np.linalg.lstsq(known, missing, rcond=SEARCH.same_column)[0]
     parts = np.split(left**2, np.cumsum([part.size for part in torque])[:-1])
     return [np.pad(part, grid.window.size // 2) for part, grid in zip(parts, tight.grids, strict=True)]
 
@@ -76,15 +71,17 @@ def _hold_tightly(problem: Problem, plant: Plant) -> Problem:
         )
         for track in problem.tracks
     ]
-    bandwidth = max(_TIGHTER * problem.observer.bandwidth, float(np.sqrt(_STIFFER * plant.sigma_0 / plant.inertia)))
-    bandwidth = min(bandwidth, _FASTEST / max(track.dt for track in tracks))
+    bandwidth = max(
+        SEARCH.tighter * problem.observer.bandwidth, float(np.sqrt(SEARCH.stiffer * plant.sigma_0 / plant.inertia))
+    )
+    bandwidth = min(bandwidth, SEARCH.fastest_observer / max(track.dt for track in tracks))
     return build_problem(tracks, plant, replace(problem.observer, bandwidth=bandwidth))
 
 
 def _measure_noise(spread: FloatArray, resting: FloatArray) -> float:
     """Noise of a row in which the joint slides [N·m]."""
     sliding = resting == 0.0
-    return float(np.median(spread[sliding] if np.sum(sliding) >= _FEWEST else spread))
+    return float(np.median(spread[sliding] if np.sum(sliding) >= SEARCH.fewest_sliding else spread))
 
 
 def _centre(means: FloatArray) -> FloatArray:

@@ -14,25 +14,9 @@ from ..inputs.track import FloatArray
 from ..joint.solver import Box, Fit
 from .preparation import Baseline
 from .screening import orthonormalise, project_out
+from .settings import SEARCH
 
 __all__ = ["Explanation", "compute_evidence", "compute_spread_excess", "curb", "find_refusal", "judge"]
-
-_MOST_OF_A_ROW = 9.0  # gain that one row may add to what counts against the threshold
-_FAIR = 0.5  # of what an effect of sliding would explain in the rows that slide, were it spread evenly, that it must
-_LOUD_ABOUT_REST = 0.6  # gain per row there; the form of the bristle has been seen to leave 0.3 of nothing missing
-_FORM_OF_BRISTLE = 0.1  # gain per row there, that effects like a bristle take up of its form alone
-_BRISTLE = 0.3  # such energy per row there, that is not held against an explanation
-# Gain per row of all, and coverage, of an explanation that counts wherever it shows. Joints with nothing missing
-# reach 0.25 and 0.99 by the form of their bristle, all of it about rest.
-_PLAIN, _PLAINLY_COVERED = 0.3, 0.85
-_DETENT, _SAME_ORDER, _LIKE_SIZE = ("cogging", "position_coulomb"), 0.05, 0.25
-# Share of the torque that grows with speed, which is linear, below which a power law has taken the place of viscous
-# friction: it bends then as no power law would where it covers less than this, or is at the edge of its domain.
-_LAW, _DRAG, _TAKEN, _FITS, _AT_EDGE = "power_law_viscous", "quadratic_drag", 0.2, 0.97, 0.01
-_LATE, _LAGGING, _ALIKE = "torque_delay", "drive_lag", 0.3  # relative difference of their times
-# Energy that has to be left for that, in all and per row: a weak effect is covered less by chance, and in a long
-# recording the form of a law is seen that no other one of the catalogue has.
-_CLEARLY, _CLEARLY_PER_ROW = 60.0, 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,13 +64,13 @@ class Explanation:
     @property
     def common_order(self) -> float | None:
         """Order in which a torque and a friction of like size follow the position: one part makes both, as a detent."""
-        values = self.values
-        waves = [values[name] for name in _DETENT if name in values]
-        if len(waves) < len(_DETENT):
+        waves = {EFFECTS[name].wave: one for name, one in self.values.items() if EFFECTS[name].wave}
+        if len(waves) < 2:
             return None
-        low, high = sorted(wave["order"] for wave in waves)
-        small, large = sorted(float(np.hypot(wave["sine"], wave["cosine"])) for wave in waves)
-        return 0.5 * (low + high) if high - low < _SAME_ORDER * high and small > _LIKE_SIZE * large else None
+        low, high = sorted(wave["order"] for wave in waves.values())
+        small, large = sorted(float(np.hypot(wave["sine"], wave["cosine"])) for wave in waves.values())
+        alike = high - low < SEARCH.same_order * high and small > SEARCH.like_size * large
+        return 0.5 * (low + high) if alike else None
 
     @property
     def foreign_curve(self) -> bool:
@@ -94,19 +78,23 @@ class Explanation:
         friction, that drag has to straighten or that does not fit.
         """
         values = self.values
-        if _LAW not in values:
+        if not any(EFFECTS[name].viscous_exponent for name in values):
             return False
-        law, drag = values[_LAW], values.get(_DRAG, {"coefficient": 0.0})
         plant = self.structure.unpack_plant(self.fit.theta)
         top = max(float(np.max(np.abs(context.velocity))) for context in self.structure.contexts)
         linear = 0.5 * (plant.forward[3] + plant.reverse[3]) * top
-        curved = law["coefficient"] * top ** law["exponent"] + drag["coefficient"] * top**2
-        if linear > _TAKEN * (linear + curved):
+        drawn = (EFFECTS[name].compute_curve(one, top) for name, one in values.items())
+        curves = [torque for torque in drawn if torque is not None]
+        curved = sum(curves)
+        if linear > SEARCH.viscous_left * (linear + curved):
             return False
-        (exponent,) = (p for owner, p in self.structure.parameters if (owner, p.name) == (_LAW, "exponent"))
-        at_edge = law["exponent"] < exponent.lower + _AT_EDGE
-        clearly = max(_CLEARLY, _CLEARLY_PER_ROW * self.fit.residual.size)
-        return _DRAG in values or at_edge or (self.coverage < _FITS and self.left > clearly)
+        at_edge = any(
+            values[owner][p.name] < p.lower + SEARCH.exponent_edge
+            for owner, p in self.structure.parameters
+            if p.name == EFFECTS[owner].viscous_exponent
+        )
+        clearly = max(SEARCH.clearly_left, SEARCH.clearly_left_per_row * self.fit.residual.size)
+        return len(curves) > 1 or at_edge or (self.coverage < SEARCH.curve_fits and self.left > clearly)
 
     @property
     def settled(self) -> tuple[Candidate, ...]:
@@ -121,7 +109,7 @@ def judge(prepared: Baseline, structure: Structure, fit: Fit, box: Box) -> Expla
     penalty = structure.freedom * float(np.log(fit.residual.size))
     left = _compute_left(prepared, fit)
     coverage = fall / (fall + left) if fall > 0.0 else 0.0
-    plain = fall > _PLAIN * fit.residual.size and coverage > _PLAINLY_COVERED
+    plain = fall > SEARCH.plain_gain * fit.residual.size and coverage > SEARCH.plain_coverage
     certain = compute_evidence(prepared, structure.names, prepared.fit, fit, plain=plain)
     refused = find_refusal(structure, fit)
     return Explanation(structure, fit, box, fall - penalty, certain - penalty, float(coverage), left, refused)
@@ -155,16 +143,16 @@ def compute_evidence(
         fall, rows = fall[at], rows[at]
     about_rest = float(np.mean(fall[~rows])) if not np.all(rows) else 0.0
     if any(EFFECTS[name].like_a_bristle for name in names):
-        return float(np.sum(fall) - _FORM_OF_BRISTLE * np.sum(~rows))
-    if plain or about_rest > _LOUD_ABOUT_REST or any(EFFECTS[name].shown_at_rest for name in names):
+        return float(np.sum(fall) - SEARCH.form_of_bristle * np.sum(~rows))
+    if plain or about_rest > SEARCH.loud_about_rest or any(EFFECTS[name].shown_at_rest for name in names):
         return float(np.sum(fall))
     sliding, fair = float(np.sum(fall[rows])), float(np.sum(fall)) * float(np.mean(rows))
-    return sliding if sliding > _FAIR * fair else min(sliding, 0.0)
+    return sliding if sliding > SEARCH.fair_share * fair else min(sliding, 0.0)
 
 
 def _compute_falls(before: Fit, after: Fit) -> FloatArray:
     """Fall of the cost in each row, none counting for more than a few. Shape (m,)."""
-    return np.clip(before.residual**2 - after.residual**2, -_MOST_OF_A_ROW, _MOST_OF_A_ROW)
+    return np.clip(before.residual**2 - after.residual**2, -SEARCH.most_of_a_row, SEARCH.most_of_a_row)
 
 
 def _compute_left(prepared: Baseline, fit: Fit) -> float:
@@ -174,7 +162,7 @@ def _compute_left(prepared: Baseline, fit: Fit) -> float:
         ~prepared.sliding,
     )
     bristle = _compute_excess(span * about_rest[:, None], fit.residual)
-    of_its_form = float(np.clip(bristle, 0.0, _BRISTLE * np.sum(about_rest)))
+    of_its_form = float(np.clip(bristle, 0.0, SEARCH.forgiven_about_rest * np.sum(about_rest)))
     return max(_compute_excess(span, fit.residual) - of_its_form, 0.0)
 
 
@@ -182,15 +170,16 @@ def find_refusal(structure: Structure, fit: Fit) -> str:
     """Why a fit is not physical; empty where it is."""
     values = structure.name_values(fit.theta[N_BASE:])
     reasons = [c.effect.refuse(values[c.name], structure.contexts) for c in structure.candidates]
-    return "; ".join(reason for reason in (*reasons, _find_cancelling(values)) if reason)
+    return "; ".join(reason for reason in (*reasons, _find_cancelling(structure, values)) if reason)
 
 
-def _find_cancelling(values: Mapping[str, Mapping[str, float]]) -> str | None:
+def _find_cancelling(structure: Structure, values: Mapping[str, Mapping[str, float]]) -> str | None:
     """Why a torque that is recorded late and acts late by the same time is neither: hardly anything is left of both."""
-    if not {_LATE, _LAGGING} <= values.keys():
+    times = [(p.with_delay, values[owner][p.name]) for owner, p in structure.parameters if p.with_delay]
+    delay, lag = (next((time for sign, time in times if sign * way > 0.0), None) for way in (-1.0, 1.0))
+    if delay is None or lag is None:
         return None
-    delay, lag = values[_LATE]["delay"], values[_LAGGING]["time_constant"]
-    return "delay and lag would cancel" if abs(delay - lag) < _ALIKE * max(delay, lag) else None
+    return "delay and lag would cancel" if abs(delay - lag) < SEARCH.alike_times * max(delay, lag) else None
 
 
 def _compute_excess(span: FloatArray, residual: FloatArray) -> float:
@@ -205,5 +194,5 @@ def compute_spread_excess(span: FloatArray, residual: FloatArray) -> float:
 
 def curb(residual: FloatArray) -> FloatArray:
     """A residual in which no row is more than a few times the noise. Shape (m,)."""
-    limit = float(np.sqrt(_MOST_OF_A_ROW))
+    limit = float(np.sqrt(SEARCH.most_of_a_row))
     return np.clip(residual, -limit, limit)

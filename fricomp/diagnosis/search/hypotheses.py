@@ -14,15 +14,12 @@ from ..effects.structure import Candidate, Structure
 from ..inputs.track import FloatArray
 from ..joint.problem import Problem
 from .screening import project_out
+from .settings import SEARCH
 
 __all__ = ["narrow_starts"]
 
 _Values = tuple[float, ...]
 _Mask = NDArray[np.bool_]
-
-_KEPT = 2  # hypotheses that are refined, and offered
-_ROUNDS = 2  # of steps along each parameter
-_AMPLITUDE = (0.5, 1.6)  # by which a hypothesis may be off in size
 
 
 @dataclass(frozen=True)
@@ -48,8 +45,8 @@ class _Scan:
 
     def select_best(self, points: Sequence[FloatArray]) -> list[FloatArray]:
         """The hypotheses that take most off the sum of squares, refined along each parameter."""
-        found = [points[i] for i in np.argsort(-self.compute_falls(points))[:_KEPT]]
-        for size in 0.5 ** np.arange(_ROUNDS):
+        found = [points[i] for i in np.argsort(-self.compute_falls(points))[: SEARCH.kept_starts]]
+        for size in 0.5 ** np.arange(SEARCH.start_rounds):
             found = [self.step(point, float(size)) for point in found]
         return found
 
@@ -68,7 +65,7 @@ class _Scan:
         along, size = change.T @ self.residual, np.maximum(np.sum(change**2, axis=0), 1e-12)
         amplitude = -along / size
         if not self.linear.any():
-            amplitude = np.clip(amplitude, *_AMPLITUDE)
+            amplitude = np.clip(amplitude, *SEARCH.start_amplitude)
         result: FloatArray = -(2.0 * amplitude * along + amplitude**2 * size)
         return result
 

@@ -8,12 +8,10 @@ from ..joint.base_fit import propose_creep_starts
 from .preparation import Baseline, find_top_speed
 from .refit import fit_from
 from .search import SearchResult
+from .settings import SEARCH
 
 __all__ = ["has_late_creep"]
 
-_LOUD = 1.5  # residual over noise that the best explanation leaves
-# Cost with creep, of that with a bristle, below which the joint creeps.
-_COST_WITH_CREEP = 0.5
 _CREEP = BASE_NAMES.index("creep_velocity")
 
 
@@ -27,8 +25,8 @@ def has_late_creep(prepared: Baseline, found: SearchResult) -> bool:
         return False
     best = found.best or found.explanations[0]
     residual = best.fit.residual
-    if float(residual @ residual) < _LOUD**2 * residual.size and not best.foreign_curve:
+    if float(residual @ residual) < SEARCH.late_creep_loud**2 * residual.size and not best.foreign_curve:
         return False
     starts = propose_creep_starts(best.fit.theta[:N_BASE], prepared.box, find_top_speed(prepared.problem.tracks))
     fits = [one for start, box in starts for one in fit_from(prepared, [(best.settled, start)], box)]
-    return min(one.fit.cost for one in fits) < _COST_WITH_CREEP * best.fit.cost
+    return min(one.fit.cost for one in fits) < SEARCH.late_creep_cost * best.fit.cost

@@ -14,13 +14,12 @@ from ..effects import Context
 from ..effects.two_masses import compute_uneven_running
 from ..inputs.track import FloatArray
 from ..joint.problem import Problem
+from .settings import SEARCH
 
 __all__ = ["OrderSpectrum", "compute_order_spectrum", "find_orders"]
 
 ComplexArray = NDArray[np.complex128]
 
-_MOST_ORDERS = 900
-_LOAD_SHARE = 0.6  # of the inertia that usually sits behind the gear
 _SHAPES = {"order": "additive", "level_order": "level", "dynamic_order": "dynamic"}
 
 
@@ -57,7 +56,7 @@ def compute_order_spectrum(
     top = max(float(np.quantile(np.abs(c.velocity), 0.3)) for c in contexts)
     lowest = 1.5 * 2.0 * np.pi / max(span, 1e-9)
     highest = max(30.0 / span, min(200.0 / max(top, 1e-3), 2500.0 / span))
-    count = int(np.clip((highest - lowest) * span / 0.8, 20, _MOST_ORDERS))
+    count = int(np.clip((highest - lowest) * span / 0.8, 20, SEARCH.most_orders))
     orders = np.linspace(lowest, highest, count)
     if contexts[0].rotary and shape == "level":
         orders = np.arange(1.0, 41.0)
@@ -122,7 +121,7 @@ def build_ripple_rows(problem: Problem, contexts: Sequence[Context], orders: Flo
             ripple = ripple * np.sign(v)
         elif shape == "dynamic":
             here = replace(context, position=q, velocity=v, acceleration=context.acceleration[grid.centres, None])
-            ripple = ripple * compute_uneven_running(here, orders, _LOAD_SHARE) / orders
+            ripple = ripple * compute_uneven_running(here, orders, SEARCH.usual_load_share) / orders
         rows.append(problem.weights.whiten(ripple))
     return np.concatenate(rows)
 

@@ -29,26 +29,9 @@ from .generic import build_generic_rows
 from .hypotheses import narrow_starts
 from .order import find_orders
 from .screening import orthonormalise, project_out
+from .settings import SEARCH
 
 __all__ = ["Baseline", "find_top_speed", "prepare"]
-
-_SLIDING = 2.0  # rest speeds
-_SETTLED = 0.16  # [s] about a row, in which observer and whitener still answer to a start or a stop
-_SELDOM = 0.1  # share of the rows
-_ASTRAY = 0.5  # of the first fit's cost, that a fit from another start must stay below
-_FIRST_NULLS = 12  # for the weights of the first refit
-# Residual of friction that creeps over that of its nulls: 1.07 to 1.17 where it does creep, 6 to 48 where it sticks.
-_QUIET = 1.2
-_MOST = 0.95  # of the energy above the noise that creep explains where a trace of something else is missing besides
-# Energy left with creep, of that with a bristle, where much else is missing: joints that creep beside cogging or load
-# friction had 0.02 to 0.64 of it, those that stick beside any effect 0.76 (a clear frictional lag) and more.
-_LEFT_WITH_CREEP = 0.7
-_HALF_STEPS = 6  # towards the colour of the nulls
-_SAME_COLOUR = 0.08  # difference of correlations that chance may bring
-_DYING, _FAINTER = 0.9, 8  # largest root of a filter that dies away within some rows, and tries to get there
-_EVEN = 0.8  # quotient of the bulk's excess and that of all rows, below which few rows make it: no noise does
-_USUAL = 1.4  # factor on the noise that needs no such evidence
-_LEVEL = (0.6, 1.8)  # most that the noise found in single samples is corrected by
 
 
 @dataclass(frozen=True)
@@ -100,11 +83,11 @@ class Baseline:
         """Rows in which the joint slides all the time; all of them where it hardly ever does. Shape (m,)."""
         parts = []
         for track, grid in zip(self.problem.tracks, self.problem.grids, strict=True):
-            around = grid.window.size + round(_SETTLED / track.dt)
+            around = grid.window.size + round(SEARCH.settled_time / track.dt)
             slowest = minimum_filter1d(np.abs(track.velocity), around)[grid.centres]
-            parts.append(slowest > _SLIDING * self.problem.observer.rest_speed)
+            parts.append(slowest > SEARCH.sliding_speed * self.problem.observer.rest_speed)
         rows = np.concatenate(parts)
-        return rows if np.mean(rows) > _SELDOM else np.ones(rows.size, dtype=bool)
+        return rows if np.mean(rows) > SEARCH.seldom else np.ones(rows.size, dtype=bool)
 
     @cached_property
     def noise_ratio(self) -> float:
@@ -137,7 +120,7 @@ def prepare(
         creeps: The friction is known to creep.
     """
     raw, fit, box = _fit_first(tracks, observer, rigid)
-    fit, problem, _ = _reweigh(raw, fit, box, _FIRST_NULLS, seed)
+    fit, problem, _ = _reweigh(raw, fit, box, SEARCH.first_nulls, seed)
     fit = try_other_bristle(problem, fit, box)
     fit, box = _try_creep(raw, problem, fit, box, seed, creeps)
     fit, problem, found = _reweigh(raw, fit, box, nulls, seed)
@@ -155,7 +138,7 @@ def _fit_first(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | 
         evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
         tried.append((problem, minimise(evaluate, base.start, base.box, iterations=10, refresh=2), base.box))
     usual, *others = tried
-    return next((other for other in others if other[1].cost < _ASTRAY * usual[1].cost), usual)
+    return next((other for other in others if other[1].cost < SEARCH.astray_cost * usual[1].cost), usual)
 
 
 def _try_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int, creeps: bool = False) -> tuple[Fit, Box]:
@@ -172,12 +155,12 @@ def _try_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int, cr
     before, after = (float(one.residual @ one.residual) for one in (fit, found))
     explained = (before - after) / (before - fit.residual.size)
     try:
-        found, _, nulls = _reweigh(raw, found, free, _FIRST_NULLS, seed)
+        found, _, nulls = _reweigh(raw, found, free, SEARCH.first_nulls, seed)
     except FloatingPointError:
         return fit, box
     left = np.mean([vector @ vector for vector in nulls.build_vectors()])
-    quiet = found.residual @ found.residual <= _QUIET**2 * left
-    accepted = creeps or quiet or explained > _MOST or after < _LEFT_WITH_CREEP * before
+    quiet = found.residual @ found.residual <= SEARCH.quiet_creep**2 * left
+    accepted = creeps or quiet or explained > SEARCH.creep_explains or after < SEARCH.creep_leaves * before
     return (found, free) if accepted else (fit, box)
 
 
@@ -207,7 +190,7 @@ def _recolour(prepared: Baseline) -> Baseline:
     if is_structured(ours, theirs):
         return replace(prepared, structured=True)
     trimmed, bulk = (_compute_ratio(ours, theirs, size) for size in (_compute_trimmed, _compute_typical))
-    if trimmed > min(_LEVEL[1], bulk / _EVEN):
+    if trimmed > min(SEARCH.noise_correction[1], bulk / SEARCH.even_excess):
         return prepared
     recolouring = _build_colour_filter(ours, np.mean([_correlate(one) for one in theirs], axis=0))
     if recolouring.size == 1:
@@ -226,9 +209,9 @@ def _build_colour_filter(values: FloatArray, correlation: FloatArray) -> FloatAr
     In several half steps: what the base takes out correlates rows as well, so correlations do not simply add.
     """
     found, filtered = np.ones(1), values
-    for _ in range(_HALF_STEPS):
+    for _ in range(SEARCH.colour_steps):
         shift = _correlate(filtered) - correlation
-        if np.max(np.abs(shift)) < _SAME_COLOUR:
+        if np.max(np.abs(shift)) < SEARCH.same_colour:
             break
         extra = _predict_stably(0.5 * shift)
         found = np.convolve(found, [1.0, *-extra])
@@ -239,9 +222,9 @@ def _build_colour_filter(values: FloatArray, correlation: FloatArray) -> FloatAr
 
 def _predict_stably(shift: FloatArray) -> FloatArray:
     """Prediction from the last three rows by the correlations `shift`, fainter ones until its inverse dies away."""
-    for _ in range(_FAINTER):
+    for _ in range(SEARCH.fainter_tries):
         extra: FloatArray = solve_toeplitz(np.array([1.0, *shift[:-1]]), shift)
-        if np.max(np.abs(np.roots([1.0, *-extra]))) < _DYING:
+        if np.max(np.abs(np.roots([1.0, *-extra]))) < SEARCH.dying_root:
             return extra
         shift = 0.7 * shift
     return np.zeros_like(shift)
@@ -256,13 +239,13 @@ def _correlate(values: FloatArray) -> FloatArray:
 def _level_noise(prepared: Baseline) -> Baseline:
     """Scale the nulls to the part of the residual that neither the base nor any smooth torque reaches."""
     ours, theirs = _split_noise(prepared)
-    usual = max(_compute_ratio(ours, theirs, _compute_typical), _USUAL)
+    usual = max(_compute_ratio(ours, theirs, _compute_typical), SEARCH.usual_excess)
     found = (
         _compute_ratio(ours, theirs, estimate_floor)
         if prepared.structured
         else min(_compute_ratio(ours, theirs, _compute_trimmed), usual)
     )
-    factor = float(np.clip(found, *_LEVEL))
+    factor = float(np.clip(found, *SEARCH.noise_correction))
     nulls, fit, own = prepared.nulls.scale(factor), prepared.fit, prepared.problem.weights
     # The priors in the cost know nothing of the noise.
     cost = fit.cost + (1.0 / factor**2 - 1.0) * float(fit.residual @ fit.residual)

@@ -14,13 +14,9 @@ from ..joint.base import even_directions
 from ..joint.solver import Box, Descent
 from .explanation import Explanation, judge
 from .preparation import Baseline
+from .settings import SEARCH
 
-__all__ = ["LAST_STEPS", "compute_preference", "fit_from", "polish", "refit"]
-
-LAST_STEPS = 12  # of an explanation that was chosen and of rivals close to it
-# Polishes, and the part of the gain that the last one must have brought, and of the load by which it must have moved
-# that, for another one: friction under a load pulls gravity back, which takes away what had hidden that friction.
-_ROUNDS, _STILL_GAINING, _STILL_MOVING = 4, 0.003, 0.001
+__all__ = ["compute_preference", "fit_from", "polish", "refit"]
 
 
 def refit(
@@ -46,7 +42,7 @@ def polish(
     Again for those whose load moves with it, while they gain by that.
     """
     before, result = list(explanations), _polish_once(prepared, explanations, iterations, refresh)
-    for _ in range(_ROUNDS - 1):
+    for _ in range(SEARCH.polishes - 1):
         unsettled = [i for i, pair in enumerate(zip(before, result, strict=True)) if _is_unsettled(*pair)]
         again = _polish_once(prepared, [result[i] for i in unsettled], iterations, refresh)
         before, further = result, dict(zip(unsettled, again, strict=True))
@@ -56,11 +52,11 @@ def polish(
 
 def _is_unsettled(old: Explanation, new: Explanation) -> bool:
     """Whether a polish gained much, and moved the load."""
-    if new is old or new.refused or new.gain - old.gain < _STILL_GAINING * new.gain:
+    if new is old or new.refused or new.gain - old.gain < SEARCH.still_gaining * new.gain:
         return False
     here, there = (one.structure.move_contexts(one.fit.theta) for one in (old, new))
     moved = [np.max(np.abs(a.load_torque - b.load_torque)) for a, b in zip(here, there, strict=True)]
-    return bool(np.max(moved) > _STILL_MOVING * max(float(np.max(np.abs(c.load_torque))) for c in there))
+    return bool(np.max(moved) > SEARCH.still_moving * max(float(np.max(np.abs(c.load_torque))) for c in there))
 
 
 def _polish_once(
@@ -104,7 +100,7 @@ def fit_from(
     for candidates, theta in wanted:
         structure = Structure(prepared.structure.contexts, tuple(candidates))
         start = np.concatenate([theta, structure.build_start()])
-        descents.append((structure, structure.start_descent(start, box, iterations=LAST_STEPS, refresh=2)))
+        descents.append((structure, structure.start_descent(start, box, iterations=SEARCH.last_steps, refresh=2)))
     return _fit_and_judge(prepared, descents, [box] * len(descents))
 
 

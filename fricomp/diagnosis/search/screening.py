@@ -12,10 +12,9 @@ from ..effects import EFFECTS, Context
 from ..effects.structure import Candidate, Structure
 from ..inputs.track import FloatArray
 from ..joint.problem import Problem
+from .settings import SEARCH
 
 __all__ = ["Column", "Screen", "list_candidates", "orthonormalise", "project_out", "screen"]
-
-_COARSE = 1e-5  # tolerance from which squares of the columns tell a basis as well as the columns
 
 
 @dataclass(frozen=True)
@@ -134,10 +133,10 @@ def orthonormalise(columns: FloatArray, tolerance: float = 1e-10) -> FloatArray:
     if columns.shape[1] == 0:
         return columns
     norm = np.linalg.norm(columns, axis=0)
-    if tolerance >= _COARSE:  # three times as fast, and exact as far as that
+    if tolerance >= SEARCH.coarse_tolerance:  # three times as fast, and exact as far as that
         scaled = columns / np.where(norm > 0.0, norm, 1.0)
         squares, V = np.linalg.eigh(scaled.T @ scaled)
-        kept = squares > max((tolerance**2) * squares[-1], _COARSE**2)
+        kept = squares > max((tolerance**2) * squares[-1], SEARCH.coarse_tolerance**2)
         by_size: FloatArray = (scaled @ V[:, kept]) / np.sqrt(squares[kept])
         return by_size
     U, s, _ = np.linalg.svd(columns / np.where(norm > 0.0, norm, 1.0), full_matrices=False)

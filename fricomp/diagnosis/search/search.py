@@ -10,32 +10,15 @@ import numpy as np
 from ..effects import EFFECTS
 from ..effects.structure import N_BASE, Candidate, Structure
 from ..joint.solver import Fit
-from .choice import ENOUGH, choose, rank_acceptable, select_finalists
+from .choice import choose, rank_acceptable, select_finalists
 from .explanation import Explanation, compute_spread_excess, curb
 from .hypotheses import narrow_starts
 from .preparation import Baseline
-from .refit import LAST_STEPS, compute_preference, fit_from, polish, refit
+from .refit import compute_preference, fit_from, polish, refit
 from .screening import Column, Screen, orthonormalise, project_out, screen
+from .settings import SEARCH
 
 __all__ = ["SearchResult", "search"]
-
-_SINGLES = 8  # effects refitted on their own
-_FAINT = 0.03  # of the strongest effect's energy: weaker ones are not refitted
-_CAREFUL = 3  # of them refined with fresh Jacobians
-_MORE_CAREFUL = 6  # of them where none of those explains enough
-_HYPOTHESES = 2  # of an effect that are refitted
-_PARTNERS = 4  # partners tried for each explanation that is grown
-_ALIKE = 0.9  # of the energy of a partner's best hypothesis, from which its next one is tried as well
-# Residual over noise, and coverage, from and to which effects that screened badly are refitted as well.
-_BENT, _MOST = 1.2, 0.85
-_CLEARLY = 5.0  # thresholds of gain by which an explanation that was not chosen leaves far less
-_NAMEABLE = 0.7  # coverage below which nothing is named anyway
-_STANDS_OUT = 2.0  # thresholds of energy in the screening about an explanation that covers about all
-_NOTHING = 0.01  # of the noise of a row
-_MUCH_LEFT = 100.0  # energy that a generic basis explains beside an explanation
-_QUANTILE = 0.98
-_LEAST_GAIN = 30.0
-_MATERIAL = 0.01  # gain per row: below it the base model's own small errors could be named
 
 
 @dataclass(frozen=True)
@@ -64,10 +47,10 @@ def search(prepared: Baseline) -> SearchResult:
     """Find the effects that explain the residual of the base model."""
     fit = prepared.fit
     first = screen(prepared.problem, prepared.structure, fit.theta, fit.residual, fit.jacobian)
-    threshold = max(_LEAST_GAIN, _MATERIAL * fit.residual.size, _compute_null_gain(prepared, first))
+    threshold = max(SEARCH.least_gain, SEARCH.material_gain * fit.residual.size, _compute_null_gain(prepared, first))
     span = orthonormalise(project_out(prepared.generic, prepared.basis), 1e-4)
     explainable = compute_spread_excess(span, fit.residual)
-    null = float(np.quantile([compute_spread_excess(span, v) for v in prepared.null_residuals], _QUANTILE))
+    null = float(np.quantile([compute_spread_excess(span, v) for v in prepared.null_residuals], SEARCH.null_quantile))
     tried = _fit_singles(prepared, first)
     accepted = rank_acceptable(tried, threshold)
     if accepted:
@@ -78,7 +61,7 @@ def search(prepared: Baseline) -> SearchResult:
     best = choose(prepared, tried, threshold)
     if best is not None:
         close = select_finalists(best, rank_acceptable(tried, threshold))
-        finished = polish(prepared, close, iterations=LAST_STEPS, refresh=2)
+        finished = polish(prepared, close, iterations=SEARCH.last_steps, refresh=2)
         tried = finished + [explanation for explanation in tried if explanation not in close]
         for whole in _select_wholes(tried, choose(prepared, tried, threshold), threshold):
             tried += _fit_parts(prepared, whole)
@@ -121,12 +104,12 @@ def _select_wholes(tried: Sequence[Explanation], best: Explanation | None, thres
     if best is None:
         return []
     top = rank_acceptable(tried, threshold)[0]
-    return [best, top] if top.gain > best.gain + _CLEARLY * threshold else [best]
+    return [best, top] if top.gain > best.gain + SEARCH.clearly_better * threshold else [best]
 
 
 def _fit_parts(prepared: Baseline, best: Explanation | None) -> list[Explanation]:
     """An explanation without each of its effects, from where it ended: alone a part may not have got that far."""
-    if best is None or len(best.names) == 1 or best.coverage < _NAMEABLE:
+    if best is None or len(best.names) == 1 or best.coverage < SEARCH.nameable:
         return []
     kept = [tuple(c for c in best.settled if c.name != name) for name in best.names]
     return fit_from(prepared, [(candidates, best.fit.theta[:N_BASE]) for candidates in kept], prepared.box)
@@ -135,7 +118,7 @@ def _fit_parts(prepared: Baseline, best: Explanation | None) -> list[Explanation
 def _has_idle(prepared: Baseline, best: Explanation) -> bool:
     """Whether one of its effects does nothing, such as a lag of no length: it only led the others to their minimum."""
     added = [best.structure.compute_added(prepared.problem, best.fit.theta, [name]) for name in best.names]
-    return len(added) > 1 and min(float(np.max(np.abs(one))) for one in added) < _NOTHING
+    return len(added) > 1 and min(float(np.max(np.abs(one))) for one in added) < SEARCH.idle
 
 
 def _compute_null_gain(prepared: Baseline, screened: Screen) -> float:
@@ -151,7 +134,7 @@ def _compute_null_gain(prepared: Baseline, screened: Screen) -> float:
         )
         for vector in (curb(null) for null in prepared.null_residuals)
     ]
-    return float(np.quantile(gains, _QUANTILE))
+    return float(np.quantile(gains, SEARCH.null_quantile))
 
 
 def _count_freedom(prepared: Baseline, column: Column) -> int:
@@ -162,13 +145,13 @@ def _fit_singles(prepared: Baseline, first: Screen) -> list[Explanation]:
     """Each strong effect on its own: a quick refit of its best hypotheses, and a careful one of the best effects; all
     other effects where none of those explains most, as a base that is bent far screens badly.
     """
-    strong, contexts = _rank_groups(first, _SINGLES), prepared.structure.contexts
+    strong, contexts = _rank_groups(first, SEARCH.singles), prepared.structure.contexts
     replacing = _select_replacing(prepared, first)
     suspected = [group for group in _group_columns(first) if group[0].candidate.effect.is_suspected(contexts)]
     groups = [*strong, *(group for group in suspected if group not in strong)]
     tried = _refit_groups(prepared, [group for group in groups if group not in replacing])
     tried += _fit_with_care(prepared, replacing, (), prepared.fit)
-    if prepared.noise_ratio > _BENT and all(explanation.coverage < _MOST for explanation in tried):
+    if prepared.noise_ratio > SEARCH.bent and all(explanation.coverage < SEARCH.most_covered for explanation in tried):
         tried += _refit_groups(prepared, [group for group in _group_columns(first) if group not in groups])
         tried += _fit_from_afar(prepared)
     return sorted(tried, key=compute_preference, reverse=True)
@@ -197,7 +180,7 @@ def _fit_with_care(
     """Effects that take over what stands at its bound in the base, with fresh Jacobians: all else there is bent to make
     up for that bound, and no column of the base is that of the joint without it.
     """
-    wanted = [((*beside, c.candidate), fit.theta[:N_BASE]) for group in groups for c in group[:_HYPOTHESES]]
+    wanted = [((*beside, c.candidate), fit.theta[:N_BASE]) for group in groups for c in group[: SEARCH.hypotheses]]
     return fit_from(prepared, wanted, prepared.box)
 
 
@@ -214,24 +197,24 @@ def _refit_groups(prepared: Baseline, groups: Sequence[Sequence[Column]]) -> lis
     trials = iter(refit(prepared, [((c.candidate,), prepared) for part in options for c in part]))
     quick = [max((next(trials) for _ in part), key=compute_preference) for part in options if part]
     quick.sort(key=compute_preference, reverse=True)
-    careful = polish(prepared, quick[:_CAREFUL])
-    if all(explanation.coverage < ENOUGH for explanation in careful):
-        careful += polish(prepared, quick[_CAREFUL:_MORE_CAREFUL])
+    careful = polish(prepared, quick[: SEARCH.careful])
+    if all(explanation.coverage < SEARCH.enough for explanation in careful):
+        careful += polish(prepared, quick[SEARCH.careful : SEARCH.more_careful])
     return careful + quick[len(careful) :]
 
 
 def _select_options(prepared: Baseline, group: Sequence[Column]) -> Sequence[Column]:
     """The hypotheses of one effect that are worth a refit."""
     if group[0].candidate.effect.is_suspected(prepared.structure.contexts):
-        return group[:_HYPOTHESES]
+        return group[: SEARCH.hypotheses]
     least = max(0.3 * group[0].energy, float(np.log(prepared.fit.residual.size)))
-    return [column for column in group if column.energy > least][:_HYPOTHESES]
+    return [column for column in group if column.energy > least][: SEARCH.hypotheses]
 
 
 def _rank_groups(screened: Screen, count: int) -> list[list[Column]]:
     """Candidates grouped by effect, strongest effect first, the faintest left out."""
     strongest = screened.columns[0].energy if screened.columns else 0.0
-    return [group for group in _group_columns(screened) if group[0].energy > _FAINT * strongest][:count]
+    return [group for group in _group_columns(screened) if group[0].energy > SEARCH.faint_effect * strongest][:count]
 
 
 def _group_columns(screened: Screen) -> list[list[Column]]:
@@ -262,15 +245,17 @@ def _grow(
         suspected = [g for g in _select_suspected(seed, screened) if _join_names(seed, g) not in known | seen]
         grown += _fit_with_care(prepared, suspected, seed.settled, seed.fit)
         seen |= {_join_names(seed, group) for group in suspected}
-        for columns in _rank_groups(screened, _PARTNERS):
+        for columns in _rank_groups(screened, SEARCH.partners):
             names = _join_names(seed, columns)
-            if names in seen or (seed.coverage > ENOUGH and columns[0].energy < _STANDS_OUT * threshold):
+            if names in seen or (seed.coverage > SEARCH.enough and columns[0].energy < SEARCH.stands_out * threshold):
                 continue
             seen.add(names)
-            alike = [c.candidate for c in columns[:_HYPOTHESES] if c.energy > _ALIKE * columns[0].energy]
+            alike = [
+                c.candidate for c in columns[: SEARCH.hypotheses] if c.energy > SEARCH.alike_start * columns[0].energy
+            ]
             wanted += [((*seed.settled, candidate), seed) for candidate in alike]
-    unfinished = any(seed.coverage <= ENOUGH for seed in seeds)
-    for pair in first.select_pairs(prepared.fit.residual, _PARTNERS) if first is not None and unfinished else ():
+    unfinished = any(seed.coverage <= SEARCH.enough for seed in seeds)
+    for pair in first.select_pairs(prepared.fit.residual, SEARCH.partners) if first is not None and unfinished else ():
         names = tuple(sorted(c.name for c in pair))
         if names not in seen:
             seen.add(names)
@@ -283,7 +268,7 @@ def _renew_starts(prepared: Baseline, seed: Explanation) -> Explanation:
 
     Those that stand out of what the base leaves are of the seed then, as with a gap beside a stop.
     """
-    if seed.left < _MUCH_LEFT or seed.coverage < _MOST:
+    if seed.left < SEARCH.much_left or seed.coverage < SEARCH.most_covered:
         return seed
     fit, contexts = seed.fit, seed.structure.contexts
     starts = narrow_starts(prepared.problem, Structure(contexts), fit.residual, orthonormalise(fit.jacobian))

@@ -9,11 +9,9 @@ from scipy.signal import periodogram
 
 from ..inputs.track import FloatArray
 from .preparation import Baseline
+from .settings import SEARCH
 
 __all__ = ["Tone", "find_tone"]
-
-_LIMIT = 3.0  # deviations beyond which a row counts as that many: one bad moment fills the whole spectrum
-_MOTION = 0.95  # of the energy of the velocity lies below the frequencies at which vibrations are looked for
 
 
 class Tone(NamedTuple):
@@ -51,12 +49,12 @@ def find_tone(prepared: Baseline) -> Tone:
 def _find_highest_of_motion(velocity: FloatArray) -> float:
     """Frequency below which the joint moves, in cycles per row."""
     frequency, energy = periodogram(velocity, 1.0, detrend="constant")
-    return float(frequency[int(np.searchsorted(np.cumsum(energy), _MOTION * energy.sum()))])
+    return float(frequency[int(np.searchsorted(np.cumsum(energy), SEARCH.motion_energy * energy.sum()))])
 
 
 def _find_strongest(rows: FloatArray, above: float) -> tuple[float, float, float]:
     """Energy and frequency (in cycles per row) of the strongest line above a frequency, and its share of the excess."""
-    clipped = np.clip(rows, -_LIMIT, _LIMIT)
+    clipped = np.clip(rows, -SEARCH.tone_limit, SEARCH.tone_limit)
     frequency, energy = periodogram(clipped, 1.0, detrend="constant")
     best = int(np.argmax(np.where(frequency > above, energy, 0.0)))
     excess = max(float(clipped @ clipped) - rows.size, float(energy[best]))

@@ -23,6 +23,8 @@ class Cogging(Effect):
     equation = "tau = A sin(n q + phi)"
     citation = "piccoli2016"
     says = "a torque ripple is fixed in the angle, whatever the speed"
+    ripple = True
+    wave = "torque"
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = 0.02 * contexts[0].scale

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import ClassVar
 
+from fricomp.laws import FrictionLaw, LaggedLuGre, LaggedStribeck
+
 from ...joint.observer import Contribution
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
@@ -30,6 +32,9 @@ class FrictionalLag(Effect):
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(plant={"lag": values["lag"]})
+
+    def is_in_law(self, law: FrictionLaw) -> bool:
+        return any(isinstance(term, LaggedStribeck | LaggedLuGre) for term in law.terms)
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return "the lag is shorter than recordings can show" if self.is_faint(values, contexts) else None

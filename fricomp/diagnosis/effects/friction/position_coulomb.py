@@ -23,6 +23,10 @@ class PositionCoulomb(Effect):
     equation = "tau_f = (a cos n q + b sin n q) sgn(v)"
     citation = "bittencourt2010"
     says = "the friction level waves with the position"
+    ripple = True
+    wave = "friction"
+    gain_share = 0.98  # A wave of any order imitates friction under a load that follows the position.
+    imitates_others = True
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = contexts[0].scale

@@ -23,6 +23,7 @@ class PowerLawViscous(Effect):
     equation = "tau_f = c |v|^n sgn(v)"
     citation = "wolf2018"
     says = "viscous friction is concave in speed"
+    viscous_exponent = "exponent"
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale, top = contexts[0].scale, max(float(np.max(np.abs(c.velocity))) for c in contexts)
@@ -37,6 +38,9 @@ class PowerLawViscous(Effect):
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         v = context.velocity
         return Contribution(additive=values["coefficient"] * np.sign(v) * np.abs(v) ** values["exponent"])
+
+    def compute_curve(self, values: Values, speed: float) -> float | None:
+        return float(values["coefficient"] * speed ** values["exponent"])
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return "the curve would be convex" if values["coefficient"] <= 0.0 else None

@@ -7,6 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from fricomp.laws import FrictionLaw, LuGre
+
 from ...joint.observer import Contribution
 from ...joint.settings import JOINT
 from ..context import Context
@@ -43,6 +45,9 @@ class PreslidingHysteresis(Effect):
         """The base's own bristle is as soft as it may be."""
         plant = contexts[0].plant
         return plant.level / plant.sigma_0 > 0.8 * JOINT.softest_bristle
+
+    def is_in_law(self, law: FrictionLaw) -> bool:
+        return any(isinstance(term, LuGre) for term in law.terms)
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         sigma_0 = context.plant.level / float(np.exp(values["breakaway_distance"]))

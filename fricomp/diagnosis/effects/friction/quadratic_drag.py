@@ -32,6 +32,9 @@ class QuadraticDrag(Effect):
         v = context.velocity
         return Contribution(additive=values["coefficient"] * v * np.abs(v))
 
+    def compute_curve(self, values: Values, speed: float) -> float | None:
+        return values["coefficient"] * speed**2
+
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         return "drag would drive the joint" if values["coefficient"] <= 0.0 else None
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from fricomp.laws import FrictionLaw
+
 from ...joint.observer import Contribution
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
@@ -27,6 +29,10 @@ class StribeckShape(Effect):
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(plant={"stribeck_exponent": values["stribeck_exponent"]})
+
+    def is_in_law(self, law: FrictionLaw) -> bool:
+        """Its exponent stands in the curves of every law."""
+        return True
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         near = abs(values["stribeck_exponent"] - 2.0) < 0.15

@@ -71,6 +71,8 @@ class EncoderEccentricity(Effect):
     equation = "q_recorded = q + A sin(n q + phi)"
     citation = ""
     says = "the encoder reads once or twice per turn wrong"
+    ripple = True
+    misreads_position = True
     largest_error: ClassVar[float] = 0.1
     """Largest error [rad]; no mount lets a disc be so far off its centre."""
 

@@ -22,6 +22,8 @@ class ExternalDisturbance(Effect):
     equation = "tau = sum of A_k sin(pi (t - t_k) / T_k)^n_k"
     citation = ""
     says = "a torque from outside acts for a while; it is no function of the joint's state"
+    gain_share = 0.8  # Pushes in windows of time imitate anything that comes and goes.
+    imitates_others = True
     shortest: ClassVar[float] = 0.2
     """Least length of the longest window [s], ten rows. Shorter ones have been seen of drives that could not follow."""
     edge: ClassVar[float] = 0.04

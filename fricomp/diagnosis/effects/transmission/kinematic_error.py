@@ -24,6 +24,7 @@ class KinematicError(Effect):
     equation = "tau = e' (gravity + 2 J_l a) + J_l e'' v² + gravity' e, e = A sin(n q + phi)"
     citation = "tuttle1992"
     says = "the gear runs unevenly, felt as a ripple that grows with the square of the speed"
+    ripple = True
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         return (
