@@ -17,6 +17,7 @@ from fricomp.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from fricomp.api.calibrate import calibrate
+    from fricomp.api.identify import identify
     from fricomp.calibration import identify_dynamic
     from fricomp.calibration.sweep import CalibrationOptions, SweepSettings
     from fricomp.control import Compensator, ControlLoop, JointLimits, LoopDynamics, SafetyGate, check_loop
@@ -37,6 +38,7 @@ __all__ = [
     "SweepSettings",
     "calibrate",
     "check_loop",
+    "identify",
     "identify_dynamic",
     "load_model",
     "read_recording",
@@ -56,6 +58,7 @@ _HOMES = {
     "SweepSettings": (_SWEEP, "calibrate"),
     "calibrate": ("fricomp.api.calibrate", "calibrate"),
     "check_loop": (_CONTROL, ""),
+    "identify": ("fricomp.api.identify", "calibrate"),
     "identify_dynamic": ("fricomp.calibration", "calibrate"),
     "read_recording": (_RECORDING, ""),
     "write_recording": (_RECORDING, ""),

@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 
 from fricomp.recording import Finding, Recording, check_recording, raise_errors, read_blocks
+from fricomp.recording.csv_file import FileContent
 from fricomp.recording.file import read_content
 from fricomp.recording.timing_checks import locate_gaps
 from fricomp.untrusted import parse_json
@@ -66,20 +67,26 @@ class _Label(msgspec.Struct):
     kind: str = ""
 
 
-def read_motion_recording(path: str | os.PathLike[str]) -> MotionRecording:
+def read_motion_recording(source: Recording | str | os.PathLike[str]) -> MotionRecording:
     """Read a recording for identification: its motion blocks where it has such, its torque brought to the joint.
 
     Raises:
         RecordingError: The file cannot be read, or a check finds an error in what is used of it.
         MissingExtraError: The file is Parquet and pyarrow is not installed.
     """
-    file = Path(path)
-    content = read_content(file)
+    content, file = _content_of(source)
     chosen, notes = _choose_blocks(content.recording, file)
     findings = content.findings + check_recording(chosen)
     raise_errors(findings, str(file))
     on_joint = chosen.on_joint_side()
     return MotionRecording(on_joint, findings, (*notes, *_side_notes(chosen, on_joint)))
+
+
+def _content_of(source: Recording | str | os.PathLike[str]) -> tuple[FileContent, Path | str]:
+    """A recording with what was wrong with its file, and its file; of one that has none, what to call it."""
+    if isinstance(source, Recording):
+        return FileContent(source, ()), f"recording of joint {source.metadata.joint!r}"
+    return read_content(Path(source)), Path(source)
 
 
 def split_motion(recording: Recording, *, shortest_gap: float, margin: float) -> MotionParts:
@@ -102,9 +109,9 @@ def split_motion(recording: Recording, *, shortest_gap: float, margin: float) ->
     return MotionParts(tuple(parts), tuple(short))
 
 
-def _choose_blocks(recording: Recording, path: Path) -> tuple[Recording, tuple[str, ...]]:
+def _choose_blocks(recording: Recording, path: Path | str) -> tuple[Recording, tuple[str, ...]]:
     """The rows of the motion blocks, and a sentence on it; all rows where there is no such block."""
-    blocks = () if path.suffix.lower() in (".parquet", ".pq") else read_blocks(path)
+    blocks = () if isinstance(path, str) or path.suffix.lower() in (".parquet", ".pq") else read_blocks(path)
     if not blocks:
         return recording, ()
     kinds = [_kind_of(block.label) for block in blocks]

@@ -36,7 +36,6 @@ def diagnosis_warnings(read: Mapping[Path, Recording], record: DiagnosisRecord) 
         read: Every recording, by its file.
         record: The answer.
     """
-    from fricomp.cli.terminal import careful
     from fricomp.recording import check_recording
 
     said, found = " ".join(record.sentences), []
@@ -45,7 +44,7 @@ def diagnosis_warnings(read: Mapping[Path, Recording], record: DiagnosisRecord) 
         for finding in check_recording(recording):
             told = finding.code in _TOLD or finding.message in said
             if finding.severity != "note" and not told:
-                found.append(where + careful(finding))
+                found.append(where + finding.caution)
     factor = _common_factor(record)
     return (*found, _gear(factor, list(read.values()))) if factor is not None else tuple(found)
 

@@ -6,21 +6,12 @@ import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rich.console import Console, ConsoleOptions, RenderableType
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 from rich.segment import Segment
 
-if TYPE_CHECKING:
-    from fricomp.recording import Finding
-
-__all__ = ["careful", "console", "plain", "progress", "resumable"]
-
-
-def careful(finding: Finding) -> str:
-    """What was found in a recording, as a sentence beside a result."""
-    return f"Careful: {finding.message.rstrip('.')}: {finding.advice}."
+__all__ = ["console", "plain", "progress", "resumable"]
 
 
 _CONTROL = {code: f"\\x{code:02x}" for code in (*range(0x20), *range(0x7F, 0xA0)) if chr(code) not in "\n\t"}

@@ -33,6 +33,11 @@ class Finding:
     row: int | None = None
     column: str | None = None
 
+    @property
+    def caution(self) -> str:
+        """A sentence to stand beside a result."""
+        return f"Careful: {self.message.rstrip('.')}: {self.advice}."
+
     def __str__(self) -> str:
         where = [f"row {self.row}"] if self.row is not None else []
         where += [f"column {self.column}"] if self.column is not None else []

@@ -1,12 +1,13 @@
 import re
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from fricomp.api.identification import Identification
+from fricomp.api.identify import IdentifySettings, identify_source
 from fricomp.calibration.comparison import compare_models
 from fricomp.calibration.identification import Status
 from fricomp.calibration.table import is_friction_table, read_friction_table
@@ -59,15 +60,14 @@ def test_a_model_that_is_not_usable_is_written_and_ends_with_1(tmp_path: Path) -
 
 
 def test_a_second_basin_nearly_as_likely_is_a_warning(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    module = import_module("fricomp.cli.identify")
-    plain = module._identify_file
+    plain = identify_source
 
-    def doubtful(file: Path, settings: object) -> object:
-        found = plain(file, settings)
+    def doubtful(file: Path, settings: IdentifySettings, *, flag: str) -> Identification:
+        found = plain(file, settings, flag=flag)
         doubt = replace(found.result, status=Status.WRONG_BASIN_SUSPECTED, message="a second basin is near")
         return replace(found, result=doubt)
 
-    monkeypatch.setattr(module, "_identify_file", doubtful)
+    monkeypatch.setattr("fricomp.api.identify.identify_source", doubtful)
     call = [str(_table(tmp_path / "points.csv")), "--out", str(tmp_path / "out"), "--method", "least_squares"]
     done = CliRunner().invoke(app, [*call, "--noise", "absolute"], env={"COLUMNS": "300"})
     assert done.exit_code == 0, done.output

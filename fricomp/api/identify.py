@@ -1,0 +1,266 @@
+"""`fricomp.identify`: friction from a recording, or from a table of velocity and torque."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fricomp.calibration import IdentificationOptions, choose_law
+from fricomp.calibration import identify as identify_points
+from fricomp.calibration.identification import IdentificationResult, fit_discrepancy
+from fricomp.calibration.identification.form import separable_law_names
+from fricomp.calibration.identification.identify import Loss, Method, refuse_dynamic, require_choice
+from fricomp.calibration.motion.joint_samples import RegressionSettings, choose_settings, sample_joint, split_for
+from fricomp.calibration.motion.parts import read_motion_recording
+from fricomp.calibration.motion.rigid_body import MotionIdentification, identify_motion
+from fricomp.calibration.table import is_friction_table, read_friction_table
+from fricomp.errors import IdentificationError
+from fricomp.recording import Recording
+from fricomp.recording.unit_checks import suspect_degrees_per_second
+
+from .identification import Identification
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+__all__ = ["IdentifySettings", "identify", "identify_source"]
+
+_MASS = {"N·m": "kg·m²", "N": "kg"}
+"""Unit of the inertia beside that of the torque."""
+
+
+@dataclass(frozen=True)
+class IdentifySettings:
+    """How friction is identified; see `identify` for what each means."""
+
+    method: Method = "pinn"
+    noise: str | ArrayLike = "auto"
+    loss: Loss = "gaussian"
+    law: str = "stribeck"
+    gravity: bool = False
+    seed: int = 0
+    depart: bool = False
+
+
+@dataclass(frozen=True)
+class _Points:
+    """A table of friction points, and what to call it."""
+
+    name: str
+    velocity: ArrayLike
+    torque: ArrayLike
+    normal_load: ArrayLike | None
+
+
+def identify(
+    data: Recording | str | os.PathLike[str] | Mapping[str, ArrayLike] | DataFrame | ArrayLike,
+    torque: ArrayLike | None = None,
+    normal_load: ArrayLike | None = None,
+    *,
+    law: str = "stribeck",
+    method: Literal["pinn", "least_squares"] = "pinn",
+    noise: str | ArrayLike = "auto",
+    loss: Literal["gaussian", "robust"] = "gaussian",
+    gravity: bool = False,
+    depart: bool = False,
+    seed: int = 0,
+    options: IdentificationOptions | None = None,
+) -> Identification:
+    """Identify the friction of a joint from data that you have already; nothing moves.
+
+    A table is friction alone: points of velocity and torque, as a sweep gives them. The law that is looked for is
+
+        tau(v) = sign(v) (F_c + (F_s - F_c) exp(-(v / v_s)²)) + sigma_2 v
+
+    with a set of parameters for each direction, at the greatest likelihood of the points. A recording is a motion of
+    any kind: there the joint obeys
+
+        tau = J a + g_c cos(q) + g_s sin(q) + tau_0 + tau_friction(v),
+
+    and inertia, gravity, offset and friction are fitted together, from the samples that slide.
+
+    Args:
+        data: A recording, or the file of one; or a table: a CSV file with the columns velocity, torque and if wanted
+            normal_load, a mapping or data frame with such columns, or the velocities [rad/s] or [m/s], shape (n,).
+        torque: Friction torque where `data` are velocities, with the sign of the velocity [N·m] or [N]. Shape (n,).
+        normal_load: Normal load of these points, where dry friction depends on it. Shape () or (n,).
+        law: `stribeck`, with eight parameters; fewer of them where the data hold less: `symmetric_stribeck` where both
+            directions are alike, `coulomb_viscous` or `coulomb` where nothing slow was measured, `tanh` or `arctan`
+            for a curve without a step; of tables `auto`, which compares them on points that were held out.
+        method: `pinn` trains the paper's network together with the parameters; `least_squares` is quicker and has the
+            same optimum. For tables.
+        noise: `absolute` where the torque sensor sets it, `relative` where it grows with the torque, `auto` to decide
+            by likelihood; or one standard deviation a point [N·m] or [N]. For tables.
+        loss: `robust` where single points may be far off; it costs a little accuracy where none is. For tables.
+        gravity: Say so where gravity acts on the joint: a recording's friction would else hold it. For recordings.
+        depart: Let a network leave the law where points that were held out ask for it. For tables.
+        seed: Of the network's first weights. For tables.
+        options: Name, motion and torque unit of the joint of a table, and further settings; a recording says its own.
+
+    Raises:
+        IdentificationError: The data do not suffice, an argument does not apply to them, or a value is unknown.
+        RecordingError: A file cannot be read, or the recording cannot be used as it is.
+    """
+    settings = IdentifySettings(method, noise, loss, law, gravity, seed, depart)
+    source = data
+    if torque is not None:
+        if isinstance(data, Recording | str | os.PathLike):
+            raise IdentificationError("torque belongs to velocities: leave it out beside a recording or a file")
+        source = {"velocity": data, "torque": torque, "normal_load": normal_load}
+    return identify_source(source, settings, options)  # type: ignore[arg-type]  # anything else is refused there
+
+
+def identify_source(
+    source: Recording | str | os.PathLike[str] | Mapping[str, Any],
+    settings: IdentifySettings,
+    options: IdentificationOptions | None = None,
+    *,
+    flag: str = "",
+) -> Identification:
+    """Identify a recording or a table.
+
+    Args:
+        source: See `identify`.
+        settings: How.
+        options: Of a table.
+        flag: What stands before the name of an argument in messages, such as `--` on the command line.
+
+    Raises:
+        FricompError: See `identify`.
+    """
+    require_law(settings.law)
+    points = _points_of(source)
+    if points is None:
+        return _identify_recording(source, settings, flag)  # type: ignore[arg-type]
+    if settings.gravity:
+        what = f"{points.name} is a table, which is friction alone"
+        raise IdentificationError(f"{flag}gravity is for recordings; {what}: leave it out")
+    return _identify_table(points, settings, options or IdentificationOptions())
+
+
+def require_law(law: str) -> None:
+    """Refuse a law that no file can be identified with.
+
+    Raises:
+        IdentificationError: It is unknown, or has a state and needs the torque over time.
+    """
+    refuse_dynamic(law)
+    require_choice("law", law, ("auto", *separable_law_names()))
+
+
+def _points_of(source: object) -> _Points | None:
+    """The table that a source is or names; None for a recording."""
+    if isinstance(source, Recording):
+        return None
+    if isinstance(source, str | os.PathLike):
+        path = Path(source)
+        return _Points(path.name, *read_friction_table(path)) if is_friction_table(path) else None
+    table: Any = source if isinstance(source, Mapping) or hasattr(source, "columns") else {}
+    missing = [name for name in ("velocity", "torque") if name not in table]
+    if missing:
+        raise IdentificationError(
+            f"{missing[0]} is missing: give velocities and torques, a table with the columns velocity and torque, a "
+            "Recording, or the path of a file"
+        )
+    velocity, torque, load = (table.get(name) for name in ("velocity", "torque", "normal_load"))
+    return _Points("the table", np.asarray(velocity), np.asarray(torque), None if load is None else np.asarray(load))
+
+
+def _identify_table(points: _Points, settings: IdentifySettings, options: IdentificationOptions) -> Identification:
+    speed = np.abs(np.asarray(points.velocity, dtype=np.float64))
+    fast = suspect_degrees_per_second(float(np.max(speed, initial=0.0)))
+    notes, law = [finding.caution for finding in fast], settings.law
+    if law == "auto":
+        choice = choose_law(points.velocity, points.torque, points.normal_load)
+        notes.append(f"Law: {choice.reason}.")
+        law = choice.law
+    result = identify_points(
+        points.velocity, points.torque, points.normal_load, settings.method, settings.noise, settings.seed,
+        law=law, loss=settings.loss, options=options,
+    )  # fmt: skip
+    notes += _offset_note(result)
+    network = fit_discrepancy(result, seed=settings.seed) if settings.depart else None
+    notes += [f"Law or network: {network.message}."] if network is not None else []
+    return Identification(result, None, network, tuple(notes), _facts(points.name, settings))
+
+
+def _offset_note(result: IdentificationResult) -> list[str]:
+    """What a table cannot tell, where the law has a curve for each direction."""
+    offset = result.observations.compute_asymmetry() if result.form.bidirectional else None
+    if offset is None:
+        return []
+    return [
+        "A constant torque offset in the table counts as friction that differs between the directions; with the same "
+        f"friction in both it would be {offset:.4g} {result.model.torque_unit}."
+    ]
+
+
+def _identify_recording(
+    source: Recording | str | os.PathLike[str], settings: IdentifySettings, flag: str
+) -> Identification:
+    name = "the data" if isinstance(source, Recording) else Path(source).name
+    _refuse_point_settings(name, settings, flag)
+    recording, findings, about = read_motion_recording(source)
+    chosen, notes = choose_settings(recording, gravity=settings.gravity), []
+    if chosen.torque_cutoff < RegressionSettings.torque_cutoff:
+        notes.append(f"Low-pass: {chosen.torque_cutoff:.3g} Hz, so that noise of the position is no acceleration.")
+    of_gaps = split_for(recording, chosen).notes
+    notes += (*about, *of_gaps)
+    notes += (finding.caution for finding in findings if not (of_gaps and finding.code == "gap"))
+    meta = recording.metadata
+    options = IdentificationOptions(joint=meta.joint, motion=meta.motion, torque_unit=meta.torque_unit)
+    motion = identify_motion(sample_joint(recording, chosen), chosen, law=settings.law, options=options)
+    notes.insert(0, _rigid_sentence(motion, flag))
+    return Identification(motion.friction, motion, None, tuple(notes), _facts(name, settings))
+
+
+def _facts(name: str, settings: IdentifySettings) -> dict[str, str]:
+    return {"file": name, "seed": str(settings.seed), "loss": settings.loss}
+
+
+def _refuse_point_settings(name: str, settings: IdentifySettings, flag: str) -> None:
+    """A recording is identified by filtered regression, which these settings do not reach."""
+    plain = IdentifySettings()
+    changed = [
+        f"{flag}{one}"
+        for one in ("method", "noise", "loss", "seed", "depart")
+        if not np.array_equal(getattr(settings, one), getattr(plain, one))
+    ]
+    changed += [f"{flag}law auto"] if settings.law == "auto" else []
+    if changed:
+        raise IdentificationError(
+            f"{', '.join(changed)} is for tables of velocity and torque; {name} is a recording, whose friction is "
+            "identified together with its rigid body by filtered regression: leave "
+            f"{'them' if len(changed) > 1 else 'it'} out"
+        )
+
+
+def _rigid_sentence(motion: MotionIdentification, flag: str) -> str:
+    body, model = motion.rigid_body, motion.friction.model
+    torque, angle = model.torque_unit, model.position_unit
+    of_inertia, *_, of_offset = body.standard_deviations
+    (cosine, sine), (of_cosine, of_sine) = body.gravity, body.gravity_deviations
+    gravity = f"({cosine:.4g} ± {of_cosine:.2g}) cos q + ({sine:.4g} ± {of_sine:.2g}) sin q {torque}"
+    absent = f"not asked for ({flag}gravity)"
+    offset = f", offset {body.offset:.4g} ± {of_offset:.2g} {torque}" if of_offset > 0.0 else ""
+    said = (
+        f"Rigid body, ± its standard deviations: inertia {body.inertia:.5g} ± {of_inertia:.2g} "
+        f"{_MASS.get(torque, f'{torque}·s²/{angle}')}{offset}, gravity "
+        f"{gravity if any(body.gravity) else absent}; symmetric friction beside it: Coulomb "
+        f"{body.coulomb_torque:.5g} {torque}, viscous {body.viscous_coefficient:.5g} {torque}·s/{angle}. "
+        f"{len(motion.points)} samples slide and count; standard deviations allow for their correlation. "
+        f"{motion.lag.sentence}"
+    )
+    if body.inertia < 2.0 * of_inertia:  # a 95 % interval that holds zero
+        said += " The motion does not determine the inertia: record one with quicker accelerations while it slides."
+    if motion.presliding > 0.0:
+        said += (
+            f" Friction builds up after rests and reversals: the first {motion.presliding:.2g} {angle} are left out."
+        )
+    return said
