@@ -30,17 +30,44 @@ from .verdict.writing import write_refusal
 
 __all__ = ["Payload", "diagnose_arm", "find_payload", "group_sessions"]
 
-_CUTOFF = 5.0  # [Hz] of the filter that torque and motion share
-_RATE = 25.0  # [Hz] of the rows behind it
-_EDGE = 1.0  # [s] left out at both ends, where the filter settles
-_SLOW = 0.03  # of the top speed, over which friction changes its sign
-_FOLDS = 8
-_RANK = 1e-5  # of the largest singular value, below which a combination of weights is not seen
-_SEEN = 1e-4  # of the largest singular value of the payload's columns
-_DUST = 1e-9  # of the largest column: what rounding leaves of a body that this joint does not move
-_SIGNIFICANT = 4.0  # standard deviations
-_TEST_SHARE = 1.0 / 3.0
-_MOST_JOINTS = 3  # in the sentence on which joints show it
+
+@dataclass(frozen=True)
+class PayloadSettings:
+    """How a difference in payload is looked for. Chosen on one arm of six joints and on made arms of two.
+
+    Attributes:
+        cutoff: Of the low pass that torque and motion share [Hz]: above the motions of an arm, below its oscillations.
+        rate: Of the rows behind it [Hz].
+        edge: Time at both ends of a session that is left out [s], where the filter settles.
+        slow: Part of the top speed over which friction changes its sign.
+        top: Quantile of the speed that counts as the top speed.
+        folds: Blocks that are left out in turn for the deviations.
+        rank: Singular value, over the largest, below which a combination of weights is not seen.
+        seen: The same for the columns of the payload.
+        told: Part of a moment that may lie outside of what the rows fix: a larger one tells numbers that are none.
+        dust: Size of a column, over the largest, that rounding leaves of a body that this joint does not move.
+        significant: Standard deviations from which a payload differs. A smaller value names payloads by chance: the
+            deviations come from eight blocks alone.
+        test_share: Part of each session, its last, on which errors are counted.
+        most_joints: Joints that are told to show it.
+    """
+
+    cutoff: float = 5.0
+    rate: float = 25.0
+    edge: float = 1.0
+    slow: float = 0.03
+    top: float = 0.95
+    folds: int = 8
+    rank: float = 1e-5
+    seen: float = 1e-4
+    told: float = 0.01
+    dust: float = 1e-9
+    significant: float = 4.0
+    test_share: float = 1.0 / 3.0
+    most_joints: int = 3
+
+
+SETTINGS = PayloadSettings()
 
 
 @dataclass(frozen=True)
@@ -134,8 +161,8 @@ def find_payload(arm: ArmDynamics, sessions: Sequence[Session]) -> Payload:
         )
     parts = {name: _build_joint_rows(arm.joints.index(name), rows, [known[name] for known in gains]) for name in joints}
     weights, noise = _solve_folds(parts, None)
-    drawn = np.array([_solve_folds(parts, fold)[0] for fold in range(_FOLDS)])
-    deviation = np.sqrt((_FOLDS - 1) * np.var(drawn @ _MOMENTS, axis=0))
+    drawn = np.array([_solve_folds(parts, fold)[0] for fold in range(SETTINGS.folds)])
+    deviation = np.sqrt((SETTINGS.folds - 1) * np.var(drawn @ _MOMENTS, axis=0))
     shown = _find_shown(parts)
     moments = {
         name: (float(value), float(error))
@@ -163,7 +190,7 @@ _MOMENTS = np.column_stack([np.ones(10), place_points()])
 
 @dataclass(frozen=True)
 class _Rows:
-    """Filtered motion and torques of one session at `_RATE`.
+    """Filtered motion and torques of one session at `SETTINGS.rate`.
 
     Attributes:
         motion: Of all joints.
@@ -183,15 +210,15 @@ class _Rows:
         dt = float(np.median([one.sample_period for one in series]))
         first, last = max(one.time[0] for one in series), min(one.time[-1] for one in series)
         grid = np.arange(first, last, dt)
-        b, a = butter(3, _CUTOFF * 2.0 * dt)
+        b, a = butter(3, SETTINGS.cutoff * 2.0 * dt)
         position, torque = (
             np.stack([filtfilt(b, a, np.interp(grid, one.time, getattr(one, name))) for one in series], axis=1)
             for name in ("position", "torque")
         )
         velocity = np.gradient(position, dt, axis=0)
         acceleration = np.gradient(velocity, dt, axis=0)
-        edge = round(_EDGE / dt)
-        kept = slice(edge, grid.size - edge, max(1, round(1.0 / (_RATE * dt))))
+        edge = round(SETTINGS.edge / dt)
+        kept = slice(edge, grid.size - edge, max(1, round(1.0 / (SETTINGS.rate * dt))))
         motion = ArmMotion(position[kept], velocity[kept], acceleration[kept])
         columns = [arm.compute_body_columns(motion, body) for body in arm.bodies]
         return cls(motion, torque[kept], np.concatenate(columns, axis=2), columns[-1])
@@ -227,27 +254,27 @@ def _build_joint_rows(j: int, rows: Sequence[_Rows], gains: Sequence[float]) -> 
     bodies = np.concatenate([one.bodies[:, j] for one in rows])
     payload = np.concatenate([k * one.payload[:, j] for k, one in enumerate(rows)])
     v = np.concatenate([one.motion.velocity[:, j] for one in rows])
-    sign = np.tanh(v / (_SLOW * float(np.quantile(np.abs(v), 0.95))))
+    sign = np.tanh(v / (SETTINGS.slow * float(np.quantile(np.abs(v), SETTINGS.top))))
     plain = np.column_stack([bodies, np.ones_like(v), v, sign])
     rigid = np.column_stack([plain, payload])
-    load = rigid[:, : bodies.shape[1]] @ np.linalg.lstsq(rigid, torque, rcond=_RANK)[0][: bodies.shape[1]]
+    load = rigid[:, : bodies.shape[1]] @ np.linalg.lstsq(rigid, torque, rcond=SETTINGS.rank)[0][: bodies.shape[1]]
     own = np.column_stack([plain, v * np.abs(v), np.abs(load) * sign])
     size = np.linalg.norm(own, axis=0)
-    seen = size > _DUST * size.max()
+    seen = size > SETTINGS.dust * size.max()
     U, s, _ = np.linalg.svd(own[:, seen] / size[seen], full_matrices=False)
     lengths = [one.torque.shape[0] for one in rows]
-    fold = np.concatenate([np.arange(n) * _FOLDS // n for n in lengths])
-    test = np.concatenate([np.arange(n) >= n * (1.0 - _TEST_SHARE) for n in lengths])
-    return _JointRows(U[:, s > _RANK * s[0]], payload, torque, fold, test)
+    fold = np.concatenate([np.arange(n) * SETTINGS.folds // n for n in lengths])
+    test = np.concatenate([np.arange(n) >= n * (1.0 - SETTINGS.test_share) for n in lengths])
+    return _JointRows(U[:, s > SETTINGS.rank * s[0]], payload, torque, fold, test)
 
 
 def _find_shown(parts: dict[str, _JointRows]) -> list[bool]:
     """Which of the mass and the first moments these rows fix."""
     columns = np.concatenate([part.payload - part.own @ (part.own.T @ part.payload) for part in parts.values()])
     _, s, V = np.linalg.svd(columns, full_matrices=False)
-    V = V[s > _SEEN * s[0]]
+    V = V[s > SETTINGS.seen * s[0]]
     away = np.linalg.norm(_MOMENTS - V.T @ (V @ _MOMENTS), axis=0) / np.linalg.norm(_MOMENTS, axis=0)
-    return [bool(one < 0.01) for one in away]
+    return [bool(one < SETTINGS.told) for one in away]
 
 
 def _solve_folds(parts: dict[str, _JointRows], left_out: int | None) -> tuple[FloatArray, dict[str, float]]:
@@ -260,7 +287,7 @@ def _solve_weighted(parts: dict[str, _JointRows], kept: dict[str, np.ndarray]) -
     noise = {}
     for name, part in parts.items():
         table = np.column_stack([part.own, part.payload])[kept[name]]
-        left = part.torque[kept[name]] - table @ np.linalg.lstsq(table, part.torque[kept[name]], rcond=_RANK)[0]
+        left = part.torque[kept[name]] - table @ np.linalg.lstsq(table, part.torque[kept[name]], rcond=SETTINGS.rank)[0]
         noise[name] = float(np.sqrt(np.mean(left**2)))
     columns: list[FloatArray] = []
     targets: list[FloatArray] = []
@@ -268,7 +295,7 @@ def _solve_weighted(parts: dict[str, _JointRows], kept: dict[str, np.ndarray]) -
         Q = np.linalg.qr(part.own[kept[name]])[0]
         for values, into in ((part.payload[kept[name]], columns), (part.torque[kept[name]], targets)):
             into.append((values - Q @ (Q.T @ values)) / noise[name])
-    weights: FloatArray = np.linalg.lstsq(np.concatenate(columns), np.concatenate(targets), rcond=_RANK)[0]
+    weights: FloatArray = np.linalg.lstsq(np.concatenate(columns), np.concatenate(targets), rcond=SETTINGS.rank)[0]
     return weights, noise
 
 
@@ -279,7 +306,7 @@ def _predict_held_out(parts: dict[str, _JointRows], *, with_payload: bool) -> di
     errors = {}
     for name, part in parts.items():
         target = part.torque - part.payload @ weights
-        own = np.linalg.lstsq(part.own[~part.test], target[~part.test], rcond=_RANK)[0]
+        own = np.linalg.lstsq(part.own[~part.test], target[~part.test], rcond=SETTINGS.rank)[0]
         errors[name] = target[part.test] - part.own[part.test] @ own
     return errors
 
@@ -291,7 +318,7 @@ def _compute_rms(values: FloatArray) -> float:
 def _write_answer(found: Payload, names: tuple[str, ...]) -> Diagnosis:
     noise = float(np.sqrt(np.mean([value**2 for value in found.noise.values()])))
     held = compute_held_out(found.before, found.after, noise, ("N·m", 0))
-    seen = found.significance > _SIGNIFICANT and held.rmse_after < held.rmse_before
+    seen = found.significance > SETTINGS.significant and held.rmse_after < held.rmse_before
     units = {"mass": "kg"}
     parameters = {
         name: Quantity(value, units.get(name, "kg·m"), (value - 1.96 * error, value + 1.96 * error))
@@ -320,7 +347,7 @@ def _write_answer(found: Payload, names: tuple[str, ...]) -> Diagnosis:
 
 def _describe_joints(found: Payload) -> str:
     """The joints whose torques show the payload most."""
-    most = sorted(found.errors.items(), key=lambda item: item[1][1] ** 2 - item[1][0] ** 2)[:_MOST_JOINTS]
+    most = sorted(found.errors.items(), key=lambda item: item[1][1] ** 2 - item[1][0] ** 2)[: SETTINGS.most_joints]
     shown = [f"{name} ({before:.3g} to {after:.3g} N·m)" for name, (before, after) in most if after < before]
     return f"It shows most in the torque of {', '.join(shown)}: the fall of each one's held-out error."
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,10 +21,24 @@ from .verdict.shared_effect import SimulationEffects
 __all__ = ["compare_motions", "diagnose_against"]
 
 _MECHANICAL = {"N·m", "N"}
-_SHORT = 0.8  # of the recording's duration, below which a simulated one is told to be shorter
-# Unrelated motions of one size differ by the square root of two, in standard deviations of the position; the same one
-# by how differently two joints follow a command.
-_SAME_MOTION = 0.5
+
+
+@dataclass(frozen=True)
+class MotionSettings:
+    """When a simulated recording is told to have another motion than the recorded one.
+
+    Attributes:
+        short: Part of the recording's duration below which the simulated one is told to be shorter.
+        same_motion: Difference of the positions, over their standard deviation, from which the motions are others.
+            Unrelated motions of one size differ by the square root of two; the same one by how differently two joints
+            follow a command.
+    """
+
+    short: float = 0.8
+    same_motion: float = 0.5
+
+
+SETTINGS = MotionSettings()
 
 
 def diagnose_against(
@@ -83,13 +98,13 @@ def _have_one_unit(simulated: Recording, recordings: Sequence[Recording]) -> boo
 def compare_motions(recordings: Sequence[Recording], simulated: Recording) -> tuple[str, ...]:
     """Say where a simulated recording was not made under the commands of the recordings, in sentences."""
     longest = max(one.duration for one in recordings)
-    if simulated.duration < _SHORT * longest:
+    if simulated.duration < SETTINGS.short * longest:
         return (
             f"The simulated recording lasts {simulated.duration:.3g} s and the recording {longest:.3g} s: what it says "
             "about the simulation holds for the part of the motion that it has.",
         )
     apart = min(_measure_distance(one, simulated) for one in recordings)
-    if apart < _SAME_MOTION:
+    if apart < SETTINGS.same_motion:
         return ()
     return (
         f"The simulated recording has another motion (positions at the same times differ by {apart:.2g} times the "

@@ -13,7 +13,8 @@ from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
 from .diagnose import Progress, diagnose
-from .evidence.comparison import NAMED, PLAIN, SPLIT, UNEXPLAINED, Doubt
+from .evidence.comparison import NAMED, PLAIN, UNEXPLAINED, Doubt
+from .evidence.settings import PARAMETERS
 from .inputs.checks import reasons_against
 from .inputs.rigid import RigidJoint
 from .inputs.sensor_noise import add_sensor_noise
@@ -23,7 +24,6 @@ from .record.result import Diagnosis, NamedEffect, Quantity
 
 __all__ = ["SimulatedJoint", "read_simulated"]
 
-_MORE_THAN_NOISE = 1.5  # times the noise on held-out data, that is left where the named effects are not all
 # How an offset and the difference of the directions make up for each other while the joint slides.
 _PARTING = {"offset": 1.0, "forward.coulomb_torque": -1.0, "reverse.coulomb_torque": 1.0}
 
@@ -100,7 +100,7 @@ def _measure_rest(found: Diagnosis) -> float | None:
     if found.verdict == "unknown_physics" or held is None:
         return found.record.noise_ratio
     left = held.rmse_after / max(held.noise_floor, 1e-30)
-    return left if left > _MORE_THAN_NOISE else None
+    return left if left > PARAMETERS.readable else None
 
 
 def _read_friction(recording: Recording, base: Mapping[str, Quantity]) -> FrictionModel:
@@ -161,7 +161,7 @@ def _build_covariance(covariance: FloatArray, read: RigidJoint, level: float, do
         doubt: How far all of it strays beyond what the fit knows of its own error.
     """
     named = BASE_NAMES[:BODY_AND_CURVES]
-    parting = np.array([_PARTING.get(name, 0.0) for name in named]) * SPLIT * level
+    parting = np.array([_PARTING.get(name, 0.0) for name in named]) * PARAMETERS.split * level
     gravity = float(np.hypot(doubt.gravity * float(np.hypot(*read.gravity)), doubt.sliding * level))
     strays = {"log_inertia": doubt.inertia, "gravity_cos": gravity, "gravity_sin": gravity}
     strays |= dict.fromkeys(_PARTING, doubt.uneven * level)

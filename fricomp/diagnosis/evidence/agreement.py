@@ -18,16 +18,12 @@ from ..search.preparation import Baseline
 from ..search.refit import compute_preference, fit_from, polish
 from ..search.search import SearchResult
 from ..search.settings import SEARCH
-from .alias import CLOSE, is_as_good, list_alternatives, list_printed_rivals
+from .alias import is_as_good, list_alternatives, list_printed_rivals
 from .comparison import AGREES, NAMED, Doubt
+from .settings import AGREEMENT, ALIASES
 
 __all__ = ["hold", "move_to", "prefer_agreeing"]
 
-_LEAST_GRAVITY = 0.4  # of the scale in which the base measures gravity: a fiftieth of friction or of gravity itself
-_HELD = 0.002  # relative deviation of inertia and gravity that are held at those of the simulation
-_NEAR, _MOST_NEAR = 0.9, 2  # of the best gain, from which an explanation is tried with the simulation's parameters
-_MOST_STARTS = 4
-_HIDES = 4.0  # times what a fit leaves, that it may have hidden in inertia and gravity of what its law cannot say
 _BENT = "needs another inertia or gravity than the simulation's"
 
 
@@ -52,12 +48,12 @@ def prefer_agreeing(
     if best is None:
         return found
     if differs(best, AGREES):
-        least = best.gain - max(CLOSE, _HIDES * best.left, found.explainable_null)
+        least = best.gain - max(ALIASES.close, AGREEMENT.hides * best.left, found.explainable_null)
         options = [one for one in list_alternatives(found) if one.gain > least]
         if rigid is not None and rigid.rotary:
             held = _fit_held(prepared, _list_near(found, best), rigid)
             agrees = any(_fits_enough(one, least) and not differs(one, AGREES) for one in held)
-            held = _finish(prepared, held, best, 1 if agrees else _MOST_NEAR)
+            held = _finish(prepared, held, best, 1 if agrees else AGREEMENT.most_near)
             options += [one for one in held if _fits_enough(one, least)]
         kept = _keep_agreeing(best, sorted(options, key=lambda explanation: -explanation.gain), differs)
         if not kept:
@@ -78,7 +74,7 @@ def _finish(prepared: Baseline, held: Sequence[Explanation], best: Explanation, 
     with one Jacobian does not follow to its end.
     """
     order = sorted(held, key=compute_preference, reverse=True)
-    far = [one.refused != "" or one.gain <= _NEAR * best.gain for one in order]
+    far = [one.refused != "" or one.gain <= AGREEMENT.near * best.gain for one in order]
     ends = [one for i, one in enumerate(order[:number]) if i == 0 or not far[i]]
     rest = [one for one in order if all(one is not each for each in ends)]
     return [*polish(prepared, ends, iterations=SEARCH.last_steps), *rest] if ends else rest
@@ -113,9 +109,9 @@ def _list_near(found: SearchResult, best: Explanation) -> list[Explanation]:
     """The best explanation and others that come near it, of each set of effects the best one."""
     near = {best.names: best}
     for rival in found.explanations:
-        if len(rival.names) == len(best.names) and rival.gain > _NEAR * best.gain:
+        if len(rival.names) == len(best.names) and rival.gain > AGREEMENT.near * best.gain:
             near.setdefault(rival.names, rival)
-    return list(near.values())[:_MOST_NEAR]
+    return list(near.values())[: AGREEMENT.most_near]
 
 
 def _fit_held(prepared: Baseline, near: Sequence[Explanation], rigid: RigidJoint) -> list[Explanation]:
@@ -126,7 +122,7 @@ def _fit_held(prepared: Baseline, near: Sequence[Explanation], rigid: RigidJoint
         theta = move_to(box.centre[:3], one.fit.theta[:N_BASE], one.structure.contexts)
         settled = sorted(one.settled, key=lambda candidate: candidate.name)
         forms = [[candidate, *_list_other_forms(one.structure.contexts, candidate.name)] for candidate in settled]
-        wanted += [(candidates, theta) for candidates in islice(product(*forms), _MOST_STARTS)]
+        wanted += [(candidates, theta) for candidates in islice(product(*forms), AGREEMENT.most_starts)]
     return fit_from(prepared, wanted, box)
 
 
@@ -153,8 +149,8 @@ def hold(box: Box, rigid: RigidJoint) -> Box:
 
     About a vertical axis there is no gravity, and one held to exactly nothing would drown all else that is fitted.
     """
-    gravity = _HELD * max(float(np.hypot(*rigid.gravity)), _LEAST_GRAVITY * float(box.scale[1]))
+    gravity = AGREEMENT.held * max(float(np.hypot(*rigid.gravity)), AGREEMENT.least_gravity * float(box.scale[1]))
     centre: FloatArray = np.concatenate([[np.log(rigid.inertia), *rigid.gravity], box.centre[3:]])
     precision = box.precision.copy()
-    precision[range(3), range(3)] = np.array([_HELD, gravity, gravity]) ** -2.0
+    precision[range(3), range(3)] = np.array([AGREEMENT.held, gravity, gravity]) ** -2.0
     return replace(box, centre=centre, precision=precision)

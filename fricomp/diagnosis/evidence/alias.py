@@ -9,13 +9,9 @@ from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from ..search.screening import Screen, orthonormalise
 from ..search.search import SearchResult
+from .settings import ALIASES
 
-__all__ = ["CLOSE", "compare_effects", "is_as_good", "list_aliases", "list_alternatives", "list_printed_rivals"]
-
-CLOSE = 12.0
-"""Gain within which two explanations count as equally good."""
-
-_FORM = 0.03  # of the gain, that a law of slightly another form may lack
+__all__ = ["compare_effects", "is_as_good", "list_aliases", "list_alternatives", "list_printed_rivals"]
 
 
 def list_aliases(found: SearchResult, name: str) -> tuple[str, ...]:
@@ -25,7 +21,7 @@ def list_aliases(found: SearchResult, name: str) -> tuple[str, ...]:
         return ()
     others = set(best.names) - {name}
     # Where the best one leaves nothing its form is right, and a worse rival's is not.
-    least = best.gain - max(CLOSE, best.left, found.explainable_null)
+    least = best.gain - max(ALIASES.close, best.left, found.explainable_null)
     rivals = [rival for rival in list_alternatives(found) if rival.gain > least and others <= set(rival.names)]
     return tuple(sorted({next(iter(set(rival.names) - others)) for rival in rivals}))
 
@@ -48,7 +44,7 @@ def list_alternatives(found: SearchResult) -> list[Explanation]:
 
 def is_as_good(rival: Explanation, best: Explanation) -> bool:
     """Whether an explanation fits about as well as the best one."""
-    return rival.gain > best.gain - max(CLOSE, _FORM * best.gain)
+    return rival.gain > best.gain - max(ALIASES.close, ALIASES.form * best.gain)
 
 
 def compare_effects(prepared: Baseline, screened: Screen) -> Distinguishability:

@@ -15,6 +15,7 @@ from ..inputs.track import FloatArray
 from ..joint.base import BASE_NAMES
 from ..joint.solver import Fit, minimise
 from ..search.preparation import Baseline
+from .settings import PARAMETERS
 
 __all__ = ["fit_as_given"]
 
@@ -25,7 +26,6 @@ _RIGID = {
     "torque_gain_error": _BODY,
 }
 _UNEVEN = ("torque_offset", "direction_asymmetry")
-_ITERATIONS = 6
 
 
 def fit_as_given(
@@ -48,7 +48,7 @@ def fit_as_given(
     lower[at] = upper[at] = start[at] = list(fixed.values())
     evaluate = prepared.problem.build_residual(prepared.problem.add_nothing, N_BASE)
     box = replace(prepared.box, lower=lower, upper=upper)
-    fit = minimise(evaluate, start, box, iterations=_ITERATIONS, refresh=2)
+    fit = minimise(evaluate, start, box, iterations=PARAMETERS.iterations, refresh=2)
     jacobian = fit.jacobian.copy()
     jacobian[:, at] = 0.0  # what is given stays so on every fold
     return replace(fit, jacobian=jacobian)

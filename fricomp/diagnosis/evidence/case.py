@@ -21,10 +21,9 @@ from .comparison import Comparison, Doubt
 from .friction_comparison import GivenFriction, compare_friction, list_friction_changes
 from .refitted import Refitted
 from .rigid_comparison import compare_rigid
+from .settings import PARAMETERS
 
 __all__ = ["Case", "compare_given", "fit_given", "share_between"]
-
-_ANY_SPEED = 1.0  # [rad/s] or [m/s], Stribeck velocity of a friction that does not fall with speed
 
 
 @dataclass(frozen=True)
@@ -58,7 +57,7 @@ class Case:
         rigid = self.rigid
         if self.friction is not None or rigid is None or rigid.covariance is not None or rigid.friction_loss <= 0.0:
             return self.friction
-        curve = StribeckCurve(rigid.friction_loss, rigid.friction_loss, _ANY_SPEED, rigid.damping)
+        curve = StribeckCurve(rigid.friction_loss, rigid.friction_loss, PARAMETERS.any_speed, rigid.damping)
         return FrictionModel(FrictionLaw((BidirectionalStribeck(curve, curve),)))
 
     @property

@@ -9,14 +9,12 @@ import numpy as np
 from ..inputs.track import FloatArray
 from ..joint.observer import Plant
 from ..record.result import Change, Kind, Quantity
+from .settings import PARAMETERS
 
 __all__ = [
     "AGREES",
     "NAMED",
     "PLAIN",
-    "SIGNIFICANT",
-    "SIMPLER",
-    "SPLIT",
     "UNEXPLAINED",
     "Comparison",
     "Doubt",
@@ -27,15 +25,6 @@ __all__ = [
     "describe_change",
     "weigh_hypotheses",
 ]
-
-SIGNIFICANT = 25.0
-"""Fall of chi squared that a change must bring."""
-SIMPLER = 4.0
-"""Chi squared that one more parameter must be worth."""
-SPLIT = 0.22
-"""Deviation of half the difference of the directions over the Coulomb level, of which the fit is far too sure, from
-simulated joints with nothing missing: a joint that slides shows that difference plus the offset, and only its
-presliding tells one from the other."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +55,6 @@ PLAIN = Doubt(inertia=1e-4, accelerating=1e-4, gravity=5e-5, sliding=5e-4, uneve
 NAMED = Doubt(inertia=0.005, accelerating=4e-4, gravity=2e-3, sliding=3e-3, uneven=3e-3, known=1.5)
 AGREES = Doubt(inertia=1e-4, accelerating=4e-4, gravity=3e-4, sliding=1e-3, uneven=3e-4)
 """Doubt within which an explanation leaves the simulation as it is."""
-_STRONG = 8.0  # residual of the base over its noise, beside whose effects parameters stray as much as `NAMED` says
 UNEXPLAINED = Doubt(inertia=0.02, accelerating=4e-4, gravity=0.01, sliding=0.02, uneven=0.02)
 
 
@@ -112,7 +100,7 @@ def compute_doubt(noise_ratio: float) -> Doubt:
     A law of slightly another form leaves a part of the effect's size, so that parameters stray the less, the weaker the
     effect is.
     """
-    share = min(float(np.sqrt(max(noise_ratio**2 - 1.0, 0.0))) / _STRONG, 1.0)
+    share = min(float(np.sqrt(max(noise_ratio**2 - 1.0, 0.0))) / PARAMETERS.strong, 1.0)
     between = (plain + share * (named - plain) for plain, named in zip(astuple(PLAIN), astuple(NAMED), strict=True))
     return replace(Doubt(*between), known=NAMED.known)
 
@@ -149,7 +137,7 @@ def weigh_hypotheses(
         normal = span.T @ weight @ span + 1e-12 * np.eye(span.shape[1])
         step = np.asarray(np.linalg.solve(normal, span.T @ weight @ shift), dtype=np.float64)
         rest = shift - span @ step
-        scores[name], fitted[name] = float(rest @ weight @ rest) + SIMPLER * span.shape[1], step
+        scores[name], fitted[name] = float(rest @ weight @ rest) + PARAMETERS.simpler * span.shape[1], step
     return scores, fitted
 
 

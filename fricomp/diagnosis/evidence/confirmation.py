@@ -12,16 +12,9 @@ from ..effects.structure import Structure
 from ..inputs.track import FloatArray
 from ..joint.solver import Box, Fit, raise_diagonal
 from ..search.preparation import Baseline
+from .settings import CONFIRMATION
 
 __all__ = ["Confirmation", "compute_covariance", "confirm"]
-
-_FOLDS, _BLOCKS = 6, 6  # and blocks of each, so that the others hold what is alike: a sweep meets each speed once
-_SHORTEST = 60  # rows of a block
-_FEW = 3  # recordings, below which blocks are left out instead of whole ones
-_GAP_ROWS = 15  # 0.3 s, five correlation times of the rows
-_BOOTSTRAPS = 400
-_BLOCK_ROWS = 50  # 1 s, longer than rows remember
-_PARTS = (1.0, 0.5, 0.25, 0.06)  # of a step that are simulated
 
 
 @dataclass(frozen=True)
@@ -68,7 +61,7 @@ def confirm(prepared: Baseline, structure: Structure, fit: Fit, seed: int, *, gi
     blocks = _split_blocks(before.size)
     b = np.array([energy_before[k].sum() for k in blocks])
     a = np.array([energy_after[k].sum() for k in blocks])
-    draws = np.random.default_rng(seed).integers(0, len(blocks), (_BOOTSTRAPS, len(blocks)))
+    draws = np.random.default_rng(seed).integers(0, len(blocks), (CONFIRMATION.bootstraps, len(blocks)))
     reduction = 1.0 - np.sqrt(a[draws].sum(axis=1) / b[draws].sum(axis=1))
     low, high = np.quantile(reduction, [0.025, 0.975])
     # A ripple too fine for the generic basis was taken for noise: what is left without it is the better floor.
@@ -97,11 +90,13 @@ def _split_folds(sizes: list[int]) -> list[tuple[FloatArray, FloatArray]]:
     """Masks of training and test rows: whole recordings where there are three or more, else blocks with gaps."""
     total, ends, number = sum(sizes), np.cumsum([0, *sizes]), len(sizes)
     cuts = [(int(a), int(b), 0) for a, b in pairwise(ends)]
-    if number < _FEW:
-        number = _FOLDS
-        blocks = _FOLDS * int(np.clip(total // (_FOLDS * _SHORTEST), 1, _BLOCKS))
+    if number < CONFIRMATION.fewest_recordings:
+        number = CONFIRMATION.folds
+        blocks = CONFIRMATION.folds * int(
+            np.clip(total // (CONFIRMATION.folds * CONFIRMATION.shortest_block), 1, CONFIRMATION.blocks)
+        )
         edges = np.linspace(0, total, blocks + 1).astype(int)
-        cuts = [(int(a), int(b), _GAP_ROWS) for a, b in pairwise(edges)]
+        cuts = [(int(a), int(b), CONFIRMATION.gap) for a, b in pairwise(edges)]
     folds = [(np.ones(total, dtype=bool), np.zeros(total, dtype=bool)) for _ in range(number)]
     for i, (a, b, gap) in enumerate(cuts):
         train, test = folds[i % number]
@@ -124,11 +119,11 @@ def _predict_held_out(
     box = prepared.box.join(structure.build_box()) if structure.candidates else prepared.box
     moves = [_compute_move(residual, fit.jacobian, box, train) for train, _ in folds]
     values = structure.compute_residuals(
-        prepared.problem, [box.clip(theta + part * move) for move in moves for part in _PARTS]
+        prepared.problem, [box.clip(theta + part * move) for move in moves for part in CONFIRMATION.step_parts]
     )
     result = residual.copy()
     for i, (train, test) in enumerate(folds):
-        options = values[i * len(_PARTS) : (i + 1) * len(_PARTS)]
+        options = values[i * len(CONFIRMATION.step_parts) : (i + 1) * len(CONFIRMATION.step_parts)]
         best = min(options, key=lambda option: float(option[train] @ option[train]))
         fall = float(residual[train] @ residual[train]) - float(best[train] @ best[train])
         result[test] = (best if fall > 0.0 else residual)[test]
@@ -142,7 +137,7 @@ def _compute_move(residual: FloatArray, jacobian: FloatArray, box: Box, train: F
     """
     free = np.flatnonzero(np.any(jacobian, axis=0))
     A = (jacobian[train] * box.scale)[:, free]
-    prior = raise_diagonal(box.scaled_precision[np.ix_(free, free)], 0.1)
+    prior = raise_diagonal(box.scaled_precision[np.ix_(free, free)], CONFIRMATION.least_diagonal)
     step = np.zeros(box.scale.size)
     step[free] = np.linalg.solve(A.T @ A + prior, -A.T @ residual[train])
     result: FloatArray = box.scale * np.clip(step, -1.0, 1.0)
@@ -174,10 +169,10 @@ def _sum_leaning(A: FloatArray, inverse: FloatArray, residual: FloatArray) -> Fl
     parameters sums of what is left are a fifth too small. Shape (p,).
     """
     size, V = np.linalg.eigh(np.eye(A.shape[0]) - A @ inverse @ A.T)
-    result: FloatArray = A.T @ (V @ ((V.T @ residual) / np.sqrt(np.maximum(size, 1e-3))))
+    result: FloatArray = A.T @ (V @ ((V.T @ residual) / np.sqrt(np.maximum(size, CONFIRMATION.straightest))))
     return result
 
 
 def _split_blocks(rows: int) -> list[NDArray[np.int64]]:
     """Rows of blocks of a second, at least ten of them."""
-    return np.array_split(np.arange(rows), max(10, rows // _BLOCK_ROWS))
+    return np.array_split(np.arange(rows), max(CONFIRMATION.fewest_blocks, rows // CONFIRMATION.bootstrap_block))

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..effects import EFFECTS
 from ..inputs.track import FloatArray
 from ..joint.solver import Fit
 from ..record.result import Distinguishability, Location, Quantity, RowSeries
@@ -92,7 +91,7 @@ class Findings:
         """Order and amplitude of the ripple that the rows show, of torque or of friction; None where they show none."""
         for one in sorted(self.effects, key=lambda effect: -effect.energy):
             values = {name: quantity.value for name, quantity in one.parameters.items()}
-            named = one.overtone_of is None and bool(EFFECTS[one.effect.name].wave)
+            named = one.overtone_of is None and bool(one.effect.wave)
             if named and {"order", "sine", "cosine"} <= set(values):
                 return values["order"], float(np.hypot(values["sine"], values["cosine"]))
         return None

@@ -18,9 +18,6 @@ from ..inputs.track import FloatArray
 from ..joint.observer import Plant
 from ..record.result import Change, Quantity
 from .comparison import (
-    SIGNIFICANT,
-    SIMPLER,
-    SPLIT,
     Comparison,
     Doubt,
     Shift,
@@ -28,13 +25,13 @@ from .comparison import (
     describe_change,
     weigh_hypotheses,
 )
+from .settings import PARAMETERS
 
 __all__ = ["FRICTION_CHANGES", "GivenFriction", "compare_friction", "list_friction_changes"]
 
 FRICTION_CHANGES = ("frictionloss", "damping")
 """Changes of a simulation's own friction, by the names that MJCF has for it."""
 
-_MOST_OF_LEVEL = 0.5  # half the difference of the directions, over the Coulomb level, that is told in per cent
 _FORWARD, _REVERSE = 4, 8  # where the curves of the two directions begin among the base's parameters
 _VISCOUS = 3  # which number of a curve is the viscous coefficient; the first is the Coulomb torque
 _LEVELS, _SHAPE = 3, 5  # where offset and levels begin in a shift, and the shape of the curves
@@ -121,7 +118,7 @@ def list_friction_changes(
         refitted, both = 0.5 * (plant.forward[at] + plant.reverse[at]), [_FORWARD + at, _REVERSE + at]
         deviation = 0.5 * float(np.sqrt(max(np.sum(covariance[np.ix_(both, both)]), 0.0)))
         stray = float(np.hypot(deviation, doubt.uneven * refitted))
-        if (refitted - value) ** 2 > SIGNIFICANT * stray**2:
+        if (refitted - value) ** 2 > PARAMETERS.significant * stray**2:
             changes.append(describe_change(name, value, refitted, deviation, unit))
     return tuple(changes)
 
@@ -176,7 +173,7 @@ def _compute_strays(odd: _Odd, level: float, doubt: Doubt, inertia: float) -> Fl
     torque, excess = doubt.uneven * level, max(float(odd.curve[1]), 1e-9)
     gravity = float(np.hypot(doubt.gravity * (odd.gravity or 0.0), torque))
     sides = np.array([[0.5, 0.5], [0.5, -0.5]])  # offset and odd part, from their sum and their difference
-    split = sides @ np.diag([torque, SPLIT * level]) ** 2 @ sides.T
+    split = sides @ np.diag([torque, PARAMETERS.split * level]) ** 2 @ sides.T
     # Of the shape of a curve, by as much torque; of the viscous torque where it is as large as the Coulomb torque.
     shape = np.diag([torque, torque / excess, doubt.uneven * float(odd.curve[3])]) ** 2
     return np.asarray(block_diag(np.diag([inertia, gravity, gravity]) ** 2, split, shape), dtype=np.float64)
@@ -195,15 +192,15 @@ def _name_uneven(odd: _Odd, strays: FloatArray, context: tuple[float, str]) -> t
         weight = np.asarray(np.linalg.inv(covariance[np.ix_(held, held)]), dtype=np.float64)
         some = {name: span[held] for name, span in hypotheses.items()}
         scores, fitted = weigh_hypotheses(odd.shift[held], weight, some)
-        options.append((min(scores.values()) + SIMPLER * (8 - len(held)), scores, fitted, weight, some))
+        options.append((min(scores.values()) + PARAMETERS.simpler * (8 - len(held)), scores, fitted, weight, some))
     _, scores, fitted, weight, some = min(options, key=lambda option: option[0])
     best = min(scores, key=lambda name: scores[name])
-    if not best or scores[""] - scores[best] < SIGNIFICANT:
+    if not best or scores[""] - scores[best] < PARAMETERS.significant:
         return ()
     # Static friction need not follow the Coulomb torque: where that alone tells the two apart, both stay possible.
     sliding = options[-1][1]
-    alike = best != both and abs(sliding[offset] - sliding[asymmetry]) <= SIMPLER
-    if alike and scores[offset] <= scores[asymmetry] + SIMPLER:
+    alike = best != both and abs(sliding[offset] - sliding[asymmetry]) <= PARAMETERS.simpler
+    if alike and scores[offset] <= scores[asymmetry] + PARAMETERS.simpler:
         best = offset  # it leaves the joint as it is
     span = some[best]
     half = 1.96 * np.sqrt(np.diag(np.linalg.inv(span.T @ weight @ span)))
@@ -234,5 +231,5 @@ def _describe_uneven(
         "coulomb_difference": Quantity(2.0 * value, unit, (2.0 * (value - half), 2.0 * (value + half))),
     }
     # A difference beyond the level itself is no share of anything.
-    size = f"{200 * abs(ratio):.0f} %" if abs(ratio) <= _MOST_OF_LEVEL else f"{2 * abs(value):.3g} {unit}"
+    size = f"{200 * abs(ratio):.0f} %" if abs(ratio) <= PARAMETERS.told_in_percent else f"{2 * abs(value):.3g} {unit}"
     return Shift(name, numbers, f"friction differs between the directions by {size}", alike=alike)

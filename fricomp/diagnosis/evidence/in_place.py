@@ -15,18 +15,17 @@ from ..search.preparation import Baseline
 from ..search.refit import fit_from
 from ..search.screening import screen
 from .agreement import move_to
-from .alias import CLOSE, is_as_good
+from .alias import is_as_good
 from .case import Case, compare_given
 from .comparison import PLAIN, compute_body_strays
 from .gates import stands_out
 from .refitted import Refitted
+from .settings import ALIASES, IN_PLACE
 
 __all__ = ["BODY_SHIFTS", "prefer_in_place"]
 
 BODY_SHIFTS = {"inertia_error": 1, "torque_gain_error": 1, "payload_error": 3}
 """Shifts of inertia and gravity, and how many numbers each of them moves."""
-_MOST, _FITTED = 4, 2  # effects that are tried, by their columns and as they were found without the simulation
-_SHARE = 0.3  # of what the simulation as given costs, that the columns of an effect must explain
 
 
 @dataclass(frozen=True)
@@ -54,7 +53,7 @@ class _Question:
 
     def does_as_well(self, one: Explanation, noise: float) -> bool:
         """Whether an effect explains as much: where moved parameters leave nothing but `noise`, so must it."""
-        least = self.moved.gain - max(CLOSE, self.moved.left, noise)
+        least = self.moved.gain - max(ALIASES.close, self.moved.left, noise)
         return one.gain > least and is_as_good(self.count_gain(one), self.count_gain(self.moved))
 
 
@@ -123,10 +122,16 @@ def _list_tried(case: Case, question: _Question) -> list[Candidate]:
     prepared, fit = case.prepared, question.given.fit
     about = Structure(prepared.structure.contexts)
     columns = screen(prepared.problem, about, fit.theta, fit.residual, fit.jacobian).select_best().values()
-    strong = [c.candidate for c in columns if c.energy > _SHARE * question.cost and c.candidate.name not in BODY_SHIFTS]
+    strong = [
+        c.candidate
+        for c in columns
+        if c.energy > IN_PLACE.share * question.cost and c.candidate.name not in BODY_SHIFTS
+    ]
     single = [one for one in case.found.explanations if len(one.names) == 1 and _is_physical(one)]
-    found = [candidate for one in single[:_FITTED] for candidate in one.settled if candidate.name not in BODY_SHIFTS]
-    return [*strong[:_MOST], *found]
+    found = [
+        candidate for one in single[: IN_PLACE.fitted] for candidate in one.settled if candidate.name not in BODY_SHIFTS
+    ]
+    return [*strong[: IN_PLACE.most], *found]
 
 
 def _is_physical(one: Explanation) -> bool:

@@ -10,13 +10,9 @@ from ..inputs.track import FloatArray
 from ..record.result import Interval, Location, RowSeries
 from ..search.generic import measure_time_since_reversal
 from ..search.preparation import Baseline
+from .settings import LOCATION
 
 __all__ = ["collect_rows", "find_change_points", "locate", "map_excess"]
-
-_BINS = 24
-_SHARE = 0.8
-_BOOTSTRAPS = 200
-_BLOCK = 25  # rows: half a second, longer than the residual remembers
 
 
 def collect_rows(
@@ -62,14 +58,19 @@ def map_excess(series: Sequence[RowSeries], seed: int) -> dict[str, dict[str, Fl
 
 
 def _map_quantity(values: FloatArray, energy: FloatArray, seed: int) -> dict[str, FloatArray]:
-    edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, _BINS + 1)))
+    edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, LOCATION.bins + 1)))
     index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
     count = np.bincount(index, minlength=edges.size - 1)
-    starts = np.arange(0, values.size, _BLOCK)
+    starts = np.arange(0, values.size, LOCATION.block)
     rng = np.random.default_rng(seed)
-    sums = np.stack([np.bincount(index[s : s + _BLOCK], energy[s : s + _BLOCK] - 1.0, edges.size - 1) for s in starts])
-    counts = np.stack([np.bincount(index[s : s + _BLOCK], minlength=edges.size - 1) for s in starts])
-    drawn = [rng.integers(0, starts.size, starts.size) for _ in range(_BOOTSTRAPS)]
+    sums = np.stack(
+        [
+            np.bincount(index[s : s + LOCATION.block], energy[s : s + LOCATION.block] - 1.0, edges.size - 1)
+            for s in starts
+        ]
+    )
+    counts = np.stack([np.bincount(index[s : s + LOCATION.block], minlength=edges.size - 1) for s in starts])
+    drawn = [rng.integers(0, starts.size, starts.size) for _ in range(LOCATION.bootstraps)]
     means = np.stack([sums[d].sum(axis=0) / np.maximum(counts[d].sum(axis=0), 1) for d in drawn])
     lower, upper = np.quantile(means, [0.025, 0.975], axis=0)
     return {"edges": edges, "excess": sums.sum(axis=0) / np.maximum(count, 1), "lower": lower, "upper": upper}
@@ -77,13 +78,13 @@ def _map_quantity(values: FloatArray, energy: FloatArray, seed: int) -> dict[str
 
 def _find_intervals(values: FloatArray, energy: FloatArray) -> list[Interval]:
     """Intervals of `values` that hold most of the excess energy, densest first until the share is reached."""
-    edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, _BINS + 1)))
+    edges = np.unique(np.quantile(values, np.linspace(0.0, 1.0, LOCATION.bins + 1)))
     index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
     total = np.maximum(np.bincount(index, energy, edges.size - 1), 0.0)
     density = total / np.maximum(np.bincount(index, minlength=edges.size - 1), 1)
     chosen, held = np.zeros(total.size, dtype=bool), 0.0
     for i in np.argsort(-density):
-        if held >= _SHARE * total.sum():
+        if held >= LOCATION.share * total.sum():
             break
         chosen[i], held = True, held + total[i]
     return merge([(float(edges[i]), float(edges[i + 1])) for i in np.flatnonzero(chosen)], 1e-12)
@@ -130,7 +131,7 @@ def locate(
         inside = np.zeros(values.size, dtype=bool)
         for low, high in found:
             inside |= (values >= low) & (values <= high)
-        if found and inside.mean() < 0.6:
+        if found and inside.mean() < LOCATION.widest:
             location[name], parts_of[name] = found, float(inside.mean())
     return {name: location[name] for name in sorted(location, key=lambda name: parts_of[name])}
 
@@ -141,7 +142,7 @@ def _find_times(time: FloatArray, energy: FloatArray, rows: int) -> list[Interva
     smooth = np.convolve(e, np.ones(rows) / rows, mode="same")
     order = np.argsort(-smooth)
     held = np.cumsum(e[order]) / max(float(e.sum()), 1e-30)
-    chosen = np.sort(order[: int(np.searchsorted(held, _SHARE)) + 1])
+    chosen = np.sort(order[: int(np.searchsorted(held, LOCATION.share)) + 1])
     half = 0.5 * float(np.median(np.diff(time)))
     return merge([(float(time[i] - half), float(time[i] + half)) for i in chosen], (rows - 1 + 1e-6) * half)
 
@@ -153,12 +154,12 @@ def find_change_points(series: Sequence[RowSeries]) -> tuple[tuple[float, ...], 
     result: list[tuple[float, ...]] = []
     for one in series:
         size = np.log((one.before / one.spread) ** 2 + 0.1)
-        coarse = size[: size.size // 10 * 10].reshape(-1, 10).mean(axis=1)
-        if coarse.size < 12:
+        rows = LOCATION.coarse
+        coarse = size[: size.size // rows * rows].reshape(-1, rows).mean(axis=1)
+        if coarse.size < LOCATION.fewest:
             result.append(())
             continue
-        found = (
-            ruptures.KernelCPD(kernel="linear", min_size=5).fit(coarse[:, None]).predict(pen=4.0 * np.log(coarse.size))
-        )
-        result.append(tuple(float(one.time[10 * i]) for i in found[:-1]))
+        search = ruptures.KernelCPD(kernel="linear", min_size=LOCATION.between_changes).fit(coarse[:, None])
+        found = search.predict(pen=LOCATION.penalty * np.log(coarse.size))
+        result.append(tuple(float(one.time[rows * i]) for i in found[:-1]))
     return tuple(result)

@@ -12,12 +12,9 @@ from ..effects.structure import Candidate
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from ..search.screening import screen
+from .settings import OVERTONES
 
 __all__ = ["Overtone", "find_overtones", "is_explained_by_overtone"]
-
-# Part of an order, and of a wave over the recorded range, by which an overtone may miss a multiple: short ranges tell
-# orders no better. Part of the energy of the other, from which a ripple counts.
-_RHYTHM, _WAVE, _OF_ITS_OWN = 0.01, 0.25, 0.5
 
 
 class Overtone(NamedTuple):
@@ -43,13 +40,13 @@ def find_overtones(
         span: Range of the recorded position [rad] or [m].
         does_as_well: Whether, in place of the first effect, the second one's own wave at that order explains as much.
     """
-    resolution = _WAVE * 2.0 * np.pi / span
+    resolution = OVERTONES.wave * 2.0 * np.pi / span
     found: dict[str, Overtone] = {}
     ripples = [name for name in chosen.names if EFFECTS[name].ripple]
     values = {name: chosen.values[name] for name in ripples} if len(ripples) > 1 else {}
     for name, own in values.items():
         for other, tone in values.items():
-            if other == name or energy[name] >= _OF_ITS_OWN * energy[other]:
+            if other == name or energy[name] >= OVERTONES.of_its_own * energy[other]:
                 continue
             times = round(own["order"] / tone["order"])
             if _is_in_rhythm(own["order"], tone["order"], resolution):
@@ -87,4 +84,4 @@ def is_explained_by_overtone(
 
 def _is_in_rhythm(order: float, tone: float, resolution: float) -> bool:
     times = round(order / tone)
-    return times >= 1 and abs(order - times * tone) < max(_RHYTHM * order, resolution)
+    return times >= 1 and abs(order - times * tone) < max(OVERTONES.rhythm * order, resolution)

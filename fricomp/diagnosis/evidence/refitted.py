@@ -16,8 +16,8 @@ from ..joint.solver import Fit
 from ..record.result import Quantity
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
-from .comparison import SPLIT
 from .confirmation import compute_covariance
+from .settings import PARAMETERS
 
 __all__ = ["SPLIT_BY_PRESLIDING", "Refitted"]
 
@@ -25,7 +25,7 @@ SPLIT_BY_PRESLIDING = ("offset", "forward.coulomb_torque", "reverse.coulomb_torq
 """Parameters of the base that sliding shows as sums only."""
 
 _DELAY = BASE_NAMES.index("delay")
-_LARGEST = 700.0  # of an exponent
+_LARGEST = 700.0  # The largest exponent, nearly, whose power a double holds.
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class Refitted:
         }
         deviation = self.deviations[:N_BASE].copy()
         split = [BASE_NAMES.index(name) for name in SPLIT_BY_PRESLIDING]
-        deviation[split] = np.hypot(deviation[split], SPLIT * self.plant.level)
+        deviation[split] = np.hypot(deviation[split], PARAMETERS.split * self.plant.level)
         theta, result = self.fit.theta[:N_BASE].copy(), {}
         if any(parameter.with_delay for _, parameter in self.structure.parameters):
             theta[_DELAY], deviation[_DELAY] = self.structure.contexts[0].usual_delay

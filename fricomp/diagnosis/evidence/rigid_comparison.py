@@ -9,8 +9,6 @@ from ..inputs.track import FloatArray
 from ..joint.observer import Plant
 from ..record.result import Quantity
 from .comparison import (
-    SIGNIFICANT,
-    SIMPLER,
     Comparison,
     Doubt,
     Shift,
@@ -18,13 +16,11 @@ from .comparison import (
     describe_change,
     weigh_hypotheses,
 )
+from .settings import PARAMETERS
 
 __all__ = ["compare_rigid"]
 
 _SAME_FACTOR = ("payload_error", "torque_gain_error")
-_USUAL_GAIN = 0.25  # largest gain error of a torque signal that is met; a load scales all three by one factor by chance
-_FOLLOWS = 1.96**2  # chi squared of the inertia's own shift, from which it is seen to follow gravity
-_ALSO = 5.0  # chi squared that a gain may leave of all three shifts: they have two degrees of freedom left
 
 
 def compare_rigid(
@@ -56,16 +52,16 @@ def compare_rigid(
     }
     scores, fitted = weigh_hypotheses(shift, weight, hypotheses)
     best = min(scores, key=lambda name: scores[name])
-    if not best or scores[""] - scores[best] < SIGNIFICANT:
+    if not best or scores[""] - scores[best] < PARAMETERS.significant:
         return Comparison()
     # Inertia and gravity that are off by the same factor are a gain as well as another mass. The gain is named where
     # the inertia is seen to follow gravity, one factor leaves nothing of the three shifts and torque signals are off by
     # as much: otherwise nothing speaks for it.
-    alike = best in _SAME_FACTOR and scores["torque_gain_error"] <= scores["payload_error"] + SIMPLER
+    alike = best in _SAME_FACTOR and scores["torque_gain_error"] <= scores["payload_error"] + PARAMETERS.simpler
     if alike:
-        follows = shift[0] ** 2 > _FOLLOWS * (covariance[0, 0] + floor[0, 0])
-        fits = scores["torque_gain_error"] - SIMPLER < _ALSO
-        usual = abs(float(fitted["torque_gain_error"][0])) <= _USUAL_GAIN
+        follows = shift[0] ** 2 > PARAMETERS.follows * (covariance[0, 0] + floor[0, 0])
+        fits = scores["torque_gain_error"] - PARAMETERS.simpler < PARAMETERS.gain_leaves
+        usual = abs(float(fitted["torque_gain_error"][0])) <= PARAMETERS.usual_gain
         best = "torque_gain_error" if follows and fits and usual else "payload_error"
     deviation = np.sqrt(np.diag(covariance + floor))
     changes = [

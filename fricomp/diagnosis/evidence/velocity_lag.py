@@ -13,21 +13,17 @@ from fricomp.recording import Recording
 from ..inputs.track import differentiate
 from ..record.result import Quantity
 from .comparison import Shift
+from .settings import VELOCITY
 
 __all__ = ["find_velocity_lag"]
-
-_LEAST = 3e-3  # [s] shorter lags are those of usual velocity filters
-_LEFT = 0.5  # of the difference to the derivative, that a lag may leave: noise of a slow motion leaves nearly all
-_SMOOTH = 0.015  # [s] of both, else a lag would do for the encoder's steps what smoothing does
-_SCALE = 0.1  # a column that is off by a factor of more than that is another quantity, or in another unit
 
 
 def find_velocity_lag(recordings: Sequence[Recording]) -> Shift | None:
     """The shift `velocity_filter_lag`, where the recorded velocity is late by more than a usual filter."""
     lags = [lag for recording in recordings if (lag := _measure_lag(recording)) is not None]
-    if not lags or float(np.median(lags)) < _LEAST:
+    if not lags or float(np.median(lags)) < VELOCITY.least:
         return None
-    lag, spread = float(np.median(lags)), 3e-4
+    lag, spread = float(np.median(lags)), VELOCITY.spread
     return Shift(
         name="velocity_filter_lag",
         kind="measurement",
@@ -43,12 +39,12 @@ def _measure_lag(recording: Recording) -> float | None:
 
     None where the column is no velocity of this position at all, whatever its lag, and 0 where none explains it.
     """
-    if recording.velocity is None or recording.sample_period > 5e-3:
+    if recording.velocity is None or recording.sample_period > VELOCITY.slowest:
         return None
     dt = recording.sample_period
-    truth = gaussian_filter1d(differentiate(np.asarray(recording.position), dt), _SMOOTH / dt)
-    seen = gaussian_filter1d(np.asarray(recording.velocity), _SMOOTH / dt)
-    grid = np.arange(0.0, 0.041, 5e-4)
+    truth = gaussian_filter1d(differentiate(np.asarray(recording.position), dt), VELOCITY.smooth / dt)
+    seen = gaussian_filter1d(np.asarray(recording.velocity), VELOCITY.smooth / dt)
+    grid = np.arange(0.0, VELOCITY.longest, VELOCITY.step)
     errors, scales = [], []
     for lag in grid:
         keep = lag / (lag + dt)  # so that the filter is late by `lag` at any sample time
@@ -56,6 +52,6 @@ def _measure_lag(recording: Recording) -> float | None:
         scales.append(float(seen @ model) / max(float(model @ model), 1e-30))
         errors.append(float(np.mean((seen - scales[-1] * model) ** 2)))
     best = int(np.argmin(errors))
-    if abs(scales[best] - 1.0) > _SCALE:
+    if abs(scales[best] - 1.0) > VELOCITY.scale:
         return None
-    return float(grid[best]) if errors[best] < _LEFT * errors[0] else 0.0
+    return float(grid[best]) if errors[best] < VELOCITY.left * errors[0] else 0.0

@@ -3,13 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from .result import DiagnosisRecord, Interval, Location, NamedEffect
 
 __all__ = ["describe_whereabouts"]
 
-_MOST_FACTS, _FEW_SPANS, _MOST_SPANS = 3, 2, 3
-_BEGINNING = 0.02  # [s] after a reversal, up to which an interval begins with it
+
+@dataclass(frozen=True)
+class WordingSettings:
+    """How much a sentence tells of where a mismatch sits.
+
+    Attributes:
+        most_facts: Quantities that are told; the first ones single the mismatch out most.
+        few_spans: Intervals up to which a quantity tells a place well.
+        most_spans: Intervals up to which it tells one at all, and that are told of it.
+        beginning: Time after a reversal [s] up to which an interval begins with it: about half of a row.
+    """
+
+    most_facts: int = 3
+    few_spans: int = 2
+    most_spans: int = 3
+    beginning: float = 0.02
+
+
+WORDING = WordingSettings()
 _NAMES = {"velocity": "velocity", "load_torque": "load torque"}
 _UNNAMED = frozenset({"", "joint", "arm"})  # joints
 _SPREAD = "The mismatch is spread over the whole recording: no time, speed, position or load stands out."
@@ -29,7 +47,7 @@ def describe_whereabouts(record: DiagnosisRecord) -> str:
     ]
     parts = [f"{name} {found[0]}" for name, found in each if found]
     joint = f" in joint {record.joint}" if record.joint not in _UNNAMED else ""
-    lines = [f"Most of the mismatch sits{joint} {'; '.join(facts[:_MOST_FACTS])}."] if facts else []
+    lines = [f"Most of the mismatch sits{joint} {'; '.join(facts[: WORDING.most_facts])}."] if facts else []
     lines += [f"By effect: {'; '.join(parts)}."] if parts else []
     if not lines and (record.location or record.verdict == "unknown_physics"):
         return _SPREAD
@@ -40,7 +58,7 @@ def _list_facts(record: DiagnosisRecord, location: Location) -> list[str]:
     """Intervals of each quantity that has few, the most telling first; acceleration, which follows from the others,
     where nothing else has; of a quantity with many, where there is no other, the first ones."""
     known = {name: spans for name, spans in location.items() if spans and name != "frequency"}
-    for few in (_FEW_SPANS, _MOST_SPANS):
+    for few in (WORDING.few_spans, WORDING.most_spans):
         found = [name for name, spans in known.items() if len(spans) <= few]
         plain = [name for name in found if name != "acceleration"]
         if plain:
@@ -50,10 +68,10 @@ def _list_facts(record: DiagnosisRecord, location: Location) -> list[str]:
 
 
 def _describe_fact(record: DiagnosisRecord, name: str, spans: Sequence[Interval]) -> str:
-    more = f" and {len(spans) - _MOST_SPANS} further stretches" if len(spans) > _MOST_SPANS else ""
-    if name == "time_since_reversal" and len(spans) == 1 and spans[0][0] < _BEGINNING:
+    more = f" and {len(spans) - WORDING.most_spans} further stretches" if len(spans) > WORDING.most_spans else ""
+    if name == "time_since_reversal" and len(spans) == 1 and spans[0][0] < WORDING.beginning:
         return f"within {spans[0][1]:.3g} s after a reversal"
-    said = ", ".join(f"{low:.3g} to {high:.3g}" for low, high in spans[:_MOST_SPANS])
+    said = ", ".join(f"{low:.3g} to {high:.3g}" for low, high in spans[: WORDING.most_spans])
     if name == "time_since_reversal":
         return f"{said} s{more} after a reversal"
     if name == "time":

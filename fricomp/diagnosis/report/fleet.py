@@ -12,12 +12,12 @@ import numpy as np
 from fricomp.report import Chart, HeatMap, Panel, ReportPage, Section, Table, write_report
 
 from ..record.result import DiagnosisRecord
+from .settings import REPORT
 from .wording import VERDICT_TITLES
 
 __all__ = ["build_fleet_row", "build_fleet_table", "write_fleet"]
 
 _Row = Mapping[str, Any]
-_LONGEST = 300  # joints in the map; all are in the table
 
 
 def build_fleet_row(record: DiagnosisRecord) -> dict[str, Any]:
@@ -69,7 +69,7 @@ def write_fleet(rows: Sequence[_Row], folder: Path) -> Path:
         summary.append(f"{len(rows) - len(done)} of {len(rows)} failed; the table says why.")
     named = [row for row in done if row["named"]]
     sections = [Section("How often each is missing", (_build_count_table(done),))] if named else []
-    chart = _draw_shares(named[:_LONGEST])
+    chart = _draw_shares(named[: REPORT.joints])
     sections += [Section("Which misses what", (chart,))] if chart is not None else []
     sections.append(Section("Each", (build_fleet_table(rows),)))
     return write_report(

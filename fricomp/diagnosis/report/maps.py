@@ -11,13 +11,12 @@ from fricomp.report import Band, Chart, HeatMap, Line, Mark, Panel, Rule
 
 from ..record.result import Evidence, Interval, Location, RowSeries
 from .over_time import AFTER, BEFORE, NOISE
+from .settings import REPORT
 from .wording import AXIS_TITLES, Units, describe_name
 
 __all__ = ["draw_map_chart", "draw_plane_chart"]
 
 _ORDER = ("velocity", "position", "load_torque", "time_since_reversal", "temperature", "acceleration", "time")
-_FEWEST = 8  # rows in a bin that still say something
-_BINS = (18, 16)  # of a plane
 
 
 def draw_map_chart(evidence: Evidence, location: Location, units: Units, models: tuple[str, ...]) -> Chart | None:
@@ -85,7 +84,7 @@ def _bin_after(name: str, edges: FloatArray, series: Sequence[RowSeries]) -> Flo
     inside = (place >= 0) & (place < edges.size - 1)
     count = np.bincount(place[inside], minlength=edges.size - 1)
     total = np.bincount(place[inside], energy[inside], minlength=edges.size - 1)
-    result: FloatArray = np.where(count >= _FEWEST, np.sqrt(total / np.maximum(count, 1)), np.nan)
+    result: FloatArray = np.where(count >= REPORT.fewest, np.sqrt(total / np.maximum(count, 1)), np.nan)
     return result
 
 
@@ -106,7 +105,7 @@ def draw_plane_chart(series: Sequence[RowSeries], units: Units, models: tuple[st
 def _draw_plane(name: str, series: Sequence[RowSeries], units: Units, models: tuple[str, ...]) -> list[Panel]:
     x = np.concatenate([getattr(one, name) for one in series])
     v = np.concatenate([one.velocity for one in series])
-    x_edges, v_edges = _place_edges(x, _BINS[0]), _place_edges(v, _BINS[1])
+    x_edges, v_edges = _place_edges(x, REPORT.bins[0]), _place_edges(v, REPORT.bins[1])
     grids = [_bin_cells((x, v), (x_edges, v_edges), series, side) for side in ("before", "after")[: len(models)]]
     largest = max((float(np.nanmax(grid)) for grid in grids if np.any(np.isfinite(grid))), default=1.0)
     limits = (0.0, max(largest, 1.5))
@@ -128,13 +127,13 @@ def _bin_cells(
     energy = np.concatenate([(getattr(one, side) / one.spread) ** 2 for one in series])
     total = np.histogram2d(*at, bins=edges, weights=energy)[0]
     count = np.histogram2d(*at, bins=edges)[0]
-    result: FloatArray = np.where(count >= 3, np.sqrt(total / np.maximum(count, 1)), np.nan).T
+    result: FloatArray = np.where(count >= REPORT.fewest_of_plane, np.sqrt(total / np.maximum(count, 1)), np.nan).T
     return result
 
 
 def _place_edges(values: FloatArray, count: int) -> FloatArray:
     """Even edges over all but the rarest values."""
-    low, high = (float(value) for value in np.quantile(values, (0.002, 0.998)))
+    low, high = (float(value) for value in np.quantile(values, (REPORT.rarest, 1.0 - REPORT.rarest)))
     return np.linspace(low, high, count + 1)
 
 

@@ -13,10 +13,11 @@ from fricomp.export import closed_form_graph, save_graph, state_columns
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 
+from .settings import REPORT
+
 __all__ = ["save_extended_network"]
 
 _PLAIN = ("velocity", "normal_load")  # inputs of a network
-_ENOUGH = 5e-3  # largest deviation from the law, fraction of the largest torque, with which a network is written
 
 
 def save_extended_network(model: FrictionModel, path: Path) -> str:
@@ -46,7 +47,7 @@ def _learn(model: FrictionModel, path: Path) -> float:
     top = float(np.max(np.abs(_list_speeds(model))))
     bends = [value for name, value in model.law.parameters().items() if name.endswith("stribeck_velocity")]
     result = distil(compute_torque, top, bend=min(bends, default=0.01 * top) / top)
-    if result.largest_error > _ENOUGH:
+    if result.largest_error > REPORT.network:
         raise DiagnosisError(f"the network comes only within {result.largest_error:.1%} of this law; use friction.json")
     save_network(result.network, path, _describe_network(model, "network trained on the closed form", _PLAIN))
     return result.largest_error

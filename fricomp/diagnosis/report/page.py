@@ -13,6 +13,7 @@ from fricomp.report import Chart, ReportPage, Section, Table
 from ..record.result import Diagnosis, Evidence, NamedEffect
 from .maps import draw_map_chart, draw_plane_chart
 from .over_time import draw_motion_chart, draw_time_chart, name_models
+from .settings import REPORT
 from .tables import (
     build_base_table,
     build_change_table,
@@ -26,8 +27,6 @@ from .wording import VERDICT_TITLES, Units, describe_next_step
 
 __all__ = ["build_diagnosis_page", "draw_diagnosis_charts"]
 
-_MOST_RECORDINGS = 6  # that are drawn over time
-
 
 def draw_diagnosis_charts(diagnosis: Diagnosis) -> dict[str, Chart]:
     """Every chart that the evidence allows, by name."""
@@ -37,7 +36,7 @@ def draw_diagnosis_charts(diagnosis: Diagnosis) -> dict[str, Chart]:
     changes = evidence.change_points or ((),) * len(evidence.series)
     found: list[Chart | None] = [
         draw_time_chart(series, units, i + 1, models, times)
-        for i, (series, times) in enumerate(zip(evidence.series[:_MOST_RECORDINGS], changes, strict=False))
+        for i, (series, times) in enumerate(zip(evidence.series[: REPORT.recordings], changes, strict=False))
     ]
     found += [
         draw_map_chart(evidence, record.location, units, models),

@@ -11,11 +11,11 @@ from fricomp.report import Bars, Chart, HeatMap, Line, Panel, Rule, Table
 
 from ..record.result import DiagnosisRecord, Distinguishability, NamedEffect, Rival
 from .over_time import AFTER, BASE, BEFORE, NAMED, NOISE
+from .settings import REPORT
 from .wording import Units
 
 __all__ = ["build_rival_table", "draw_distinguishability", "draw_order_chart", "draw_rival_chart"]
 
-_MOST = 14
 _ACCEPTED, _ALIKE, _REFUSED = "named", "cannot be told from what was named", "refused"
 _OUTCOME_COLORS = {_ACCEPTED: AFTER, _ALIKE: 5, _REFUSED: NOISE}
 
@@ -27,7 +27,7 @@ def draw_rival_chart(rivals: Sequence[Rival], effects: Sequence[NamedEffect] = (
         rivals: What was weighed.
         effects: What was named.
     """
-    shown = [rival for rival in rivals if rival.gain > 0.0][:_MOST]
+    shown = [rival for rival in rivals if rival.gain > 0.0][: REPORT.rivals]
     if not shown:
         return None
     names = tuple(" + ".join(rival.effects) for rival in shown)
@@ -38,7 +38,7 @@ def draw_rival_chart(rivals: Sequence[Rival], effects: Sequence[NamedEffect] = (
         for outcome, color in _OUTCOME_COLORS.items()
         if outcome in outcomes
     )
-    wide = gains.max() > 50.0 * gains.min()
+    wide = gains.max() > REPORT.wide * gains.min()
     panel = Panel(marks, "", "evidence (BIC gain) [1]", y_scale="log" if wide else "linear")
     caption = (
         "How much better each explanation fits after everything was fitted again with it: fall of the squared "
@@ -74,7 +74,7 @@ def build_rival_table(rivals: Sequence[Rival], effects: Sequence[NamedEffect] = 
             "–" if rival.coverage is None else f"{rival.coverage:.1%}",
             rival.refused if (found := _judge_outcome(rival, effects)) == _REFUSED else found,
         )
-        for rival in rivals[:_MOST]
+        for rival in rivals[: REPORT.rivals]
     )
     caption = "Coverage is the part of what can be explained that each explanation takes."
     return Table(("explanation", "evidence", "coverage", "outcome"), rows, caption)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ..record.result import Diagnosis, DiagnosisRecord, Location, NamedEffect, Quantity
 from ..record.sentence import describe_parameter
+from .settings import REPORT
 
 __all__ = [
     "AXIS_TITLES",
@@ -24,7 +25,6 @@ __all__ = [
     "format_quantity",
 ]
 
-_UNDETERMINED = 10.0  # times a positive value, that the end of its interval may be
 
 VERDICT_TITLES = {
     "consistent": "nothing is missing",
@@ -115,7 +115,7 @@ def format_quantity(quantity: Quantity) -> str:
     unit = "" if quantity.unit == "1" else f" {quantity.unit}"
     if not isfinite(half) or half <= 0.0:
         return f"{format_number(quantity.value)}{unit}"
-    if quantity.ci95[0] >= 0.0 and quantity.ci95[1] > _UNDETERMINED * quantity.value:
+    if quantity.ci95[0] >= 0.0 and quantity.ci95[1] > REPORT.undetermined * quantity.value:
         return f"not determined (about {format_number(quantity.value)}{unit})"
     return f"{format_number(quantity.value, half)} ± {format_number(half, half)}{unit}"
 
@@ -124,8 +124,8 @@ def format_location(location: Location, units: Units) -> str:
     """Intervals by quantity in one line, such as `load 2 to 5.5 N·m; velocity -0.1 to 0.1 rad/s`."""
     parts = []
     for quantity, intervals in location.items():
-        spans = ", ".join(f"{low:.3g} to {high:.3g}" for low, high in intervals[:4])
-        more = f" and {len(intervals) - 4} more" if len(intervals) > 4 else ""
+        spans = ", ".join(f"{low:.3g} to {high:.3g}" for low, high in intervals[: REPORT.intervals])
+        more = f" and {len(intervals) - REPORT.intervals} more" if len(intervals) > REPORT.intervals else ""
         parts.append(f"{AXIS_TITLES.get(quantity, describe_name(quantity))} {spans} {units.find_unit(quantity)}{more}")
     return "; ".join(parts)
 

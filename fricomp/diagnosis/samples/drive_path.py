@@ -16,15 +16,10 @@ from fricomp.recording import Recording
 from ..inputs.delay import apply_lags
 from ..inputs.track import FloatArray
 from .fine_ripple import predict_left_out_blocks
+from .settings import DRIVE
 
 __all__ = ["DrivePath", "find_drive_path"]
 
-_LONGEST = 0.03  # [s] delay or time constant
-_STEPS = 25
-_FOLDS = 10
-_TAPS = 16  # of the history that stands for the best any linear drive could do
-_LEAST_FALL = 0.1  # of the held-out RMS error
-_EXPLAINED = 0.3  # part of the torque's variance that the law must explain at all
 
 _Late = Callable[[FloatArray, float], FloatArray]
 
@@ -54,7 +49,7 @@ def find_drive_path(recording: Recording) -> DrivePath | None:
     """Delay or lag between command and torque; None where there is no command, no law, or nothing is late."""
     inputs = _list_inputs(recording)
     torque = np.asarray(recording.torque)
-    if not inputs or recording.metadata.torque_kind == "commanded" or len(recording) < 40 * _FOLDS:
+    if not inputs or recording.metadata.torque_kind == "commanded" or len(recording) < DRIVE.fewest * DRIVE.folds:
         return None
     dt = recording.sample_period
     before = predict_left_out_blocks(_build_table(inputs), torque)
@@ -64,14 +59,13 @@ def find_drive_path(recording: Recording) -> DrivePath | None:
     errors = {"law": _compute_rms(before), **{key: _compute_rms(error) for key, (_, error) in tried.items()}}
     still = np.sign(recording.velocity) if recording.velocity is not None else np.zeros(torque.size)
     errors["coulomb"] = _compute_rms(predict_left_out_blocks(np.column_stack([_build_table(inputs), still]), torque))
-    errors["history"] = _compute_rms(
-        predict_left_out_blocks(_build_table([np.roll(one, k) for one in inputs for k in range(_TAPS)]), torque)
-    )
-    if errors[name] > (1.0 - _LEAST_FALL) * errors["law"] or errors[name] ** 2 > (1.0 - _EXPLAINED) * np.var(torque):
+    history = _build_table([np.roll(one, k) for one in inputs for k in range(DRIVE.taps)])
+    errors["history"] = _compute_rms(predict_left_out_blocks(history, torque))
+    falls = errors[name] <= (1.0 - DRIVE.least_fall) * errors["law"]
+    if not falls or errors[name] ** 2 > (1.0 - DRIVE.explained) * np.var(torque):
         return None
-    return DrivePath(
-        name, value, _estimate_deviation(inputs, torque, (dt, _list_shapes(dt)[name])), errors, before, after
-    )
+    deviation = _estimate_deviation(inputs, torque, (dt, _list_shapes(dt)[name]))
+    return DrivePath(name, value, deviation, errors, before, after)
 
 
 def _list_inputs(recording: Recording) -> list[FloatArray]:
@@ -85,6 +79,11 @@ def _list_inputs(recording: Recording) -> list[FloatArray]:
         return [error]
     wanted = 0.0 if recording.velocity_reference is None else np.asarray(recording.velocity_reference)
     return [error, wanted - np.asarray(recording.velocity)]
+
+
+def _list_values(dt: float) -> FloatArray:
+    """Delays or time constants that are tried [s]."""
+    return np.linspace(0.0, max(DRIVE.longest, DRIVE.least_periods * dt), DRIVE.steps)
 
 
 def _list_shapes(dt: float) -> dict[str, _Late]:
@@ -105,7 +104,7 @@ def _build_table(columns: list[FloatArray]) -> FloatArray:
 
 def _find_best(inputs: list[FloatArray], torque: FloatArray, dt: float, late: _Late) -> tuple[float, FloatArray]:
     """Value with the least held-out error, and that error."""
-    grid = np.linspace(0.0, max(_LONGEST, 4.0 * dt), _STEPS)
+    grid = _list_values(dt)
     errors = [predict_left_out_blocks(_build_table([late(one, value) for one in inputs]), torque) for value in grid]
     best = int(np.argmin([_compute_rms(error) for error in errors]))
     return float(grid[best]), errors[best]
@@ -114,16 +113,14 @@ def _find_best(inputs: list[FloatArray], torque: FloatArray, dt: float, late: _L
 def _estimate_deviation(inputs: list[FloatArray], torque: FloatArray, shape: tuple[float, _Late]) -> float:
     """Jackknife over blocks, with a parabola through the three best values of each."""
     dt, late = shape
-    grid = np.linspace(0.0, max(_LONGEST, 4.0 * dt), _STEPS)
+    grid = _list_values(dt)
     tables = [_build_table([late(one, value) for one in inputs]) for value in grid]
     found = []
-    for part in np.array_split(np.arange(torque.size), _FOLDS):
+    for part in np.array_split(np.arange(torque.size), DRIVE.folds):
         kept = np.delete(np.arange(torque.size), part)
-        fits = [
-            _compute_rms(torque[kept] - t[kept] @ np.linalg.lstsq(t[kept], torque[kept], rcond=None)[0]) for t in tables
-        ]
-        found.append(_find_vertex(grid, np.array(fits)))
-    return float(np.sqrt((_FOLDS - 1) * np.var(found)))
+        left = [torque[kept] - t[kept] @ np.linalg.lstsq(t[kept], torque[kept], rcond=None)[0] for t in tables]
+        found.append(_find_vertex(grid, np.array([_compute_rms(one) for one in left])))
+    return float(np.sqrt((DRIVE.folds - 1) * np.var(found)))
 
 
 def _find_vertex(grid: FloatArray, values: FloatArray) -> float:

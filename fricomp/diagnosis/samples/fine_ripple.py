@@ -17,9 +17,9 @@ from fricomp.recording import Recording
 
 from ..inputs.left_out import fit_without_blocks
 from ..inputs.track import FloatArray
+from .settings import RIPPLE
 
 __all__ = [
-    "LEAST_FALL",
     "FineRipple",
     "Harmonic",
     "compute_spectrum",
@@ -27,21 +27,6 @@ __all__ = [
     "measure_fall",
     "predict_left_out_blocks",
 ]
-
-LEAST_FALL = 0.3
-"""Part of the held-out energy that the harmonics must take."""
-
-_WINDOWS = (5, 9, 15, 31)  # samples of the derivative filter
-_MOST_SAMPLES = 12_000
-_MOST_ORDERS = 1600
-_MOST_HARMONICS = 12
-_FOLDS = 10
-_AT_ONCE = 40  # orders a row of the spectrum
-_SLOWEST = 0.1  # of the top speed; below it friction is not level
-_WORTH = 0.01  # of the held-out energy that one more harmonic must take
-_WAVES = 8.0  # over the travel, at least: fewer are a shape, not a ripple
-_SURE, _EXACT = 4.0, 10.0  # standard deviations that a harmonic's amplitude and order must be
-_PREFERRED = 1.5  # energy by which a ripple of the level must beat one of the torque
 
 
 @dataclass(frozen=True)
@@ -72,7 +57,7 @@ class Harmonic:
     @property
     def is_known(self) -> bool:
         """Whether the blocks agree about its size and its order; what one of them alone shows is no ripple."""
-        return self.amplitude > _SURE * self.amplitude_error and self.order > _EXACT * self.order_error
+        return self.amplitude > RIPPLE.sure * self.amplitude_error and self.order > RIPPLE.exact * self.order_error
 
 
 @dataclass(frozen=True)
@@ -111,11 +96,11 @@ def find_fine_ripple(recording: Recording, seed: int = 0) -> FineRipple | None:
         return None
     samples, base = best
     orders = _list_orders(samples["position"], recording.metadata.continuous)
-    if orders.size < 20:
+    if orders.size < RIPPLE.fewest_orders:
         return None
     chosen = _pursue(samples, base, orders)
     ripple = _judge(samples, base, chosen, orders)
-    return ripple if ripple is not None and ripple.fall >= LEAST_FALL else None
+    return ripple if ripple is not None and ripple.fall >= RIPPLE.least_fall else None
 
 
 def measure_fall(recording: Recording, harmonics: Sequence[Harmonic], seed: int = 0) -> float:
@@ -131,8 +116,12 @@ def measure_fall(recording: Recording, harmonics: Sequence[Harmonic], seed: int 
 
 def _choose_samples(recording: Recording, seed: int) -> tuple[dict[str, FloatArray], FloatArray] | None:
     """Samples and base columns, with the derivative filter that leaves the least on blocks left out."""
-    options = [_select_samples(recording, window, seed) for window in _WINDOWS if len(recording) > 20 * window]
-    options = [option for option in options if option["time"].size > 400]
+    options = [
+        _select_samples(recording, window, seed)
+        for window in RIPPLE.windows
+        if len(recording) > RIPPLE.shortest * window
+    ]
+    options = [option for option in options if option["time"].size > RIPPLE.fewest]
     if not options:
         return None
     bases = [_build_base(option, recording.metadata.continuous) for option in options]
@@ -152,11 +141,11 @@ def _select_samples(recording: Recording, window: int, seed: int) -> dict[str, F
     q, torque = np.interp(grid, t, recording.position), np.interp(grid, t, recording.torque)
     degree = 2 if window < 7 else 3
     v, a = (savgol_filter(q, window, degree, deriv=k, delta=dt) for k in (1, 2))
-    keep = np.abs(v) > _SLOWEST * np.quantile(np.abs(v), 0.95)
+    keep = np.abs(v) > RIPPLE.slowest * np.quantile(np.abs(v), RIPPLE.top)
     keep[: window // 2] = keep[grid.size - window // 2 :] = False
     index = np.flatnonzero(keep)
-    if index.size > _MOST_SAMPLES:
-        index = np.sort(np.random.default_rng(seed).choice(index, _MOST_SAMPLES, replace=False))
+    if index.size > RIPPLE.most_samples:
+        index = np.sort(np.random.default_rng(seed).choice(index, RIPPLE.most_samples, replace=False))
     columns = {"time": grid, "position": q, "velocity": v, "acceleration": a, "torque": torque}
     return {name: values[index] for name, values in columns.items()}
 
@@ -164,9 +153,9 @@ def _select_samples(recording: Recording, window: int, seed: int) -> dict[str, F
 def _build_base(samples: dict[str, FloatArray], wide: bool) -> FloatArray:
     """Columns of inertia, friction in each direction, and a smooth load. Shape (n_samples, n_columns)."""
     q, v, a = samples["position"], samples["velocity"], samples["acceleration"]
-    s, top = np.sign(v), float(np.quantile(np.abs(v), 0.95))
+    s, top = np.sign(v), float(np.quantile(np.abs(v), RIPPLE.top))
     columns = [np.ones_like(q), a, v * (v > 0.0), v * (v < 0.0)]
-    columns += [np.exp(-((v / (f * top)) ** 2)) * s for f in (0.05, 0.2)] + ([s] if np.ptp(s) > 0.0 else [])
+    columns += [np.exp(-((v / (f * top)) ** 2)) * s for f in RIPPLE.stribeck] + ([s] if np.ptp(s) > 0.0 else [])
     x = 2.0 * (q - q.mean()) / np.ptp(q)
     columns += [np.cos(q), np.sin(q)] if wide else [x, x**2, x**3]
     table = np.column_stack(columns)
@@ -178,11 +167,11 @@ def _build_base(samples: dict[str, FloatArray], wide: bool) -> FloatArray:
 def _list_orders(position: FloatArray, wide: bool) -> FloatArray:
     """Orders that the travel resolves and the samples can show."""
     span = float(np.ptp(position))
-    lowest = 2.0 * np.pi * _WAVES / span
+    lowest = 2.0 * np.pi * RIPPLE.waves / span
     step = 1.0 if wide else np.pi / span
     steps = np.abs(np.diff(position))
-    finest = 0.8 * np.pi / max(float(np.median(steps)), 1e-12)
-    highest = min(finest, lowest + step * _MOST_ORDERS)
+    finest = RIPPLE.finest * np.pi / max(float(np.median(steps)), 1e-12)
+    highest = min(finest, lowest + step * RIPPLE.most_orders)
     return np.arange(np.ceil(lowest / step), max(highest, 0.0) / step) * step
 
 
@@ -190,8 +179,8 @@ def compute_spectrum(residual: FloatArray, position: FloatArray, orders: FloatAr
     """Energy of `residual` that a wave of each evenly spaced order explains. Shape (n_orders,)."""
     turn: NDArray[np.complex128] = np.exp(1j * (orders[1] - orders[0]) * position)
     # The product of every so manieth wave with every step from there has all of them.
-    steps = _multiply_powers(np.ones_like(turn), turn, _AT_ONCE)
-    rows = -(-orders.size // _AT_ONCE)
+    steps = _multiply_powers(np.ones_like(turn), turn, RIPPLE.at_once)
+    rows = -(-orders.size // RIPPLE.at_once)
     waves = _multiply_powers(np.exp(1j * orders[0] * position) * residual, steps[-1] * turn, rows)
     energy = np.abs((waves @ steps.T).ravel()[: orders.size]) ** 2
     result: FloatArray = 2.0 * energy / position.size
@@ -220,10 +209,10 @@ def _pursue(samples: dict[str, FloatArray], base: FloatArray, orders: FloatArray
     q, torque, sign = samples["position"], samples["torque"], np.sign(samples["velocity"])
     both, table = bool(np.ptp(sign) > 0.0), base
     chosen: list[tuple[float, bool]] = []
-    for _ in range(_MOST_HARMONICS):
-        left = torque - table @ np.linalg.lstsq(table, torque, rcond=1e-6)[0]
+    for _ in range(RIPPLE.most_harmonics):
+        left = torque - table @ np.linalg.lstsq(table, torque, rcond=RIPPLE.rank)[0]
         spectra = [compute_spectrum(left, q, orders)] + ([compute_spectrum(left * sign, q, orders)] if both else [])
-        level = both and float(spectra[1].max()) > _PREFERRED * float(spectra[0].max())
+        level = both and float(spectra[1].max()) > RIPPLE.preferred * float(spectra[0].max())
         order = _refine(left * sign if level else left, q, orders, int(np.argmax(spectra[int(level)])))
         if any(abs(order - known) < 0.5 * (orders[1] - orders[0]) and level == shape for known, shape in chosen):
             break
@@ -236,7 +225,7 @@ def _refine(residual: FloatArray, position: FloatArray, orders: FloatArray, peak
     step = orders[1] - orders[0]
     if step == 1.0:  # whole waves a turn
         return float(orders[peak])
-    fine = np.linspace(orders[peak] - step, orders[peak] + step, 81)
+    fine = np.linspace(orders[peak] - step, orders[peak] + step, RIPPLE.zoom)
     return float(fine[int(np.argmax(compute_spectrum(residual, position, fine)))])
 
 
@@ -251,14 +240,16 @@ def _judge(
     left = [predict_left_out_blocks(table, torque) for table in tables]
     energy = np.array([float(one @ one) for one in left])
     count = 0
-    while count < len(chosen) and energy[count + 1] < energy[count] - _WORTH * energy[0]:
+    while count < len(chosen) and energy[count + 1] < energy[count] - RIPPLE.worth * energy[0]:
         count += 1
     if count == 0:
         return None
     harmonics = _estimate_harmonics(samples, base, chosen[:count])
     if not harmonics[0].is_known:
         return None
-    fitted = [torque - table @ np.linalg.lstsq(table, torque, rcond=1e-6)[0] for table in (tables[0], tables[count])]
+    fitted = [
+        torque - table @ np.linalg.lstsq(table, torque, rcond=RIPPLE.rank)[0] for table in (tables[0], tables[count])
+    ]
     found = [compute_spectrum(one, samples["position"], orders) for one in fitted]
     noise = float(np.mean(fitted[1] ** 2))
     spectra = {"order": orders, "energy": found[0] / noise, "after": found[1] / noise}
@@ -268,8 +259,9 @@ def _judge(
 def predict_left_out_blocks(table: FloatArray, torque: FloatArray) -> FloatArray:
     """Error on each block of a fit to the others. Shape (n_samples,)."""
     result = np.empty(torque.size)
-    gap = max(5, min(torque.size // 100, 32))
-    for part, weights in fit_without_blocks(table, torque, _FOLDS, rcond=1e-6, gap=(gap, gap - 1)):
+    least, most = RIPPLE.gap
+    gap = max(least, min(torque.size // RIPPLE.samples_of_gap, most))
+    for part, weights in fit_without_blocks(table, torque, RIPPLE.folds, rcond=RIPPLE.rank, gap=(gap, gap - 1)):
         result[part] = torque[part] - table[part] @ weights
     return result
 
@@ -281,15 +273,15 @@ def _estimate_harmonics(
     torque, q = samples["torque"], samples["position"] - samples["position"].mean()
     waves = np.column_stack([_build_waves(samples, order, level) for order, level in chosen])
     table = np.column_stack([base, waves])
-    weights = np.linalg.lstsq(table, torque, rcond=1e-6)[0][base.shape[1] :]
+    weights = np.linalg.lstsq(table, torque, rcond=RIPPLE.rank)[0][base.shape[1] :]
     slopes = [
         q * (weights[2 * k] * waves[:, 2 * k + 1] - weights[2 * k + 1] * waves[:, 2 * k]) for k in range(len(chosen))
     ]
     table = np.column_stack([table, *slopes])
-    drawn = fit_without_blocks(table, torque, _FOLDS, rcond=1e-6)
+    drawn = fit_without_blocks(table, torque, RIPPLE.folds, rcond=RIPPLE.rank)
     values = np.array([weights[base.shape[1] :] for _, weights in drawn])
     amplitude = np.hypot(values[:, 0 : 2 * len(chosen) : 2], values[:, 1 : 2 * len(chosen) : 2])
-    errors = np.sqrt((_FOLDS - 1) * np.var(np.column_stack([amplitude, values[:, 2 * len(chosen) :]]), axis=0))
+    errors = np.sqrt((RIPPLE.folds - 1) * np.var(np.column_stack([amplitude, values[:, 2 * len(chosen) :]]), axis=0))
     harmonics = [
         Harmonic(order, level, *map(float, (weights[2 * k], weights[2 * k + 1], errors[k], errors[len(chosen) + k])))
         for k, (order, level) in enumerate(chosen)

@@ -15,12 +15,11 @@ from fricomp.recording import Recording
 
 from ..inputs.track import FloatArray, differentiate
 from ..record.result import Quantity
-from .fine_ripple import LEAST_FALL, FineRipple, measure_fall
+from .fine_ripple import FineRipple, measure_fall
+from .settings import LOOK, RIPPLE
 from .soft_presliding import find_soft_presliding, simulate_bristle
 
 __all__ = ["is_beyond_the_base", "is_softer_than_the_base", "simulate_base"]
-
-_BASES = 3  # recordings of the base that a ripple must exceed
 
 
 def simulate_base(recording: Recording, base: Mapping[str, Quantity], seed: int) -> Recording:
@@ -77,8 +76,8 @@ def is_beyond_the_base(recording: Recording, found: FineRipple, base: Mapping[st
     """Whether the ripple leaves clearly less than waves of its orders leave where only the base acts."""
     if not base:
         return True
-    nulls = (measure_fall(simulate_base(recording, base, seed + k), found.harmonics, seed) for k in range(_BASES))
-    return all(1.0 - found.fall <= (1.0 - LEAST_FALL) * (1.0 - fall) for fall in nulls)
+    nulls = (measure_fall(simulate_base(recording, base, seed + k), found.harmonics, seed) for k in range(LOOK.bases))
+    return all(1.0 - found.fall <= (1.0 - RIPPLE.least_fall) * (1.0 - fall) for fall in nulls)
 
 
 def is_softer_than_the_base(recording: Recording, base: Mapping[str, Quantity], seed: int) -> bool:

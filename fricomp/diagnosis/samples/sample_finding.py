@@ -17,12 +17,10 @@ from ..record.result import HeldOut, Kind, Quantity, Rival, RowSeries
 from ..search.generic import measure_time_since_reversal
 from .drive_path import DrivePath
 from .fine_ripple import FineRipple, Harmonic
+from .settings import LOOK
 from .soft_presliding import SoftPresliding
 
 __all__ = ["SampleFinding", "compute_held_out", "describe_drive_path", "describe_presliding", "describe_ripple"]
-
-_ALIKE = 1.15  # ratio of held-out errors up to which two explanations of the drive are not told apart
-_BOOTSTRAPS = 400
 
 
 @dataclass(frozen=True)
@@ -78,7 +76,9 @@ def describe_ripple(findings: Findings, ripples: Sequence[FineRipple]) -> Sample
     unit = findings.case.unit
     strongest = ripples[0].harmonics[0]
     name = "position_coulomb" if strongest.level else "cogging"
-    others = ", ".join(f"{h.order:.5g} ({h.amplitude:.3g} {unit})" for h in ripples[0].harmonics[1:6])
+    others = ", ".join(
+        f"{h.order:.5g} ({h.amplitude:.3g} {unit})" for h in ripples[0].harmonics[1 : 1 + LOOK.further_orders]
+    )
     more = f"; further orders {others}" if others else ""
     waves = [one for one in ripples[0].harmonics if not one.level][:1]  # a law holds one term of each name
     return SampleFinding(
@@ -136,7 +136,7 @@ def describe_drive_path(findings: Findings, path: DrivePath) -> SampleFinding:
         sentence="the measured torque follows its command late, while what the joint pushes against is unknown",
         held=compute_held_out(path.before, path.after, path.errors["history"], (unit, findings.case.seed)),
         series=(_describe_rows(findings.series[0].name, samples, (path.before, path.after)),),
-        alike=(other,) if path.errors[other] < _ALIKE * path.errors[path.name] else (),
+        alike=(other,) if path.errors[other] < LOOK.alike * path.errors[path.name] else (),
         lawless=True,
         rivals=_weigh_drives(path, other, unit),
     )
@@ -188,9 +188,9 @@ def compute_held_out(before: FloatArray, after: FloatArray, floor: float, how: t
         how: Unit of torque, and seed of the bootstrap.
     """
     unit, seed = how
-    blocks = np.array_split(np.arange(before.size), 40)
+    blocks = np.array_split(np.arange(before.size), LOOK.blocks)
     energy = np.array([[float(one[b] @ one[b]) for b in blocks] for one in (before, after)])
-    drawn = np.random.default_rng(seed).integers(0, 40, (_BOOTSTRAPS, 40))
+    drawn = np.random.default_rng(seed).integers(0, LOOK.blocks, (LOOK.bootstraps, LOOK.blocks))
     falls = 1.0 - np.sqrt(energy[1][drawn].sum(axis=1) / energy[0][drawn].sum(axis=1))
     first, last = (float(np.sqrt(np.mean(one**2))) for one in (before, after))
     low, high = np.quantile(falls, [0.025, 0.975])

@@ -12,13 +12,10 @@ from .drive_path import find_drive_path
 from .fine_ripple import FineRipple, find_fine_ripple
 from .proving import is_beyond_the_base, is_softer_than_the_base
 from .sample_finding import SampleFinding, describe_drive_path, describe_presliding, describe_ripple
+from .settings import LOOK
 from .soft_presliding import SoftPresliding, find_soft_presliding
 
 __all__ = ["look_into_samples"]
-
-_COVERED = 0.7  # of the explainable energy; what was named with more than that stands
-# Of the torque's standard deviation; a joint whose base leaves more obeys no law of its own motion.
-_NO_MOTION_LAW = 0.5
 
 
 def look_into_samples(findings: Findings) -> SampleFinding | None:
@@ -53,7 +50,7 @@ def _has_explained(findings: Findings) -> bool:
 
 def _is_covered(findings: Findings) -> bool:
     """Whether the search named something that takes the mismatch away on held-out data, of whatever kind."""
-    return _has_explained(findings) and findings.held.explained >= _COVERED
+    return _has_explained(findings) and findings.held.explained >= LOOK.covered
 
 
 def _find_bristles(findings: Findings) -> list[SoftPresliding]:
@@ -80,4 +77,4 @@ def _find_ripples(findings: Findings) -> list[FineRipple]:
 
 def _is_lawless(findings: Findings) -> bool:
     largest = max(float(np.std(one.torque)) for one in findings.case.recordings)
-    return findings.rmse_refitted > _NO_MOTION_LAW * largest
+    return findings.rmse_refitted > LOOK.no_motion_law * largest

@@ -17,20 +17,9 @@ from fricomp.recording import Recording
 from ..inputs.track import FloatArray, differentiate, find_encoder_step
 from ..joint.kernel import compile_kernel
 from .fine_ripple import predict_left_out_blocks
+from .settings import PRESLIDING
 
 __all__ = ["SoftPresliding", "find_soft_presliding", "simulate_bristle"]
-
-_DISTANCES = 14
-_FINER = 7
-_STIFF = 4e-4  # [rad] presliding distance up to which the base model has its own bristle
-_STIFF_SHARE = 1e-3  # of the travel, for linear joints
-_SOFTEST = 0.5  # of the travel
-_MOST_SAMPLES = 4000
-_LEAST_FALL = 0.3  # of the RMS error of the best explanation without memory
-_COVERED = 0.85  # of the energy that the bristle and everything without memory explain together
-_WON = 0.8  # of the blocks left out; a single one that no law reaches says nothing about the others
-_KNOTS = 12
-_FOLDS = 10
 
 
 @dataclass(frozen=True)
@@ -81,17 +70,21 @@ def find_soft_presliding(recording: Recording) -> SoftPresliding | None:
     """The bristle that explains blocks left out far better than anything without memory; None where none does."""
     motion = _Motion.read(recording)
     stiff, softest = motion.find_limits(recording)
-    if softest < 4.0 * stiff:
+    if softest < PRESLIDING.range * stiff:
         return None
-    firm = [motion.leave_out(float(d)) for d in np.geomspace(0.1 * stiff, stiff, 4)]
+    firm = [motion.leave_out(float(d)) for d in np.geomspace(PRESLIDING.firm * stiff, stiff, PRESLIDING.firm_distances)]
     without = min([*firm, motion.leave_out(stiff, memoryless=True)], key=_compute_rms)
-    distances, tried = motion.find_nearest(np.geomspace(stiff, softest, _DISTANCES))
-    if distances is None or _compute_rms(tried) > (1.0 - _LEAST_FALL) * min(_compute_rms(without), motion.spread):
+    distances, tried = motion.find_nearest(np.geomspace(stiff, softest, PRESLIDING.distances))
+    if distances is None or _compute_rms(tried) > (1.0 - PRESLIDING.least_fall) * min(
+        _compute_rms(without), motion.spread
+    ):
         return None
     if not _wins_most_blocks(without, tried):
         return None
     everything = _compute_rms(motion.leave_out(float(distances[1]), memoryless=True))
-    if _compute_rms(without) ** 2 - _compute_rms(tried) ** 2 < _COVERED * (_compute_rms(without) ** 2 - everything**2):
+    if _compute_rms(without) ** 2 - _compute_rms(tried) ** 2 < PRESLIDING.covered * (
+        _compute_rms(without) ** 2 - everything**2
+    ):
         return None
     errors = {
         "stiff": min(map(_compute_rms, firm)),
@@ -126,7 +119,12 @@ class _Motion:
         velocity = differentiate(position, dt)
         acceleration = differentiate(velocity, dt)
         return cls(
-            grid, position, velocity, acceleration, torque, np.arange(0, grid.size, 1 + grid.size // _MOST_SAMPLES)
+            grid,
+            position,
+            velocity,
+            acceleration,
+            torque,
+            np.arange(0, grid.size, 1 + grid.size // PRESLIDING.most_samples),
         )
 
     @property
@@ -138,21 +136,21 @@ class _Motion:
         """Shortest and longest breakaway distance that are looked for."""
         travel = float(np.ptp(self.position))
         step = recording.metadata.encoder_resolution or find_encoder_step(self.position)
-        stiff = _STIFF if recording.metadata.motion == "rotary" else _STIFF_SHARE * travel
-        return max(stiff, 2.0 * step), _SOFTEST * travel
+        stiff = PRESLIDING.stiff if recording.metadata.motion == "rotary" else PRESLIDING.stiff_share * travel
+        return max(stiff, PRESLIDING.stiff_steps * step), PRESLIDING.softest * travel
 
     def build_table(self, distance: float, memoryless: bool = False) -> FloatArray:
         """Columns at the samples kept: the bristle first, then viscous friction of both directions. Shape (n, d)."""
         k = self.keep
         z, v, q = simulate_bristle(self.position, distance)[k], self.velocity[k], self.position[k]
-        top = float(np.quantile(np.abs(v), 0.95))
+        top = float(np.quantile(np.abs(v), PRESLIDING.top))
         x = 2.0 * (q - q.mean()) / np.ptp(q)
         columns = [z, v * (v > 0.0), v * (v < 0.0), np.ones_like(v), self.acceleration[k], x, x**2, x**3]
-        columns += [np.exp(-((v / (f * top)) ** 2)) * z for f in (0.05, 0.2)]
+        columns += [np.exp(-((v / (f * top)) ** 2)) * z for f in PRESLIDING.stribeck]
         if memoryless:
-            knots = np.linspace(-1.0, 1.0, _KNOTS)
+            knots = np.linspace(-1.0, 1.0, PRESLIDING.knots)
             speed = np.sign(v) * np.sqrt(np.minimum(np.abs(v) / top, 1.0))
-            columns += [np.interp(u, knots, one) for u in (speed, x) for one in np.eye(_KNOTS)[1:]]
+            columns += [np.interp(u, knots, one) for u in (speed, x) for one in np.eye(PRESLIDING.knots)[1:]]
         return np.column_stack(columns)
 
     def leave_out(self, distance: float, memoryless: bool = False) -> FloatArray:
@@ -168,28 +166,31 @@ class _Motion:
             if not 1 <= best < distances.size - 1:
                 return None, tried[best]
             around, error = distances[best - 1 : best + 2], tried[best]
-            distances = np.geomspace(around[0], around[2], _FINER) if zoom else around
+            distances = np.geomspace(around[0], around[2], PRESLIDING.finer) if zoom else around
         return distances, error
 
     def estimate_distance(self, around: FloatArray) -> tuple[float, float]:
         """Distance at the vertex between three, and the deviation of its logarithm."""
         torque, tables = self.torque[self.keep], [self.build_table(float(d)) for d in around]
         found = []
-        for part in [np.array([], dtype=int), *np.array_split(np.arange(torque.size), _FOLDS)]:
+        for part in [np.array([], dtype=int), *np.array_split(np.arange(torque.size), PRESLIDING.folds)]:
             kept = np.delete(np.arange(torque.size), part)
-            fits = [t[kept] @ np.linalg.lstsq(t[kept], torque[kept], rcond=1e-9)[0] - torque[kept] for t in tables]
+            fits = [
+                t[kept] @ np.linalg.lstsq(t[kept], torque[kept], rcond=PRESLIDING.rank)[0] - torque[kept]
+                for t in tables
+            ]
             found.append(_find_vertex(np.log(around), np.array([_compute_rms(one) for one in fits])))
-        return float(np.exp(found[0])), float(np.sqrt((_FOLDS - 1) * np.var(found[1:])))
+        return float(np.exp(found[0])), float(np.sqrt((PRESLIDING.folds - 1) * np.var(found[1:])))
 
     def estimate_levels(self, distance: float) -> tuple[float, float, tuple[float, float]]:
         """F_c with its deviation over blocks, and viscous friction of both directions, without Stribeck columns."""
         table, torque = self.build_table(distance)[:, :8], self.torque[self.keep]
-        whole = np.linalg.lstsq(table, torque, rcond=1e-9)[0]
+        whole = np.linalg.lstsq(table, torque, rcond=PRESLIDING.rank)[0]
         drawn = [
-            np.linalg.lstsq(np.delete(table, part, axis=0), np.delete(torque, part), rcond=1e-9)[0][0]
-            for part in np.array_split(np.arange(torque.size), _FOLDS)
+            np.linalg.lstsq(np.delete(table, part, axis=0), np.delete(torque, part), rcond=PRESLIDING.rank)[0][0]
+            for part in np.array_split(np.arange(torque.size), PRESLIDING.folds)
         ]
-        deviation = float(np.sqrt((_FOLDS - 1) * np.var(drawn)))
+        deviation = float(np.sqrt((PRESLIDING.folds - 1) * np.var(drawn)))
         return float(whole[0]), deviation, (float(whole[1]), float(whole[2]))
 
     def list_samples(self) -> dict[str, FloatArray]:
@@ -199,9 +200,9 @@ class _Motion:
 
 def _wins_most_blocks(before: FloatArray, after: FloatArray) -> bool:
     """Whether the error falls as far as it must on most of the blocks that were left out."""
-    pairs = zip(np.array_split(before, _FOLDS), np.array_split(after, _FOLDS), strict=True)
-    won = [_compute_rms(last) <= (1.0 - _LEAST_FALL) * _compute_rms(first) for first, last in pairs]
-    return float(np.mean(won)) >= _WON
+    pairs = zip(np.array_split(before, PRESLIDING.folds), np.array_split(after, PRESLIDING.folds), strict=True)
+    won = [_compute_rms(last) <= (1.0 - PRESLIDING.least_fall) * _compute_rms(first) for first, last in pairs]
+    return float(np.mean(won)) >= PRESLIDING.won
 
 
 def _find_vertex(at: FloatArray, values: FloatArray) -> float:

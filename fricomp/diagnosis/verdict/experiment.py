@@ -29,17 +29,9 @@ from ..joint.solver import Box, choose_steps
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from .motion import MENU, Range
+from .settings import EXPERIMENT
 
 __all__ = ["Proposal", "propose_experiment", "propose_motion"]
-
-_MOST_RIVALS = 3  # that a motion is looked for
-_DURATION = 40.0  # [s]
-_FADE = 1.0  # [s] from rest and back to it
-_ENOUGH = 30.0  # gain that a rival must lack: it is told while it lacks 12, and chance moves 30 by 11
-_PLENTY = 10.0  # times that, beyond which more is no better
-_HELD = 1e-8  # scale of a parameter that is not fitted
-_DIFFERENCE = 0.1  # of a parameter's scale
-_LARGEST = 1e50  # of a row, or its derivative, beyond which nothing was simulated
 
 
 class Proposal(NamedTuple):
@@ -72,7 +64,7 @@ def propose_experiment(findings: Findings) -> Proposal | None:
     box = case.prepared.box
     if case.rigid is not None and case.rigid.rotary and not compare_given(case, findings.refitted, AGREES).shifts:
         box = hold(box, case.rigid)  # beside one that agrees, rivals are held to the simulation too
-    return propose_motion(case.prepared, findings.chosen, list(rivals.values())[:_MOST_RIVALS], box)
+    return propose_motion(case.prepared, findings.chosen, list(rivals.values())[: EXPERIMENT.most_rivals], box)
 
 
 def propose_motion(prepared: Baseline, chosen: Explanation, rivals: Sequence[Explanation], box: Box) -> Proposal | None:
@@ -87,13 +79,13 @@ def propose_motion(prepared: Baseline, chosen: Explanation, rivals: Sequence[Exp
     dt = prepared.problem.tracks[0].dt
     reach, trials = _find_range(prepared), []
     for title, shape in MENU.items():
-        time = np.arange(int(_DURATION / dt), dtype=np.float64) * dt
-        fade = np.clip(np.minimum(time, time[-1] - time) / _FADE, 0.0, 1.0)
+        time = np.arange(int(EXPERIMENT.duration / dt), dtype=np.float64) * dt
+        fade = np.clip(np.minimum(time, time[-1] - time) / EXPERIMENT.fade, 0.0, 1.0)
         position = reach.centre + shape(time, reach) * (3.0 - 2.0 * fade) * fade**2
         motion = _Motion.build(prepared, position)
         trials.append((title, motion, [motion.compute_lack(chosen, rival, box) for rival in rivals]))
     title, motion, lacks = max(trials, key=lambda trial: _rate(trial[2]))
-    told = [(lack, rival) for lack, rival in zip(lacks, rivals, strict=True) if lack > _ENOUGH]
+    told = [(lack, rival) for lack, rival in zip(lacks, rivals, strict=True) if lack > EXPERIMENT.enough]
     if not told:
         return None
     names = {name for _, rival in told for name in set(rival.names) ^ set(chosen.names)}
@@ -104,14 +96,16 @@ def propose_motion(prepared: Baseline, chosen: Explanation, rivals: Sequence[Exp
 
 def _rate(lacks: Sequence[float]) -> tuple[int, float]:
     """How many rivals a motion tells apart, and how clearly."""
-    return sum(lack > _ENOUGH for lack in lacks), sum(min(lack, _PLENTY * _ENOUGH) for lack in lacks)
+    return sum(lack > EXPERIMENT.enough for lack in lacks), sum(
+        min(lack, EXPERIMENT.plenty * EXPERIMENT.enough) for lack in lacks
+    )
 
 
 def _find_range(prepared: Baseline) -> Range:
     low = min(float(track.position.min()) for track in prepared.problem.tracks)
     high = max(float(track.position.max()) for track in prepared.problem.tracks)
-    speed = max(float(np.quantile(np.abs(track.velocity), 0.99)) for track in prepared.problem.tracks)
-    return Range(0.5 * (low + high), 0.48 * (high - low), speed)
+    speed = max(float(np.quantile(np.abs(track.velocity), EXPERIMENT.fastest)) for track in prepared.problem.tracks)
+    return Range(0.5 * (low + high), EXPERIMENT.half_range * (high - low), speed)
 
 
 @dataclass(frozen=True)
@@ -158,15 +152,15 @@ class _Motion:
         0 where one of the two, or the rival beside its fit, does not simulate on this motion.
         """
         box, theta = box.join(rival.structure.build_box()), rival.fit.theta
-        steps = choose_steps(theta, box, _DIFFERENCE)
-        free = np.flatnonzero(box.scale > _HELD)
+        steps = choose_steps(theta, box, EXPERIMENT.difference)
+        free = np.flatnonzero(box.scale > EXPERIMENT.held)
         at, *moved = self.predict_rows(rival, [theta, *(theta + steps[i] * np.eye(theta.size)[i] for i in free)])
         difference = at - self.predict_rows(chosen, [chosen.fit.theta])[0]
         here = (rival.fit.jacobian * box.scale)[:, free]
-        signed = np.copysign(_DIFFERENCE, steps[free])
+        signed = np.copysign(EXPERIMENT.difference, steps[free])
         there = np.stack([(row - at) / part for row, part in zip(moved, signed, strict=True)], axis=1)
         # A row that ran away squares to infinity, on which the solution of the normal equations need not even end.
-        if not np.all(np.abs(np.column_stack([difference, there])) < _LARGEST):
+        if not np.all(np.abs(np.column_stack([difference, there])) < EXPERIMENT.largest):
             return 0.0
         known = here.T @ here + box.scaled_precision[np.ix_(free, free)] + there.T @ there
         along = there.T @ difference

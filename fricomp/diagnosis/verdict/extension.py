@@ -18,6 +18,7 @@ from ..inputs.track import FloatArray
 from ..joint.observer import Plant
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
+from .settings import VERDICT
 
 __all__ = ["write_base_model", "write_extended_model"]
 
@@ -28,7 +29,7 @@ def write_base_model(recordings: Sequence[Recording], prepared: Baseline) -> Fri
     """Friction of the refitted base."""
     plant = prepared.structure.unpack_plant(prepared.fit.theta)
     return _write_model(
-        recordings, prepared.structure.contexts, (BidirectionalStribeck(*_build_pair(plant, 2.0)),), plant
+        recordings, prepared.structure.contexts, (BidirectionalStribeck(*_build_pair(plant, VERDICT.exponent)),), plant
     )
 
 
@@ -60,7 +61,10 @@ def write_extended_model(
 
 def _build_core(plant: Plant, changes: Mapping[str, float]) -> Term:
     """The friction curves, with the exponent, bristle and lag that effects gave them."""
-    (forward, reverse), lag = _build_pair(plant, changes.get("stribeck_exponent", 2.0)), changes.get("lag", 0.0)
+    (forward, reverse), lag = (
+        _build_pair(plant, changes.get("stribeck_exponent", VERDICT.exponent)),
+        changes.get("lag", 0.0),
+    )
     if "sigma_0" in changes:
         sigma_0, sigma_1 = changes["sigma_0"], changes.get("sigma_1", 0.0)
         if lag > 0.0:

@@ -10,12 +10,10 @@ from ..record.result import Change, HeldOut, Kind, Location, NamedEffect, Rival,
 from ..samples.sample_finding import SampleFinding
 from .naming import compare_spring, name_effects, name_sample
 from .rivals import list_rivals, list_sample_rivals
+from .settings import VERDICT
 from .shared_effect import SharedEffects, SimulationEffects, share_effects
 
 __all__ = ["Verdict", "choose_verdict", "judge"]
-
-_OTHER_ORDER = 1.5  # ratio of orders from which two ripples are not the same one
-_LARGER = 2.0  # ratio of amplitudes from which the finer ripple is the one to name
 
 
 @dataclass(frozen=True)
@@ -87,7 +85,7 @@ def _replaces_search(sample: SampleFinding, findings: Findings) -> bool:
     if coarse is None or sample.ripple is None:
         return True
     order, amplitude = sample.ripple
-    return order > _OTHER_ORDER * coarse[0] and amplitude > _LARGER * coarse[1]
+    return order > VERDICT.other_order * coarse[0] and amplitude > VERDICT.larger * coarse[1]
 
 
 def _judge_rows(findings: Findings, named: tuple[NamedEffect, ...], shared: SharedEffects) -> Verdict:

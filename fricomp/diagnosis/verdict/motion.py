@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..inputs.track import FloatArray
+from .settings import EXPERIMENT
 
 __all__ = ["MENU", "Range"]
 
@@ -27,44 +28,46 @@ class Range(NamedTuple):
 
 
 def _draw_slow_sine(time: FloatArray, reach: Range) -> FloatArray:
-    rate = min(0.2 * reach.speed / reach.half, 2 * np.pi * 0.2)
+    rate = min(EXPERIMENT.slow_speed * reach.speed / reach.half, EXPERIMENT.slow_rate)
     return np.asarray(reach.half * np.sin(rate * time), dtype=np.float64)
 
 
 def _draw_fast_sine(time: FloatArray, reach: Range) -> FloatArray:
-    return np.asarray(reach.half * np.sin(0.9 * reach.speed / reach.half * time), dtype=np.float64)
+    rate = EXPERIMENT.fast_speed * reach.speed / reach.half
+    return np.asarray(reach.half * np.sin(rate * time), dtype=np.float64)
 
 
 def _draw_chirp(time: FloatArray, reach: Range) -> FloatArray:
-    low, high = 0.1, 4.0
+    low, high = EXPERIMENT.chirp
     rate = np.log(high / low) / time[-1]
     frequency = low * np.exp(rate * time)
     phase = 2 * np.pi * low * (np.exp(rate * time) - 1.0) / rate
-    return np.asarray(np.minimum(0.5 * reach.half, reach.speed / (2 * np.pi * frequency)) * np.sin(phase))
+    largest = EXPERIMENT.chirp_range * reach.half
+    return np.asarray(np.minimum(largest, reach.speed / (2 * np.pi * frequency)) * np.sin(phase))
 
 
 def _draw_small_reversals(time: FloatArray, reach: Range) -> FloatArray:
-    return np.asarray(0.06 * reach.half * np.sin(2 * np.pi * 0.4 * time) * (1.0 + 3.0 * time / time[-1]))
+    size = EXPERIMENT.reversal_range * reach.half * (1.0 + EXPERIMENT.reversal_growth * time / time[-1])
+    return np.asarray(size * np.sin(2 * np.pi * EXPERIMENT.reversal_rate * time))
 
 
 def _draw_staircase(time: FloatArray, reach: Range) -> FloatArray:
-    speeds = reach.speed * np.geomspace(0.01, 1.0, 8)
-    v = np.zeros_like(time)
-    position, sign, at = 0.0, 1.0, 0
-    dt = float(time[1])
-    i = 0
+    count, dt = EXPERIMENT.speeds, float(time[1])
+    speeds, v = reach.speed * np.geomspace(EXPERIMENT.slowest, 1.0, count), np.zeros_like(time)
+    position, sign, at, step = 0.0, 1.0, 0, 0
     while at < time.size:
-        speed = float(speeds[i % 8])
-        length = min(time.size - at, int(min(3.0, (reach.half - sign * position) / speed * 0.95) / dt))
-        if length < int(0.2 / dt):
+        speed = float(speeds[step % count])
+        way = (reach.half - sign * position) / speed * EXPERIMENT.step_share
+        length = min(time.size - at, int(min(EXPERIMENT.longest_step, way) / dt))
+        if length < int(EXPERIMENT.shortest_step / dt):
             sign = -sign
-            length = min(time.size - at, int(0.3 / dt))
+            length = min(time.size - at, int(EXPERIMENT.turned_step / dt))
         v[at : at + length] = sign * speed
         position += sign * speed * length * dt
-        at, i = at + length, i + 1
-        if i % 8 == 0:
+        at, step = at + length, step + 1
+        if step % count == 0:
             sign = -sign
-    window = np.hanning(101)
+    window = np.hanning(EXPERIMENT.smooth_samples)
     return np.clip(np.cumsum(np.convolve(v, window / window.sum(), "same")) * dt, -reach.half, reach.half)
 
 

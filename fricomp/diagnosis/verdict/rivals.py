@@ -10,16 +10,15 @@ from ..evidence.findings import Findings
 from ..record.result import NamedEffect, Rival
 from ..record.sentence import FOREIGN_CURVE
 from ..search.explanation import Explanation
+from .settings import VERDICT
 
 __all__ = ["list_rivals", "list_sample_rivals"]
-
-_MOST = 12  # rivals that are listed
 
 
 def list_rivals(findings: Findings) -> tuple[Rival, ...]:
     """List what the search weighed, best first."""
     found, chosen = findings.case.found, findings.chosen
-    listed = found.explanations[:_MOST]
+    listed = found.explanations[: VERDICT.rivals]
     if chosen is not None and chosen not in listed:
         listed = (*listed, chosen)
     return tuple(

@@ -9,12 +9,11 @@ import numpy as np
 from msgspec.structs import replace
 
 from ..record.result import Kind, NamedEffect, Quantity
+from .settings import SHARING
 
 __all__ = ["SharedEffects", "SimulationEffects", "share_effects"]
 
 _WAVES = ("sine", "cosine")  # a phase has no size, and two encoders start at different angles
-_FOR_SURE = 2.0  # of both intervals together, that two numbers of one effect must be apart
-_MUCH = 0.1  # of the larger of them besides: no simulation is better than that
 
 
 @dataclass(frozen=True)
@@ -100,7 +99,7 @@ def _list_differences(effect: NamedEffect, own: NamedEffect) -> list[str]:
 def _differ(one: Quantity, other: Quantity) -> bool:
     ours, theirs = (0.5 * (q.ci95[1] - q.ci95[0]) for q in (one, other))
     largest = max(abs(one.value), abs(other.value))
-    return abs(one.value - other.value) > max(_FOR_SURE * float(np.hypot(ours, theirs)), _MUCH * largest)
+    return abs(one.value - other.value) > max(SHARING.for_sure * float(np.hypot(ours, theirs)), SHARING.much * largest)
 
 
 def _list_sizes(effect: NamedEffect) -> dict[str, Quantity]:

@@ -15,7 +15,8 @@ from fricomp.diagnosis.joint.observer import Observer
 from fricomp.diagnosis.search.explanation import Explanation
 from fricomp.diagnosis.search.preparation import Baseline, prepare
 from fricomp.diagnosis.search.refit import fit_from
-from fricomp.diagnosis.verdict.experiment import _ENOUGH, _Motion, _rate, propose_motion
+from fricomp.diagnosis.verdict.experiment import _Motion, _rate, propose_motion
+from fricomp.diagnosis.verdict.settings import EXPERIMENT
 
 from ..toy_joint import FloatArray, ToyJoint, recording
 
@@ -93,5 +94,5 @@ def test_a_rival_that_does_not_simulate_on_a_motion_is_not_told_by_it(
 
 
 def test_two_rivals_told_apart_are_worth_more_than_one_told_clearly() -> None:
-    assert _rate([1.1 * _ENOUGH, 1.1 * _ENOUGH]) > _rate([0.0, 100.0 * _ENOUGH])
-    assert _rate([1.1 * _ENOUGH, 0.5 * _ENOUGH]) > _rate([1.1 * _ENOUGH, 0.0])
+    assert _rate([1.1 * EXPERIMENT.enough, 1.1 * EXPERIMENT.enough]) > _rate([0.0, 100.0 * EXPERIMENT.enough])
+    assert _rate([1.1 * EXPERIMENT.enough, 0.5 * EXPERIMENT.enough]) > _rate([1.1 * EXPERIMENT.enough, 0.0])
