@@ -141,11 +141,11 @@ class Structure:
         """
         plant, values = self.unpack_plant(theta), self.name_values(theta[N_BASE:])
 
-        def further(context: Context) -> FloatArray:
+        def sum_loads(context: Context) -> FloatArray:
             carried = [candidate.effect.compute_load(context, values[candidate.name]) for candidate in self.candidates]
             return np.zeros_like(context.position) + sum(carried)
 
-        return tuple(add_load(context, plant, further(context)) for context in self.contexts)
+        return tuple(add_load(context, plant, sum_loads(context)) for context in self.contexts)
 
     def compute_residuals(self, problem: Problem, points: Sequence[FloatArray]) -> list[FloatArray]:
         """Weighted residual vectors at several points."""

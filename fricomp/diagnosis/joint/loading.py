@@ -85,7 +85,7 @@ def _build_track(recording: Recording, loop: Controller | None, dt: float, name:
     grid = np.arange(int(time[-1] / dt + 1e-6) + 1) * dt
     uniform = grid.size == time.size and bool(np.max(np.abs(grid - time)) < 0.02 * dt)
 
-    def sampled(values: FloatArray) -> FloatArray:
+    def sample(values: FloatArray) -> FloatArray:
         if uniform:
             return np.array(values)
         if recording.sample_period > 1.5 * dt:
@@ -94,10 +94,10 @@ def _build_track(recording: Recording, loop: Controller | None, dt: float, name:
         interpolated: FloatArray = np.interp(grid, time, values)
         return interpolated
 
-    channels = {n: sampled(v) for n, v in recording.channels.items() if n in _CHANNELS}
+    channels = {n: sample(v) for n, v in recording.channels.items() if n in _CHANNELS}
     extra = recording.metadata.extra.get("neighbour_position")
     if isinstance(extra, list):
-        channels["neighbour_position"] = sampled(np.asarray(extra, dtype=np.float64))
+        channels["neighbour_position"] = sample(np.asarray(extra, dtype=np.float64))
     position, torque, noise = np.array(recording.position), np.array(recording.torque), None
     if recording.sample_period > 1.5 * dt:
         velocity = differentiate(position, recording.sample_period)
@@ -106,8 +106,8 @@ def _build_track(recording: Recording, loop: Controller | None, dt: float, name:
         noise = TorqueNoise(0.0, seen.size, float(np.exp(-dt / recording.sample_period)))
     track = Track.build(
         dt,
-        sampled(position),
-        sampled(torque),
+        sample(position),
+        sample(torque),
         rotary=recording.metadata.motion == "rotary",
         channels=channels,
         name=name,

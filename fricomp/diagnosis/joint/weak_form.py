@@ -89,7 +89,7 @@ def _build_rows(track: Track, width: float, rest_speed: float) -> WeakRows:
         ok |= binary_erosion(moving & (np.sign(track.velocity) == sign), np.ones(2 * margin + 1))
     centres = np.flatnonzero(ok)[:: max(1, length // 2)]
 
-    def mean(samples: FloatArray, weights: FloatArray) -> FloatArray:
+    def average(samples: FloatArray, weights: FloatArray) -> FloatArray:
         result: FloatArray = fftconvolve(samples, weights, mode="same")[centres] / total
         return result
 
@@ -97,10 +97,10 @@ def _build_rows(track: Track, width: float, rest_speed: float) -> WeakRows:
     curvature = curvature - curvature.mean()
     gravity = [np.ones_like(q)] + ([np.cos(q), np.sin(q)] if track.rotary else [])
     return WeakRows(
-        torque=mean(track.torque, phi),
-        inertia=mean(q - q.mean(), curvature),
-        gravity=np.stack([mean(g, phi) for g in gravity], axis=1),
-        velocity=mean(track.velocity, phi),
+        torque=average(track.torque, phi),
+        inertia=average(q - q.mean(), curvature),
+        gravity=np.stack([average(g, phi) for g in gravity], axis=1),
+        velocity=average(track.velocity, phi),
         direction=np.sign(track.velocity[centres]),
     )
 
