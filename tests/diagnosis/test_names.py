@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -49,3 +50,13 @@ def test_functions_begin_with_a_verb() -> None:
 def test_a_participle_is_no_verb() -> None:
     assert not any(map(begins_with_a_verb, ("told", "_agreed", "beside", "residuals", "_fitted")))
     assert all(map(begins_with_a_verb, ("fit_base", "_is_loud", "to_slots", "compute_curve")))
+
+
+def test_the_documentation_names_modules_that_exist() -> None:
+    folder = Path(fricomp.diagnosis.__file__).parent
+    modules = {path.stem for path in folder.rglob("*.py")}
+    page = (Path(__file__).parents[2] / "docs/diagnosis_method.md").read_text()
+    table = page.split("| step | module | what it does |")[1].split("\n\n")[0]
+    named = [name for row in table.splitlines()[2:] for name in re.findall(r"`(\w+)`", row.split("|")[2])]
+    assert len(named) > 20
+    assert set(named) <= modules
