@@ -54,6 +54,12 @@ class PacketBuffer:
                 self._left = data[max(at, len(data) - 3) :]  # the last three bytes may be the beginning of one
                 return packets
             size = _size_at(data, start)
+            # No header stands inside a packet, where its bytes are stuffed: one that does has lost the end before it.
+            other = data.find(HEADER, start + 1, len(data) if size is None else start + size)
+            if other >= 0:
+                self.n_damaged += 1
+                at = other
+                continue
             if size is None:
                 self._left = data[start:]
                 return packets

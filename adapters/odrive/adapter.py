@@ -65,6 +65,7 @@ class OdriveAdapter(ParameterAdapter):
             for command in (Command.ENCODER_ESTIMATES, self._effort)
         ]
         self._heartbeats: list[Heartbeat | None] = [None] * len(self._nodes)
+        self._awaited: set[int] = set()  # parts of the state that were asked for and have not come
         self._watchdog: Watchdog | None = None
         self._mode_in_use: CommandMode = "torque"
         self._running = False
@@ -115,17 +116,25 @@ class OdriveAdapter(ParameterAdapter):
         return FAULT_NOT_ENABLED if self._running and heartbeat.state != AxisState.CLOSED_LOOP else 0
 
     def _take_estimates(self, joint: int, data: bytes) -> None:
-        pair = decode_pair(data)
+        pair = self._awaited_pair(2 * joint, data)
         if pair is None:
-            self.n_damaged += 1
             return
         self._reported.position[joint], self._reported.velocity[joint] = pair[0] * tau, pair[1] * tau
         self._arrivals.mark(2 * joint)
 
-    def _take_effort(self, joint: int, data: bytes) -> None:
+    def _awaited_pair(self, part: int, data: bytes) -> tuple[float, float] | None:
+        """The floats of an answer; None of a report that nobody has asked for: it is of another time than the rest."""
         pair = decode_pair(data)
         if pair is None:
             self.n_damaged += 1
+        elif part in self._awaited:
+            self._awaited.remove(part)
+            return pair
+        return None
+
+    def _take_effort(self, joint: int, data: bytes) -> None:
+        pair = self._awaited_pair(2 * joint + 1, data)
+        if pair is None:
             return
         if self._configuration.minor == 6:
             self._reported.torque[joint] = pair[1]
@@ -259,6 +268,7 @@ class OdriveAdapter(ParameterAdapter):
     def _state_requests(self) -> list[CanFrame]:
         """What asks all axes for their state; for their temperatures only now and then."""
         now = self.clock.now_ns()
+        self._awaited.update(range(2 * len(self._nodes)))
         if self._configuration.minor == 5 or now - self._slow_ns < SLOW_PERIOD_NS:  # 0.5 does not tell temperatures
             return self._requests
         self._slow_ns = now

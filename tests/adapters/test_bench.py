@@ -14,6 +14,7 @@ from fricomp.sim_bench.studies.adapters.calibration import compare_all
 from fricomp.sim_bench.studies.adapters.fuzz import fuzz_adapter
 from fricomp.sim_bench.studies.adapters.peers import PEERS, compare_with_peer
 from fricomp.sim_bench.studies.adapters.serial_can import compare_slcan
+from fricomp.sim_bench.studies.adapters.soak import soak_adapter
 
 
 @pytest.mark.parametrize("protocol", sorted(PEERS))
@@ -29,6 +30,17 @@ def test_garbage_brings_nothing_foreign_and_no_torque_beyond_the_limit(protocol:
     assert result.foreign == {}
     assert 0.0 < result.largest_torque <= result.torque_limit
     assert result.n_frames >= 4000
+
+
+@pytest.mark.parametrize("protocol", sorted(PROTOCOLS))
+def test_a_joint_in_its_loop_is_stopped_by_faults_and_lies_alone(protocol: str) -> None:
+    result = soak_adapter(protocol, 20_000, seed=2)
+    assert result.false_trips == []
+    assert result.foreign == []
+    assert result.still_torque == 0
+    assert 0.0 < result.largest_torque <= 1.0
+    assert max(result.slowest.values(), default=0.0) <= 0.05
+    assert sum(result.n_stops.values()) > 0
 
 
 def test_frames_come_back_over_both_slcan_buses() -> None:

@@ -25,12 +25,14 @@ def adapters(
     quick: Annotated[bool, typer.Option("--quick", help="A fiftieth of the frames, short sweeps.")] = False,
     frames: Annotated[int, typer.Option(help="Random and damaged frames a protocol; 0 for the size's own.")] = 0,
     commands: Annotated[int, typer.Option(help="Random commands a protocol against its peer.")] = 10_000,
-    only: Annotated[str, typer.Option(help="One protocol alone for calibration, fuzz and cost.")] = "",
+    ticks: Annotated[int, typer.Option(help="Cycles of the soak a protocol; 0 for the size's own.")] = 0,
+    only: Annotated[str, typer.Option(help="One protocol alone for calibration, fuzz, soak and cost.")] = "",
 ) -> None:
     """Every adapter against an independent encoder, through its twin, under garbage, in time; and slcan in chunks.
 
-    Exit status 1 if a difference has no reason, a calibration does not agree, something foreign was raised, or torque
-    went beyond the gate's limit.
+    The soak runs a joint's loop with faults of links, drives and sensors at random. Exit status 1 if a difference has
+    no reason, a calibration does not agree, something foreign was raised, a healthy joint was stopped, or torque went
+    beyond the gate's limit.
     """
     import msgspec
     from rich.table import Table as Printed
@@ -44,7 +46,8 @@ def adapters(
     require(*PEER_MODULES, extra="dev")
     require(*REPORT, "serial")
     out.mkdir(parents=True, exist_ok=True)
-    figures = _measure(commands, frames or (20_000 if quick else 1_000_000), only, quick)
+    full = 20_000 if quick else 1_000_000
+    figures = _measure(commands, frames or full, ticks or full, only, quick)
     (out / "figures.json").write_bytes(msgspec.json.format(msgspec.json.encode(figures)))
     write_report(adapter_page(figures), out / "report.html")
     screen = console()
@@ -58,7 +61,7 @@ def adapters(
         raise typer.Exit(1)
 
 
-def _measure(n_commands: int, n_frames: int, only: str, quick: bool) -> AdapterFigures:
+def _measure(n_commands: int, n_frames: int, n_ticks: int, only: str, quick: bool) -> AdapterFigures:
     from fricomp.cli.terminal import progress
     from fricomp.errors import ParameterError
     from fricomp.sim_bench.studies.adapters.bench import PROTOCOLS
@@ -68,14 +71,15 @@ def _measure(n_commands: int, n_frames: int, only: str, quick: bool) -> AdapterF
     from fricomp.sim_bench.studies.adapters.page import AdapterFigures
     from fricomp.sim_bench.studies.adapters.peers import PEERS, compare_with_peer
     from fricomp.sim_bench.studies.adapters.serial_can import ECHOES, compare_slcan
+    from fricomp.sim_bench.studies.adapters.soak import soak_adapter
 
     if only and only not in PROTOCOLS:
         raise ParameterError(f"no protocol {only!r}; there are {', '.join(PROTOCOLS)}")
     protocols = [only] if only else list(PROTOCOLS)
-    peers, fuzzed, costs = [], [], []
+    peers, fuzzed, soaked, costs = [], [], [], []
     calibrations: list[CalibrationComparison] = []
     with progress() as bar:
-        task = bar.add_task("adapters", total=len(PEERS) + 2 * len(protocols) + 3)
+        task = bar.add_task("adapters", total=len(PEERS) + 3 * len(protocols) + 3)
         for name in protocols:
             costs += [measure_cost(name, n_joints, 300 if quick else 2000) for n_joints in JOINT_COUNTS]
             bar.advance(task)
@@ -90,4 +94,7 @@ def _measure(n_commands: int, n_frames: int, only: str, quick: bool) -> AdapterF
         for name in protocols:
             fuzzed.append(fuzz_adapter(name, n_frames))
             bar.advance(task)
-    return AdapterFigures(tuple(peers), tuple(calibrations), tuple(fuzzed), tuple(costs), tuple(trips))
+        for name in protocols:
+            soaked.append(soak_adapter(name, n_ticks))
+            bar.advance(task)
+    return AdapterFigures(tuple(peers), tuple(calibrations), tuple(fuzzed), tuple(soaked), tuple(costs), tuple(trips))

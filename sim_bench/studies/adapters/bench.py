@@ -19,7 +19,8 @@ __all__ = ["PERIOD", "PROTOCOLS", "TORQUE_LIMIT", "AdapterBench", "make_bench"]
 
 TORQUE_LIMIT = 2.0
 PERIOD = 0.005
-LIMITS = {"torque": TORQUE_LIMIT, "torque_rate": 1e9, "velocity": 8.0, "position": (-3.0, 3.0)}
+# Motors in a hand stand still under any torque.
+LIMITS = {"torque": TORQUE_LIMIT, "torque_rate": 1e9, "velocity": 8.0, "position": (-3.0, 3.0), "breakaway": 1e3}
 
 
 @dataclass

@@ -17,7 +17,7 @@ from fricomp.joint import JointCommand, JointFeedback
 
 from .bench import PERIOD, TORQUE_LIMIT, AdapterBench, make_bench
 
-__all__ = ["FuzzResult", "fuzz_adapter"]
+__all__ = ["FuzzResult", "fuzz_adapter", "resident_bytes"]
 
 BATCH = 40
 """Frames between two control cycles: far more than a healthy bus carries."""
@@ -69,7 +69,7 @@ def fuzz_adapter(protocol: str, n_frames: int, seed: int = 1) -> FuzzResult:
     half = n_frames // 2
     run.feed(half)
     gc.collect()
-    before = _resident_bytes()
+    before = resident_bytes()
     run.feed(n_frames - half)
     gc.collect()
     quantum = max(joint.torque_quantum for joint in run.bench.adapter.capabilities.joints)
@@ -82,7 +82,7 @@ def fuzz_adapter(protocol: str, n_frames: int, seed: int = 1) -> FuzzResult:
         dict(run.foreign),
         max(axis.largest_torque for axis in run.bench.axes),
         TORQUE_LIMIT + quantum,
-        _resident_bytes() - before,
+        resident_bytes() - before,
     )
 
 
@@ -186,7 +186,7 @@ def _damaged(data: bytes, rng: random.Random) -> bytes:
     return bytes(changed)
 
 
-def _resident_bytes() -> int:
+def resident_bytes() -> int:
     """Memory of this process; 0 where the system does not tell it this way."""
     if not sys.platform.startswith("linux"):
         return 0

@@ -12,6 +12,7 @@ from .cost import LARGEST_COST, CycleCost
 from .fuzz import FuzzResult
 from .peers import PeerComparison
 from .serial_can import RoundTrip
+from .soak import SoakResult
 
 __all__ = ["AdapterFigures", "adapter_page", "adapter_tables"]
 
@@ -24,6 +25,7 @@ class AdapterFigures:
         peers: Against independent encoders.
         calibrations: Through every adapter and its twin.
         fuzz: Under garbage.
+        soak: In a loop, with faults at random.
         cost: Of a cycle.
         slcan: Over a serial line.
     """
@@ -31,6 +33,7 @@ class AdapterFigures:
     peers: tuple[PeerComparison, ...]
     calibrations: tuple[CalibrationComparison, ...]
     fuzz: tuple[FuzzResult, ...]
+    soak: tuple[SoakResult, ...]
     cost: tuple[CycleCost, ...]
     slcan: tuple[RoundTrip, ...]
 
@@ -41,6 +44,7 @@ class AdapterFigures:
             *(each.passed for each in self.peers),
             *(each.passed for each in self.calibrations),
             *(each.passed for each in self.fuzz),
+            *(each.passed for each in self.soak),
         ]
         return all(verdicts) and chance_explains(self.calibrations)
 
@@ -51,6 +55,7 @@ def adapter_tables(figures: AdapterFigures) -> Sequence[tuple[str, Table]]:
         ("Frames against independent encoders", _peers(figures.peers)),
         ("Calibration of one joint through adapter and twin, beside the same joint alone", _calibrations(figures)),
         ("Random and damaged frames", _fuzz(figures.fuzz)),
+        ("A joint in its loop, with faults at random", _soak(figures.soak)),
         ("Encode, gate and decode, a joint, without the bus", _cost(figures.cost)),
         ("Round trip over slcan on one pseudo-terminal", _slcan(figures.slcan)),
     )
@@ -116,6 +121,27 @@ def _fuzz(results: Sequence[FuzzResult]) -> Table:
     )
     heads = ("protocol", "frames", "cycles", "stops", "foreign exceptions", "largest torque")
     return Table((*heads, "memory growth in the second half [KiB]"), rows)
+
+
+def _soak(results: Sequence[SoakResult]) -> Table:
+    rows = tuple(
+        (
+            each.protocol,
+            f"{each.n_ticks}",
+            f"{each.n_healthy}",
+            f"{len(each.false_trips)}",
+            f"{sum(each.n_faults.values())}",
+            f"{sum(each.n_stops.values())}",
+            f"{1e3 * max(each.slowest.values(), default=0.0):.0f}",
+            f"{len(each.foreign)}",
+            f"{each.largest_torque:.3f}",
+            f"{each.still_torque}",
+            f"{each.memory_growth / 1024:.0f}",
+        )
+        for each in results
+    )
+    heads = ("protocol", "cycles", "healthy", "of them stopped", "faults", "stops", "slowest stop of a lie [ms]")
+    return Table((*heads, "foreign", "largest torque [of the limit]", "torque after an end", "memory [KiB]"), rows)
 
 
 def _cost(costs: Sequence[CycleCost]) -> Table:
