@@ -19,17 +19,20 @@ from concurrent.futures import (
 from contextlib import contextmanager
 from multiprocessing.connection import wait as wait_for
 from typing import Any, TypeVar
+from urllib.parse import parse_qsl
 
 from fricomp.errors import DiagnosisError, MissingExtraError
 
 __all__ = ["EXECUTORS", "SerialExecutor", "always", "open_executor", "stream"]
 
-EXECUTORS = "processes, processes://N, serial, dask://host:port, dask://local:N"
+EXECUTORS = "processes, processes://N, serial, dask://host:port, dask://tls://host:port?ca=&cert=&key=, dask://local:N"
 
 _ADDRESS = re.compile(
     r"serial|processes(://(?P<processes>[1-9][0-9]*))?"
-    r"|dask://(local(:(?P<local>[1-9][0-9]*))?|(?P<scheduler>(?!local:).+:[0-9]+))"
+    r"|dask://(local(:(?P<local>[1-9][0-9]*))?"
+    r"|(?P<scheme>(tcp|tls)://)?(?P<scheduler>(?!local:)[^/?]+:[0-9]+(\?.*)?))"
 )
+_CERTIFICATES = {"ca": "tls_ca_file", "cert": "tls_client_cert", "key": "tls_client_key"}
 _LOCAL_WORKERS = 2  # of a local Dask cluster whose address does not say it
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -103,7 +106,9 @@ def open_executor(address: str = "processes", workers: int | None = None) -> Ite
 
     Args:
         address: `processes` or `processes://N` (N workers, by default one a core), `serial`, or `dask://host:port`
-            for the scheduler of a Dask cluster; `dask://local:N` starts a local one.
+            for the scheduler of a Dask cluster; `dask://tls://host:port?ca=FILE&cert=FILE&key=FILE` for one that is
+            reached by TLS, where files that are left out are those of Dask's own configuration; `dask://local:N` starts
+            a local one.
         workers: How many, where the address does not say it.
 
     Raises:
@@ -122,7 +127,7 @@ def open_executor(address: str = "processes", workers: int | None = None) -> Ite
             with _one_thread_each():
                 yield from _run_processes(int(found["processes"] or workers or os.cpu_count() or 1))
         elif found["scheduler"]:
-            yield from _join_dask(found["scheduler"])
+            yield from _join_dask((found["scheme"] or "tcp://") + found["scheduler"])
         else:
             yield from _start_dask(int(found["local"] or _LOCAL_WORKERS))
     except BrokenExecutor as error:
@@ -173,14 +178,34 @@ def _start_dask(workers: int) -> Iterator[tuple[Executor, int]]:
         yield client.get_executor(retries=_RETRIES), workers
 
 
-def _join_dask(scheduler: str) -> Iterator[tuple[Executor, int]]:
+def _join_dask(place: str) -> Iterator[tuple[Executor, int]]:
     dask = _import_dask()
+    scheduler, _, files = place.partition("?")
+    is_safe = scheduler.startswith("tls://")
+    if files and not is_safe:
+        raise DiagnosisError(f"certificates are of TLS: write dask://tls://host:port?{files}")
+    given = {"security": _read_certificates(dask, files)} if is_safe else {}
     try:
-        client = dask.Client(f"tcp://{scheduler}", timeout="10s")
+        client = dask.Client(scheduler, timeout="10s", **given)
     except OSError as error:
         raise DiagnosisError(f"no Dask scheduler answers at {scheduler}: {error}") from error
     with client:
         yield client.get_executor(retries=_RETRIES), max(1, len(client.ncores()))
+
+
+def _read_certificates(dask: Any, files: str) -> Any:
+    """What Dask needs for TLS, from `ca=FILE&cert=FILE&key=FILE`.
+
+    Raises:
+        DiagnosisError: A name is none of these, or a file cannot be read.
+    """
+    chosen = dict(parse_qsl(files, keep_blank_values=True))
+    for name, path in chosen.items():
+        if name not in _CERTIFICATES:
+            raise DiagnosisError(f"{name!r} is no certificate of TLS: valid are {', '.join(_CERTIFICATES)}")
+        if not os.access(path, os.R_OK):
+            raise DiagnosisError(f"cannot read the file {path!r} that {name} of TLS names: check the path")
+    return dask.Security(require_encryption=True, **{_CERTIFICATES[name]: path for name, path in chosen.items()})
 
 
 def stream(

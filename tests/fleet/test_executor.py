@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -89,8 +90,9 @@ def test_an_address_that_is_none_is_refused_with_the_valid_ones(address: str) ->
 @pytest.mark.parametrize(
     ("address", "workers", "called"),
     [
-        ("dask://localhost:8786", None, ("_join_dask", "localhost:8786")),
-        ("dask://10.0.0.2:8786", None, ("_join_dask", "10.0.0.2:8786")),
+        ("dask://localhost:8786", None, ("_join_dask", "tcp://localhost:8786")),
+        ("dask://10.0.0.2:8786", None, ("_join_dask", "tcp://10.0.0.2:8786")),
+        ("dask://tls://host:1?ca=a.pem", None, ("_join_dask", "tls://host:1?ca=a.pem")),
         ("dask://local", None, ("_start_dask", 2)),
         ("dask://local:3", None, ("_start_dask", 3)),
         ("processes://4", None, ("_run_processes", 4)),
@@ -110,6 +112,42 @@ def test_an_address_opens_what_it_says(
         monkeypatch.setattr(executor, name, note)
     _open(address, workers)
     assert calls == [called]
+
+
+@pytest.mark.parametrize(
+    ("address", "says"),
+    [
+        ("dask://host:1?ca=a.pem", "certificates are of TLS: write dask://tls://host:port"),
+        ("dask://tls://host:1?pem=a.pem", "'pem' is no certificate of TLS: valid are ca, cert, key"),
+        ("dask://tls://host:1?ca=/not/there.pem", "cannot read the file '/not/there.pem' that ca of TLS names"),
+    ],
+)
+def test_certificates_that_cannot_be_meant_are_refused(address: str, says: str) -> None:
+    pytest.importorskip("distributed")
+    with pytest.raises(DiagnosisError, match=says):
+        _open(address)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("default")  # dask.distributed warns on its own shutdown
+def test_a_scheduler_is_reached_by_tls_with_its_certificates_alone(tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    openssl = shutil.which("openssl")
+    if openssl is None:
+        pytest.skip("no openssl: apt-get install openssl")
+    made = [openssl, "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost"]
+    key, cert = tmp_path / "key.pem", tmp_path / "cert.pem"
+    subprocess.run([*made, "-keyout", str(key), "-out", str(cert)], check=True, capture_output=True)
+    names = ("tls_ca_file", "tls_client_cert", "tls_worker_cert", "tls_scheduler_cert")
+    keys = ("tls_client_key", "tls_worker_key", "tls_scheduler_key")
+    files = dict.fromkeys(names, str(cert)) | dict.fromkeys(keys, str(key))
+    security = distributed.Security(require_encryption=True, **files)
+    options = {"n_workers": 1, "threads_per_worker": 1, "dashboard_address": None, "security": security}
+    with distributed.LocalCluster(**options) as cluster:
+        assert cluster.scheduler_address.startswith("tls://")
+        address = f"dask://{cluster.scheduler_address}?ca={cert}&cert={cert}&key={key}"
+        with open_executor(address) as (pool, workers):
+            assert (pool.submit(abs, -3).result(timeout=60.0), workers) == (3, 1)
 
 
 def test_an_executor_that_counts_its_own_workers_takes_no_number() -> None:
