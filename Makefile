@@ -1,12 +1,13 @@
 # Two commands, each enough on a fresh machine with Python 3.11 or newer, git and make:
 #   make calibrate   a simulated joint, from sweep to exported model, into runs/demo
 #   make test        the whole test suite
+# And for work on it: make lint, make docs (the site), make lock, make clean.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 JOBS ?= 2
 
-.PHONY: calibrate test lint lock clean
+.PHONY: calibrate test lint docs lock clean
 
 $(VENV)/installed: requirements.lock pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "fricomp needs Python 3.11 or newer; name one: make PYTHON=python3.11"; exit 1; }
@@ -29,6 +30,11 @@ lint: $(VENV)/installed
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# The documentation as a site: open build/site/index.html, no server and no network needed.
+docs: $(VENV)/installed
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	@echo "The site is in build/site: open build/site/index.html"
 
 # Write down what is installed now; torch without its build tag, so that the CPU build of any index serves.
 lock:

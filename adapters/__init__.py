@@ -1,5 +1,8 @@
 """Adapters: buses and drives behind one interface, with the safety gate inside."""
 
+if __name__ == "adapters":
+    raise ImportError("adapters is a part of fricomp, with other classes under this name: import fricomp.adapters")
+
 from .adapter import JointAdapter
 from .can_adapter import CanAdapter
 from .driver import Driver
