@@ -50,12 +50,20 @@ class Doubt:
     known: float = 1.0
 
 
-# From simulated joints with nothing missing, with one strong effect that was named, and with something that was not.
 PLAIN = Doubt(inertia=1e-4, accelerating=1e-4, gravity=5e-5, sliding=5e-4, uneven=6e-4)
+"""How far parameters strayed on simulated joints with nothing missing. Smaller numbers would name parameters that are
+right."""
+
 NAMED = Doubt(inertia=0.005, accelerating=4e-4, gravity=2e-3, sliding=3e-3, uneven=3e-3, known=1.5)
+"""How far they strayed on simulated joints beside one strong effect that was named. Of 22 joints whose simulation was
+wrong beside a named effect the fit's own intervals held 54 of 66 true values, hence the factor on them."""
+
 AGREES = Doubt(inertia=1e-4, accelerating=4e-4, gravity=3e-4, sliding=1e-3, uneven=3e-4)
-"""Doubt within which an explanation leaves the simulation as it is."""
+"""How far an explanation that leaves the simulation as it is may move its parameters: between the two above, chosen on
+development cases. Larger numbers take explanations for agreeing that bend gravity."""
+
 UNEXPLAINED = Doubt(inertia=0.02, accelerating=4e-4, gravity=0.01, sliding=0.02, uneven=0.02)
+"""How far they strayed on simulated joints with something that was not named, which biases all of them."""
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ from .gates import Trial, find_vibration, put_to_trial, stands_out
 from .in_place import prefer_in_place
 from .location import collect_rows, find_change_points, locate, map_excess
 from .refitted import Refitted
+from .settings import LOCATION
 from .velocity_lag import find_velocity_lag
 
 __all__ = ["Findings", "collect_findings", "prefer_simulation"]
@@ -185,7 +186,8 @@ def _collect_series(prepared: Baseline, before: Fit, after: Refitted) -> tuple[R
 
 def _locate_unknown(series: tuple[RowSeries, ...], tone: Tone | None) -> Location:
     """Where most of what exceeds the noise sits, and the frequency of a vibration."""
-    location = locate(series, [np.maximum((one.before / one.spread) ** 2 - 1.0, 0.0) for one in series], rows=5)
+    excess = [np.maximum((one.before / one.spread) ** 2 - 1.0, 0.0) for one in series]
+    location = locate(series, excess, rows=LOCATION.neighbours)
     if tone is not None:
         location["frequency"] = [(tone.frequency - tone.width, tone.frequency + tone.width)]
     return location
@@ -194,4 +196,4 @@ def _locate_unknown(series: tuple[RowSeries, ...], tone: Tone | None) -> Locatio
 def _locate_moved(series: tuple[RowSeries, ...]) -> Location:
     """Where putting moved parameters right shows."""
     energy = [np.maximum(one.before**2 - one.after**2, 0.0) / one.spread**2 for one in series]
-    return locate(series, energy, rows=5)
+    return locate(series, energy, rows=LOCATION.neighbours)

@@ -153,7 +153,7 @@ def find_change_points(series: Sequence[RowSeries]) -> tuple[tuple[float, ...], 
 
     result: list[tuple[float, ...]] = []
     for one in series:
-        size = np.log((one.before / one.spread) ** 2 + 0.1)
+        size = np.log((one.before / one.spread) ** 2 + LOCATION.floor)
         rows = LOCATION.coarse
         coarse = size[: size.size // rows * rows].reshape(-1, rows).mean(axis=1)
         if coarse.size < LOCATION.fewest:

@@ -223,10 +223,14 @@ class LocationSettings:
     Attributes:
         bins: Bins of each quantity, with as many rows each. More of them tell places finer, and less surely.
         share: Part of the energy that the places must hold.
+        neighbours: Rows whose mean energy is looked at where that of one row is mostly noise: of something unknown, and
+            of moved parameters.
         widest: Part of the recording from which the places of a quantity single nothing out, and are not told.
         bootstraps: Draws for the bands of the maps.
         block: Rows of a block that is drawn (half a second): longer than the residual remembers.
         coarse: Rows whose mean counts as one where the size of the residual is looked at for changes.
+        floor: Energy, in noise variances, that is added to that of each row, so that a row of no residual has a
+            logarithm.
         fewest: Such means without which no change is looked for.
         between_changes: Such means between two changes at least.
         penalty: Price of a change, in units of the logarithm of their number. A smaller one finds changes in noise.
@@ -234,10 +238,12 @@ class LocationSettings:
 
     bins: int = 24
     share: float = 0.8
+    neighbours: int = 5
     widest: float = 0.6
     bootstraps: int = 200
     block: int = 25
     coarse: int = 10
+    floor: float = 0.1
     fewest: int = 12
     between_changes: int = 5
     penalty: float = 4.0

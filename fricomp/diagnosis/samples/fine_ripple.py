@@ -139,7 +139,7 @@ def _select_samples(recording: Recording, window: int, seed: int) -> dict[str, F
     t = np.asarray(recording.time) - recording.time[0]
     grid = np.arange(int(t[-1] / dt) + 1) * dt
     q, torque = np.interp(grid, t, recording.position), np.interp(grid, t, recording.torque)
-    degree = 2 if window < 7 else 3
+    degree = 2 if window < RIPPLE.cubic else 3
     v, a = (savgol_filter(q, window, degree, deriv=k, delta=dt) for k in (1, 2))
     keep = np.abs(v) > RIPPLE.slowest * np.quantile(np.abs(v), RIPPLE.top)
     keep[: window // 2] = keep[grid.size - window // 2 :] = False

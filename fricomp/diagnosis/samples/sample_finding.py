@@ -23,6 +23,10 @@ from .soft_presliding import SoftPresliding
 __all__ = ["SampleFinding", "compute_held_out", "describe_drive_path", "describe_presliding", "describe_ripple"]
 
 
+# Median size of the difference of two numbers from one normal distribution, over its standard deviation.
+_STEP = 0.6745 * float(np.sqrt(2.0))
+
+
 @dataclass(frozen=True)
 class SampleFinding:
     """An effect that the samples show, with what speaks for it.
@@ -174,7 +178,7 @@ def _hold_out(findings: Findings, found: Sequence[FineRipple | SoftPresliding]) 
     before, after = (np.concatenate([getattr(one, side) for one in found]) for side in ("before", "after"))
     # Noise of single samples, from the differences of neighbours that nothing smooth explains.
     steps = np.concatenate([np.diff(one.after) for one in found])
-    floor = float(np.median(np.abs(steps)) / (0.6745 * np.sqrt(2.0)))
+    floor = float(np.median(np.abs(steps))) / _STEP
     return compute_held_out(before, after, floor, (findings.case.unit, findings.case.seed))
 
 
@@ -214,7 +218,7 @@ def _describe_rows(name: str, samples: dict[str, FloatArray], sides: tuple[Float
     """Samples with their residual before and after, as rows."""
     time = samples["time"]
     dt = float(np.median(np.diff(time)))
-    spread = np.full(time.size, max(float(np.median(np.abs(np.diff(sides[1])))) / 0.954, 1e-12))
+    spread = np.full(time.size, max(float(np.median(np.abs(np.diff(sides[1])))) / _STEP, 1e-12))
     return RowSeries(
         name=name,
         time=time,

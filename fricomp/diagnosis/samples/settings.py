@@ -77,6 +77,7 @@ class RippleSettings:
         least_fall: Part of the held-out energy that its waves must take, and what they leave of it beside a recording
             of the base alone. A smaller value finds ripples in what the plain base of the samples cannot draw.
         windows: Samples of the derivative filters of which the best one is taken.
+        cubic: Samples of a filter from which on it fits cubics; below them it fits parabolas.
         shortest: Samples of a recording, over those of a filter, below which it is not tried.
         fewest: Samples that slide without which nothing is looked for.
         fewest_orders: Orders without which nothing is looked for.
@@ -102,6 +103,7 @@ class RippleSettings:
 
     least_fall: float = 0.3
     windows: tuple[int, ...] = (5, 9, 15, 31)
+    cubic: int = 7
     shortest: int = 20
     fewest: int = 400
     fewest_orders: int = 20

@@ -188,7 +188,7 @@ def _simulate_recording(prepared: Baseline, position: FloatArray) -> tuple[Track
     curves = []
     for coulomb, static, stribeck, viscous in (plant.forward, plant.reverse):
         curves.append(coulomb + (static - coulomb) * np.exp(-((speed / stribeck) ** 2)) + viscous * speed)
-    friction = np.where(v >= 0.0, curves[0], -curves[1]) * np.tanh(speed / 1e-3)
+    friction = np.where(v >= 0.0, curves[0], -curves[1]) * np.tanh(speed / EXPERIMENT.rest_speed)
     torque = plant.inertia * a + plant.compute_gravity_torque(position, old.rotary) + friction
     channels: dict[str, FloatArray] = {}
     return Track.build(old.dt, position, torque, rotary=old.rotary, channels=channels, name="proposal"), plant

@@ -57,6 +57,7 @@ class ExperimentSettings:
         difference: Step of a parameter from its fit, over its scale, by which derivatives are taken.
         largest: Row, or its derivative, in noise deviations, beyond which nothing was simulated: its square still is a
             double.
+        rest_speed: Speed [rad/s] or [m/s] over which friction changes its sign on a motion that is not recorded yet.
         slow_speed: Part of the recorded speed at which the slow sine goes: presliding and Stribeck friction show there.
         slow_rate: Fastest rate of the slow sine [rad/s].
         fast_speed: Part of the recorded speed at which the fast sine goes.
@@ -84,6 +85,7 @@ class ExperimentSettings:
     held: float = 1e-8
     difference: float = 0.1
     largest: float = 1e50
+    rest_speed: float = 1e-3
     slow_speed: float = 0.2
     slow_rate: float = 2.0 * pi * 0.2
     fast_speed: float = 0.9
