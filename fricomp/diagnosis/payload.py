@@ -186,6 +186,7 @@ def find_payload(arm: ArmDynamics, sessions: Sequence[Session]) -> Payload:
 
 _NAMES = ("mass", "first_moment_x", "first_moment_y", "first_moment_z")
 _MOMENTS = np.column_stack([np.ones(10), place_points()])
+"""Mass and first moments of ten unit masses at the points that a body is made of. Shape (10, 4)."""
 
 
 @dataclass(frozen=True)

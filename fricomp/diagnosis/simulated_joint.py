@@ -24,8 +24,8 @@ from .record.result import Diagnosis, NamedEffect, Quantity
 
 __all__ = ["SimulatedJoint", "read_simulated"]
 
-# How an offset and the difference of the directions make up for each other while the joint slides.
 _PARTING = {"offset": 1.0, "forward.coulomb_torque": -1.0, "reverse.coulomb_torque": 1.0}
+"""How an offset and the difference of the directions make up for each other while the joint slides."""
 
 
 @dataclass(frozen=True)

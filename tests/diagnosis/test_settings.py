@@ -13,6 +13,7 @@ import fricomp.diagnosis
 
 FOLDER = Path(fricomp.diagnosis.__file__).parent
 STAGES = ("inputs", "joint", "effects", "search", "forward")
+SEVERAL = ("evidence", "samples", "verdict", "report")
 # Rows of the compiled simulator's state are places in an array; what data checks refuse is said where they do.
 ELSEWHERE = {"kernel.py", "checks.py"}
 
@@ -28,7 +29,7 @@ def list_bare_numbers(body: list[ast.stmt]) -> Iterator[str]:
                 yield ast.unparse(statement)
 
 
-@pytest.mark.parametrize("stage", STAGES)
+@pytest.mark.parametrize("stage", [*STAGES, *SEVERAL[:-1], "record"])
 def test_every_number_of_a_stage_is_explained(stage: str) -> None:
     bare = [
         f"{path.relative_to(FOLDER)}: {name}"
@@ -45,3 +46,14 @@ def test_every_setting_of_a_stage_is_explained(stage: str) -> None:
     (settings,) = (one for one in module.body if isinstance(one, ast.ClassDef))
     assert ast.unparse(settings.decorator_list[0]) == "dataclass(frozen=True)"
     assert not list(list_bare_numbers(settings.body))
+
+
+@pytest.mark.parametrize("stage", SEVERAL)
+def test_every_setting_of_a_stage_of_several_classes_is_explained(stage: str) -> None:
+    module = ast.parse((FOLDER / stage / "settings.py").read_text())
+    for settings in (one for one in module.body if isinstance(one, ast.ClassDef)):
+        assert ast.unparse(settings.decorator_list[0]) == "dataclass(frozen=True)"
+        said = ast.get_docstring(settings) or ""
+        fields = [ast.unparse(one.target) for one in settings.body if isinstance(one, ast.AnnAssign)]
+        assert fields
+        assert [name for name in fields if f"\n    {name}: " not in said] == []

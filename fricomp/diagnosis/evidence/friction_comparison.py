@@ -32,9 +32,12 @@ __all__ = ["FRICTION_CHANGES", "GivenFriction", "compare_friction", "list_fricti
 FRICTION_CHANGES = ("frictionloss", "damping")
 """Changes of a simulation's own friction, by the names that MJCF has for it."""
 
-_FORWARD, _REVERSE = 4, 8  # where the curves of the two directions begin among the base's parameters
-_VISCOUS = 3  # which number of a curve is the viscous coefficient; the first is the Coulomb torque
-_LEVELS, _SHAPE = 3, 5  # where offset and levels begin in a shift, and the shape of the curves
+_FORWARD, _REVERSE = 4, 8
+"""Where the curves of the two directions begin among the base's parameters."""
+_VISCOUS = 3
+"""Which number of a curve is the viscous coefficient; the first is the Coulomb torque."""
+_LEVELS, _SHAPE = 3, 5
+"""Where offset and levels begin in a shift, and the shape of the curves."""
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,8 @@ SPLIT_BY_PRESLIDING = ("offset", "forward.coulomb_torque", "reverse.coulomb_torq
 """Parameters of the base that sliding shows as sums only."""
 
 _DELAY = BASE_NAMES.index("delay")
-_LARGEST = 700.0  # The largest exponent, nearly, whose power a double holds.
+_LARGEST = 700.0
+"""The largest exponent, nearly, whose power a double holds."""
 
 
 @dataclass(frozen=True)

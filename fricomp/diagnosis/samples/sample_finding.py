@@ -23,8 +23,8 @@ from .soft_presliding import SoftPresliding
 __all__ = ["SampleFinding", "compute_held_out", "describe_drive_path", "describe_presliding", "describe_ripple"]
 
 
-# Median size of the difference of two numbers from one normal distribution, over its standard deviation.
 _STEP = 0.6745 * float(np.sqrt(2.0))
+"""Median size of the difference of two numbers from one normal distribution, over its standard deviation."""
 
 
 @dataclass(frozen=True)
