@@ -29,7 +29,7 @@ __all__ = ["add_spring", "measure_forward_error"]
 
 
 def measure_forward_error(
-    recording: Recording, prepared: Baseline, chosen: Explanation | None, controller: Controller
+    recording: Recording, baseline: Baseline, chosen: Explanation | None, controller: Controller
 ) -> Forward | None:
     """Position errors of the base and of the extended model on the last part of the first recording.
 
@@ -39,17 +39,17 @@ def measure_forward_error(
     Raises:
         MissingExtraError: MuJoCo is not installed.
     """
-    track = prepared.problem.tracks[0]
+    track = baseline.problem.tracks[0]
     if recording.position_reference is None:
         return None
     length = min(FORWARD.held_out * track.size * track.dt, FORWARD.longest)
     start = track.size - round(length / track.dt)
     loop = _set_rate(controller, recording, track)
-    base = _train(prepared, (prepared.structure, prepared.fit.theta, prepared.fit.jacobian), start)
-    runs = [_build_run(recording, prepared, (prepared.structure, base), loop, start)]
+    base = _train(baseline, (baseline.structure, baseline.fit.theta, baseline.fit.jacobian), start)
+    runs = [_build_run(recording, baseline, (baseline.structure, base), loop, start)]
     if chosen is not None:
-        theta = _train(prepared, (chosen.structure, chosen.fit.theta, chosen.fit.jacobian), start)
-        runs.append(_build_run(recording, prepared, (chosen.structure, theta), loop, start))
+        theta = _train(baseline, (chosen.structure, chosen.fit.theta, chosen.fit.jacobian), start)
+        runs.append(_build_run(recording, baseline, (chosen.structure, theta), loop, start))
     kept = slice(start + round(FORWARD.settling * (track.size - start)), track.size)
     errors = [_compute_rms(simulate_forward(run)[kept.start - start :] - track.position[kept]) for run in runs]
     if not all(np.isfinite(errors)) or errors[0] > float(np.ptp(track.position)):
@@ -72,13 +72,13 @@ def _set_rate(controller: Controller, recording: Recording, track: Track) -> Con
 
 def _build_run(
     recording: Recording,
-    prepared: Baseline,
+    baseline: Baseline,
     model: tuple[Structure, FloatArray],
     controller: Controller,
     start: int,
 ) -> Run:
     structure, theta = model
-    track, effects = add_spring(prepared.problem.tracks[0], _collect_effects(structure, theta))
+    track, effects = add_spring(baseline.problem.tracks[0], _collect_effects(structure, theta))
     plant = replace(structure.unpack_plant(theta), **effects.along.plant)
     time = np.asarray(recording.time) - recording.time[0]
     position = np.interp(track.time, time, np.asarray(recording.position_reference))
@@ -102,14 +102,14 @@ def add_spring(track: Track, effects: ForwardPart) -> tuple[Track, ForwardPart]:
     return replace(track, torque=track.torque + spring), effects + ForwardPart(Contribution(additive=spring))
 
 
-def _train(prepared: Baseline, model: tuple[Structure, FloatArray, FloatArray], start: int) -> FloatArray:
+def _train(baseline: Baseline, model: tuple[Structure, FloatArray, FloatArray], start: int) -> FloatArray:
     """Parameters from the rows before `start` of the first recording and all of the others: one step from the fit."""
     structure, theta, jacobian = model
-    residual = structure.compute_residuals(prepared.problem, [theta])[0]
-    first = prepared.problem.grids[0].centres
+    residual = structure.compute_residuals(baseline.problem, [theta])[0]
+    first = baseline.problem.grids[0].centres
     kept = np.ones(residual.size, dtype=bool)
-    kept[: first.size] = first < start - FORWARD.gap / prepared.problem.tracks[0].dt
-    box: Box = prepared.box.join(structure.build_box())
+    kept[: first.size] = first < start - FORWARD.gap / baseline.problem.tracks[0].dt
+    box: Box = baseline.box.join(structure.build_box())
     A = jacobian[kept] * box.scale
     prior = raise_diagonal(box.scaled_precision, 0.1)
     step = np.linalg.solve(A.T @ A + prior, -A.T @ residual[kept])

@@ -20,7 +20,7 @@ def rank_acceptable(tried: Sequence[Explanation], threshold: float) -> list[Expl
     return sorted(passing, key=lambda explanation: -_weigh(explanation))
 
 
-def choose(prepared: Baseline, tried: Sequence[Explanation], threshold: float) -> Explanation | None:
+def choose(baseline: Baseline, tried: Sequence[Explanation], threshold: float) -> Explanation | None:
     """The smallest explanation that no larger one beats by a material gain and coverage."""
     best: Explanation | None = None
     for size in (1, 2, 3):
@@ -28,29 +28,29 @@ def choose(prepared: Baseline, tried: Sequence[Explanation], threshold: float) -
         if not options:
             continue
         top = options[0]
-        if (best is None or _is_better(prepared, top, best, threshold)) and not _is_idle(
-            prepared, top, tried, threshold
+        if (best is None or _is_better(baseline, top, best, threshold)) and not _is_idle(
+            baseline, top, tried, threshold
         ):
             best = top
     return best
 
 
-def _is_idle(prepared: Baseline, larger: Explanation, tried: Sequence[Explanation], threshold: float) -> bool:
+def _is_idle(baseline: Baseline, larger: Explanation, tried: Sequence[Explanation], threshold: float) -> bool:
     """Whether some of its effects explain about all alone, be they refused: the others would only carry them."""
     return any(
         set(part.names) < set(larger.names)
         and _weigh(larger) < _weigh(part) + _compute_worth(part, threshold)
-        and not _can_complete(prepared, larger, part, threshold)
-        and not _is_apart(prepared, larger, part, threshold)
+        and not _can_complete(baseline, larger, part, threshold)
+        and not _is_apart(baseline, larger, part, threshold)
         for part in tried
     )
 
 
-def _is_better(prepared: Baseline, larger: Explanation, best: Explanation, threshold: float) -> bool:
+def _is_better(baseline: Baseline, larger: Explanation, best: Explanation, threshold: float) -> bool:
     """Whether the further effects of a larger explanation add enough, and where they can be seen."""
-    shown = compute_evidence(prepared, set(larger.names) - set(best.names), best.fit, larger.fit)
+    shown = compute_evidence(baseline, set(larger.names) - set(best.names), best.fit, larger.fit)
     more = _weigh(larger) - _weigh(best)
-    if _can_complete(prepared, larger, best, threshold):
+    if _can_complete(baseline, larger, best, threshold):
         return shown > threshold or more > max(SEARCH.overwhelming * threshold, SEARCH.another_effect * best.gain)
     wider = best.coverage + min(SEARCH.wider_coverage, SEARCH.wider_share * (1.0 - best.coverage))
     visible = shown > max(threshold, SEARCH.another_effect * best.certain)
@@ -58,10 +58,10 @@ def _is_better(prepared: Baseline, larger: Explanation, best: Explanation, thres
         more > _compute_worth(best, threshold)
         and (visible or more > max(SEARCH.overwhelming * threshold, SEARCH.overwhelming_share * best.gain))
         and larger.coverage > min(wider, SEARCH.enough)
-    ) or _is_apart(prepared, larger, best, threshold)
+    ) or _is_apart(baseline, larger, best, threshold)
 
 
-def _is_apart(prepared: Baseline, larger: Explanation, part: Explanation, threshold: float) -> bool:
+def _is_apart(baseline: Baseline, larger: Explanation, part: Explanation, threshold: float) -> bool:
     """Whether its further effects show in rows that the first ones do not reach, so that no form of those makes them.
 
     A stop explains so much about the end of the range that little of all is left for friction elsewhere.
@@ -71,8 +71,8 @@ def _is_apart(prepared: Baseline, larger: Explanation, part: Explanation, thresh
     needed = SEARCH.apart * threshold * max(1.0, larger.fit.cost / larger.fit.residual.size)
     if _can_imitate(further) or _weigh(larger) < _weigh(part) + needed:
         return False
-    untouched = np.abs(part.compute_reach(prepared)) < SEARCH.untouched
-    shown = compute_evidence(prepared, further, part.fit, larger.fit, at=untouched) if np.any(untouched) else 0.0
+    untouched = np.abs(part.compute_reach(baseline)) < SEARCH.untouched
+    shown = compute_evidence(baseline, further, part.fit, larger.fit, at=untouched) if np.any(untouched) else 0.0
     return shown > needed
 
 
@@ -81,17 +81,17 @@ def _compute_worth(part: Explanation, threshold: float) -> float:
     return max(threshold, SEARCH.another_effect * part.gain)
 
 
-def _can_complete(prepared: Baseline, larger: Explanation, part: Explanation, threshold: float) -> bool:
+def _can_complete(baseline: Baseline, larger: Explanation, part: Explanation, threshold: float) -> bool:
     """Whether its further effects take away nearly all that is left, as none does of a form that is not quite met."""
     clear = _weigh(larger) > _weigh(part) + max(SEARCH.completing_gain * threshold, SEARCH.completing_share * part.gain)
-    takes_all = larger.left < SEARCH.completing_left * part.left or _can_silence(prepared, larger, part)
+    takes_all = larger.left < SEARCH.completing_left * part.left or _can_silence(baseline, larger, part)
     imitates = _can_imitate(set(larger.names) - set(part.names))
     return clear and larger.coverage > SEARCH.enough and takes_all and not imitates
 
 
-def _can_silence(prepared: Baseline, larger: Explanation, part: Explanation) -> bool:
+def _can_silence(baseline: Baseline, larger: Explanation, part: Explanation) -> bool:
     """Whether most of what a part leaves beyond the noise goes, about reversals too, where no generic basis sees it."""
-    noise = float(np.mean([null @ null for null in prepared.null_residuals]))
+    noise = float(np.mean([null @ null for null in baseline.null_residuals]))
     before, after = (float(one.fit.residual @ one.fit.residual) - noise for one in (part, larger))
     return before > SEARCH.loud_part * noise and after < SEARCH.silenced_part * before
 

@@ -19,7 +19,7 @@ __all__ = ["compute_effect_energy"]
 
 
 def compute_effect_energy(
-    prepared: Baseline, structure: Structure, theta: FloatArray, names: Collection[str]
+    baseline: Baseline, structure: Structure, theta: FloatArray, names: Collection[str]
 ) -> list[FloatArray]:
     """Energy of the effects' torque that a refit of a rigid joint with Stribeck friction leaves, over the noise.
 
@@ -29,7 +29,7 @@ def compute_effect_energy(
     least that, as far as the joint rests in the window.
 
     Args:
-        prepared: Base model and recordings.
+        baseline: The base fitted to the recordings, with its nulls.
         structure: Base and effects.
         theta: Their parameters.
         names: The effects that are asked for.
@@ -37,13 +37,13 @@ def compute_effect_energy(
     Returns:
         Energy of each sample, by recording; 0 where no window fits. Shapes (n_samples,).
     """
-    problem, plant = prepared.problem, structure.unpack_plant(theta)
+    problem, plant = baseline.problem, structure.unpack_plant(theta)
     tight = _hold_tightly(problem, plant)
     complete, without = structure.observe_with_and_without(tight, theta, names)
     torque, columns = [], []
     for i, (track, grid) in enumerate(zip(tight.tracks, tight.grids, strict=True)):
         rests = (np.abs(track.velocity) < problem.observer.rest_speed).astype(float)
-        level = _measure_noise(prepared.nulls.weights.spread[i], problem.grids[i].average(rests))
+        level = _measure_noise(baseline.nulls.weights.spread[i], problem.grids[i].average(rests))
         step = plant.sigma_0 * track.resolution / np.sqrt(12.0)
         noise = np.hypot(level, grid.average_everywhere(rests) * step)
         added = _centre(without[i].missing - complete[i].missing)

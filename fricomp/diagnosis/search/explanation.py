@@ -57,9 +57,9 @@ class Explanation:
         """Fitted parameters of each effect."""
         return self.structure.name_values(self.fit.theta[N_BASE:])
 
-    def compute_reach(self, prepared: Baseline) -> FloatArray:
+    def compute_reach(self, baseline: Baseline) -> FloatArray:
         """What its effects add to each row, in units of the noise. Shape (m,)."""
-        return self.structure.compute_added(prepared.problem, self.fit.theta, self.names)
+        return self.structure.compute_added(baseline.problem, self.fit.theta, self.names)
 
     @property
     def common_order(self) -> float | None:
@@ -103,20 +103,20 @@ class Explanation:
         return tuple(Candidate(c.name, tuple(values[c.name].items())) for c in self.structure.candidates)
 
 
-def judge(prepared: Baseline, structure: Structure, fit: Fit, box: Box) -> Explanation:
+def judge(baseline: Baseline, structure: Structure, fit: Fit, box: Box) -> Explanation:
     """What speaks for a structure whose base was fitted in `box`, and against it."""
-    fall = prepared.fit.cost - fit.cost
+    fall = baseline.fit.cost - fit.cost
     penalty = structure.freedom * float(np.log(fit.residual.size))
-    left = _compute_left(prepared, fit)
+    left = _compute_left(baseline, fit)
     coverage = fall / (fall + left) if fall > 0.0 else 0.0
     plain = fall > SEARCH.plain_gain * fit.residual.size and coverage > SEARCH.plain_coverage
-    certain = compute_evidence(prepared, structure.names, prepared.fit, fit, plain=plain)
+    certain = compute_evidence(baseline, structure.names, baseline.fit, fit, plain=plain)
     refused = find_refusal(structure, fit)
     return Explanation(structure, fit, box, fall - penalty, certain - penalty, float(coverage), left, refused)
 
 
 def compute_evidence(
-    prepared: Baseline,
+    baseline: Baseline,
     names: Collection[str],
     before: Fit,
     after: Fit,
@@ -131,14 +131,14 @@ def compute_evidence(
     like a bristle take up a part of that error themselves.
 
     Args:
-        prepared: Base model and recordings.
+        baseline: The base fitted to the recordings, with its nulls.
         names: The effects.
         before: Fit without them.
         after: Fit with them.
         plain: Whether they bring and cover so much that they count wherever they show.
         at: Rows that are looked at, shape (m,); None for all of them.
     """
-    fall, rows = _compute_falls(before, after), prepared.sliding
+    fall, rows = _compute_falls(before, after), baseline.sliding
     if at is not None:
         fall, rows = fall[at], rows[at]
     about_rest = float(np.mean(fall[~rows])) if not np.all(rows) else 0.0
@@ -155,11 +155,11 @@ def _compute_falls(before: Fit, after: Fit) -> FloatArray:
     return np.clip(before.residual**2 - after.residual**2, -SEARCH.most_of_a_row, SEARCH.most_of_a_row)
 
 
-def _compute_left(prepared: Baseline, fit: Fit) -> float:
+def _compute_left(baseline: Baseline, fit: Fit) -> float:
     """Energy that the generic basis explains of what a fit leaves, beyond chance and the form of the bristle."""
     span, about_rest = (
-        orthonormalise(project_out(prepared.generic, orthonormalise(fit.jacobian)), 1e-4),
-        ~prepared.sliding,
+        orthonormalise(project_out(baseline.generic, orthonormalise(fit.jacobian)), 1e-4),
+        ~baseline.sliding,
     )
     bristle = _compute_excess(span * about_rest[:, None], fit.residual)
     of_its_form = float(np.clip(bristle, 0.0, SEARCH.forgiven_about_rest * np.sum(about_rest)))

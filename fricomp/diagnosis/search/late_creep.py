@@ -15,18 +15,18 @@ __all__ = ["has_late_creep"]
 _CREEP = BASE_NAMES.index("creep_velocity")
 
 
-def has_late_creep(prepared: Baseline, found: SearchResult) -> bool:
+def has_late_creep(baseline: Baseline, found: SearchResult) -> bool:
     """Whether the best explanation leaves far less where its joint has friction that creeps in place of a bristle.
 
     A strong effect, such as a ripple as large as the friction, hides from the base alone what its friction does. A
     curve over speed that is nobody's may draw the creep.
     """
-    if not found.explanations or prepared.fit.theta[_CREEP] > 0.0:
+    if not found.explanations or baseline.fit.theta[_CREEP] > 0.0:
         return False
     best = found.best or found.explanations[0]
     residual = best.fit.residual
     if float(residual @ residual) < SEARCH.late_creep_loud**2 * residual.size and not best.foreign_curve:
         return False
-    starts = propose_creep_starts(best.fit.theta[:N_BASE], prepared.box, find_top_speed(prepared.problem.tracks))
-    fits = [one for start, box in starts for one in fit_from(prepared, [(best.settled, start)], box)]
+    starts = propose_creep_starts(best.fit.theta[:N_BASE], baseline.box, find_top_speed(baseline.problem.tracks))
+    fits = [one for start, box in starts for one in fit_from(baseline, [(best.settled, start)], box)]
     return min(one.fit.cost for one in fits) < SEARCH.late_creep_cost * best.fit.cost

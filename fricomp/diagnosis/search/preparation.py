@@ -124,8 +124,8 @@ def prepare(
     fit = try_other_bristle(problem, fit, box)
     fit, box = _try_creep(raw, problem, fit, box, seed, creeps)
     fit, problem, found = _reweigh(raw, fit, box, nulls, seed)
-    prepared = Baseline(problem, _build_structure(problem, fit, box), fit, box, found)
-    return _level_noise(_recolour(prepared))
+    baseline = Baseline(problem, _build_structure(problem, fit, box), fit, box, found)
+    return _level_noise(_recolour(baseline))
 
 
 def _fit_first(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | None) -> tuple[Problem, Fit, Box]:
@@ -169,38 +169,38 @@ def find_top_speed(tracks: Sequence[Track]) -> float:
     return max(float(np.quantile(np.abs(track.velocity), 0.995)) for track in tracks)
 
 
-def _split_noise(prepared: Baseline) -> tuple[FloatArray, list[FloatArray]]:
+def _split_noise(baseline: Baseline) -> tuple[FloatArray, list[FloatArray]]:
     """What neither the base nor any smooth torque reaches: of the residual, shape (m,), and of each null."""
     span = orthonormalise(
-        np.concatenate([prepared.fit.jacobian, prepared.generic], axis=1),
+        np.concatenate([baseline.fit.jacobian, baseline.generic], axis=1),
         1e-6,
     )
     ours, *theirs = (
-        project_out(v[:, None], span)[:, 0] for v in (prepared.fit.residual, *prepared.nulls.build_vectors())
+        project_out(v[:, None], span)[:, 0] for v in (baseline.fit.residual, *baseline.nulls.build_vectors())
     )
     return ours, theirs
 
 
-def _recolour(prepared: Baseline) -> Baseline:
+def _recolour(baseline: Baseline) -> Baseline:
     """Whiten the residual by its own correlation where it is not that of the nulls, which keep theirs.
 
     What swings at frequencies of its own is correlated as well, and is no noise.
     """
-    ours, theirs = _split_noise(prepared)
+    ours, theirs = _split_noise(baseline)
     if is_structured(ours, theirs):
-        return replace(prepared, structured=True)
+        return replace(baseline, structured=True)
     trimmed, bulk = (_compute_ratio(ours, theirs, size) for size in (_compute_trimmed, _compute_typical))
     if trimmed > min(SEARCH.noise_correction[1], bulk / SEARCH.even_excess):
-        return prepared
+        return baseline
     recolouring = _build_colour_filter(ours, np.mean([_correlate(one) for one in theirs], axis=0))
     if recolouring.size == 1:
-        return prepared
-    weights = prepared.nulls.weights
+        return baseline
+    weights = baseline.nulls.weights
     whitener = np.convolve(weights.whitener, recolouring)
-    problem = replace(prepared.problem, weights=replace(weights, whitener=whitener))
+    problem = replace(baseline.problem, weights=replace(weights, whitener=whitener))
     evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
-    fit = minimise(evaluate, prepared.fit.theta, prepared.box, iterations=6, refresh=2)
-    return replace(prepared, problem=problem, fit=fit, recolouring=recolouring)
+    fit = minimise(evaluate, baseline.fit.theta, baseline.box, iterations=6, refresh=2)
+    return replace(baseline, problem=problem, fit=fit, recolouring=recolouring)
 
 
 def _build_colour_filter(values: FloatArray, correlation: FloatArray) -> FloatArray:
@@ -236,22 +236,22 @@ def _correlate(values: FloatArray) -> FloatArray:
     return np.array([float(x[lag:] @ x[:-lag]) for lag in (1, 2, 3)]) / float(x @ x)
 
 
-def _level_noise(prepared: Baseline) -> Baseline:
+def _level_noise(baseline: Baseline) -> Baseline:
     """Scale the nulls to the part of the residual that neither the base nor any smooth torque reaches."""
-    ours, theirs = _split_noise(prepared)
+    ours, theirs = _split_noise(baseline)
     usual = max(_compute_ratio(ours, theirs, _compute_typical), SEARCH.usual_excess)
     found = (
         _compute_ratio(ours, theirs, estimate_floor)
-        if prepared.structured
+        if baseline.structured
         else min(_compute_ratio(ours, theirs, _compute_trimmed), usual)
     )
     factor = float(np.clip(found, *SEARCH.noise_correction))
-    nulls, fit, own = prepared.nulls.scale(factor), prepared.fit, prepared.problem.weights
+    nulls, fit, own = baseline.nulls.scale(factor), baseline.fit, baseline.problem.weights
     # The priors in the cost know nothing of the noise.
     cost = fit.cost + (1.0 / factor**2 - 1.0) * float(fit.residual @ fit.residual)
     fit = replace(fit, residual=fit.residual / factor, jacobian=fit.jacobian / factor, cost=cost)
     weights = nulls.weights if own is None else replace(nulls.weights, whitener=own.whitener)
-    return replace(prepared, problem=replace(prepared.problem, weights=weights), fit=fit, nulls=nulls)
+    return replace(baseline, problem=replace(baseline.problem, weights=weights), fit=fit, nulls=nulls)
 
 
 def _compute_ratio(ours: FloatArray, theirs: Sequence[FloatArray], size: Callable[[FloatArray], float]) -> float:

@@ -20,7 +20,7 @@ __all__ = ["compute_preference", "fit_from", "polish", "refit"]
 
 
 def refit(
-    prepared: Baseline, wanted: Sequence[tuple[tuple[Candidate, ...], Baseline | Explanation]]
+    baseline: Baseline, wanted: Sequence[tuple[tuple[Candidate, ...], Baseline | Explanation]]
 ) -> list[Explanation]:
     """Fit base and candidates jointly in the simulator, each set from what was fitted without some of them, and judge
     what they leave.
@@ -29,22 +29,22 @@ def refit(
     for candidates, before in wanted:
         structure, fit = Structure(before.structure.contexts, candidates), before.fit
         start = np.concatenate([fit.theta[:N_BASE], structure.build_start()])
-        descent = structure.start_descent(start, prepared.box, jacobian=fit.jacobian, iterations=5, refresh=99)
+        descent = structure.start_descent(start, baseline.box, jacobian=fit.jacobian, iterations=5, refresh=99)
         descents.append((structure, descent))
-    return _fit_and_judge(prepared, descents, [prepared.box] * len(descents))
+    return _fit_and_judge(baseline, descents, [baseline.box] * len(descents))
 
 
 def polish(
-    prepared: Baseline, explanations: Sequence[Explanation], *, iterations: int = 4, refresh: int = 2
+    baseline: Baseline, explanations: Sequence[Explanation], *, iterations: int = 4, refresh: int = 2
 ) -> list[Explanation]:
     """The same explanations at the minima of fresh Jacobians, their effects computed for the joint that was found.
 
     Again for those whose load moves with it, while they gain by that.
     """
-    before, result = list(explanations), _polish_once(prepared, explanations, iterations, refresh)
+    before, result = list(explanations), _polish_once(baseline, explanations, iterations, refresh)
     for _ in range(SEARCH.polishes - 1):
         unsettled = [i for i, pair in enumerate(zip(before, result, strict=True)) if _is_unsettled(*pair)]
-        again = _polish_once(prepared, [result[i] for i in unsettled], iterations, refresh)
+        again = _polish_once(baseline, [result[i] for i in unsettled], iterations, refresh)
         before, further = result, dict(zip(unsettled, again, strict=True))
         result = [further.get(i, one) for i, one in enumerate(result)]
     return result
@@ -60,56 +60,56 @@ def _is_unsettled(old: Explanation, new: Explanation) -> bool:
 
 
 def _polish_once(
-    prepared: Baseline, explanations: Sequence[Explanation], iterations: int, refresh: int
+    baseline: Baseline, explanations: Sequence[Explanation], iterations: int, refresh: int
 ) -> list[Explanation]:
     """Each at the minimum of fresh Jacobians with the contexts of its own joint, from where it was and with both
     directions evened, or as it was where that is better."""
     descents, owners = [], []
     for i, explanation in enumerate(explanations):
-        structure = Structure(_rebuild_contexts(prepared, explanation), explanation.settled)
+        structure = Structure(_rebuild_contexts(baseline, explanation), explanation.settled)
         for start in (explanation.fit.theta, even_directions(explanation.fit.theta)):
             if start is not None:
                 descent = structure.start_descent(start, explanation.box, iterations=iterations, refresh=refresh)
                 descents.append((structure, descent))
                 owners.append(i)
     result = list(explanations)
-    for i, fitted in zip(owners, _fit_and_judge(prepared, descents, [result[i].box for i in owners]), strict=True):
+    for i, fitted in zip(owners, _fit_and_judge(baseline, descents, [result[i].box for i in owners]), strict=True):
         result[i] = max(result[i], fitted, key=compute_preference)
     return result
 
 
-def _rebuild_contexts(prepared: Baseline, explanation: Explanation) -> tuple[Context, ...]:
+def _rebuild_contexts(baseline: Baseline, explanation: Explanation) -> tuple[Context, ...]:
     """Each recording with load and position of the joint that was found: one without its effects is elsewhere."""
     structure, theta = explanation.structure, explanation.fit.theta
-    seen = structure.observe(prepared.problem, theta)
+    seen = structure.observe(baseline.problem, theta)
     contexts = structure.move_contexts(theta)
-    return tuple(move_context(*each) for each in zip(contexts, prepared.problem.tracks, seen, strict=True))
+    return tuple(move_context(*each) for each in zip(contexts, baseline.problem.tracks, seen, strict=True))
 
 
 def fit_from(
-    prepared: Baseline, wanted: Sequence[tuple[Sequence[Candidate], FloatArray]], box: Box
+    baseline: Baseline, wanted: Sequence[tuple[Sequence[Candidate], FloatArray]], box: Box
 ) -> list[Explanation]:
     """Fit base and candidates jointly and with care, maybe in another domain than the usual one.
 
     Args:
-        prepared: Base model and recordings.
+        baseline: The base fitted to the recordings, with its nulls.
         wanted: For each explanation its effects with their starting values, and the start of the base, shape (N_BASE,).
         box: Domain and priors of the base.
     """
     descents = []
     for candidates, theta in wanted:
-        structure = Structure(prepared.structure.contexts, tuple(candidates))
+        structure = Structure(baseline.structure.contexts, tuple(candidates))
         start = np.concatenate([theta, structure.build_start()])
         descents.append((structure, structure.start_descent(start, box, iterations=SEARCH.last_steps, refresh=2)))
-    return _fit_and_judge(prepared, descents, [box] * len(descents))
+    return _fit_and_judge(baseline, descents, [box] * len(descents))
 
 
 def _fit_and_judge(
-    prepared: Baseline, descents: Sequence[tuple[Structure, Descent]], boxes: Sequence[Box]
+    baseline: Baseline, descents: Sequence[tuple[Structure, Descent]], boxes: Sequence[Box]
 ) -> list[Explanation]:
     """Run fits side by side, each with the domain of its base, and judge what they leave."""
-    fits = fit_all(prepared.problem, descents)
-    return [judge(prepared, s, fit, box) for (s, _), fit, box in zip(descents, fits, boxes, strict=True)]
+    fits = fit_all(baseline.problem, descents)
+    return [judge(baseline, s, fit, box) for (s, _), fit, box in zip(descents, fits, boxes, strict=True)]
 
 
 def compute_preference(explanation: Explanation) -> float:

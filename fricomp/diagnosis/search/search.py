@@ -43,32 +43,32 @@ class SearchResult:
     first: Screen
 
 
-def search(prepared: Baseline) -> SearchResult:
+def search(baseline: Baseline) -> SearchResult:
     """Find the effects that explain the residual of the base model."""
-    fit = prepared.fit
-    first = screen(prepared.problem, prepared.structure, fit.theta, fit.residual, fit.jacobian)
-    threshold = max(SEARCH.least_gain, SEARCH.material_gain * fit.residual.size, _compute_null_gain(prepared, first))
-    span = orthonormalise(project_out(prepared.generic, prepared.basis), 1e-4)
+    fit = baseline.fit
+    first = screen(baseline.problem, baseline.structure, fit.theta, fit.residual, fit.jacobian)
+    threshold = max(SEARCH.least_gain, SEARCH.material_gain * fit.residual.size, _compute_null_gain(baseline, first))
+    span = orthonormalise(project_out(baseline.generic, baseline.basis), 1e-4)
     explainable = compute_spread_excess(span, fit.residual)
-    null = float(np.quantile([compute_spread_excess(span, v) for v in prepared.null_residuals], SEARCH.null_quantile))
-    tried = _fit_singles(prepared, first)
+    null = float(np.quantile([compute_spread_excess(span, v) for v in baseline.null_residuals], SEARCH.null_quantile))
+    tried = _fit_singles(baseline, first)
     accepted = rank_acceptable(tried, threshold)
     if accepted:
-        tried += _grow(prepared, tried, accepted[:1], threshold, first)
-        tried += _grow(prepared, tried, _select_partners(tried, accepted[0], threshold), threshold)
-        tried += _grow(prepared, tried, _rank_pairs(tried, threshold)[:1], threshold)
-        tried += _swap_pairs(prepared, tried, threshold)
-    best = choose(prepared, tried, threshold)
+        tried += _grow(baseline, tried, accepted[:1], threshold, first)
+        tried += _grow(baseline, tried, _select_partners(tried, accepted[0], threshold), threshold)
+        tried += _grow(baseline, tried, _rank_pairs(tried, threshold)[:1], threshold)
+        tried += _swap_pairs(baseline, tried, threshold)
+    best = choose(baseline, tried, threshold)
     if best is not None:
         close = select_finalists(best, rank_acceptable(tried, threshold))
-        finished = polish(prepared, close, iterations=SEARCH.last_steps, refresh=2)
+        finished = polish(baseline, close, iterations=SEARCH.last_steps, refresh=2)
         tried = finished + [explanation for explanation in tried if explanation not in close]
-        for whole in _select_wholes(tried, choose(prepared, tried, threshold), threshold):
-            tried += _fit_parts(prepared, whole)
-        best = choose(prepared, tried, threshold)
-        if best is not None and _has_idle(prepared, best):
-            tried += _fit_parts(prepared, best)
-            best = choose(prepared, tried, threshold)
+        for whole in _select_wholes(tried, choose(baseline, tried, threshold), threshold):
+            tried += _fit_parts(baseline, whole)
+        best = choose(baseline, tried, threshold)
+        if best is not None and _has_idle(baseline, best):
+            tried += _fit_parts(baseline, best)
+            best = choose(baseline, tried, threshold)
     tried.sort(key=lambda explanation: -explanation.gain)
     return SearchResult(tuple(tried), best, threshold, explainable, null, first)
 
@@ -84,7 +84,7 @@ def _rank_pairs(tried: Sequence[Explanation], threshold: float) -> list[Explanat
     return [e for e in rank_acceptable(tried, threshold) if len(e.names) == 2]
 
 
-def _swap_pairs(prepared: Baseline, tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
+def _swap_pairs(baseline: Baseline, tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
     """The best triple with other pairs beneath its third effect, of those that explain nearly as much as its own."""
     pairs, triples = _rank_pairs(tried, threshold), [e for e in rank_acceptable(tried, threshold) if len(e.names) == 3]
     own = [pair for pair in pairs if triples and set(pair.names) < set(triples[0].names)]
@@ -96,7 +96,7 @@ def _swap_pairs(prepared: Baseline, tried: Sequence[Explanation], threshold: flo
         for p in select_finalists(own[0], pairs)[1:]
         if len({*p.names, *triples[0].names}) == 4 and third[0].name not in p.names
     ]
-    return refit(prepared, [((*pair.settled, *third), pair) for pair in others])
+    return refit(baseline, [((*pair.settled, *third), pair) for pair in others])
 
 
 def _select_wholes(tried: Sequence[Explanation], best: Explanation | None, threshold: float) -> list[Explanation]:
@@ -107,53 +107,53 @@ def _select_wholes(tried: Sequence[Explanation], best: Explanation | None, thres
     return [best, top] if top.gain > best.gain + SEARCH.clearly_better * threshold else [best]
 
 
-def _fit_parts(prepared: Baseline, best: Explanation | None) -> list[Explanation]:
+def _fit_parts(baseline: Baseline, best: Explanation | None) -> list[Explanation]:
     """An explanation without each of its effects, from where it ended: alone a part may not have got that far."""
     if best is None or len(best.names) == 1 or best.coverage < SEARCH.nameable:
         return []
     kept = [tuple(c for c in best.settled if c.name != name) for name in best.names]
-    return fit_from(prepared, [(candidates, best.fit.theta[:N_BASE]) for candidates in kept], prepared.box)
+    return fit_from(baseline, [(candidates, best.fit.theta[:N_BASE]) for candidates in kept], baseline.box)
 
 
-def _has_idle(prepared: Baseline, best: Explanation) -> bool:
+def _has_idle(baseline: Baseline, best: Explanation) -> bool:
     """Whether one of its effects does nothing, such as a lag of no length: it only led the others to their minimum."""
-    added = [best.structure.compute_added(prepared.problem, best.fit.theta, [name]) for name in best.names]
+    added = [best.structure.compute_added(baseline.problem, best.fit.theta, [name]) for name in best.names]
     return len(added) > 1 and min(float(np.max(np.abs(one))) for one in added) < SEARCH.idle
 
 
-def _compute_null_gain(prepared: Baseline, screened: Screen) -> float:
+def _compute_null_gain(baseline: Baseline, screened: Screen) -> float:
     """Largest BIC gain of any effect on a null, at the quantile that fixes the rate of false alarms.
 
     No row counts for more than a few, as in what is compared with it.
     """
-    rows = np.log(prepared.fit.residual.size)
+    rows = np.log(baseline.fit.residual.size)
     gains = [
         max(
-            float(np.sum((column.span.T @ vector) ** 2)) - _count_freedom(prepared, column) * float(rows)
+            float(np.sum((column.span.T @ vector) ** 2)) - _count_freedom(baseline, column) * float(rows)
             for column in screened.columns
         )
-        for vector in (curb(null) for null in prepared.null_residuals)
+        for vector in (curb(null) for null in baseline.null_residuals)
     ]
     return float(np.quantile(gains, SEARCH.null_quantile))
 
 
-def _count_freedom(prepared: Baseline, column: Column) -> int:
-    return Structure(prepared.structure.contexts, (column.candidate,)).freedom
+def _count_freedom(baseline: Baseline, column: Column) -> int:
+    return Structure(baseline.structure.contexts, (column.candidate,)).freedom
 
 
-def _fit_singles(prepared: Baseline, first: Screen) -> list[Explanation]:
+def _fit_singles(baseline: Baseline, first: Screen) -> list[Explanation]:
     """Each strong effect on its own: a quick refit of its best hypotheses, and a careful one of the best effects; all
     other effects where none of those explains most, as a base that is bent far screens badly.
     """
-    strong, contexts = _rank_groups(first, SEARCH.singles), prepared.structure.contexts
-    replacing = _select_replacing(prepared, first)
+    strong, contexts = _rank_groups(first, SEARCH.singles), baseline.structure.contexts
+    replacing = _select_replacing(baseline, first)
     suspected = [group for group in _group_columns(first) if group[0].candidate.effect.is_suspected(contexts)]
     groups = [*strong, *(group for group in suspected if group not in strong)]
-    tried = _refit_groups(prepared, [group for group in groups if group not in replacing])
-    tried += _fit_with_care(prepared, replacing, (), prepared.fit)
-    if prepared.noise_ratio > SEARCH.bent and all(explanation.coverage < SEARCH.most_covered for explanation in tried):
-        tried += _refit_groups(prepared, [group for group in _group_columns(first) if group not in groups])
-        tried += _fit_from_afar(prepared)
+    tried = _refit_groups(baseline, [group for group in groups if group not in replacing])
+    tried += _fit_with_care(baseline, replacing, (), baseline.fit)
+    if baseline.noise_ratio > SEARCH.bent and all(explanation.coverage < SEARCH.most_covered for explanation in tried):
+        tried += _refit_groups(baseline, [group for group in _group_columns(first) if group not in groups])
+        tried += _fit_from_afar(baseline)
     return sorted(tried, key=compute_preference, reverse=True)
 
 
@@ -175,39 +175,39 @@ def _select_suspected(at: Baseline | Explanation, screened: Screen) -> list[list
 
 
 def _fit_with_care(
-    prepared: Baseline, groups: Sequence[Sequence[Column]], beside: tuple[Candidate, ...], fit: Fit
+    baseline: Baseline, groups: Sequence[Sequence[Column]], beside: tuple[Candidate, ...], fit: Fit
 ) -> list[Explanation]:
     """Effects that take over what stands at its bound in the base, with fresh Jacobians: all else there is bent to make
     up for that bound, and no column of the base is that of the joint without it.
     """
     wanted = [((*beside, c.candidate), fit.theta[:N_BASE]) for group in groups for c in group[: SEARCH.hypotheses]]
-    return fit_from(prepared, wanted, prepared.box)
+    return fit_from(baseline, wanted, baseline.box)
 
 
-def _fit_from_afar(prepared: Baseline) -> list[Explanation]:
+def _fit_from_afar(baseline: Baseline) -> list[Explanation]:
     """Effects with many minima, from starts far from each other."""
-    contexts, theta = prepared.structure.contexts, prepared.fit.theta
+    contexts, theta = baseline.structure.contexts, baseline.fit.theta
     starts = [(name, start) for name, effect in EFFECTS.items() for start in effect.propose_far_starts(contexts)]
-    return fit_from(prepared, [((Candidate(name, tuple(s.items())),), theta) for name, s in starts], prepared.box)
+    return fit_from(baseline, [((Candidate(name, tuple(s.items())),), theta) for name, s in starts], baseline.box)
 
 
-def _refit_groups(prepared: Baseline, groups: Sequence[Sequence[Column]]) -> list[Explanation]:
+def _refit_groups(baseline: Baseline, groups: Sequence[Sequence[Column]]) -> list[Explanation]:
     """The best hypothesis of each effect refitted; the best effects with care."""
-    options = [_select_options(prepared, group) for group in groups]
-    trials = iter(refit(prepared, [((c.candidate,), prepared) for part in options for c in part]))
+    options = [_select_options(baseline, group) for group in groups]
+    trials = iter(refit(baseline, [((c.candidate,), baseline) for part in options for c in part]))
     quick = [max((next(trials) for _ in part), key=compute_preference) for part in options if part]
     quick.sort(key=compute_preference, reverse=True)
-    careful = polish(prepared, quick[: SEARCH.careful])
+    careful = polish(baseline, quick[: SEARCH.careful])
     if all(explanation.coverage < SEARCH.enough for explanation in careful):
-        careful += polish(prepared, quick[SEARCH.careful : SEARCH.more_careful])
+        careful += polish(baseline, quick[SEARCH.careful : SEARCH.more_careful])
     return careful + quick[len(careful) :]
 
 
-def _select_options(prepared: Baseline, group: Sequence[Column]) -> Sequence[Column]:
+def _select_options(baseline: Baseline, group: Sequence[Column]) -> Sequence[Column]:
     """The hypotheses of one effect that are worth a refit."""
-    if group[0].candidate.effect.is_suspected(prepared.structure.contexts):
+    if group[0].candidate.effect.is_suspected(baseline.structure.contexts):
         return group[: SEARCH.hypotheses]
-    least = max(0.3 * group[0].energy, float(np.log(prepared.fit.residual.size)))
+    least = max(0.3 * group[0].energy, float(np.log(baseline.fit.residual.size)))
     return [column for column in group if column.energy > least][: SEARCH.hypotheses]
 
 
@@ -226,7 +226,7 @@ def _group_columns(screened: Screen) -> list[list[Column]]:
 
 
 def _grow(
-    prepared: Baseline,
+    baseline: Baseline,
     tried: Sequence[Explanation],
     seeds: Sequence[Explanation],
     threshold: float,
@@ -240,10 +240,10 @@ def _grow(
     grown: list[Explanation] = []
     wanted: list[tuple[tuple[Candidate, ...], Baseline | Explanation]] = []
     seen: set[tuple[str, ...]] = set()
-    for seed in (_renew_starts(prepared, seed) for seed in seeds):
-        screened = screen(prepared.problem, seed.structure, seed.fit.theta, seed.fit.residual, seed.fit.jacobian)
+    for seed in (_renew_starts(baseline, seed) for seed in seeds):
+        screened = screen(baseline.problem, seed.structure, seed.fit.theta, seed.fit.residual, seed.fit.jacobian)
         suspected = [g for g in _select_suspected(seed, screened) if _join_names(seed, g) not in known | seen]
-        grown += _fit_with_care(prepared, suspected, seed.settled, seed.fit)
+        grown += _fit_with_care(baseline, suspected, seed.settled, seed.fit)
         seen |= {_join_names(seed, group) for group in suspected}
         for columns in _rank_groups(screened, SEARCH.partners):
             names = _join_names(seed, columns)
@@ -255,15 +255,15 @@ def _grow(
             ]
             wanted += [((*seed.settled, candidate), seed) for candidate in alike]
     unfinished = any(seed.coverage <= SEARCH.enough for seed in seeds)
-    for pair in first.select_pairs(prepared.fit.residual, SEARCH.partners) if first is not None and unfinished else ():
+    for pair in first.select_pairs(baseline.fit.residual, SEARCH.partners) if first is not None and unfinished else ():
         names = tuple(sorted(c.name for c in pair))
         if names not in seen:
             seen.add(names)
-            wanted.append((pair, prepared))
-    return grown + refit(prepared, wanted)
+            wanted.append((pair, baseline))
+    return grown + refit(baseline, wanted)
 
 
-def _renew_starts(prepared: Baseline, seed: Explanation) -> Explanation:
+def _renew_starts(baseline: Baseline, seed: Explanation) -> Explanation:
     """The seed, with its own starts for effects that have too many of them, where it explains most and leaves much.
 
     Those that stand out of what the base leaves are of the seed then, as with a gap beside a stop.
@@ -271,7 +271,7 @@ def _renew_starts(prepared: Baseline, seed: Explanation) -> Explanation:
     if seed.left < SEARCH.much_left or seed.coverage < SEARCH.most_covered:
         return seed
     fit, contexts = seed.fit, seed.structure.contexts
-    starts = narrow_starts(prepared.problem, Structure(contexts), fit.residual, orthonormalise(fit.jacobian))
+    starts = narrow_starts(baseline.problem, Structure(contexts), fit.residual, orthonormalise(fit.jacobian))
     contexts = tuple(replace(context, hints={**context.hints, **starts}) for context in contexts)
     return replace(seed, structure=replace(seed.structure, contexts=contexts))
 

@@ -32,17 +32,17 @@ class Tone(NamedTuple):
     share: float
 
 
-def find_tone(prepared: Baseline) -> Tone:
+def find_tone(baseline: Baseline) -> Tone:
     """The strongest line in the spectra of what the base leaves of each recording."""
-    problem = prepared.problem
+    problem = baseline.problem
     ends = np.cumsum([grid.centres.size for grid in problem.grids])[:-1]
     lines = []
-    for part, grid, track in zip(np.split(prepared.fit.residual, ends), problem.grids, problem.tracks, strict=True):
+    for part, grid, track in zip(np.split(baseline.fit.residual, ends), problem.grids, problem.tracks, strict=True):
         step = float(grid.centres[1] - grid.centres[0]) * track.dt
         energy, frequency, share = _find_strongest(part, _find_highest_of_motion(track.velocity[grid.centres]))
         lines.append((energy, frequency / step, 1.0 / (part.size * step), share))
     energy, frequency, width, share = max(lines)
-    nulls = [max(_find_strongest(part, 0.0)[0] for part in np.split(null, ends)) for null in prepared.null_residuals]
+    nulls = [max(_find_strongest(part, 0.0)[0] for part in np.split(null, ends)) for null in baseline.null_residuals]
     return Tone(frequency, width, energy, max(nulls), share)
 
 

@@ -131,10 +131,10 @@ def test_a_faint_effect_beside_a_strong_one_must_complete_it(
 def test_a_further_effect_may_complete_what_no_generic_basis_sees(
     before: float, after: float, further: str, named: bool
 ) -> None:
-    prepared = cast(Baseline, SimpleNamespace(sliding=_SLIDING, null_residuals=(np.ones(_ROWS),)))
+    baseline = cast(Baseline, SimpleNamespace(sliding=_SLIDING, null_residuals=(np.ones(_ROWS),)))
     first = known(("quadratic_drag",), 9000.0, np.full(_ROWS, before), coverage=1.0)
     pair = known(("quadratic_drag", further), 9500.0, np.full(_ROWS, after), coverage=1.0)
-    assert (choose(prepared, [first, pair], 30.0) is pair) == named
+    assert (choose(baseline, [first, pair], 30.0) is pair) == named
 
 
 def test_an_effect_that_is_only_carried_is_not_named() -> None:

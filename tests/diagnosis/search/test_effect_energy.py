@@ -36,8 +36,8 @@ def _energy(
     structure = SimpleNamespace(unpack_plant=lambda theta: _PLANT, observe_with_and_without=lambda *_: runs)
     spreads = [np.broadcast_to(spread, problem.grids[0].centres.shape)]
     weights = SimpleNamespace(weights=SimpleNamespace(spread=spreads))
-    prepared = cast(Baseline, SimpleNamespace(problem=problem, nulls=weights))
-    (energy,) = compute_effect_energy(prepared, cast(Structure, structure), np.zeros(0), {"end_stop"})
+    baseline = cast(Baseline, SimpleNamespace(problem=problem, nulls=weights))
+    (energy,) = compute_effect_energy(baseline, cast(Structure, structure), np.zeros(0), {"end_stop"})
     assert energy.shape == torque.shape
     return energy
 
@@ -95,7 +95,7 @@ def test_an_impact_shorter_than_the_way_between_rows_shows_when_it_happens() -> 
     structure = SimpleNamespace(unpack_plant=lambda theta: _PLANT, observe_with_and_without=runs)
     spreads = [np.full(problem.grids[0].centres.size, 0.1)]
     nulls = SimpleNamespace(weights=SimpleNamespace(spread=spreads))
-    prepared = cast(Baseline, SimpleNamespace(problem=problem, nulls=nulls))
-    (energy,) = compute_effect_energy(prepared, cast(Structure, structure), np.zeros(0), {"external_disturbance"})
+    baseline = cast(Baseline, SimpleNamespace(problem=problem, nulls=nulls))
+    (energy,) = compute_effect_energy(baseline, cast(Structure, structure), np.zeros(0), {"external_disturbance"})
     assert abs(int(np.argmax(energy)) - at) <= 1
     assert np.sum(energy[at - 15 : at + 16]) > 0.9 * np.sum(energy)

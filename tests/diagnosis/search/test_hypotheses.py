@@ -19,7 +19,7 @@ pytestmark = pytest.mark.slow
 JOINT = ToyJoint(gravity=0.0)
 
 
-def prepared(columns: dict[str, NDArray[np.float64]], missing: NDArray[np.float64]) -> Baseline:
+def baseline(columns: dict[str, NDArray[np.float64]], missing: NDArray[np.float64]) -> Baseline:
     """The base fitted to a joint that draws `missing` [N·m] more than its law; the motion is given, so it may."""
     recording = Recording(columns["time"], columns["position"], columns["torque"] + missing)
     return prepare(build_tracks([recording]), observer=Observer(), nulls=12, seed=0)
@@ -40,7 +40,7 @@ def test_pushes_are_found_in_time(columns: dict[str, NDArray[np.float64]]) -> No
     for start, end, size in ((4.0, 5.2, 1.0), (12.5, 13.5, -0.8)):
         inside = (time > start) & (time < end)
         pushes[inside] += size * np.sin(np.pi * (time[inside] - start) / (end - start))
-    found = prepared(columns, pushes)
+    found = baseline(columns, pushes)
     assert hints(found, "window") == pytest.approx((0.0, 4.0, 5.2, 0.0, 12.5, 13.5), abs=0.15)
 
 
@@ -48,7 +48,7 @@ def test_pushes_are_found_in_time(columns: dict[str, NDArray[np.float64]]) -> No
 def test_what_returns_with_the_state_is_no_push(columns: dict[str, NDArray[np.float64]], stiffness: float) -> None:
     """A stop in the last fifth of the range, met once or a few times."""
     position = columns["true_position"]
-    found = prepared(columns, stiffness * np.maximum(position - 0.8 * position.max(), 0.0))
+    found = baseline(columns, stiffness * np.maximum(position - 0.8 * position.max(), 0.0))
     assert hints(found, "window") == ()
 
 
@@ -58,7 +58,7 @@ def test_the_stiffness_of_a_spring_is_found(columns: dict[str, NDArray[np.float6
     _, twist, _ = lsim(([1.0, 0.0, 0.0], [1.0, 2.0 * ratio * own, own**2]), columns["true_position"], columns["time"])
     missing = -share * JOINT.inertia * np.gradient(np.gradient(twist, 1e-3), 1e-3)
     missing[:50] = missing[-50:] = 0.0
-    start = hints(prepared(columns, missing), "start:joint_elasticity")
+    start = hints(baseline(columns, missing), "start:joint_elasticity")
     assert np.exp(start[0]) == pytest.approx(share * JOINT.inertia * own**2, rel=0.25)
 
 
@@ -68,7 +68,7 @@ def test_the_order_of_an_uneven_gear_is_found(columns: dict[str, NDArray[np.floa
     error, slope = size * np.sin(n * q), size * n * np.cos(n * q)
     a = np.gradient(v, 1e-3)
     missing = 0.6 * JOINT.inertia * (2.0 * slope * a - n**2 * error * v**2)
-    orders = hints(prepared(columns, missing), "dynamic_order")
+    orders = hints(baseline(columns, missing), "dynamic_order")
     assert orders[0] == pytest.approx(n, rel=0.03)
 
 
@@ -88,6 +88,6 @@ def test_the_share_of_the_load_behind_a_small_gap_is_found() -> None:
             load += h * speed
     missing = -share * joint.inertia * savgol_filter(twist, 15, 3, deriv=2, delta=1e-3)
     missing[:50] = missing[-50:] = 0.0
-    start = hints(prepared(columns, missing), "start:backlash")
+    start = hints(baseline(columns, missing), "start:backlash")
     # Beside a base that takes up a part of the impacts the best share is 0.59: a refit from here ends there.
     assert min(abs(one - share) for one in start[1::2]) < 0.035
