@@ -124,7 +124,7 @@ def _build_context(track: Track, plant: Plant, seen: Observation, hints: Mapping
 
 
 def _correct_position(track: Track, seen: Observation) -> FloatArray:
-    """The model's position, moved to the recorded one as far as the encoder contradicts it. Shape (n,).
+    """Move the model's position to the recorded one as far as the encoder contradicts it. Shape (n,).
 
     What changes fast within a step of the encoder is its rounding: a load that swings on a spring would answer to it
     by more than the noise of the torque.
@@ -137,12 +137,12 @@ def _correct_position(track: Track, seen: Observation) -> FloatArray:
 
 
 def move_context(context: Context, track: Track, seen: Observation) -> Context:
-    """The same recording with the position of another joint that was held to it."""
+    """Take the position of another joint that was held to the same recording."""
     return replace(context, position=_correct_position(track, seen))
 
 
 def add_load(context: Context, plant: Plant, further: FloatArray) -> Context:
-    """The same motion of another plant, which carries a further load [N·m]; a recorded load stays. Shape (n,)."""
+    """Take another plant on the same motion, which carries a further load [N·m]. A recorded load stays. Shape (n,)."""
     gravity = plant.compute_gravity_torque(context.position, context.rotary) - plant.offset + further
     recorded = "load_torque" in context.channels
     return replace(context, plant=plant, gravity=gravity, load_torque=context.load_torque if recorded else gravity)
@@ -156,7 +156,7 @@ def smooth(values: FloatArray, dt: float, over: float = EFFECT.smooth_window) ->
 
 
 def remove_noise(load: FloatArray, position: FloatArray, acceleration: FloatArray, track: Track) -> FloatArray:
-    """A recorded load without its noise, which may be the noise of the torque as well [N·m]. Shape (n,).
+    """Remove the noise of a recorded load, which may be the noise of the torque as well [N·m]. Shape (n,).
 
     Where gravity and acceleration explain the load it is replaced by what they explain, else it is smoothed.
     """

@@ -81,7 +81,7 @@ class Effect(ABC):
     Attributes:
         name: The literature's name.
         kind: What it is; decides the verdict.
-        equation: Its law, as the report prints it.
+        equation: Law of the effect, as the report prints it.
         citation: Key of its source in the references; empty where the law needs none.
         says: What is missing, in words for the report.
         shown_at_rest: Whether rows about rest speak for it too, and not only those in which the joint slides.
@@ -122,38 +122,39 @@ class Effect(ABC):
         """What the effect adds to the joint along one recording."""
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        """Hypotheses for the parameters in which the contribution is not linear."""
+        """Propose starting values for the parameters in which the contribution is not linear."""
         return [{}]
 
     def propose_other_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        """Hypotheses that are tried where the fitted ones ask for another inertia or gravity than the simulation's."""
+        """Propose starts for the case that the fitted ones need another inertia or gravity than the simulation has."""
         return self.propose_starts(contexts)
 
     def propose_far_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        """Hypotheses far from each other, fitted with care where the base is bent so far that nothing explains most."""
+        """Propose starts far from each other. They are fitted with care where no effect explains most of the
+        mismatch."""
         return []
 
     def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        """Many hypotheses, of which simulation keeps the best as starts; none where `propose_starts` is enough."""
+        """Propose many starts, of which simulation keeps the best; none where `propose_starts` is enough."""
         return []
 
     def recall_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
-        """The hypotheses that were kept of `scan`; all of them where none was narrowed down."""
+        """Return the starts that were kept of `scan`, or all of them before that."""
         names = [p.name for p in self.list_parameters(contexts)]
         values = contexts[0].hints.get(f"start:{self.name}", ())
         found = [dict(zip(names, values[i : i + len(names)], strict=True)) for i in range(0, len(values), len(names))]
         return found or self.scan(contexts)
 
     def find_obstacle(self, contexts: Sequence[Context]) -> str | None:
-        """Why this recording cannot show the effect; None where it can."""
+        """Say why these recordings cannot show the effect; None where they can."""
         return None
 
     def is_suspected(self, contexts: Sequence[Context]) -> bool:
-        """Whether the base model itself points at the effect, so that it is refitted however faint its column is."""
+        """Tell whether the base itself points at the effect. It is then refitted however little its column explains."""
         return False
 
     def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
-        """The effect as a term beside the friction of the fitted `plant`; None where it is none.
+        """Build the effect as a term beside the friction of the fitted `plant`; None where it is no term.
 
         `contexts` are those that its contribution was fitted along. What changes the curves or the bristle themselves
         is no term of its own: its contribution says so.
@@ -169,19 +170,22 @@ class Effect(ABC):
         return None
 
     def build_forward_part(self, context: Context, values: Values) -> ForwardPart:
-        """What the effect is in a forward simulation; what it adds along the recorded motion where it has no state."""
+        """Build what the effect is in a forward simulation. An effect without a state adds what it adds along the
+        recorded motion."""
         return ForwardPart(self.compute_contribution(context, values))
 
     def compute_load(self, context: Context, values: Values) -> FloatArray | float:
-        """Further load that the joint carries by this effect, which others feel as well [N·m]. Shape (n,)."""
+        """Compute the load that this effect adds to the joint, and that other effects feel as well [N·m]. Shape
+        (n,)."""
         return 0.0
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        """Why these values are not physical, or too faint to be named; None where they are neither."""
+        """Say why these values are not physical, or too small to be named; None where they are neither."""
         return None
 
     def is_faint(self, values: Values, contexts: Sequence[Context]) -> bool:
-        """Whether these values are physical and refused as too faint: something else may look like them."""
+        """Tell whether these values are physical and only too small to be named, so that something else may look like
+        them."""
         return False
 
 
@@ -192,7 +196,7 @@ def compute_lowest_order(contexts: Sequence[Context]) -> float:
 
 
 def refuse_long_wave(order: float, contexts: Sequence[Context]) -> str | None:
-    """Why a ripple is none: its fit went to the lowest order, since anything that varies slowly looks like that."""
+    """Refuse a ripple whose fit went to the lowest order, since anything that varies slowly looks like that."""
     if order > (1.0 + EFFECT.at_bound) * compute_lowest_order(contexts):
         return None
     return "no period of it lies within the recorded range"

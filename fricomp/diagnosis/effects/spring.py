@@ -16,8 +16,8 @@ SPRING, SPRING_CHANGE = "spring_torque", "spring_stiffness"
 
 
 def combine_springs(found: Mapping[str, float], plant: Plant, given: Spring) -> tuple[Term | None, Plant]:
-    """The joint's whole spring from what was found beside the simulation's, and the plant with the constant that it
-    leaves: a law that is written into the simulation stands in place of the spring there.
+    """Combine the simulation's spring with what was found beside it, and put the constant torque that is left into the
+    plant. A law that is written into the simulation stands in place of the spring there.
 
     Args:
         found: Parameters of the effect.

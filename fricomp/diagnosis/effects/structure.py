@@ -75,7 +75,7 @@ class Structure:
         )
 
     def build_known_box(self) -> Box:
-        """The same domain, with what is known of the effect parameters wherever a fit of them began."""
+        """Build the same domain with what is known of the effect parameters, whatever start a fit had."""
         known = [parameter.known or parameter.prior for _, parameter in self.parameters]
         return replace(self.build_box(), precision=np.diag([1.0 / one**2 if one > 0.0 else 0.0 for one in known]))
 
@@ -135,7 +135,7 @@ class Structure:
         return unpack(theta[:N_BASE])
 
     def move_contexts(self, theta: FloatArray) -> tuple[Context, ...]:
-        """The motion of each recording, with the joint of `theta` and the load that it carries there.
+        """Compute the motion of each recording with the joint of `theta` and the load that it carries there.
 
         A base that is fitted without friction under load bends its gravity, and with it the load.
         """
@@ -186,7 +186,8 @@ def fit_all(problem: Problem, descents: Sequence[tuple[Structure, Descent]]) -> 
 
 
 def _compute_contributions(points: Sequence[tuple[Structure, FloatArray]]) -> list[list[Contribution]]:
-    """What the effects add at each point. A Jacobian moves one parameter at a time: most points share theirs."""
+    """Compute what the effects add at each point. Points of a Jacobian differ by one parameter, so most of them share
+    this."""
     keys = [(id(structure), point[N_BASE:].tobytes()) for structure, point in points]
     different = dict(zip(keys, points, strict=True))
     with ThreadPoolExecutor(JOINT.threads) as pool:
@@ -195,7 +196,7 @@ def _compute_contributions(points: Sequence[tuple[Structure, FloatArray]]) -> li
 
 
 def _compute_at(pair: tuple[Structure, FloatArray]) -> list[Contribution]:
-    """What the effects add at a point, on a thread of its own: a point that does not simulate may overflow."""
+    """Compute what the effects add at one point, in a thread. A point that does not simulate may overflow."""
     structure, point = pair
     with np.errstate(over="ignore", invalid="ignore"):
         return structure.compute_contributions(point[N_BASE:])

@@ -39,7 +39,8 @@ def shape_push(time: FloatArray, start: float, end: float, roundness: float = 1.
 
 
 def find_time_windows(problem: Problem, contexts: Sequence[Context], fit: Fit, box: Box) -> tuple[float, ...]:
-    """The windows as recording, start and end [s], one after the other; none where it is no matter of time alone."""
+    """Find the windows: recording, start and end [s] of each, one after the other; empty where time alone does not
+    explain them."""
     inside = np.zeros(fit.residual.size, dtype=bool)
     left = fit.residual
     for _ in range(EFFECT.window_rounds):
@@ -91,7 +92,7 @@ def _is_compact(inside: _Mask, left: FloatArray) -> bool:
 
 
 def _is_independent_of_state(problem: Problem, contexts: Sequence[Context], inside: _Mask, left: FloatArray) -> bool:
-    """Whether the joint was in the same states outside of the windows as well, where nothing stood out.
+    """Tell whether the joint was in the same states outside of the windows as well, where nothing stood out.
 
     Most rows of a window may lie at its quiet edges. So where it is loud, position, speed and acceleration must each
     occur outside as well: what is loud at one end of the range, where the joint was only then, may be a stop.
@@ -105,7 +106,8 @@ def _is_independent_of_state(problem: Problem, contexts: Sequence[Context], insi
 
 
 def _collect_states(problem: Problem, contexts: Sequence[Context]) -> FloatArray:
-    """Position, speed and acceleration of each row, in their ranges, the last two closer where they are fast.
+    """Collect position, speed and acceleration of each row, in their ranges. The last two are compressed where they are
+    large.
 
     Shape (m, 3).
     """
@@ -145,7 +147,7 @@ def _find_intervals(problem: Problem, inside: _Mask, left: FloatArray) -> list[_
 
 
 def _fit_window(problem: Problem, window: _Window, left: FloatArray) -> _Window:
-    """Start and end moved until a push between them explains most of what the base leaves."""
+    """Move start and end of a window until a push between them explains most of what the base leaves."""
     best, most = window, _compute_explained(problem, window, left)
     for step in EFFECT.window_steps:
         moved = True

@@ -25,9 +25,9 @@ class Transmission:
     """A spring with a gap between the motor, where position is measured, and the load.
 
     Attributes:
-        inertia: Of the load [kg·m²].
+        inertia: Inertia of the load [kg·m²].
         stiffness: K [N·m/rad].
-        damping_ratio: Of the load on its spring.
+        damping_ratio: Damping ratio of the load on its spring.
         gap: Total free travel [rad].
         hardening: Relative rise of the stiffness at the largest static load.
     """
@@ -131,7 +131,7 @@ def simulate_twist(position: np.ndarray, gravity: np.ndarray, gradient: np.ndarr
 
 
 def compute_carried(context: Context, transmission: Transmission) -> FloatArray:
-    """Torque on the motor side beyond that of a rigid transmission [N·m]. Shape (n,).
+    """Compute the torque on the motor side beyond that of a rigid transmission [N·m]. Shape (n,).
 
     The load lags by the twist s, so the motor carries gravity(q - s) - gravity(q) - J_l s'' more.
     """
@@ -164,7 +164,8 @@ def _compute_gravity(context: Context) -> tuple[FloatArray, FloatArray]:
 
 
 def compute_uneven_running(context: Context, order: FloatArray | float, load_share: float) -> ComplexArray:
-    """Torque for each radian by which the load leads as exp(i n q), over that wave [N·m/rad]. Shape (n,).
+    """Compute the torque for each radian by which the load leads as exp(i n q), divided by that wave [N·m/rad]. Shape
+    (n,).
 
     Lagrange's equation of a load at q + e(q): e' (gravity + 2 J_l a) + J_l e'' v² + gravity' e.
     """

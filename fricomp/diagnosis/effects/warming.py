@@ -24,9 +24,8 @@ def compute_losses(context: Context) -> FloatArray:
 
 
 def compute_heat(context: Context, time_constant: float) -> FloatArray:
-    """Rise of the joint's temperature [K], over its mean of all recordings, or its estimate from friction losses [1],
-    over that of this one. Shape (n,).
-    """
+    """Compute the rise of a joint's temperature. A recorded one is over the mean of all recordings [K]; an estimate
+    from friction losses is over the mean of this one [1]. Shape (n,)."""
     recorded = context.channels.get("temperature")
     if recorded is not None:
         return recorded - context.usual_temperature

@@ -40,7 +40,7 @@ class DryFriction(ABC):
 
         Args:
             w: Velocity [rad/s].
-            level: Of dry friction [N·m].
+            level: Level of dry friction [N·m].
             net: Torque on the motor side without it [N·m].
         """
 

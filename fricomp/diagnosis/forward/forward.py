@@ -31,7 +31,7 @@ __all__ = ["add_spring", "measure_forward_error"]
 def measure_forward_error(
     recording: Recording, baseline: Baseline, chosen: Explanation | None, controller: Controller
 ) -> Forward | None:
-    """Position errors of the base and of the extended model on the last part of the first recording.
+    """Measure the position errors of the base and of the extended model on the last part of the first recording.
 
     Returns:
         None where no reference was recorded, or the simulation leaves the recorded motion.
@@ -65,7 +65,7 @@ def measure_forward_error(
 
 
 def _set_rate(controller: Controller, recording: Recording, track: Track) -> Controller:
-    """The loop with a rate: that of the recording where none is known, unless that is too slow to be the loop's."""
+    """Give the loop a rate: that of the recording where none is known, unless that is too slow to be the loop's."""
     slow = recording.sample_period > FORWARD.slow_sampling * track.dt
     return controller if controller.frequency or slow else replace(controller, frequency=1.0 / recording.sample_period)
 
@@ -103,7 +103,8 @@ def add_spring(track: Track, effects: ForwardPart) -> tuple[Track, ForwardPart]:
 
 
 def _train(baseline: Baseline, model: tuple[Structure, FloatArray, FloatArray], start: int) -> FloatArray:
-    """Parameters from the rows before `start` of the first recording and all of the others: one step from the fit."""
+    """Fit the parameters to the rows before `start` of the first recording and to all of the others, by one step from
+    the fit."""
     structure, theta, jacobian = model
     residual = structure.compute_residuals(baseline.problem, [theta])[0]
     first = baseline.problem.grids[0].centres

@@ -33,7 +33,7 @@ class Controller:
         reference_share: d, the part of the reference's velocity that D sees: 1 for most loops, 0 where it damps only.
         acceleration_gain: A [kg·m²].
         bias: b [N·m].
-        velocity_filter_frequency: Of the first-order filter on v [Hz]; None without one.
+        velocity_filter_frequency: Cut-off frequency of the first-order filter on v [Hz]; None without one.
         torque_limit: [N·m]; None without one.
         frequency: Rate at which it answers [Hz]; None where that is not known.
         source: "given" or "estimated".
@@ -111,7 +111,7 @@ def read_controller(path: str | Path) -> Controller:
 
 
 def estimate_controller(recording: Recording) -> Controller | None:
-    """The PD or PID loop that explains the torque by reference and position; None where none does.
+    """Estimate the PD or PID loop that explains the torque by reference and position; None where no loop does.
 
     Gains are least squares; one that takes little on blocks that were left out is not in the loop.
     """
@@ -125,7 +125,8 @@ def estimate_controller(recording: Recording) -> Controller | None:
 
 
 def compute_answer(controller: Controller, recording: Recording) -> FloatArray:
-    """Torque that a loop gives along a recording with its reference [N·m], but for what its integral began with.
+    """Compute the torque that a loop gives along a recording with its reference [N·m], with its integral starting at
+    zero.
 
     Shape (n,), of the samples that gains are estimated from.
     """
@@ -143,13 +144,14 @@ def compute_answer(controller: Controller, recording: Recording) -> FloatArray:
 
 
 def read_told_torque(recording: Recording) -> FloatArray:
-    """What a loop told its drive, or else the torque [N·m]; of the samples that gains are estimated from."""
+    """Read the torque that a loop commanded, or else the recorded one [N·m], at the samples that gains are estimated
+    from."""
     told = recording.torque if recording.torque_command is None else recording.torque_command
     return np.asarray(told)[: INPUT.loop_samples]
 
 
 def _fit_loop(columns: dict[str, FloatArray], torque: FloatArray, cutoff: float | None) -> Controller:
-    """The loop that explains `torque`, without the terms that hardly help."""
+    """Fit the loop that explains `torque`, and leave out terms that hardly help."""
     chosen = ["error", "velocity", "reference", "integral", "acceleration"]
     left = _compute_unexplained(columns, chosen, torque)
     for name in ("acceleration", "integral", "reference", "velocity"):
@@ -177,7 +179,8 @@ def _compute_memory(cutoff: float | None, step: float) -> float:
 
 
 def _build_columns(recording: Recording, cutoff: float | None) -> dict[str, FloatArray]:
-    """What the terms of a loop multiply; its velocity is the filtered difference of positions. Shapes (n,)."""
+    """Build the signals that the gains of a loop multiply. The velocity is the filtered difference of positions. Shapes
+    (n,)."""
     dt = recording.sample_period
     reference, position = np.asarray(recording.position_reference), np.asarray(recording.position)
     error = reference - position
@@ -207,7 +210,7 @@ def _fit(columns: dict[str, FloatArray], names: list[str], torque: FloatArray) -
 
 
 def _compute_unexplained(columns: dict[str, FloatArray], names: list[str], torque: FloatArray) -> float:
-    """Part of the torque's variance that is left on blocks that took no part."""
+    """Compute the part of the torque's variance that is left on blocks which were not fitted."""
     table, error = _build_table(columns, names), np.empty(torque.size)
     size = np.linalg.norm(table, axis=0) + 1e-30
     for part, weights in fit_without_blocks(table / size, torque, INPUT.loop_folds, rcond=1e-9):

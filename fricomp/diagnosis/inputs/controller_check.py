@@ -16,7 +16,8 @@ __all__ = ["check_controller"]
 
 
 def check_controller(controller: Controller, recordings: Sequence[Recording]) -> list[str]:
-    """What speaks against a given loop, with its gains and those that the recording shows; empty where nothing does."""
+    """List what speaks against a given loop, with its gains and those that the recording shows; empty where nothing
+    does."""
     remarks = []
     for i, recording in enumerate(recordings):
         if recording.position_reference is None:

@@ -11,7 +11,8 @@ __all__ = ["apply_lags", "shift", "undo_lags"]
 
 
 def shift(values: FloatArray, samples: float) -> FloatArray:
-    """`values` as they will be `samples` later: undoes a delay, by linear interpolation; the ends are held."""
+    """Return `values` as they will be `samples` later, which undoes a delay. Interpolation is linear; the ends are
+    held."""
     if samples == 0.0:
         return values
     whole = int(np.floor(samples))
@@ -23,7 +24,7 @@ def shift(values: FloatArray, samples: float) -> FloatArray:
 
 
 def apply_lags(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
-    """`values` as they come through low passes of the first order, held before the first one. Shape (n,).
+    """Pass `values` through low passes of the first order, which start at rest at the first value. Shape (n,).
 
     Each is late by its time constant in the mean. A factor exp(-dt / lag) would make it half a sample less, which the
     fit of a lag would add to its time constant.
@@ -35,7 +36,7 @@ def apply_lags(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatA
 
 
 def undo_lags(values: FloatArray, lags: tuple[float, ...], dt: float) -> FloatArray:
-    """What comes through these low passes as `values`: undoes them, so that a lag takes no noise away. Shape (n,)."""
+    """Return what gives `values` behind these low passes, so that a lag takes no noise away. Shape (n,)."""
     for lag in lags:
         before = np.concatenate([values[:1], values[:-1]])
         values = values + lag / dt * (values - before)

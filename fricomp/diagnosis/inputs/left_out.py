@@ -15,7 +15,7 @@ __all__ = ["fit_without_blocks"]
 def fit_without_blocks(
     table: FloatArray, target: FloatArray, blocks: int, *, rcond: float, gap: tuple[int, int] = (0, 0)
 ) -> Iterator[tuple[np.ndarray, FloatArray]]:
-    """The samples of each block, and the weights of the columns that fit all others.
+    """Yield the samples of each block, and the weights of the columns that are fitted to all others.
 
     The samples are reduced to a triangle between every two places where a block begins or ends: its rows have the
     same products as they, and a fit takes the triangles of what it keeps instead of most samples once more.

@@ -21,7 +21,7 @@ class Spring:
     """A spring of a simulation: its torque is a polynomial of x, the position less the reference.
 
     Attributes:
-        coefficients: Of x, x² and x³ [N·m/rad, N·m/rad², N·m/rad³]; further ones of higher powers.
+        coefficients: Coefficients of x, x² and x³ [N·m/rad, N·m/rad², N·m/rad³]; further ones of higher powers.
         reference: Position at which it is at rest [rad] or [m].
     """
 
@@ -50,9 +50,9 @@ class RigidJoint:
         damping: Viscous friction [N·m·s/rad] or [N·s/m].
         friction_loss: Dry friction [N·m] or [N].
         rotary: Whether the joint turns.
-        spring: Between the joint and its base; None where there is none.
-        covariance: Of log inertia, gravity, offset and both friction curves, shape (12, 12) in the order of the
-            diagnosis' base, where all of them were read off a recording; None where they are exact.
+        spring: Spring between the joint and its base; None where there is none.
+        covariance: Covariance of log inertia, gravity, offset and both friction curves, in the order of the diagnosis'
+            base, where all of them were read off a recording; None where they are exact. Shape (12, 12).
     """
 
     inertia: float
@@ -70,7 +70,7 @@ def read_simulation(path: str | Path, joint: str | None = None) -> RigidJoint:
 
     Args:
         path: MJCF or URDF file.
-        joint: Its name; may be left out where there is one joint only.
+        joint: Name of the joint; may be left out where there is one joint only.
 
     Raises:
         DiagnosisError: The file cannot be read, or the joint is not in it.

@@ -39,7 +39,7 @@ class SensorNoise:
     position: float
 
     def scale_to(self, period: float) -> SensorNoise:
-        """The noise that weighs as much over the same time in samples of another period [s]."""
+        """Return the noise that weighs as much over the same time in samples of another period [s]."""
         scale = float(np.sqrt(self.period / period))
         return SensorNoise(period, scale * self.torque, self.encoder_step, scale * self.position)
 
@@ -60,7 +60,7 @@ def measure_sensor_noise(recording: Recording) -> SensorNoise:
 
 
 def add_sensor_noise(recording: Recording, like: Sequence[Recording], seed: int = 0) -> Recording:
-    """A recording with the noise of others where its own is less: as their sensors would have shown its joint.
+    """Add the noise of other recordings where a recording has less: its joint as their sensors would have shown it.
 
     Of several others those count that have the least noise, each channel on its own. Where noise is added, the
     reference is left out: the loop of a simulation has not heard this noise.
@@ -68,7 +68,7 @@ def add_sensor_noise(recording: Recording, like: Sequence[Recording], seed: int 
     Args:
         recording: Often without any noise.
         like: Recordings on the joint side. In another unit of torque, the noise is taken over its own deviation.
-        seed: Of the noise.
+        seed: Seed of the noise; the same seed gives the same recording.
     """
     rng = np.random.default_rng([seed, len(recording)])
     own, others = (
@@ -99,18 +99,18 @@ def _compute_scale(recording: Recording, other: Recording) -> float:
 
 
 def _measure_visible(recording: Recording) -> SensorNoise:
-    """The noise of a recording, of which the torque's is at least that of its rounding, and not nothing."""
+    """Measure the noise of a recording. That of its torque is at least what rounding makes, and never zero."""
     noise, torque = measure_sensor_noise(recording), np.array(recording.torque)
     least = max(INPUT.least_noise * float(np.std(torque)), INPUT.rounding * find_encoder_step(torque))
     return SensorNoise(noise.period, max(noise.torque, least), noise.encoder_step, noise.position)
 
 
 def _combine_noise(noise: TorqueNoise) -> float:
-    """White noise that makes neighbouring samples differ as much; slow motion of the torque looks like coloured noise
-    of a long memory, which hardly counts here."""
+    """Combine both parts of a noise to the white noise that makes neighbouring samples differ as much. Slow motion of
+    the torque looks like coloured noise of a long memory, which hardly counts here."""
     return float(np.sqrt(noise.white**2 + noise.coloured**2 * (1.0 - noise.memory) * (3.0 - noise.memory) / 3.0))
 
 
 def _subtract_variance(whole: float, part: float) -> float:
-    """Standard deviation of what a noise has besides a part of it."""
+    """Return the standard deviation of a noise without a part of it."""
     return float(np.sqrt(max(whole**2 - part**2, 0.0)))

@@ -14,7 +14,7 @@ FloatArray = NDArray[np.float64]
 
 
 def differentiate(values: FloatArray, dt: float, window: float = INPUT.velocity_window, order: int = 1) -> FloatArray:
-    """Derivative by a local cubic (Savitzky and Golay) over `window` [s]; of order 0 the smoothed values."""
+    """Differentiate with a local cubic (Savitzky and Golay) over `window` [s]; with order 0, smooth."""
     samples = min(max(INPUT.shortest_window, 2 * round(window / dt / 2) + 1), values.size - 1 + values.size % 2)
     result: FloatArray = savgol_filter(values, samples, 3, deriv=order, delta=dt)
     return result

@@ -175,14 +175,15 @@ def find_encoder_step(position: FloatArray) -> float:
 
 
 def remove_spikes(values: FloatArray, noise: float) -> FloatArray:
-    """`values` with samples that stand out from their neighbours' median by many noise deviations put back on it."""
+    """Put samples that stand out from their neighbours' median by many noise deviations back on that median."""
     middle = median_filter(values, 7, mode="nearest")
     limit = INPUT.spike * max(noise, 1e-3 * float(np.std(values)))
     return np.where(np.abs(values - middle) > limit, middle, values)
 
 
 def find_calm_samples(position: FloatArray, velocity: FloatArray, dt: float) -> NDArray[np.bool_]:
-    """The half of the moving samples in which the motion changes least, where torque is smoothest. Shape (n,)."""
+    """Find the half of the moving samples in which the motion changes least, where the torque is smoothest. Shape
+    (n,)."""
     samples = min(
         max(INPUT.shortest_window, 2 * round(3.0 * INPUT.velocity_window / dt / 2) + 1), position.size // 2 * 2 - 1
     )
@@ -195,7 +196,7 @@ def find_calm_samples(position: FloatArray, velocity: FloatArray, dt: float) -> 
 
 
 def measure_position_noise(position: FloatArray, velocity: FloatArray) -> PositionNoise:
-    """White noise of a position, rounding included, and what of it grows with speed.
+    """Measure the white noise of a position, rounding included, and the part of it that grows with speed.
 
     Fourth differences hold next to nothing of a smooth motion; where they are not white after all, there is no
     telling noise from motion and the answer is 0.
@@ -255,7 +256,7 @@ def measure_torque_noise(values: FloatArray, calm: NDArray[np.bool_] | None = No
 
 
 def _match_tails(spread: float) -> tuple[float, float]:
-    """Degrees of freedom of a Student distribution, and its robust over its true deviation, from the quotient of the
-    0.99 quantile and the median of the absolute second differences."""
+    """Match a Student distribution to tails: its degrees of freedom, and its robust over its true deviation, from the
+    quotient of the 0.99 quantile and the median of the absolute second differences."""
     index = int(np.searchsorted(-np.array([one[2] for one in INPUT.student_tails]), -spread))
     return INPUT.student_tails[min(index, len(INPUT.student_tails) - 1)][:2]

@@ -93,7 +93,7 @@ def unpack(theta: FloatArray) -> Plant:
 
 
 def even_directions(theta: FloatArray) -> FloatArray | None:
-    """`theta` with the difference of the directions put into the offset; None where there is hardly any. Shape (p,).
+    """Put the difference of the directions into the offset; None where there is hardly any. Shape (p,).
 
     Sliding shows their sum alone. What a wrong bristle or an effect that was missed has parted stays so: the way back
     is a valley along which next to nothing is gained.
@@ -110,8 +110,8 @@ def even_directions(theta: FloatArray) -> FloatArray | None:
 
 
 def align_falls(theta: FloatArray) -> FloatArray | None:
-    """`theta` with friction that falls with speed in both directions as in the one where it falls at the lower speed;
-    None where their Stribeck velocities are alike. Shape (p,).
+    """Let friction fall with speed in both directions as it does in the one with the lower Stribeck velocity; None
+    where these are alike. Shape (p,).
 
     In a direction whose start of motion a wrong bristle had wrong, the Stribeck velocity has run away: the way back to
     the low one leads uphill.
@@ -136,8 +136,8 @@ def is_at_earliest(plant: Plant, dt: float) -> bool:
 
 
 def _compute_earliest(dt: float) -> float:
-    """Least delay of the base [s]: a torque may belong to either end of its sample; of a millisecond to its middle,
-    since a whole one would swallow real lags."""
+    """Compute the least delay of the base [s]. A torque may belong to either end of its sample, less what a usual chain
+    is late: for samples of a millisecond to the middle, since a whole one would swallow real lags."""
     return -max(0.5 * dt, dt - JOINT.longest_delay)
 
 
@@ -157,7 +157,7 @@ class BaseModel:
     def build_around(
         cls, plant: Plant, *, dt: float, top_speed: float, rotary: bool, known: RigidJoint | None = None
     ) -> BaseModel:
-        """The domain around a first estimate of the plant; inertia and gravity of a simulation bind weakly."""
+        """Build the domain around a first estimate of the plant. Inertia and gravity of a simulation bind it weakly."""
         level = max(plant.level, 1e-6)
         viscous = max(plant.forward[3], plant.reverse[3], 0.1 * level / top_speed)
         size = max(float(np.hypot(*plant.gravity)), level)

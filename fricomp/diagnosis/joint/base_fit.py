@@ -21,8 +21,8 @@ _SHARPNESS = BASE_NAMES.index("sharpness")
 
 
 def fit_base(problem: Problem, theta: FloatArray, box: Box) -> Fit:
-    """The base fitted from `theta` with the problem's weights, to the bottom of its valley, and from there with both
-    directions evened, or falling alike, where they differ much."""
+    """Fit the base from `theta` to the bottom of its valley. Where both directions differ much, fit again from even
+    directions and from falls that are alike, and keep the best."""
     evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
     fitted = partial(
         minimise, evaluate, box=box, iterations=JOINT.base_steps, refresh=2, tolerance=JOINT.base_tolerance
@@ -38,7 +38,7 @@ def is_loud(fit: Fit) -> bool:
 
 
 def try_other_bristle(problem: Problem, fit: Fit, box: Box) -> Fit:
-    """The fit, or a better one from stiff bristles with hardly any damping beside the same friction.
+    """Return the fit, or a better one from a stiff bristle with hardly any damping.
 
     A joint that turns over at once in a reversal looks, to a bristle that is too soft, as if it had damping instead of
     static friction: the way from there to the stiff bristle leads uphill. Such a fit is loud, and damped as much as
@@ -46,7 +46,7 @@ def try_other_bristle(problem: Problem, fit: Fit, box: Box) -> Fit:
 
     Args:
         problem: Recordings and weights.
-        fit: Of the base, with these weights.
+        fit: Fit of the base with these weights.
         box: Domain of the base parameters.
     """
     if not is_loud(fit) or fit.theta[_DAMPING] < JOINT.damped_share * box.upper[_DAMPING]:
@@ -73,15 +73,15 @@ def _set_bristle(theta: FloatArray, box: Box, distance: float) -> FloatArray:
 
 
 def fit_creep(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[Fit, Box] | None:
-    """The base fitted with friction that never holds, and its domain; None where that leads nowhere.
+    """Fit the base with friction that never holds; None where that leads nowhere. Returns its domain too.
 
     Friction of many simulators is no bristle: below a creep velocity it is viscous, and at rest it fades.
 
     Args:
         problem: Recordings and weights.
-        fit: Of the base, with these weights.
+        fit: Fit of the base with these weights.
         box: Domain of the base parameters.
-        top_speed: Of the recorded motion [rad/s].
+        top_speed: Largest speed of the recorded motion [rad/s].
     """
     evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
     tried = [
@@ -93,12 +93,12 @@ def fit_creep(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[F
 
 
 def propose_creep_starts(theta: FloatArray, box: Box, top_speed: float) -> list[tuple[FloatArray, Box]]:
-    """Base parameters with friction that creeps in place of a bristle, each with its domain.
+    """Propose base parameters with friction that creeps in place of a bristle, each with its domain.
 
     Args:
         theta: Base parameters. Shape (p,).
         box: Domain of the base parameters.
-        top_speed: Of the recorded motion [rad/s].
+        top_speed: Largest speed of the recorded motion [rad/s].
     """
     starts = [_set_creep(theta, rate) for rate in JOINT.creep_rates]
     return [(start, _free_creep(box, start, top_speed)) for start in starts]

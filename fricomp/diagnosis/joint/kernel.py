@@ -301,7 +301,7 @@ def observe(
         plants: Numbers in the order of `FRICTION_SLOTS`. Shape (18, n_lanes).
         observer: dt [s], K [N·m/rad], D [N·m·s/rad], rest speed [rad/s], leak [1/s].
         substeps: In how many steps each sample is taken. Shape (n,).
-        lanes: As long as there are lanes, so that their number is known where it is compiled: one of `LANES`.
+        lanes: A tuple with one number a lane, so that their count is known to the compiler: one of `LANES`.
         out: Filled with u [N·m], x [rad], w [rad/s], bristle torque [N·m]. Shape (4, n_lanes, n); or (1, n_lanes, n)
             for u alone. Position and velocity stand at the sample, torques are means until the next one.
     """
@@ -348,7 +348,7 @@ def close_loop(
         loop: dt [s], P [N·m/rad], D [N·m·s/rad], what its velocity filter keeps from sample to sample.
         encoders: Step [rad], 0 for none, and origin [rad] of each encoder. Shape (2, n_lanes).
         substeps: In how many steps each sample is taken. Shape (n,).
-        lanes: As long as there are lanes: one of `LANES`.
+        lanes: A tuple with one number a lane; its length is one of `LANES`.
         out: Filled with the loop's answer, held until the next sample [N·m], and the position that the encoder shows
             [rad]. Shape (2, n_lanes, n).
     """

@@ -43,9 +43,9 @@ def build_tracks(
     """One track for each recording, all on the same grid.
 
     Args:
-        recordings: Of one joint.
+        recordings: Recordings of one joint.
         loops: What moved the joint in each of them; none where that is not known.
-        spring: Of the simulation. Its torque is taken off: the joint without it is what is fitted and compared.
+        spring: Spring of the simulation. Its torque is taken off: the joint without it is fitted and compared.
 
     Raises:
         DiagnosisError: The recordings mix rotary and linear joints.

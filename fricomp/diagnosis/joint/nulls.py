@@ -112,7 +112,7 @@ class _Chain:
 
 
 def _match_noise(chain: _Chain, index: int, data: FloatArray, seed: int) -> TorqueNoise:
-    """Torque noise with which the rows of nulls vary as those of the data do, over one and several rows.
+    """Find the torque noise with which the rows of nulls vary as those of the data do, over one and several rows.
 
     Samples alone cannot tell noise from torque that a controller really made of the encoder's steps; rows can, since
     real torque moves the joint.
@@ -135,7 +135,7 @@ def _match_noise(chain: _Chain, index: int, data: FloatArray, seed: int) -> Torq
 
 
 def _find_sliding(problem: Problem, index: int) -> NDArray[np.bool_]:
-    """Rows in which a recorded joint slides throughout, or all rows where these are few. Shape (n_rows,).
+    """Find the rows in which a recorded joint slides throughout, or all rows where these are few. Shape (n_rows,).
 
     A joint that sticks takes up the noise of its torque in the bristle; how often one is about to stick, nulls of a
     loop need not repeat exactly, and a median over both kinds of rows would depend on it.
@@ -152,7 +152,7 @@ def _compute_variation(rows: FloatArray, slides: NDArray[np.bool_]) -> FloatArra
 
 
 def _compute_presliding(problem: Problem, plant: Plant, effects: Sequence[Contribution]) -> list[FloatArray]:
-    """How far each row moves with the law of the bristle, which no recording fixes to the last digit [N·m].
+    """Compute how far each row depends on the law of the bristle, which no recording fixes exactly [N·m].
 
     The base has one bristle of one stiffness; real presliding has a spectrum of them [albender2005gms]. The rows
     after reversals are trusted less, in proportion to what another stiffness would change there, and another velocity
@@ -182,7 +182,7 @@ def _smooth(track: Track) -> FloatArray:
 def _draw_null(
     track: Track, position: FloatArray, applied: FloatArray, noise: TorqueNoise, rng: np.random.Generator
 ) -> Track:
-    """The recording of a joint moved along `position` by `applied`: fresh noise, rounding and a small delay."""
+    """Record a joint that `applied` moves along `position`, with fresh noise, rounding and a small delay."""
     torque = shift(applied, rng.normal(0.0, JOINT.delay_spread) / track.dt)
     if track.jitter > 0.0:
         late = track.jitter / track.dt * rng.standard_normal(track.size)

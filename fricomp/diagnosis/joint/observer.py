@@ -38,7 +38,7 @@ class Plant:
         gravity: Coefficients of cos q and sin q [N·m].
         offset: Constant torque [N·m].
         forward: F_c, F_s [N·m], v_s [rad/s], F_v [N·m·s/rad] for v > 0.
-        reverse: The same for v < 0.
+        reverse: The same numbers for v < 0.
         sigma_0: Bristle stiffness [N·m/rad].
         sigma_1: Bristle damping [N·m·s/rad].
         lag: Time by which the friction level follows the velocity [s].
@@ -135,7 +135,7 @@ class Observer:
     step: float = 0.12
 
     def compute_return(self, track: Track, plant: Plant, observation: Observation) -> FloatArray:
-        """How fast the position of a resting model goes back to the recorded one, beside its velocity [rad/s].
+        """Compute how fast the position of a resting model goes back to the recorded one, besides its velocity [rad/s].
 
         Shape (n,). A model that creeps returns by itself.
         """
@@ -150,9 +150,9 @@ class Observation(NamedTuple):
 
     Attributes:
         missing: Torque that the model lacks, beside the recorded one, where both pass the same lags [N·m].
-        position: Of the model [rad].
-        velocity: Of the model [rad/s].
-        bristle: Its torque [N·m].
+        position: Position of the model [rad].
+        velocity: Velocity of the model [rad/s].
+        bristle: Torque of the bristle [N·m].
     """
 
     missing: FloatArray
@@ -181,7 +181,7 @@ def simulate_all(jobs: Sequence[Job], observer: Observer, gains: tuple[float, fl
 
 
 def compute_missing_torques(jobs: Sequence[Job], observer: Observer, gains: tuple[float, float]) -> list[FloatArray]:
-    """What `simulate_all` gives as `missing`, without the rest, which takes time to write down. Shapes (n,)."""
+    """Compute what `simulate_all` gives as `missing` alone, which is faster. Shapes (n,)."""
     return [missing for (missing,) in _run_all(jobs, observer, gains, seen=1)]
 
 
@@ -253,13 +253,13 @@ def broadcast_level(job: Job) -> FloatArray:
 
 
 def _key_drive(job: Job) -> tuple[object, ...]:
-    """What the torque of a simulation depends on."""
+    """Return what the torque of a simulation depends on, as a key."""
     plant, added = _replace_plant(job), job.contribution
     return id(job.track), plant.delay + added.delay, added.lags, plant.gravity, plant.offset, _identify(added.additive)
 
 
 def _identify(values: FloatArray | float) -> object:
-    """The same for what is the same: a number by its value, an array by its place."""
+    """Identify equal inputs: a number by its value, an array by its object."""
     return id(values) if isinstance(values, np.ndarray) else ("number", float(values))
 
 

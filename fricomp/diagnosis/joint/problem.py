@@ -120,14 +120,14 @@ class Problem:
         return [Contribution()] * len(self.tracks)
 
     def cut_samples_for(self, plant: Plant) -> Problem:
-        """The same problem with samples cut as finely as `plant` asks for."""
+        """Return the same problem with substeps as fine as `plant` needs."""
         tracks = [
             replace(track, substeps=_choose_substeps(track, plant, self.observer, self.gains)) for track in self.tracks
         ]
         return replace(self, tracks=tuple(tracks))
 
     def improve_velocity(self, plant: Plant) -> Problem:
-        """The same problem with velocities improved by the simulation: its own plus that of the slow innovation."""
+        """Improve the velocities by simulation: that of the model plus the slope of its slow position error."""
         (runs,) = self.observe_all([plant], [[Contribution()] * len(self.tracks)])
         tracks = tuple(
             improve_track(track, one, self.observer.compute_return(track, plant, one))
@@ -137,11 +137,11 @@ class Problem:
 
 
 def improve_track(track: Track, observation: Observation, returning: FloatArray) -> Track:
-    """`track` with the velocity of the observed model, corrected by the slope of what it missed.
+    """Replace the velocity of a track by that of the observed model, corrected by the slope of what it missed.
 
     Args:
         track: The recording.
-        observation: Of the model.
+        observation: Run of the model along it.
         returning: What the observer adds to the velocity of a resting model's position [rad/s]. Left out, a bristle
             that is too soft would say that the joint moves while the encoder stands still, and be kept soft by it.
     """
@@ -150,7 +150,7 @@ def improve_track(track: Track, observation: Observation, returning: FloatArray)
 
 
 def build_problem(tracks: Sequence[Track], plant: Plant, observer: Observer) -> Problem:
-    """The problem for a first plant: gains that hold the model through its steepest falling Stribeck slope."""
+    """Build the problem for a first plant, with gains that hold the model even where friction falls steepest."""
     inertia, omega = plant.inertia, observer.bandwidth
     slope = max(0.858 * (s - c) / v - f for c, s, v, f in (plant.forward, plant.reverse))
     gains = (inertia * omega**2, 2.0 * inertia * omega + max(slope, 0.0))

@@ -26,7 +26,7 @@ class Box:
         lower: Lower bounds. Shape (p,).
         upper: Upper bounds. Shape (p,).
         scale: Change of each parameter that matters; differences are taken over a small part of it. Shape (p,).
-        centre: Where a weak prior pulls each parameter. Shape (p,).
+        centre: Value to which a weak prior pulls each parameter. Shape (p,).
         precision: Inverse covariance of that prior; 0 for none. Shape (p, p).
         reach: Longest step, in units of `scale`. Shape (p,).
     """
@@ -63,7 +63,7 @@ class Fit:
     Attributes:
         theta: Parameters. Shape (p,).
         residual: Residual there. Shape (m,).
-        jacobian: Its derivative, exact or updated. Shape (m, p).
+        jacobian: Derivative of the residual, exact or updated. Shape (m, p).
         cost: Sum of squares, priors included.
     """
 

@@ -14,14 +14,14 @@ __all__ = ["estimate_floor", "is_structured"]
 
 
 def is_structured(ours: FloatArray, theirs: Sequence[FloatArray]) -> bool:
-    """Whether rows have a line, or a peak between quieter frequencies, that no null comes near.
+    """Tell whether rows have a line, or a peak between quieter frequencies, which no null comes near.
 
     The colour of noise rises or falls over the spectrum. What swings (a neighbouring joint, a mass that hangs on the
     link) does so at its own frequencies, and whitened or counted as noise it would be lost.
 
     Args:
         ours: Rows of a residual, without what is smooth. Shape (m,).
-        theirs: The same of nulls.
+        theirs: The same rows of nulls.
     """
     loudest = max(float(np.max(_divide_by_level(one))) for one in theirs)
     if float(np.max(_divide_by_level(ours))) > JOINT.line_ratio * loudest:
@@ -36,7 +36,8 @@ def is_structured(ours: FloatArray, theirs: Sequence[FloatArray]) -> bool:
 
 
 def estimate_floor(values: FloatArray) -> float:
-    """Standard deviation of white noise with the typical line of a spectrum: what few lines hold is none."""
+    """Estimate the standard deviation of the noise from the median line of the spectrum. What lies in a few lines is no
+    noise."""
     return float(np.sqrt(np.median(_compute_power(values)) / (np.log(2.0) * values.size)))
 
 

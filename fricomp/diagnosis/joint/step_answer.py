@@ -22,7 +22,7 @@ class StepAnswer(NamedTuple):
     """One joint under a loop that sees its position in steps.
 
     Attributes:
-        position: As the encoder shows it [rad]. Shape (n,).
+        position: Position as the encoder shows it [rad]. Shape (n,).
         torque: What the loop adds because of the steps [N·m]. Shape (n,).
     """
 
@@ -40,10 +40,10 @@ def simulate_step_answers(
 
     Args:
         job: The recording, the joint, and what effects add to it.
-        truth: Its motion without the steps.
+        truth: Motion of the joint without the steps.
         applied: Torque that moves it so, as late as the recorded one [N·m]. Shape (n,).
         count: Number of simulations.
-        seed: Of the origins.
+        seed: Seed of the origins.
 
     Returns:
         Nothing where no loop is known or its answer is lost in the noise of the torque.

@@ -24,8 +24,8 @@ __all__ = ["estimate_plants", "estimate_rest_speed"]
 
 
 def estimate_rest_speed(tracks: Sequence[Track], width: float = 0.042) -> float:
-    """Speed below which samples say nothing about sliding [rad/s] or [m/s]: a small part of what the joint reaches,
-    not below what one encoder step in a window of `width` [s] looks like."""
+    """Estimate the speed below which samples say nothing about sliding [rad/s] or [m/s]. It is a small part of what the
+    joint reaches, but at least the speed that one encoder step in a window of `width` [s] looks like."""
     top = max(float(np.quantile(np.abs(track.velocity), 0.98)) for track in tracks)
     step = max(track.resolution for track in tracks) / width
     return min(JOINT.rest_speed, max(JOINT.rest_share * top, step))
@@ -44,8 +44,8 @@ class WeakRows(NamedTuple):
 def estimate_plants(
     tracks: Sequence[Track], *, width: float = 0.042, rest_speed: float | None = None
 ) -> tuple[Plant, ...]:
-    """First plants from the moving parts of `tracks`: the usual one and, where friction falls over all speeds and
-    leaves little or no Coulomb torque, one that has half of what the slowest rows hold.
+    """Estimate first plants from the moving parts of `tracks`. There is a second one where friction falls over all
+    speeds and leaves little Coulomb torque: it has at least half of the friction in the slowest rows.
 
     Args:
         tracks: Recordings of one joint.

@@ -15,13 +15,13 @@ __all__ = ["choose", "rank_acceptable", "select_finalists"]
 
 
 def rank_acceptable(tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
-    """Explanations that are physical and stand out, best first."""
+    """Rank the explanations that are physical and stand out, best first."""
     passing = [e for e in tried if not e.refused and e.certain > threshold]
     return sorted(passing, key=lambda explanation: -_weigh(explanation))
 
 
 def choose(baseline: Baseline, tried: Sequence[Explanation], threshold: float) -> Explanation | None:
-    """The smallest explanation that no larger one beats by a material gain and coverage."""
+    """Choose the smallest explanation that no larger one beats by a material gain and coverage."""
     best: Explanation | None = None
     for size in (1, 2, 3):
         options = rank_acceptable([e for e in tried if len(e.names) == size], threshold)
@@ -36,7 +36,8 @@ def choose(baseline: Baseline, tried: Sequence[Explanation], threshold: float) -
 
 
 def _is_idle(baseline: Baseline, larger: Explanation, tried: Sequence[Explanation], threshold: float) -> bool:
-    """Whether some of its effects explain about all alone, be they refused: the others would only carry them."""
+    """Tell whether some effects of an explanation explain nearly all alone, even if they were refused alone. The others
+    would only carry them."""
     return any(
         set(part.names) < set(larger.names)
         and _weigh(larger) < _weigh(part) + _compute_worth(part, threshold)
@@ -47,7 +48,7 @@ def _is_idle(baseline: Baseline, larger: Explanation, tried: Sequence[Explanatio
 
 
 def _is_better(baseline: Baseline, larger: Explanation, best: Explanation, threshold: float) -> bool:
-    """Whether the further effects of a larger explanation add enough, and where they can be seen."""
+    """Tell whether the further effects of a larger explanation add enough, where they can be seen."""
     shown = compute_evidence(baseline, set(larger.names) - set(best.names), best.fit, larger.fit)
     more = _weigh(larger) - _weigh(best)
     if _can_complete(baseline, larger, best, threshold):
@@ -62,7 +63,8 @@ def _is_better(baseline: Baseline, larger: Explanation, best: Explanation, thres
 
 
 def _is_apart(baseline: Baseline, larger: Explanation, part: Explanation, threshold: float) -> bool:
-    """Whether its further effects show in rows that the first ones do not reach, so that no form of those makes them.
+    """Tell whether its further effects show in rows that the first ones do not reach, so that no other form of those
+    explains them.
 
     A stop explains so much about the end of the range that little of all is left for friction elsewhere.
     """
@@ -77,12 +79,13 @@ def _is_apart(baseline: Baseline, larger: Explanation, part: Explanation, thresh
 
 
 def _compute_worth(part: Explanation, threshold: float) -> float:
-    """Gain that further effects must add: less is the form of the first ones not quite met."""
+    """Compute the gain that further effects must add. A smaller one may only correct the form of the first ones."""
     return max(threshold, SEARCH.another_effect * part.gain)
 
 
 def _can_complete(baseline: Baseline, larger: Explanation, part: Explanation, threshold: float) -> bool:
-    """Whether its further effects take away nearly all that is left, as none does of a form that is not quite met."""
+    """Tell whether its further effects take away nearly all that is left. An effect that only corrects the form of
+    another does not."""
     clear = _weigh(larger) > _weigh(part) + max(SEARCH.completing_gain * threshold, SEARCH.completing_share * part.gain)
     takes_all = larger.left < SEARCH.completing_left * part.left or _can_silence(baseline, larger, part)
     imitates = _can_imitate(set(larger.names) - set(part.names))
@@ -90,7 +93,8 @@ def _can_complete(baseline: Baseline, larger: Explanation, part: Explanation, th
 
 
 def _can_silence(baseline: Baseline, larger: Explanation, part: Explanation) -> bool:
-    """Whether most of what a part leaves beyond the noise goes, about reversals too, where no generic basis sees it."""
+    """Tell whether most of what a part leaves beyond the noise goes, also about reversals, where no generic basis sees
+    it."""
     noise = float(np.mean([null @ null for null in baseline.null_residuals]))
     before, after = (float(one.fit.residual @ one.fit.residual) - noise for one in (part, larger))
     return before > SEARCH.loud_part * noise and after < SEARCH.silenced_part * before
@@ -107,6 +111,6 @@ def _weigh(explanation: Explanation) -> float:
 
 
 def select_finalists(best: Explanation, accepted: Sequence[Explanation]) -> list[Explanation]:
-    """The chosen explanation and the rivals that the last steps could still bring before it."""
+    """Select the chosen explanation and the rivals that the last steps could still bring before it."""
     near = [e for e in accepted if e is not best and e.gain > (1.0 - SEARCH.rival_share) * best.gain]
     return [best, *sorted(near, key=lambda rival: -rival.gain)[: SEARCH.finalists]]

@@ -21,7 +21,8 @@ __all__ = ["compute_effect_energy"]
 def compute_effect_energy(
     baseline: Baseline, structure: Structure, theta: FloatArray, names: Collection[str]
 ) -> list[FloatArray]:
-    """Energy of the effects' torque that a refit of a rigid joint with Stribeck friction leaves, over the noise.
+    """Compute the energy of the effects' torque, over the noise, that a refit of a rigid joint with Stribeck friction
+    leaves.
 
     It is asked of a window about every sample: an impact or a reversal is shorter than the way from row to row. The
     noise is that of a typical row, since some dozens of nulls know the energy of a single one to a quarter only. Where
@@ -57,7 +58,7 @@ def compute_effect_energy(
 
 
 def _hold_tightly(problem: Problem, plant: Plant) -> Problem:
-    """The same recordings, smoothed as far as that keeps reversals, and an observer that holds joints to them tightly.
+    """Hold joints tightly to the same recordings, which are smoothed as far as reversals allow.
 
     That of the residual must not answer to the noise of the encoder, so that it answers an effect late and blurred, and
     a joint without the effect strays until it does; a stiff bristle even holds it against the observer. What two joints

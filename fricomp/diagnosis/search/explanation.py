@@ -63,7 +63,8 @@ class Explanation:
 
     @property
     def common_order(self) -> float | None:
-        """Order in which a torque and a friction of like size follow the position: one part makes both, as a detent."""
+        """Order at which a torque and a friction of like size follow the position. One part makes both, such as a
+        detent."""
         waves = {EFFECTS[name].wave: one for name, one in self.values.items() if EFFECTS[name].wave}
         if len(waves) < 2:
             return None
@@ -74,9 +75,8 @@ class Explanation:
 
     @property
     def foreign_curve(self) -> bool:
-        """Whether its friction over speed has another form than its names say: a power law in place of all viscous
-        friction, that drag has to straighten or that does not fit.
-        """
+        """Whether its friction over speed has another form than its names say: a power law takes the place of all
+        viscous friction, and drag has to straighten it, or it does not fit."""
         values = self.values
         if not any(EFFECTS[name].viscous_exponent for name in values):
             return False
@@ -104,7 +104,7 @@ class Explanation:
 
 
 def judge(baseline: Baseline, structure: Structure, fit: Fit, box: Box) -> Explanation:
-    """What speaks for a structure whose base was fitted in `box`, and against it."""
+    """Judge a structure whose base was fitted in `box`: what speaks for it, and against it."""
     fall = baseline.fit.cost - fit.cost
     penalty = structure.freedom * float(np.log(fit.residual.size))
     left = _compute_left(baseline, fit)
@@ -124,7 +124,7 @@ def compute_evidence(
     plain: bool = False,
     at: NDArray[np.bool_] | None = None,
 ) -> float:
-    """Fall of the cost in rows that can show the effects `names`, none counting for more than a few.
+    """Sum the fall of the cost over the rows that can show the effects `names`. No row counts for more than a few.
 
     Nothing where too little of it lies where the joint slides: effects of sliding reach rest only by bending the
     bristle. A fall about rest that no error of the bristle's form reaches counts for any of them; those that are
@@ -167,14 +167,14 @@ def _compute_left(baseline: Baseline, fit: Fit) -> float:
 
 
 def find_refusal(structure: Structure, fit: Fit) -> str:
-    """Why a fit is not physical; empty where it is."""
+    """Say why a fit is not physical; empty where it is."""
     values = structure.name_values(fit.theta[N_BASE:])
     reasons = [c.effect.refuse(values[c.name], structure.contexts) for c in structure.candidates]
     return "; ".join(reason for reason in (*reasons, _find_cancelling(structure, values)) if reason)
 
 
 def _find_cancelling(structure: Structure, values: Mapping[str, Mapping[str, float]]) -> str | None:
-    """Why a torque that is recorded late and acts late by the same time is neither: hardly anything is left of both."""
+    """Say why a delay and a lag of about the same time are neither: nearly nothing is left of both."""
     times = [(p.with_delay, values[owner][p.name]) for owner, p in structure.parameters if p.with_delay]
     delay, lag = (next((time for sign, time in times if sign * way > 0.0), None) for way in (-1.0, 1.0))
     if delay is None or lag is None:
@@ -188,7 +188,7 @@ def _compute_excess(span: FloatArray, residual: FloatArray) -> float:
 
 
 def compute_spread_excess(span: FloatArray, residual: FloatArray) -> float:
-    """The same where no row counts for more than a few: one bad moment is no physics."""
+    """Compute the same where no row counts for more than a few, since one bad moment is no physics."""
     return _compute_excess(span, curb(residual))
 
 

@@ -66,7 +66,7 @@ def _build_hats(values: FloatArray, knots: FloatArray) -> FloatArray:
 
 
 def measure_time_since_reversal(velocity: FloatArray, dt: float, threshold: float = 3e-3) -> FloatArray:
-    """Time since the direction of motion last changed or motion began [s]. Shape (n,)."""
+    """Measure the time since the direction of motion last changed or motion began [s]. Shape (n,)."""
     direction = np.sign(velocity) * (np.abs(velocity) > threshold)
     moving = direction != 0.0
     last = np.where(moving, np.arange(velocity.size), 0)

@@ -73,7 +73,7 @@ class _Scan:
 def narrow_starts(
     problem: Problem, structure: Structure, residual: FloatArray, basis: FloatArray
 ) -> dict[str, _Values]:
-    """The best starts of each effect that has more of them than can be fitted, by `start:` and its name.
+    """Narrow the starts of each effect that has more of them than can be fitted, by `start:` and its name.
 
     Args:
         problem: Recordings and weights.
@@ -95,7 +95,7 @@ def narrow_starts(
 
 
 def _build_columns(problem: Problem, alone: Structure, points: Sequence[FloatArray]) -> FloatArray:
-    """What the effect adds to the weighted rows at each point, as far as the joint slides. Shape (m, n_points).
+    """Build what the effect adds to the weighted rows at each point while the joint slides. Shape (m, n_points).
 
     There the observer is a second-order low pass; at rest the bristle takes what comes.
     """

@@ -16,7 +16,7 @@ _CREEP = BASE_NAMES.index("creep_velocity")
 
 
 def has_late_creep(baseline: Baseline, found: SearchResult) -> bool:
-    """Whether the best explanation leaves far less where its joint has friction that creeps in place of a bristle.
+    """Tell whether the best explanation leaves far less when friction creeps in place of a bristle.
 
     A strong effect, such as a ripple as large as the friction, hides from the base alone what its friction does. A
     curve over speed that is nobody's may draw the creep.

@@ -109,13 +109,13 @@ def prepare(
     rigid: RigidJoint | None = None,
     creeps: bool = False,
 ) -> Baseline:
-    """Fit the base model: weak form first, then observed simulation, weighted by nulls of the fitted model.
+    """Fit the base: first in weak form, then by observed simulation, weighted by nulls of the fitted plant.
 
     Args:
         tracks: The recordings.
         observer: Observer settings.
         nulls: Number of nulls.
-        seed: Of their noise.
+        seed: Seed of their noise.
         rigid: Inertia and gravity as the simulation has them; a motion at one speed says nothing about the inertia.
         creeps: The friction is known to creep.
     """
@@ -129,7 +129,7 @@ def prepare(
 
 
 def _fit_first(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | None) -> tuple[Problem, Fit, Box]:
-    """The base fitted without weights; from the second start only where the first one leads far astray."""
+    """Fit the base without weights. The second start counts only where the first one leads far astray."""
     top, tried = find_top_speed(tracks), []
     for plant in estimate_plants(tracks):
         start = plant if rigid is None else replace(plant, inertia=rigid.inertia)
@@ -142,7 +142,8 @@ def _fit_first(tracks: Sequence[Track], observer: Observer, rigid: RigidJoint | 
 
 
 def _try_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int, creeps: bool = False) -> tuple[Fit, Box]:
-    """The fit and its domain, or those of friction that never holds, where it leaves no more than its own nulls do.
+    """Return the fit and its domain, or those of friction that never holds, where it leaves no more than its own nulls
+    do.
 
     Whatever is missing may look a little like creep, so it must explain all of a loud residual, all but a trace, or so
     much that no joint which sticks has been seen to let it explain. A joint that creeps shows more noise at rest than
@@ -165,12 +166,12 @@ def _try_creep(raw: Problem, problem: Problem, fit: Fit, box: Box, seed: int, cr
 
 
 def find_top_speed(tracks: Sequence[Track]) -> float:
-    """Speed that next to nothing exceeds [rad/s]."""
+    """Find the speed that only 0.5 % of the samples exceed [rad/s]."""
     return max(float(np.quantile(np.abs(track.velocity), 0.995)) for track in tracks)
 
 
 def _split_noise(baseline: Baseline) -> tuple[FloatArray, list[FloatArray]]:
-    """What neither the base nor any smooth torque reaches: of the residual, shape (m,), and of each null."""
+    """Split off what neither the base nor any smooth torque reaches: of the residual, shape (m,), and of each null."""
     span = orthonormalise(
         np.concatenate([baseline.fit.jacobian, baseline.generic], axis=1),
         1e-6,
@@ -182,7 +183,7 @@ def _split_noise(baseline: Baseline) -> tuple[FloatArray, list[FloatArray]]:
 
 
 def _recolour(baseline: Baseline) -> Baseline:
-    """Whiten the residual by its own correlation where it is not that of the nulls, which keep theirs.
+    """Whiten the residual by its own correlation where that differs from the nulls', which keep theirs.
 
     What swings at frequencies of its own is correlated as well, and is no noise.
     """
@@ -221,7 +222,7 @@ def _build_colour_filter(values: FloatArray, correlation: FloatArray) -> FloatAr
 
 
 def _predict_stably(shift: FloatArray) -> FloatArray:
-    """Prediction from the last three rows by the correlations `shift`, fainter ones until its inverse dies away."""
+    """Predict from the last three rows by the correlations `shift`, made weaker until the inverse dies away."""
     for _ in range(SEARCH.fainter_tries):
         extra: FloatArray = solve_toeplitz(np.array([1.0, *shift[:-1]]), shift)
         if np.max(np.abs(np.roots([1.0, *-extra]))) < SEARCH.dying_root:
@@ -265,7 +266,7 @@ def _compute_trimmed(values: FloatArray) -> float:
 
 
 def _compute_typical(values: FloatArray) -> float:
-    """Standard deviation of the bulk: a bristle or a gap that is missed shows in few rows, noise in all."""
+    """Compute the standard deviation of the bulk. A bristle or a gap that is missed shows in few rows, noise in all."""
     return float(np.median(np.abs(values))) / 0.6745
 
 

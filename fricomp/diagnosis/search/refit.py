@@ -23,8 +23,7 @@ def refit(
     baseline: Baseline, wanted: Sequence[tuple[tuple[Candidate, ...], Baseline | Explanation]]
 ) -> list[Explanation]:
     """Fit base and candidates jointly in the simulator, each set from what was fitted without some of them, and judge
-    what they leave.
-    """
+    what they leave."""
     descents = []
     for candidates, before in wanted:
         structure, fit = Structure(before.structure.contexts, candidates), before.fit
@@ -79,7 +78,7 @@ def _polish_once(
 
 
 def _rebuild_contexts(baseline: Baseline, explanation: Explanation) -> tuple[Context, ...]:
-    """Each recording with load and position of the joint that was found: one without its effects is elsewhere."""
+    """Rebuild each recording's context with load and position of the joint that was found."""
     structure, theta = explanation.structure, explanation.fit.theta
     seen = structure.observe(baseline.problem, theta)
     contexts = structure.move_contexts(theta)

@@ -44,7 +44,7 @@ class SearchResult:
 
 
 def search(baseline: Baseline) -> SearchResult:
-    """Find the effects that explain the residual of the base model."""
+    """Find the effects that explain the residual of the base."""
     fit = baseline.fit
     first = screen(baseline.problem, baseline.structure, fit.theta, fit.residual, fit.jacobian)
     threshold = max(SEARCH.least_gain, SEARCH.material_gain * fit.residual.size, _compute_null_gain(baseline, first))
@@ -74,7 +74,8 @@ def search(baseline: Baseline) -> SearchResult:
 
 
 def _select_partners(tried: Sequence[Explanation], seed: Explanation, threshold: float) -> list[Explanation]:
-    """The other effects of the best pair, alone: beside them its partner may be of another form, or another effect."""
+    """Select the other effects of the best pair, alone. Beside them its partner may have another form, or be another
+    effect."""
     pairs = _rank_pairs(tried, threshold)
     others = set(pairs[0].names) - set(seed.names) if pairs else set()
     return [e for e in tried if len(e.names) == 1 and others.issuperset(e.names)]
@@ -85,7 +86,7 @@ def _rank_pairs(tried: Sequence[Explanation], threshold: float) -> list[Explanat
 
 
 def _swap_pairs(baseline: Baseline, tried: Sequence[Explanation], threshold: float) -> list[Explanation]:
-    """The best triple with other pairs beneath its third effect, of those that explain nearly as much as its own."""
+    """Fit the best triple's third effect on other pairs, of those that explain nearly as much as its own."""
     pairs, triples = _rank_pairs(tried, threshold), [e for e in rank_acceptable(tried, threshold) if len(e.names) == 3]
     own = [pair for pair in pairs if triples and set(pair.names) < set(triples[0].names)]
     if not own:
@@ -100,7 +101,8 @@ def _swap_pairs(baseline: Baseline, tried: Sequence[Explanation], threshold: flo
 
 
 def _select_wholes(tried: Sequence[Explanation], best: Explanation | None, threshold: float) -> list[Explanation]:
-    """What was chosen, and the one that leaves least where that is far less: what it lacks may have led it there."""
+    """Select what was chosen, and the explanation that leaves least where that is far less: an effect that it lacks may
+    have led it there."""
     if best is None:
         return []
     top = rank_acceptable(tried, threshold)[0]
@@ -108,7 +110,7 @@ def _select_wholes(tried: Sequence[Explanation], best: Explanation | None, thres
 
 
 def _fit_parts(baseline: Baseline, best: Explanation | None) -> list[Explanation]:
-    """An explanation without each of its effects, from where it ended: alone a part may not have got that far."""
+    """Fit an explanation without each of its effects, from where it ended. Alone, a part may not have got that far."""
     if best is None or len(best.names) == 1 or best.coverage < SEARCH.nameable:
         return []
     kept = [tuple(c for c in best.settled if c.name != name) for name in best.names]
@@ -116,13 +118,14 @@ def _fit_parts(baseline: Baseline, best: Explanation | None) -> list[Explanation
 
 
 def _has_idle(baseline: Baseline, best: Explanation) -> bool:
-    """Whether one of its effects does nothing, such as a lag of no length: it only led the others to their minimum."""
+    """Tell whether one of its effects does nothing, such as a lag of no length. It only led the others to their
+    minimum."""
     added = [best.structure.compute_added(baseline.problem, best.fit.theta, [name]) for name in best.names]
     return len(added) > 1 and min(float(np.max(np.abs(one))) for one in added) < SEARCH.idle
 
 
 def _compute_null_gain(baseline: Baseline, screened: Screen) -> float:
-    """Largest BIC gain of any effect on a null, at the quantile that fixes the rate of false alarms.
+    """Compute the largest BIC gain of any effect on a null, at the quantile that fixes the rate of false alarms.
 
     No row counts for more than a few, as in what is compared with it.
     """
@@ -142,9 +145,8 @@ def _count_freedom(baseline: Baseline, column: Column) -> int:
 
 
 def _fit_singles(baseline: Baseline, first: Screen) -> list[Explanation]:
-    """Each strong effect on its own: a quick refit of its best hypotheses, and a careful one of the best effects; all
-    other effects where none of those explains most, as a base that is bent far screens badly.
-    """
+    """Fit each strong effect on its own: quickly from its best starts, and with care where it is among the best. Where
+    none explains most, fit all other effects too, since a base that is bent far screens badly."""
     strong, contexts = _rank_groups(first, SEARCH.singles), baseline.structure.contexts
     replacing = _select_replacing(baseline, first)
     suspected = [group for group in _group_columns(first) if group[0].candidate.effect.is_suspected(contexts)]
@@ -158,7 +160,7 @@ def _fit_singles(baseline: Baseline, first: Screen) -> list[Explanation]:
 
 
 def _select_replacing(at: Baseline | Explanation, screened: Screen) -> list[list[Column]]:
-    """Candidates, grouped by effect, that take the place of parameters which stand at a bound in a fitted base."""
+    """Select effects, grouped by name, that take the place of parameters which stand at a bound in a fitted base."""
     suspected, contexts = _select_suspected(at, screened), at.structure.move_contexts(at.fit.theta)
     alone = [Structure(contexts, (group[0].candidate,)) for group in suspected]
     added = [structure.compute_contributions(structure.build_start()) for structure in alone]
@@ -166,7 +168,7 @@ def _select_replacing(at: Baseline | Explanation, screened: Screen) -> list[list
 
 
 def _select_suspected(at: Baseline | Explanation, screened: Screen) -> list[list[Column]]:
-    """Candidates, grouped by effect, at which a fitted base points itself: one of its parameters stands at a bound.
+    """Select effects, grouped by name, at which a fitted base points itself: one of its parameters stands at a bound.
 
     Its own column hides theirs there, however much they would add beyond the bound.
     """
@@ -177,22 +179,21 @@ def _select_suspected(at: Baseline | Explanation, screened: Screen) -> list[list
 def _fit_with_care(
     baseline: Baseline, groups: Sequence[Sequence[Column]], beside: tuple[Candidate, ...], fit: Fit
 ) -> list[Explanation]:
-    """Effects that take over what stands at its bound in the base, with fresh Jacobians: all else there is bent to make
-    up for that bound, and no column of the base is that of the joint without it.
-    """
+    """Fit effects that take over a parameter at its bound in the base, with fresh Jacobians. All else there is bent to
+    make up for that bound, and no column of the base is that of the joint without it."""
     wanted = [((*beside, c.candidate), fit.theta[:N_BASE]) for group in groups for c in group[: SEARCH.hypotheses]]
     return fit_from(baseline, wanted, baseline.box)
 
 
 def _fit_from_afar(baseline: Baseline) -> list[Explanation]:
-    """Effects with many minima, from starts far from each other."""
+    """Fit effects with many minima from starts far from each other."""
     contexts, theta = baseline.structure.contexts, baseline.fit.theta
     starts = [(name, start) for name, effect in EFFECTS.items() for start in effect.propose_far_starts(contexts)]
     return fit_from(baseline, [((Candidate(name, tuple(s.items())),), theta) for name, s in starts], baseline.box)
 
 
 def _refit_groups(baseline: Baseline, groups: Sequence[Sequence[Column]]) -> list[Explanation]:
-    """The best hypothesis of each effect refitted; the best effects with care."""
+    """Refit the best starts of each effect, and the best effects with care."""
     options = [_select_options(baseline, group) for group in groups]
     trials = iter(refit(baseline, [((c.candidate,), baseline) for part in options for c in part]))
     quick = [max((next(trials) for _ in part), key=compute_preference) for part in options if part]
@@ -232,10 +233,9 @@ def _grow(
     threshold: float,
     first: Screen | None = None,
 ) -> list[Explanation]:
-    """One more effect on top of each seed, found by screening about the seed's own minimum; the pairs that `first`
-    scores highest besides. Where a seed covers about all that a generic basis sees, only effects that stand out, and
-    what stands at a bound in its base, where that was not tried.
-    """
+    """Put one more effect on top of each seed, found by screening about the seed's own minimum, and try the pairs that
+    `first` scores highest. Where a seed covers about all that a generic basis sees, try only effects that stand out,
+    and those at a bound of its base that were not tried."""
     known = {explanation.names for explanation in tried}
     grown: list[Explanation] = []
     wanted: list[tuple[tuple[Candidate, ...], Baseline | Explanation]] = []
@@ -264,7 +264,7 @@ def _grow(
 
 
 def _renew_starts(baseline: Baseline, seed: Explanation) -> Explanation:
-    """The seed, with its own starts for effects that have too many of them, where it explains most and leaves much.
+    """Scan the starts of effects again in what the seed leaves, where it explains most and leaves much.
 
     Those that stand out of what the base leaves are of the seed then, as with a gap beside a stop.
     """

@@ -18,11 +18,11 @@ class Tone(NamedTuple):
     """The strongest line above the frequencies of the motion.
 
     Attributes:
-        frequency: Of the line [Hz].
+        frequency: Frequency of the line [Hz].
         width: Resolution of the spectrum [Hz].
         energy: In it, in units of the noise variance; noise alone has about 2 in each line.
         energy_null: The most that a null has in any line.
-        share: Of the energy beyond the noise that lies in it: what follows the motion is spread over many lines.
+        share: Part of the energy beyond the noise that lies in it. What follows the motion is spread over many lines.
     """
 
     frequency: float
@@ -33,7 +33,7 @@ class Tone(NamedTuple):
 
 
 def find_tone(baseline: Baseline) -> Tone:
-    """The strongest line in the spectra of what the base leaves of each recording."""
+    """Find the strongest line in the spectra of what the base leaves of each recording."""
     problem = baseline.problem
     ends = np.cumsum([grid.centres.size for grid in problem.grids])[:-1]
     lines = []
