@@ -80,6 +80,7 @@ class RecordedMotion:
         low_pass: Second-order sections of the filter, which each part has gone through on its own.
         index: Positions of the samples in the parts, one after the other. Shape (n,).
         period: Of the recording [s].
+        clock_error: Standard deviation of the recording's stamps from the instants of the samples [s].
     """
 
     parts: tuple[FloatArray, ...]
@@ -87,6 +88,7 @@ class RecordedMotion:
     low_pass: FloatArray
     index: np.ndarray[tuple[int], np.dtype[np.intp]]
     period: float
+    clock_error: float = 0.0
 
     @property
     def time(self) -> FloatArray:
@@ -200,7 +202,8 @@ def sample_joint(recording: Recording, settings: RegressionSettings = _DEFAULTS)
     starts = np.concatenate([[0], np.cumsum([len(even) for even in times])[:-1]])
     index = np.concatenate([start + part for start, part in zip(starts, kept, strict=True)])
     position, velocity, acceleration, direction, torque = np.concatenate(filtered, axis=1)
-    recorded = RecordedMotion(velocities, torques, low_pass, index, recording.sample_period)
+    clock_error = recording.metadata.clock_error or 0.0
+    recorded = RecordedMotion(velocities, torques, low_pass, index, recording.sample_period, clock_error)
     return JointSamples(position, velocity, acceleration, direction, torque, recorded)
 
 

@@ -13,7 +13,9 @@ import numpy as np
 from fricomp.recording import Finding, Recording, check_recording, raise_errors, read_blocks
 from fricomp.recording.csv_file import FileContent
 from fricomp.recording.file import read_content
+from fricomp.recording.parts import find_usable_parts
 from fricomp.recording.timing_checks import locate_gaps
+from fricomp.recording.torque_causes import find_delay
 from fricomp.untrusted import parse_json
 
 __all__ = ["MotionParts", "MotionRecording", "read_motion_recording", "split_motion"]
@@ -68,7 +70,7 @@ class _Label(msgspec.Struct):
 
 
 def read_motion_recording(source: Recording | str | os.PathLike[str]) -> MotionRecording:
-    """Read a recording for identification: its motion blocks where it has such, its torque brought to the joint.
+    """Read a recording for identification: its usable rows, and of its blocks the motion; its torque at the joint.
 
     Raises:
         RecordingError: The file cannot be read, or a check finds an error in what is used of it.
@@ -76,10 +78,24 @@ def read_motion_recording(source: Recording | str | os.PathLike[str]) -> MotionR
     """
     content, file = _content_of(source)
     chosen, notes = _choose_blocks(content.recording, file)
-    findings = content.findings + check_recording(chosen)
+    usable = find_usable_parts(chosen)
+    chosen = usable.kept
+    findings = content.findings + tuple(one for one in check_recording(chosen) if one.code != "gap")
     raise_errors(findings, str(file))
+    chosen, late = _without_delay(chosen, findings)
     on_joint = chosen.on_joint_side()
-    return MotionRecording(on_joint, findings, (*notes, *_side_notes(chosen, on_joint)))
+    return MotionRecording(on_joint, findings, (*notes, *usable.sentences, *late, *_side_notes(chosen, on_joint)))
+
+
+def _without_delay(recording: Recording, findings: tuple[Finding, ...]) -> tuple[Recording, tuple[str, ...]]:
+    """The recording with a torque that acts at its stamp, where the checks found one that acts later."""
+    late = any(one.code == "late_torque" for one in findings)
+    delay = find_delay(recording) if late else None
+    if delay is None:
+        return recording, ()
+    moved = np.interp(np.asarray(recording.time) - delay, recording.time, recording.torque)
+    note = f"Torque delay: the torque acts {1e3 * delay:.3g} ms after its stamp, which was taken off first."
+    return recording.with_channels(torque=moved), (note,)
 
 
 def _content_of(source: Recording | str | os.PathLike[str]) -> tuple[FileContent, Path | str]:

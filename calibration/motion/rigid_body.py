@@ -260,7 +260,9 @@ def _fit_sliding(
         together = _fit_together(columns, left, found, np.flatnonzero(rows))
         rigid = _with_body(rigid, together, settings.gravity, has_offset=not bidirectional)
     slope = np.gradient(rigid.rigid_torque(samples) + filtered, samples.recorded.time)[rows]
-    late = estimate_lag(lag, np.hstack([columns, _slopes(found)]), (slope, left), rows, _REACH)
+    measured = np.gradient(samples.torque, samples.recorded.time)[rows]
+    targets = (slope, measured, left)
+    late = estimate_lag(lag, np.hstack([columns, _slopes(found)]), targets, rows, _REACH, samples.recorded.clock_error)
     together = together._replace(covariance=late.widen(together.covariance))
     rigid = _with_body(rigid, together, settings.gravity, has_offset=not bidirectional)
     return _SlidingFit(samples, rows, columns, left, mixed, rigid, found, slope, late, shares_offset, symmetric_offset)

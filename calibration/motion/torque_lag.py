@@ -1,7 +1,9 @@
 """By how much a recorded torque comes later than the motion that it belongs to.
 
 A torque recorded late by the lag t_l is tau(t - t_l) = tau(t) - t_l dtau/dt + ..., which looks like viscous friction
-where a joint swings. What rigid body and friction cannot imitate of dtau/dt tells the lag.
+where a joint swings. What rigid body and friction cannot imitate of dtau/dt tells the lag. The slope of the fitted
+torque holds the noise of an acceleration and more: regressed on it alone, a lag would come out too small by the noise's
+share. The slope of the measured torque has a noise of its own, so it serves as the instrument [fuller1987measurement].
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ UNKNOWN_LAG = 0.004
 """Standard deviation of the lag before the motion is seen [s]: filters, half a period and the way over a bus make a
 measured torque some 3 ms late, and as much makes a commanded one early."""
 _LEAST = 1e-5
-"""Least standard deviation of the lag [s]: time stamps jitter by more."""
+"""Least standard deviation of the lag [s]: time stamps jitter by more, also where nothing is known of their clock."""
 _VAGUE = 0.5
 """Fraction of it above which a motion has told next to nothing."""
 _LARGE = 0.01
@@ -31,6 +33,8 @@ _EDGE = 2
 recording nobody knows, and the low-pass rings of it."""
 _COLLINEAR = 1e-10
 """Share of the slope's power that is rounding."""
+_WEAK = 0.02
+"""Correlation of both slopes below which the measured one is no instrument: their noise is all that shows."""
 
 
 @dataclass(frozen=True)
@@ -81,19 +85,21 @@ class TorqueLag:
 def estimate_lag(
     taken_off: float,
     columns: FloatArray,
-    targets: tuple[FloatArray, FloatArray],
+    targets: tuple[FloatArray, FloatArray, FloatArray],
     rows: np.ndarray[tuple[int], np.dtype[np.bool_]],
     reach: int,
+    clock_error: float = 0.0,
 ) -> TorqueLag:
     """The lag by one Gauss-Newton step, weighed with what is known of it before.
 
     Args:
         taken_off: Lag that the samples were rid of [s].
         columns: What rigid body and small changes of friction multiply, at the samples that slide. Shape (n, n_fit).
-        targets: Slope of the fitted torque [N·m/s] or [N/s], and torque without friction [N·m] or [N], at them.
-            Shapes (n,).
+        targets: Slope of the fitted torque and of the measured one [N·m/s] or [N/s], and torque without friction [N·m]
+            or [N], at them. Shapes (n,).
         rows: Which samples slide. Shape (n_samples,).
         reach: Samples over which errors go together.
+        clock_error: Standard deviation of the time stamps [s].
     """
     shift = solve_correlated(columns, targets[0], np.flatnonzero(rows), 1).solution
     inner = binary_erosion(rows, iterations=_EDGE)
@@ -101,11 +107,16 @@ def estimate_lag(
     unknown = TorqueLag(0.0, UNKNOWN_LAG, taken_off, shift)
     if len(at) <= columns.shape[1]:
         return unknown
-    slope, left = (solve_correlated(columns[chosen], target[chosen], at, 1).error for target in targets)
+    slope, instrument, left = (solve_correlated(columns[chosen], target[chosen], at, 1).error for target in targets)
     if slope @ slope <= _COLLINEAR * np.sum(targets[0][chosen] ** 2):
         return unknown
-    found = solve_correlated(slope[:, None], -left, at, reach)
-    variance = float(found.covariance[0, 0])
+    common = float(instrument @ slope)
+    if common <= _WEAK * np.sqrt(float(instrument @ instrument) * float(slope @ slope)):
+        return unknown
+    found = solve_correlated(instrument[:, None], -left, at, reach)
+    size = float(instrument @ instrument) / common
+    variance = size**2 * float(found.covariance[0, 0])
     weight = UNKNOWN_LAG**2 / (UNKNOWN_LAG**2 + variance)
-    value = weight * (taken_off + float(found.solution[0]))
-    return TorqueLag(value, float(np.hypot(np.sqrt(weight * variance), _LEAST)), taken_off, shift)
+    value = weight * (taken_off + size * float(found.solution[0]))
+    least = max(_LEAST, clock_error)
+    return TorqueLag(value, float(np.hypot(np.sqrt(weight * variance), least)), taken_off, shift)

@@ -14,7 +14,7 @@ TorqueKind = Literal["measured", "estimated", "commanded"]
 
 _SPELLINGS = {"Nm": "N·m", "N*m": "N·m", "N.m": "N·m", "N m": "N·m", "N⋅m": "N·m"}
 _CHOICES = {"motion": get_args(Motion), "torque_side": get_args(TorqueSide), "torque_kind": get_args(TorqueKind)}
-_POSITIVE = ("gear_ratio", "encoder_resolution", "velocity_limit")
+_POSITIVE = ("gear_ratio", "encoder_resolution", "velocity_limit", "clock_error")
 
 
 @dataclass(frozen=True)
@@ -34,6 +34,7 @@ class RecordingMetadata:
         position_limits: Lowest and highest position of the joint [rad | m].
         velocity_limit: Largest speed of the joint [rad/s | m/s].
         continuous: The joint turns without end, so a long travel is nothing to wonder at.
+        clock_error: Standard deviation of the stamps of the source from the instants of the samples [s].
         source: Where the samples come from.
         extra: Anything else worth keeping, as JSON values. Treat as read-only.
 
@@ -51,6 +52,7 @@ class RecordingMetadata:
     position_limits: tuple[float, float] | None = None
     velocity_limit: float | None = None
     continuous: bool = False
+    clock_error: float | None = None
     source: str = ""
     extra: dict[str, Any] = field(default_factory=dict)
 

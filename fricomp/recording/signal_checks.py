@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.recording.finding import Finding
+from fricomp.recording.quantum import measure_quantum, read_at_rest
 from fricomp.recording.recording import Recording
 
 Samples = NDArray[np.float64]
@@ -13,6 +14,7 @@ _REST_PART = 0.5  # part of the time at rest that deserves a word
 _STUCK_TIME = 0.25  # [s]
 _STUCK_ROWS = 20
 _STUCK_TRAVEL = 0.05  # part of the travel covered while the channel stands still
+_STUCK_SHARE = 0.02  # step of a channel over its deviation, above which it may keep a value for long
 _BEYOND_LAG = 2.0  # usual distances from the reference, that it must move while the position stays
 _WRAP_FACTOR = 10.0  # a wrap is so many times larger than the steps around it
 _JUMP_FACTOR = 30.0
@@ -55,14 +57,32 @@ def find_rest(recording: Recording) -> tuple[Finding, ...]:
 
 def find_stuck(recording: Recording) -> tuple[Finding, ...]:
     """A channel that keeps one value, bit for bit, while the joint goes on moving."""
+    found = []
+    for name, runs in _stuck_channels(recording).items():
+        if runs:
+            found.append(_describe_stuck(recording, name, *runs[0]))
+    return tuple(found)
+
+
+def find_stuck_rows(recording: Recording) -> NDArray[np.bool_]:
+    """Rows in which position or torque is stuck or at its limit while the joint goes on moving. Shape (n_samples,)."""
+    rows = np.zeros(len(recording), dtype=bool)
+    for name, runs in _stuck_channels(recording).items():
+        if name in ("position", "torque"):
+            for start, stop in runs:
+                rows[start : stop + 1] = True
+    return rows
+
+
+def _stuck_channels(recording: Recording) -> dict[str, list[tuple[int, int]]]:
+    """First and last rows of each stretch in which a channel is stuck, by channel."""
     travel = float(np.ptp(recording.position))
     if travel < _FEW_STEPS * (recording.metadata.encoder_resolution or 0.0) or travel == 0:
-        return ()
+        return {}
     measured = ["velocity", "acceleration", "current", "load_torque"]
     measured += [] if recording.metadata.torque_kind == "commanded" else ["torque"]
-    found = [_find_stuck(recording, name, recording.position, travel) for name in measured]
-    found.append(_find_stuck(recording, "position", _claimed_motion(recording), travel))
-    return tuple(finding for finding in found if finding is not None)
+    runs = {name: _find_stuck(recording, name, recording.position, travel) for name in measured}
+    return runs | {"position": _find_stuck(recording, "position", _claimed_motion(recording), travel)}
 
 
 def find_wraps(recording: Recording) -> tuple[Finding, ...]:
@@ -129,28 +149,39 @@ def _moving(recording: Recording, travel: float) -> NDArray[np.bool_]:
 
 
 def _claimed_motion(recording: Recording) -> Samples | None:
-    """Motion as another channel than position tells it [as position]."""
-    if recording.velocity is not None:
-        step = recording.velocity[:-1] * np.diff(recording.time)
-        return np.concatenate([[0.0], np.cumsum(step)])
-    return recording.position_reference
+    """Motion as another channel than position tells it [as position].
+
+    A velocity counts as far as it is beyond what it reads at rest: a register has counts and a code may have no zero.
+    """
+    if recording.velocity is None:
+        return recording.position_reference
+    at_rest = read_at_rest(recording)
+    velocity = recording.velocity - at_rest.bias
+    velocity = np.where(np.abs(velocity) > at_rest.width, velocity, 0.0)
+    return np.concatenate([[0.0], np.cumsum(velocity[:-1] * np.diff(recording.time))])
 
 
-def _find_stuck(recording: Recording, name: str, motion: Samples | None, travel: float) -> Finding | None:
+def _find_stuck(recording: Recording, name: str, motion: Samples | None, travel: float) -> list[tuple[int, int]]:
+    """First and last rows of each stretch in which a channel is stuck though it could have shown the motion."""
     values = recording.channels.get(name)
     if values is None or motion is None:
-        return None
+        return []
+    coarse = name != "position" and measure_quantum(values) > _STUCK_SHARE * float(np.std(values))
     starts = np.concatenate([[0], np.flatnonzero(np.diff(values) != 0) + 1])
     stops = np.concatenate([starts[1:], [values.size]]) - 1
     duration = recording.time[stops] - recording.time[starts]
+    found = []
     for run in np.flatnonzero((duration >= _STUCK_TIME) & (stops - starts >= _STUCK_ROWS)):
         start, stop = int(starts[run]), int(stops[run])
         moved = float(np.ptp(motion[start : stop + 1]))
         explained = abs(values[start]) * duration[run] if name == "velocity" else 0.0
         usual = _usual_lag(recording, start, stop) if motion is recording.position_reference else 0.0
+        extreme = abs(values[start]) == np.abs(values).max() > 0
+        if coarse and not (extreme and name == "torque"):
+            continue
         if moved > max(_STUCK_TRAVEL * travel, _BEYOND_LAG * usual) and abs(moved - explained) > 0.25 * moved:
-            return _describe_stuck(recording, name, start, stop)
-    return None
+            found.append((start, stop))
+    return found
 
 
 def _usual_lag(recording: Recording, start: int, stop: int) -> float:

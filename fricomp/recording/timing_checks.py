@@ -1,5 +1,7 @@
 """Checks of the clock: gaps, jitter, a rate that changes, a rate that is too low, other units of time."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,7 +16,24 @@ GAP_PERIODS = 5.0
 
 _JITTER_NOTED, _JITTER_WARNED = 0.1, 0.5  # 99th percentile of the deviation, in periods
 _RATE_CHANGE = 1.25
+_MIXED = 0.5  # part of the blocks that have steps of both lengths, above which the rate does not change but varies
 _SLOWEST_PERIOD = 0.5  # [s] no joint is logged slower; milliseconds or sample numbers are
+
+
+class RateChange(NamedTuple):
+    """Two rates in one recording.
+
+    Attributes:
+        slow: [Hz]
+        fast: [Hz]
+        row: First row of the other rate, counted from 1; None where that cannot be told.
+        mixed: Whether steps of both lengths come in turns.
+    """
+
+    slow: float
+    fast: float
+    row: int | None
+    mixed: bool
 
 
 def find_wrong_time_unit(recording: Recording) -> tuple[Finding, ...]:
@@ -64,17 +83,30 @@ def find_jitter(recording: Recording) -> tuple[Finding, ...]:
 
 
 def find_rate_change(recording: Recording) -> tuple[Finding, ...]:
-    """A rate that is one thing in one part of the recording and another in the next."""
+    """A rate that is one thing in one part of the recording and another in the next, or in turns."""
+    change = locate_rate_change(recording)
+    if change is None:
+        return ()
+    message = f"two sample rates: {change.slow:.4g} Hz and {change.fast:.4g} Hz"
+    if change.mixed:
+        advice = "samples are taken between them as they come; resample for filters of your own"
+        return (Finding("two_rates", "warning", f"{message}, in turns", advice, change.row, "time"),)
+    return (Finding("two_rates", "error", message, "split the recording there, or resample it", change.row, "time"),)
+
+
+def locate_rate_change(recording: Recording) -> RateChange | None:
+    """The two rates of a recording; None where it has one."""
     step = np.diff(recording.time)
     if step.size < 200:
-        return ()
+        return None
     blocks = np.array_split(step, 40)
     periods = np.array([np.median(block) for block in blocks])
     low, high = np.percentile(periods, [5, 95])
     if high < _RATE_CHANGE * low:
-        return ()
-    first_fast = periods[0] < np.sqrt(low * high)
-    other = np.flatnonzero((periods < np.sqrt(low * high)) != first_fast)
+        return None
+    fast = periods < np.sqrt(low * high)
+    other = np.flatnonzero(fast != fast[0])
     row = sum(block.size for block in blocks[: int(other[0])]) + 2 if other.size else None
-    message = f"two sample rates: {1 / high:.4g} Hz and {1 / low:.4g} Hz"
-    return (Finding("two_rates", "error", message, "split the recording there, or resample it", row, "time"),)
+    both = [np.any(block < 1.1 * low) and np.any(block > 0.9 * high) for block in blocks]
+    mixed = float(np.mean(both)) > _MIXED
+    return RateChange(float(1.0 / high), float(1.0 / low), row, mixed)

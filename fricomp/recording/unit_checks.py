@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
 from fricomp.recording.signal_checks import find_position_step
+from fricomp.recording.torque_causes import explain_energy
 
 Samples = NDArray[np.float64]
 
@@ -79,8 +80,7 @@ def find_flipped_torque(recording: Recording) -> tuple[Finding, ...]:
         message = f"torque takes energy out of the joint on a closed path ({100 * work:.0f} % of what it moves)"
     else:
         return ()
-    advice = "flip its sign (sign = -1 in a mapping): positive torque accelerates towards positive position"
-    return (Finding("flipped_torque", "error", message, advice, column="torque"),)
+    return (explain_energy(recording, message),)
 
 
 def find_flipped_reference(recording: Recording) -> tuple[Finding, ...]:

@@ -38,7 +38,8 @@ class Context:
         usual_load: Typical load [N·m], the same in all recordings and whatever is fitted.
         usual_temperature: Mean temperature of all recordings [°C]; 0 where it was not recorded.
         noise: Standard deviation of the noise in the recorded torque [N·m] or [N].
-        index: Which of the recordings this is, counted from 0.
+        index: Which of the tracks this is, counted from 0.
+        source: Which of the recordings it is a part of, counted from 0.
         hints: Starting values found in the residual, such as the orders over position that stand out.
         usual_delay: By how much the torque is late without any flaw, and how far that strays [s].
     """
@@ -60,6 +61,7 @@ class Context:
     channels: Mapping[str, FloatArray] = field(default_factory=dict)
     noise: float = 0.0
     index: int = 0
+    source: int = 0
     hints: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     usual_delay: tuple[float, float] = (0.0, 2.5e-4)
 
@@ -86,7 +88,7 @@ def build_contexts(
     temperatures = [track.channels.get("temperature", np.zeros(1)) for track in problem.tracks]
     usual = float(np.mean([np.mean(one) for one in temperatures]))
     return [
-        replace(_build_context(track, plant, one, hints), index=i, usual_temperature=usual)
+        replace(_build_context(track, plant, one, hints), index=i, source=track.source, usual_temperature=usual)
         for i, (track, one) in enumerate(zip(problem.tracks, observations, strict=True))
     ]
 

@@ -3,21 +3,110 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from fricomp.recording import Finding, Recording, check_recording
+from fricomp.recording import Finding, Recording, check_recording, resample
+from fricomp.recording.parts import find_usable_parts
 
 from .track import FloatArray
 
-__all__ = ["inertia_against", "kind_against", "reasons_against", "remarks_on"]
+__all__ = [
+    "PART_OF",
+    "Usable",
+    "inertia_against",
+    "kind_against",
+    "name_parts",
+    "reasons_against",
+    "remarks_on",
+    "take_usable",
+]
 
-_FATAL_WARNINGS = frozenset({"no_sliding", "stuck", "gap"})
+PART_OF = "part_of"
+"""Key of a part's metadata for the number of the recording that it is of, counted from 0."""
+
+_FATAL_WARNINGS = frozenset({"no_sliding"})
+_LEAST = 2.0  # [s] of a part; shorter ones hold no stretch that can be held out
+_MOST_PARTS = 12  # of one recording: the longest; the kernel runs sixteen joints a call
 _OTHER_JOINT = 15.0  # times a simulation's inertia that no payload explains; the base goes up to 20
-_LONGEST_REST = 25.0  # [s] of standstill without a break
+_ONE_RATE = 1.5  # quotient of two sample rates up to which they share one grid
 _GAP_PERIODS = 5.0  # as in the check of the recording
 _LONGEST_BRIDGE = 0.03  # [s] shorter than a row of the residual
 _MOST_BRIDGED = 0.01  # of the time
+
+
+class Usable(NamedTuple):
+    """Recordings that can be diagnosed.
+
+    Attributes:
+        recordings: Usable parts, in order; each names the recording that it is of under `PART_OF` of its metadata.
+        remarks: What was left out and why, in sentences.
+        reasons: Why nothing can be diagnosed; empty where something can.
+    """
+
+    recordings: list[Recording]
+    remarks: list[str]
+    reasons: list[str]
+
+
+def take_usable(recordings: Sequence[Recording], joint: str | None) -> Usable:
+    """Cut recordings into their usable parts; what is wrong with one of several costs that one alone.
+
+    Args:
+        recordings: Of one joint.
+        joint: Its name; None for any.
+    """
+    kept: list[Recording] = []
+    remarks: list[str] = []
+    faults: list[str] = []
+    for number, recording in enumerate(recordings):
+        prefix = f"recording {number + 1}: " if len(recordings) > 1 else ""
+        usable = find_usable_parts(recording)
+        against = _reasons_against_one(usable.kept, joint)
+        faults += [prefix + reason for reason in against]
+        if not against:
+            parts = _longest_parts(usable.parts)
+            kept += [one.with_metadata(extra={**one.metadata.extra, PART_OF: number}) for one in parts]
+            remarks += [prefix + sentence for sentence in usable.sentences]
+    if not kept:
+        return Usable([], [], faults)
+    remarks += [f"Left out: {fault}." for fault in faults]
+    kept, told = _at_one_rate(kept)
+    return Usable(kept, [*remarks, *told], [])
+
+
+def name_parts(parts: Sequence[Recording], names: Sequence[str]) -> tuple[str, ...]:
+    """What each usable part is called: as its recording, with a number where there are several.
+
+    Args:
+        parts: As `take_usable` gives them.
+        names: Of all recordings.
+    """
+    numbers = [part.metadata.extra[PART_OF] for part in parts]
+    return tuple(
+        f"{names[number]} part {numbers[: i + 1].count(number)}" if numbers.count(number) > 1 else names[number]
+        for i, number in enumerate(numbers)
+    )
+
+
+def _longest_parts(parts: Sequence[Recording]) -> list[Recording]:
+    """The longest parts, in order."""
+    long = [part for part in parts if part.duration >= _LEAST] or [max(parts, key=lambda part: part.duration)]
+    chosen = sorted(long, key=lambda part: -part.duration)[:_MOST_PARTS]
+    return [part for part in long if any(part is one for one in chosen)]
+
+
+def _at_one_rate(recordings: Sequence[Recording]) -> tuple[list[Recording], list[str]]:
+    """The recordings at the lowest of their rates, where these are far apart."""
+    periods = [recording.sample_period for recording in recordings]
+    if max(periods) <= _ONE_RATE * min(periods):
+        return list(recordings), []
+    rate = 1.0 / max(periods)
+    changed = [resample(one, rate) if one.sample_period * _ONE_RATE < max(periods) else one for one in recordings]
+    return changed, [
+        f"Sample rates go from {rate:.4g} to {1.0 / min(periods):.4g} Hz; all was brought to {rate:.4g} Hz."
+    ]
 
 
 def reasons_against(recordings: Sequence[Recording], joint: str | None) -> list[str]:
@@ -25,23 +114,16 @@ def reasons_against(recordings: Sequence[Recording], joint: str | None) -> list[
     reasons = []
     for i, recording in enumerate(recordings):
         prefix = f"recording {i + 1}: " if len(recordings) > 1 else ""
-        name = recording.metadata.joint
-        if joint is not None and name not in (joint, "joint", ""):
-            reasons.append(f"{prefix}it was made on joint {name!r}, not on {joint!r}")
-        reasons += [
-            prefix + str(finding)
-            for finding in check_recording(recording)
-            if _fatal(finding) and not (finding.code == "gap" and _bridged(recording) is not None)
-        ]
-        rest = _longest_rest(recording)
-        if rest > max(_LONGEST_REST, 0.4 * recording.duration):
-            reasons.append(f"{prefix}the joint stands still for {rest:.0f} s without a break: cut the rest out")
-    rates = [recording.sample_period for recording in recordings]
-    if rates and max(rates) > 1.5 * min(rates):
-        reasons.append(
-            f"the recordings have sample rates from {1 / max(rates):.4g} to {1 / min(rates):.4g} Hz: resample them"
-        )
+        reasons += [prefix + reason for reason in _reasons_against_one(recording, joint)]
     return reasons
+
+
+def _reasons_against_one(recording: Recording, joint: str | None) -> list[str]:
+    reasons = []
+    name = recording.metadata.joint
+    if joint is not None and name not in (joint, "joint", ""):
+        reasons.append(f"it was made on joint {name!r}, not on {joint!r}")
+    return reasons + [str(finding) for finding in check_recording(recording) if _fatal(finding)]
 
 
 def _fatal(finding: Finding) -> bool:
@@ -124,19 +206,3 @@ def _velocity_factor(recording: Recording) -> float:
     truth, seen = np.gradient(np.asarray(recording.position), np.asarray(recording.time)), recording.velocity
     assert seen is not None
     return float(np.asarray(seen) @ np.asarray(seen)) / float(truth @ np.asarray(seen))
-
-
-def _longest_rest(recording: Recording) -> float:
-    """Longest time without motion [s]."""
-    position = np.asarray(recording.position)
-    tolerance = max(2e-4 * float(np.ptp(position)), 2.0 * (recording.metadata.encoder_resolution or 0.0))
-    if tolerance == 0.0:
-        return recording.duration
-    longest, start = 0.0, 0
-    step = max(1, position.size // 2000)
-    coarse, time = position[::step], np.asarray(recording.time)[::step]
-    for k in range(1, coarse.size):
-        if abs(coarse[k] - coarse[start]) > tolerance:
-            start = k
-        longest = max(longest, float(time[k] - time[start]))
-    return longest

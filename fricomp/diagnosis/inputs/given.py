@@ -9,7 +9,7 @@ from pathlib import Path
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
-from .checks import kind_against, reasons_against, remarks_on
+from .checks import kind_against, name_parts, remarks_on, take_usable
 from .controller import Controller, estimate_controller
 from .controller_check import check_controller
 from .rigid import RigidJoint, read_simulation
@@ -64,10 +64,13 @@ def read_given(
     """
     called = tuple(names or (f"recording {i + 1}" for i in range(len(recordings))))
     rigid = read_simulation(simulation, joint) if isinstance(simulation, str | Path) else simulation
-    reasons = [*reasons_against(recordings, joint), *(kind_against(recordings, rigid.rotary) if rigid else ())]
+    usable = take_usable(recordings, joint)
+    reasons = [*usable.reasons, *(kind_against(recordings, rigid.rotary) if rigid else ())]
     if reasons:
         return Given(tuple(recordings), called, reasons=tuple(reasons))
-    remarks, turned = remarks_on(recordings), tuple(one.on_joint_side() for one in recordings)
+    called = name_parts(usable.recordings, called)
+    remarks = [*remarks_on(usable.recordings), *usable.remarks]
+    turned = tuple(one.on_joint_side() for one in usable.recordings)
     remarks += [] if controller is None else check_controller(controller, turned)
     # Inertia is compared only where it is in the unit of the recorded torque.
     comparable = all(one.metadata.torque_unit in ("N·m", "N") for one in turned)

@@ -93,6 +93,7 @@ class Track:
         name: What to call this recording.
         substeps: In how many steps the observer takes each sample; empty before that is known. Shape (n,).
         usual_delay: By how much its torque is late without any flaw, and how far that strays [s].
+        source: Number of the recording that it is a part of: an encoder's zero and a payload are the same in all parts.
     """
 
     dt: float
@@ -108,6 +109,7 @@ class Track:
     loop: Controller | None = None
     substeps: NDArray[np.int64] = field(default_factory=lambda: np.ones(0, dtype=np.int64))
     usual_delay: tuple[float, float] = (0.0, 2.5e-4)
+    source: int = 0
 
     @property
     def size(self) -> int:

@@ -11,6 +11,7 @@ from scipy.interpolate import CubicSpline
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording
 
+from ..inputs.checks import PART_OF
 from ..inputs.controller import Controller
 from ..inputs.rigid import Spring
 from ..inputs.track import (
@@ -56,10 +57,21 @@ def build_tracks(
     dt = float(np.clip(dt, 2.5e-4, 2.5e-3)) if dt < 3.5e-3 else dt / np.ceil(dt / 2.5e-3)
     known = loops or [None] * len(recordings)
     tracks = [
-        replace(_build_track(recording, loop, dt, f"recording {i + 1}"), usual_delay=_estimate_usual_delay(recording))
-        for i, (recording, loop) in enumerate(zip(recordings, known, strict=True))
+        replace(
+            _build_track(recording, loop, dt, f"recording {i + 1}"),
+            usual_delay=_estimate_usual_delay(recording),
+            source=source,
+        )
+        for i, (recording, loop, source) in enumerate(zip(recordings, known, _number_sources(recordings), strict=True))
     ]
     return tracks if spring is None else [_remove_spring(track, spring) for track in tracks]
+
+
+def _number_sources(recordings: Sequence[Recording]) -> list[int]:
+    """For each recording or part of one the number of its recording, among those that are used."""
+    numbers = [one.metadata.extra.get(PART_OF, i) for i, one in enumerate(recordings)]
+    used = list(dict.fromkeys(numbers))
+    return [used.index(number) for number in numbers]
 
 
 def _estimate_usual_delay(recording: Recording) -> tuple[float, float]:
@@ -67,10 +79,11 @@ def _estimate_usual_delay(recording: Recording) -> tuple[float, float]:
 
     A command is held for a sample, so that it acts half of one after its instant; a measured torque is the mean about
     it. Which of the two a log holds is often not said, drives differ in when they sample, and a usual filter of a
-    torque takes up to half a millisecond.
+    torque takes up to half a millisecond. The error of the clock comes on top.
     """
     half = 0.5 * recording.sample_period
-    return -half if recording.metadata.torque_kind == "commanded" else 0.0, 0.5 * max(half, JOINT.longest_delay)
+    spread = float(np.hypot(0.5 * max(half, JOINT.longest_delay), recording.metadata.clock_error or 0.0))
+    return -half if recording.metadata.torque_kind == "commanded" else 0.0, spread
 
 
 def _remove_spring(track: Track, spring: Spring) -> Track:

@@ -79,9 +79,11 @@ def _compute_energy(
     if shape == "additive" and len(contexts) > 1:  # each recording has a phase of its own
         ends = np.cumsum([0, *(grid.centres.size for grid in problem.grids)])
         each = []
-        for a, b in pairwise(ends):
+        for source in dict.fromkeys(context.source for context in contexts):
             alone = np.zeros_like(ripple)
-            alone[a:b] = ripple[a:b]
+            for context, (a, b) in zip(contexts, pairwise(ends), strict=True):
+                if context.source == source:
+                    alone[a:b] = ripple[a:b]
             each.append(_compute_explained(alone - basis @ (basis.T @ alone), residual))
         total: FloatArray = np.sum(each, axis=0)
         return total

@@ -11,7 +11,14 @@ from scipy.signal import lfilter
 
 from fricomp.diagnosis import Diagnosis, RigidJoint, diagnose
 from fricomp.diagnosis.evidence.velocity_lag import find_velocity_lag
-from fricomp.diagnosis.inputs.checks import inertia_against, kind_against, reasons_against, remarks_on
+from fricomp.diagnosis.inputs.checks import (
+    PART_OF,
+    inertia_against,
+    kind_against,
+    reasons_against,
+    remarks_on,
+    take_usable,
+)
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.weak_form import estimate_rest_speed
 from fricomp.errors import DiagnosisError, RecordingError
@@ -64,12 +71,26 @@ def test_a_long_standstill(good: Recording) -> None:
     time = np.arange(len(good) + rest, dtype=np.float64) * np.float64(1e-3)
     position = np.concatenate([good.position, np.full(rest, good.position[-1])])
     torque = np.concatenate([good.torque, np.full(rest, good.torque[-1])])
-    assert_bad(diagnose(Recording(time, position, torque)), "stands still")
+    usable = take_usable([Recording(time, position, torque)], None)
+    assert usable.reasons == []
+    assert sum(one.duration for one in usable.recordings) < 26.0
+    assert "long rests" in usable.remarks[0]
 
 
-def test_two_sample_rates(good: Recording) -> None:
+def test_two_sample_rates_become_the_lower_one(good: Recording) -> None:
     slow = Recording(good.time[::5], good.position[::5], good.torque[::5])
-    assert_bad(diagnose([good, slow]), "sample rates")
+    usable = take_usable([good, slow], None)
+    assert [round(1.0 / one.sample_period) for one in usable.recordings] == [200, 200]
+    assert "200 Hz" in usable.remarks[-1]
+
+
+def test_the_fault_of_one_recording_costs_that_one(good: Recording) -> None:
+    still = replace(good, position=np.zeros(len(good)))
+    usable = take_usable([good, still], None)
+    assert usable.recordings[0].metadata.extra == {PART_OF: 0}
+    assert len(usable.recordings) == 1
+    assert "recording 2" in usable.remarks[-1]
+    assert "never moves" in usable.remarks[-1]
 
 
 def test_positions_that_look_like_degrees_unless_the_joint_turns_without_end(good: Recording) -> None:
@@ -133,7 +154,9 @@ def test_a_short_gap_is_bridged_and_told(good: Recording) -> None:
 
 def test_a_long_gap_is_not_bridged(good: Recording) -> None:
     long = _without(good, 5000, 5400)
-    assert any("gap" in reason for reason in reasons_against([long], None))
+    parts = take_usable([long], None).recordings
+    assert [len(part) for part in parts] == [5000, len(good) - 5400]
+    assert {part.metadata.extra[PART_OF] for part in parts} == {0}
     assert not any("bridged" in remark for remark in remarks_on([long]))
 
 

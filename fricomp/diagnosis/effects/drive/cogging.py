@@ -32,7 +32,7 @@ class Cogging(Effect):
         order = EffectParameter("order", "1/{position}", 0.05, compute_lowest_order(contexts), 1e5, linear=False)
         further = [
             EffectParameter(f"{wave.name}_{number}", wave.unit, scale, wave.lower, wave.upper)
-            for number in range(2, len(contexts) + 1)
+            for number in range(2, max(context.source for context in contexts) + 2)
             for wave in waves
         ]
         return (*waves, order, *further)
@@ -43,7 +43,7 @@ class Cogging(Effect):
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         angle = values["order"] * context.position
-        number = f"_{context.index + 1}" if context.index else ""
+        number = f"_{context.source + 1}" if context.source else ""
         sine, cosine = (values[f"{name}{number}"] for name in ("sine", "cosine"))
         return Contribution(additive=sine * np.sin(angle) + cosine * np.cos(angle))
 

@@ -27,7 +27,7 @@ class PayloadError(Effect):
         gravity = 0.05 * (float(np.max(np.abs(first.gravity))) + first.scale)
         inertia = 0.05 * first.plant.inertia
         result: list[EffectParameter] = []
-        for number in range(2, max(len(contexts), 2) + 1):
+        for number in range(2, max(*(context.source + 1 for context in contexts), 2) + 1):
             if first.rotary:
                 result.append(EffectParameter(f"gravity_cos_{number}", "{torque}", gravity, -1e4, 1e4))
                 result.append(EffectParameter(f"gravity_sin_{number}", "{torque}", gravity, -1e4, 1e4))
@@ -35,15 +35,15 @@ class PayloadError(Effect):
         return tuple(result)
 
     def find_obstacle(self, contexts: Sequence[Context]) -> str | None:
-        return "there is one recording only" if len(contexts) < 2 else None
+        return None if any(context.source for context in contexts) else "there is one recording only"
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(additive=self.compute_load(context, values))
 
     def compute_load(self, context: Context, values: Values) -> FloatArray | float:
-        if context.index == 0:
+        if context.source == 0:
             return 0.0
-        number, (cosine, sine) = context.index + 1, context.waves
+        number, (cosine, sine) = context.source + 1, context.waves
         torque = values[f"inertia_{number}"] * context.acceleration
         if context.rotary:
             torque = torque + values[f"gravity_cos_{number}"] * cosine + values[f"gravity_sin_{number}"] * sine

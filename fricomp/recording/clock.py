@@ -1,0 +1,180 @@
+"""The clock of a recording: how far its stamps are from the instants of the samples, and stamps without that error.
+
+Most logs are taken at even intervals and stamped late, coarsely or both. A grid is laid through the stamps of each
+part between gaps; what the stamps are off it is either their error or a true unevenness of the samples. The position
+tells: where the stamps are right, a joint that moves is further by its speed times what the stamp is late.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.recording.recording import Recording
+from fricomp.recording.timing_checks import GAP_PERIODS
+
+__all__ = ["Clock", "mend_clock"]
+
+Samples = NDArray[np.float64]
+
+_FEWEST = 50
+"""Rows of a part below which its stamps are taken as they are."""
+_EXACT = 2e-3
+"""Deviation from the grid that is not worth a new stamp, in periods."""
+_SCATTER = 0.45
+"""Standard deviation from the grid above which a part has no grid, in periods: rows could then change places."""
+_WANDER = 1.5
+"""Deviation from the grid over that of neighbouring steps, above which the clock wanders. White errors have 0.71."""
+_FOLLOW = 0.05
+"""Part of a stamp's deviation by which the grid follows it while rows are counted."""
+_SURE = 0.2
+"""Standard deviation of the share of the deviation that is true, below which the position has told it."""
+_SMOOTH = 5
+"""Rows whose line is taken off position and stamps when both are compared. Odd."""
+_TICKS = (1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)
+"""Steps that stamps are rounded to [s]."""
+
+
+@dataclass(frozen=True)
+class Clock:
+    """What the stamps of a recording are worth.
+
+    Attributes:
+        period: Time between the samples [s].
+        error: Standard deviation of the stamps that were given from the instants of the samples [s].
+        tick: What the stamps are rounded to [s]; 0 where that does not show.
+        mended: Whether the stamps were replaced.
+    """
+
+    period: float
+    error: float
+    tick: float
+    mended: bool
+
+    @property
+    def sentence(self) -> str:
+        """For people; empty where the stamps are as good as even."""
+        if not self.mended:
+            return ""
+        why = f"in steps of {1e3 * self.tick:.4g} ms" if self.tick > 0.0 else "uneven"
+        return (
+            f"Clock: the stamps are {why}, {1e6 * self.error:.3g} µs (standard deviation) off the instants of the "
+            f"samples, which come at {1.0 / self.period:.5g} Hz; the stamps were made even, and the error is counted."
+        )
+
+
+def mend_clock(recording: Recording) -> tuple[Recording, Clock]:
+    """Return the recording with stamps as even as its samples are, and what its clock is worth.
+
+    Stamps that are right, however uneven, stay as they are.
+    """
+    time = np.asarray(recording.time)
+    period = _period(np.diff(time))
+    cuts = np.flatnonzero(np.diff(time) > GAP_PERIODS * period) + 1
+    spans = list(pairwise([0, *cuts.tolist(), time.size]))
+    grids = [_lay_grid(time[a:b], period) for a, b in spans]
+    off = np.concatenate([time[a:b] - grid for (a, b), grid in zip(spans, grids, strict=True)])
+    size = float(np.std(off))
+    tick = _find_tick(time)
+    if size <= _EXACT * period:
+        return recording, Clock(recording.sample_period, 0.0, tick if tick > _EXACT * period else 0.0, mended=False)
+    share = 0.0 if np.max(np.abs(off)) <= 0.75 * tick else _true_share(recording, off, spans)
+    mended = np.concatenate(grids) + share * off
+    if share > 1.0 - _SURE or np.any(np.diff(mended) <= 0.0):
+        return recording, Clock(recording.sample_period, 0.0, tick if tick > _EXACT * period else 0.0, mended=False)
+    error = float(np.sqrt(1.0 - share) * size)
+    clock = Clock(float(np.median(np.diff(mended))), error, tick if tick > 0.25 * size else 0.0, mended=True)
+    return recording.with_channels(time=mended).with_metadata(clock_error=error), clock
+
+
+def _period(step: Samples) -> float:
+    """Mean of the usual steps of time [s]: stamps in milliseconds have a median that no sample has."""
+    middle = float(np.median(step))
+    return float(np.mean(step[step < 2.5 * middle]))
+
+
+def _lay_grid(time: Samples, period: float) -> Samples:
+    """Even instants for the stamps of a part, in which rows may be missing; the stamps where they are not even."""
+    if time.size < _FEWEST:
+        return time
+    count = _count_periods(time, period)
+    for _ in range(3):  # the period is known better with each fit, and with it which rows are missing
+        slope, start = np.polyfit(count, time - time[0], 1)
+        if slope <= 0.0:
+            return time
+        better = _count_periods(time, float(slope))
+        if np.array_equal(better, count):
+            break
+        count = better
+    grid = np.asarray(time[0] + start + slope * count, dtype=np.float64)
+    off = time - grid
+    scatter, steps = float(np.std(off)), float(np.std(np.diff(off)))
+    if scatter > _SCATTER * slope:
+        return time
+    rounded = float(np.max(np.abs(off))) <= 0.75 * _find_tick(time)
+    return grid if rounded or scatter <= _WANDER * steps else time
+
+
+def _count_periods(time: Samples, period: float) -> Samples:
+    """Number of each sample on its grid, in which rows may be missing. Shape (n,).
+
+    The grid is followed: a single stamp that is late is no missing row, because the next one is not late with it.
+    """
+    count, number, instant, passed = np.zeros(time.size), 0, float(time[0]), 0
+    for k, stamp in enumerate(time.tolist()[1:], 1):
+        ahead = round((stamp - instant) / period)
+        if ahead < 1 and passed > 1:  # the one before was late by more than half a period, and nothing was missing
+            count[k - 1] -= 1
+            number, instant, ahead = number - 1, instant - period, ahead + 1
+        passed = max(1, ahead)
+        number += passed
+        instant += passed * period
+        instant += _FOLLOW * (stamp - instant)
+        count[k] = number
+    return count
+
+
+def _find_tick(time: Samples) -> float:
+    """The decimal step that all stamps are multiples of [s]; 0 where there is none of a hundredth of a period."""
+    period = float(np.median(np.diff(time)))
+    from_first = time - time[0]
+    for tick in _TICKS:
+        if 0.01 * period < tick < 5.0 * period:
+            steps = from_first / tick
+            if float(np.max(np.abs(steps - np.round(steps)))) < 1e-3 + 1e-12 * float(np.max(np.abs(time))) / tick:
+                return tick
+    return 0.0
+
+
+def _true_share(recording: Recording, off: Samples, spans: list[tuple[int, int]]) -> float:
+    """Share of the deviation from the grid that the samples have themselves, by how far the joint has come.
+
+    0 where the position does not tell: an error that moves the joint by less than its noise does no harm.
+    """
+    position = np.asarray(recording.position)
+    left: list[Samples] = []
+    claimed: list[Samples] = []
+    for a, b in spans:
+        if b - a < _FEWEST:
+            continue
+        speed = np.gradient(position[a:b]) / max(float(np.median(np.diff(recording.time[a:b]))), 1e-300)
+        speed = np.convolve(speed, np.full(_SMOOTH, 1.0 / _SMOOTH), mode="same")
+        left.append(_roughness(position[a:b]))
+        claimed.append(_roughness(speed * off[a:b]))
+    if not left:
+        return 0.0
+    rough, model = np.concatenate(left), np.concatenate(claimed)
+    calm = np.abs(rough) <= 6.0 * np.median(np.abs(rough)) + 1e-300  # reversals and knocks are no stamps
+    rough, model = rough[calm], model[calm]
+    energy = float(model @ model)
+    if energy <= 0.0:
+        return 0.0
+    share = float(rough @ model) / energy
+    deviation = float(np.std(rough - share * model)) / np.sqrt(energy)
+    return float(np.clip(share, 0.0, 1.0)) if deviation < _SURE else 0.0
+
+
+def _roughness(values: Samples) -> Samples:
+    """Fourth differences: what is left of a smooth motion is next to nothing. Shape (n - 4,)."""
+    return np.diff(values, 4)

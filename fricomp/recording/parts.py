@@ -1,0 +1,175 @@
+"""A recording cut into its usable parts: what is left out, why, and what is left.
+
+The order matters: a counter is unwrapped before anything is called a jump, others' rows are left out before the rate
+is told, held rows before the clock. Nothing is invented: rows are left out or given a better stamp, never filled in.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.recording.clock import Clock, mend_clock
+from fricomp.recording.holds import thin_held_rows
+from fricomp.recording.recording import Recording
+from fricomp.recording.resampling import resample
+from fricomp.recording.rests import find_rests
+from fricomp.recording.signal_checks import find_stuck_rows
+from fricomp.recording.strays import follow_motion, unwrap_position
+from fricomp.recording.timing_checks import GAP_PERIODS, locate_rate_change
+
+__all__ = ["SHORTEST_PART", "LeftOut", "UsableParts", "find_usable_parts"]
+
+Rows = NDArray[np.bool_]
+
+SHORTEST_PART = 1.0
+"""Length below which a part is left out: slow and fast motion and a reversal do not fit into it [s]."""
+_BRIDGED = 0.03
+"""Gap that is no cut [s], where all of them are short: a straight line over it is off by less than a low-pass sees."""
+_MOST_BRIDGED = 0.01
+"""Part of the time that may be bridged."""
+_FEWEST = 25
+"""Rows below which a part is left out."""
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Rows that were left out for one reason.
+
+    Attributes:
+        reason: What they are, in the plural: "rows of another publisher or outliers of position".
+        rows: How many.
+        duration: Time that they took [s].
+    """
+
+    reason: str
+    rows: int
+    duration: float
+
+
+@dataclass(frozen=True)
+class UsableParts:
+    """What of a recording can be used.
+
+    Attributes:
+        kept: All rows that stay, in one recording with gaps.
+        parts: The same between the gaps, in order; those that are too short are left out here alone.
+        left_out: What was left out, by reason.
+        clock: What its stamps are worth.
+        changes: Sentences on what was done to the rows that stay.
+        rows: Rows of the source.
+        duration: Of the source [s].
+    """
+
+    kept: Recording
+    parts: tuple[Recording, ...]
+    left_out: tuple[LeftOut, ...]
+    clock: Clock
+    changes: tuple[str, ...]
+    rows: int
+    duration: float
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What was left out and how much is left, in one sentence, and what was done to the rest."""
+        used = sum(part.duration for part in self.parts)
+        if not self.left_out and len(self.parts) == 1:
+            return self.changes
+        what = "; ".join(f"{one.rows} {one.reason} ({one.duration:.3g} s)" for one in self.left_out)
+        rows = sum(map(len, self.parts))
+        count = "one part" if len(self.parts) == 1 else f"{len(self.parts)} parts"
+        said = f"Used: {used:.4g} of {self.duration:.4g} s in {count}, {rows} of {self.rows} rows"
+        return (f"{said}{'; left out: ' + what if what else ''}.", *self.changes)
+
+
+def find_usable_parts(recording: Recording) -> UsableParts:
+    """Cut a recording into its usable parts; one without flaws is its own only part, unchanged.
+
+    What is not mended here, such as a flipped sign, is told by `check_recording` of the parts.
+    """
+    changes: list[str] = []
+    whole, wrap = unwrap_position(recording)
+    if wrap is not None:
+        unit = recording.metadata.position_unit
+        changes.append(f"Position: it wraps round {wrap.times} time(s), and was unwrapped by {wrap.period:.6g} {unit}.")
+    followed = follow_motion(whole)
+    left_out = [_tell("rows of another publisher or outliers of position", whole, ~followed.keep)]
+    jumps = np.asarray(whole.time)[followed.cuts]
+    whole = _select(whole, followed.keep)
+    thinned, hold = thin_held_rows(whole)
+    if hold is not None:
+        changes.append(
+            f"Rate: {hold.left_out} of {len(whole)} rows repeat the one before; the readings come at "
+            f"{1.0 / thinned.sample_period:.4g} Hz, which was used."
+        )
+        whole = thinned
+    begins = np.zeros(len(whole), dtype=bool)
+    begins[np.searchsorted(whole.time, jumps)] = True
+    mended, clock = mend_clock(whole)
+    changes += [clock.sentence] if clock.mended else []
+    rates = locate_rate_change(mended)
+    if rates is not None and not rates.mixed:
+        mended = resample(mended, rates.slow)
+        begins = np.zeros(len(mended), dtype=bool)
+        begins[np.minimum(np.searchsorted(mended.time, jumps), len(mended) - 1)] = bool(jumps.size)
+        changes.append(f"Rate: it changes from {rates.fast:.4g} to {rates.slow:.4g} Hz; all was brought to the latter.")
+    stuck = find_stuck_rows(mended)
+    left_out.append(_tell("rows of stuck or saturated stretches", mended, stuck))
+    rests = find_rests(mended) & ~stuck
+    left_out.append(_tell("rows of long rests", mended, rests))
+    kept, parts, short = _cut(mended, ~(stuck | rests), begins)
+    left_out.append(short)
+    return UsableParts(
+        kept,
+        parts,
+        tuple(one for one in left_out if one.rows),
+        clock,
+        tuple(changes),
+        len(recording),
+        recording.duration,
+    )
+
+
+def _tell(reason: str, recording: Recording, rows: Rows) -> LeftOut:
+    count = int(np.count_nonzero(rows))
+    return LeftOut(reason, count, count * recording.sample_period)
+
+
+def _select(recording: Recording, keep: Rows) -> Recording:
+    return recording if keep.all() or np.count_nonzero(keep) < 2 else recording.rows(keep)
+
+
+def _cut(recording: Recording, keep: Rows, jumps: Rows) -> tuple[Recording, tuple[Recording, ...], LeftOut]:
+    """All rows that stay, the parts that are long enough, and what is too short."""
+    if np.count_nonzero(keep) < 2:
+        keep = np.ones(len(recording), dtype=bool)
+    rows = np.flatnonzero(keep)
+    step = np.diff(recording.time[rows])
+    gaps = step > GAP_PERIODS * recording.sample_period
+    short = gaps & (step <= _BRIDGED)
+    if np.sum(step[short]) <= _MOST_BRIDGED * recording.duration:
+        gaps &= ~short
+    begins = np.concatenate([[False], gaps]) | jumps[rows]
+    edges = [0, *np.flatnonzero(begins[1:]) + 1, rows.size]
+    spans = [rows[a:b] for a, b in pairwise(edges)]
+    if len(spans) == 1:
+        kept = _select(recording, keep)
+        return kept, (kept,), LeftOut("", 0, 0.0)
+    long = [span for span in spans if _is_long(recording, span)]
+    if not long:
+        long = [max(spans, key=len)]
+    others = [span for span in spans if not any(span is one for one in long)]
+    time = sum(float(recording.time[span[-1]] - recording.time[span[0]]) for span in others)
+    parts = tuple(_part(recording, span) for span in long if span.size >= 2)
+    kept = recording.rows(np.concatenate(long)) if sum(map(len, long)) >= 2 else recording
+    return kept, parts or (recording,), LeftOut("rows of parts too short", sum(map(len, others)), time)
+
+
+def _is_long(recording: Recording, span: NDArray[np.intp]) -> bool:
+    return bool(span.size >= _FEWEST and recording.time[span[-1]] - recording.time[span[0]] >= SHORTEST_PART)
+
+
+def _part(recording: Recording, span: Sequence[int] | NDArray[np.intp]) -> Recording:
+    return recording.rows(np.asarray(span, dtype=np.intp))

@@ -1,0 +1,67 @@
+"""What a channel can show at all: the step of its values, and what it reads while the joint rests."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.recording.recording import Recording
+
+__all__ = ["Reading", "measure_quantum", "read_at_rest"]
+
+Samples = NDArray[np.float64]
+
+_MOST_LEVELS = 0.5
+"""Different values over rows, above which a channel is not quantised as far as it shows."""
+_WHOLE = 0.05
+"""Deviation of the distances between values from whole steps, in steps, up to which they are whole."""
+_REST_ROWS = 5
+"""Rows without a change of position that count as rest."""
+
+
+class Reading(NamedTuple):
+    """What a velocity column reads at rest.
+
+    Attributes:
+        bias: Median [rad/s] or [m/s].
+        width: Largest deviation from it, or the quantum where that is more [rad/s] or [m/s].
+    """
+
+    bias: float
+    width: float
+
+
+def measure_quantum(values: Samples) -> float:
+    """The step that the distances between the values of a channel are multiples of; 0 where none shows."""
+    levels = np.unique(values)
+    if levels.size < 2 or levels.size > _MOST_LEVELS * values.size:
+        return 0.0
+    gaps = np.diff(levels)
+    gaps = gaps[gaps > 1e-9 * max(float(np.abs(levels).max()), 1e-300)]
+    if gaps.size == 0:
+        return 0.0
+    least = float(np.quantile(gaps, 0.02))
+    near = gaps[gaps < 1.5 * least]
+    step = float(np.median(near))
+    for reach in (3.5, 30.5):  # wider gaps tell the step better, once they can be counted
+        small = gaps[gaps < reach * step]
+        step = float(np.sum(small) / np.sum(np.maximum(np.round(small / step), 1.0)))
+    small = gaps[gaps < 30.5 * step]
+    whole = np.abs(small / step - np.round(small / step)) < _WHOLE
+    return step if float(whole.mean()) > 0.95 else 0.0
+
+
+def read_at_rest(recording: Recording) -> Reading:
+    """What the velocity column reads where the position does not change; a code without a zero reads half a step."""
+    velocity = recording.velocity
+    if velocity is None:
+        return Reading(0.0, 0.0)
+    quantum = measure_quantum(np.asarray(velocity))
+    still = np.concatenate([[False], np.diff(recording.position) == 0.0])
+    run = np.convolve(still, np.ones(_REST_ROWS), mode="same") >= _REST_ROWS
+    slow = run & (np.abs(velocity) <= max(2.0 * quantum, 0.02 * float(np.abs(velocity).max())))
+    if np.count_nonzero(slow) < _REST_ROWS:
+        return Reading(0.0, quantum)
+    rest = np.asarray(velocity)[slow]
+    bias = float(np.median(rest))
+    return Reading(bias, max(quantum, float(np.quantile(np.abs(rest - bias), 0.99))))

@@ -1,0 +1,46 @@
+"""Long rests: they show nothing of sliding, and what drifts in them bends what is fitted."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.recording.quantum import measure_quantum
+from fricomp.recording.recording import Recording
+
+__all__ = ["find_rests", "locate_rests"]
+
+_LONGEST = 15.0
+"""Rest that is kept whole [s]; breakaway after some seconds of dwell is friction too."""
+_KEPT = 2.0
+"""Of a long rest, what is kept before the motion and after it [s]."""
+_STILL = 2e-4
+"""Part of the travel within which a joint rests."""
+_MOST = 0.95
+"""Part of the time at rest above which the rest is what was recorded."""
+
+
+def locate_rests(recording: Recording) -> list[tuple[int, int]]:
+    """First row and row after the last of each stretch without motion, in order; short ones are among them."""
+    position = np.asarray(recording.position)
+    tolerance = max(_STILL * float(np.ptp(position)), 2.01 * measure_quantum(position))
+    block = max(1, position.size // 4000)
+    starts = np.arange(0, position.size, block)
+    lows, highs = np.minimum.reduceat(position, starts), np.maximum.reduceat(position, starts)
+    spans: list[tuple[int, int]] = []
+    first, low, high = 0, lows[0], highs[0]
+    for k in range(1, starts.size):
+        low, high = min(low, lows[k]), max(high, highs[k])
+        if high - low > tolerance:
+            spans.append((int(starts[first]), int(starts[k])))
+            first, low, high = k, lows[k], highs[k]
+    spans.append((int(starts[first]), position.size))
+    return spans
+
+
+def find_rests(recording: Recording) -> NDArray[np.bool_]:
+    """Rows inside of long rests, without what is kept at both ends. Shape (n_samples,)."""
+    time = np.asarray(recording.time)
+    inside = np.zeros(len(recording), dtype=bool)
+    for a, b in locate_rests(recording):
+        if time[b - 1] - time[a] > _LONGEST:
+            inside |= (time > time[a] + _KEPT) & (time < time[b - 1] - _KEPT)
+    return inside if inside.mean() <= _MOST else np.zeros(len(recording), dtype=bool)

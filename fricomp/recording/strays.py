@@ -1,0 +1,235 @@
+"""Rows that leave the motion around them: wrapped counters, others' rows, torn stretches, outliers."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.recording.quantum import measure_quantum
+from fricomp.recording.recording import Recording
+
+__all__ = ["Continuity", "Wrap", "find_period", "follow_motion", "unwrap_position"]
+
+Samples = NDArray[np.float64]
+Rows = NDArray[np.bool_]
+
+_JUMP = 30.0
+"""Step over the steps around it, above which no motion makes it."""
+_WRAP = 10.0
+"""The same of a wrap, which also has a known size."""
+_LEAST_JUMP = 0.01
+"""Part of the travel below which a jump does no harm."""
+_HELD = 20
+"""Rows of one position from which on they are a stretch of their own beside a jump."""
+_TAIL = 0.01
+"""Part of the rows at either end of the range that does not count as travel: outliers would make it."""
+_MOST_STRAYS = 0.3
+"""Part of the rows above which it is not clear which of them are the joint's."""
+_SPEED = 2.0
+"""Times the usual top speed that a joint may reach while others' rows are in between."""
+_ALIKE = 0.5
+"""Part of the ends of equal rows that leap, from which on these rows interrupt the motion."""
+_LEAP = 5.0
+"""Usual large steps that make a leap."""
+_FEWEST_REPEATS, _MOST_REPEATS = 5, 0.45
+"""Rows of equal values: at least so many, and at most this part of all."""
+_SHORT_RUN = 50.0
+"""Mean rows of a stretch of equal values up to which it interrupts; a joint at rest holds its values for longer."""
+_KNOWN_PERIODS = (2.0 * np.pi, 4.0 * np.pi, np.pi, 8.0 * np.pi, 25.0, 1.0, 360.0, 4096.0, 16384.0, 65536.0)
+"""Ranges of counters in use: turns, the position of MIT mode (±12.5 rad), counts."""
+_NEAR = 0.01
+"""Relative distance within which a range that was measured is a known one."""
+
+
+class Wrap(NamedTuple):
+    """A counter that was unwrapped.
+
+    Attributes:
+        period: Its range [rad] or [m].
+        times: How often it wrapped.
+    """
+
+    period: float
+    times: int
+
+
+class Continuity(NamedTuple):
+    """Which rows follow the motion.
+
+    Attributes:
+        keep: Rows of the motion. Shape (n_samples,).
+        cuts: Rows at which the motion jumps and goes on elsewhere.
+    """
+
+    keep: Rows
+    cuts: NDArray[np.intp]
+
+
+def find_period(recording: Recording) -> Wrap | None:
+    """The range of a position that wraps round; None where it does not, or jumps by all sorts of distances."""
+    step = np.diff(recording.position)
+    size, around = np.abs(step), _around(recording)
+    travel = float(np.ptp(recording.position))
+    wraps = np.flatnonzero((size > _WRAP * around) & (size > 0.5 * travel))
+    if not wraps.size:
+        return None
+    passed = np.abs(np.median(_neighbours(step), axis=0))[wraps]  # the way of the joint itself within the step
+    sizes = size[wraps] + passed
+    period = float(np.median(sizes))
+    tolerance = 0.05 * period + 3.0 * float(np.median(around))
+    if np.any(np.abs(sizes - period) > tolerance) or travel > 1.1 * period:
+        return None
+    return Wrap(_snap(period, measure_quantum(np.asarray(recording.position))), int(wraps.size))
+
+
+def unwrap_position(recording: Recording) -> tuple[Recording, Wrap | None]:
+    """The recording with a position that does not wrap; as it was where it did not, or where that leaves jumps."""
+    wrap = find_period(recording)
+    if wrap is None or _alternates(recording, wrap.period):
+        return recording, None
+    position = np.unwrap(recording.position, period=wrap.period)
+    left = np.abs(np.diff(position)) > 0.5 * wrap.period - 1e-9
+    if left.any():
+        return recording, None
+    changed = {"position": position}
+    if recording.position_reference is not None:  # counted in the same turns
+        turns = np.round((position - recording.position_reference) / wrap.period)
+        changed["position_reference"] = recording.position_reference + wrap.period * turns
+    return recording.with_channels(**changed).with_metadata(continuous=True), wrap
+
+
+def follow_motion(recording: Recording) -> Continuity:
+    """Tell the rows that follow the motion from those that leave it and come back.
+
+    The rows between two jumps belong to the motion where they go on from those before them.
+    """
+    same = _repeated_values(recording)
+    if same.any():
+        rest = np.flatnonzero(~same)
+        followed = follow_motion(recording.rows(rest))
+        keep = np.zeros(len(recording), dtype=bool)
+        keep[rest[followed.keep]] = True
+        return Continuity(keep, rest[followed.cuts])
+    n = len(recording)
+    nothing = Continuity(np.ones(n, dtype=bool), np.zeros(0, dtype=np.intp))
+    step = np.abs(np.diff(recording.position))
+    periods = np.maximum(np.diff(recording.time) / recording.sample_period, 1.0)
+    travel = float(np.ptp(np.quantile(recording.position, [_TAIL, 1.0 - _TAIL])))
+    around = _around(recording)
+    jumps = np.flatnonzero((step / periods > _JUMP * around) & (step > _LEAST_JUMP * travel))
+    if not jumps.size:
+        return nothing
+    keep = _chain(recording, _with_held_ends(np.asarray(recording.position), jumps), around)
+    if n - np.count_nonzero(keep) > _MOST_STRAYS * n:
+        return Continuity(nothing.keep, jumps + 1)
+    rows = np.flatnonzero(keep)
+    moved = np.abs(np.diff(recording.position[rows]))
+    between = np.maximum(np.diff(recording.time[rows]) / recording.sample_period, 1.0)
+    limit = np.maximum(_JUMP * around[rows[:-1]], _SPEED * _top(step, jumps, periods))
+    cuts = np.flatnonzero((moved > limit * between) & (moved > _LEAST_JUMP * travel))
+    return Continuity(keep, rows[cuts + 1])
+
+
+def _chain(recording: Recording, jumps: NDArray[np.intp], around: Samples) -> Rows:
+    """Rows of the stretches between jumps that go on from one another, from the longest stretch outwards."""
+    position, time, period = recording.position, recording.time, recording.sample_period
+    step = np.abs(np.diff(position))
+    top = _top(step, jumps, np.maximum(np.diff(time) / period, 1.0))
+    starts, stops = np.concatenate([[0], jumps + 1]), np.concatenate([jumps + 1, [len(recording)]])
+    middle = int(np.argmax(stops - starts))
+    keep = np.zeros(len(recording), dtype=bool)
+    keep[starts[middle] : stops[middle]] = True
+
+    def reaches(row: int, other: int) -> bool:
+        between = max(abs(float(time[row] - time[other])) / period, 1.0)
+        allowed = max(_SPEED * top, float(around[min(row, around.size - 1)])) * between
+        return bool(abs(position[row] - position[other]) <= allowed)
+
+    last = int(stops[middle]) - 1
+    for a, b in zip(starts[middle + 1 :], stops[middle + 1 :], strict=True):
+        if reaches(int(a), last):
+            keep[a:b], last = True, int(b) - 1
+    first = int(starts[middle])
+    for a, b in zip(starts[:middle][::-1], stops[:middle][::-1], strict=True):
+        if reaches(int(b) - 1, first):
+            keep[a:b], first = True, int(a)
+    return keep
+
+
+def _with_held_ends(position: Samples, jumps: NDArray[np.intp]) -> NDArray[np.intp]:
+    """The jumps, and the other ends of stretches of one value that a jump begins or ends.
+
+    A stretch of zeros may begin where the joint passes zero, without a jump.
+    """
+    changes = np.flatnonzero(np.diff(position) != 0.0)
+    before = np.concatenate([[-1], changes[:-1]])
+    long = changes - before >= _HELD
+    ends = {(int(a), int(b)) for a, b in zip(before[long], changes[long], strict=True)}
+    at = set(jumps.tolist())
+    more = {end for pair in ends if at & set(pair) for end in pair if end >= 0}
+    return np.array(sorted(at | more), dtype=np.intp)
+
+
+def _top(step: Samples, jumps: NDArray[np.intp], periods: Samples) -> float:
+    """Largest way in a period that is no jump [rad] or [m]."""
+    usual = np.ones(step.size, dtype=bool)
+    usual[jumps] = False
+    return float(np.max((step / periods)[usual], initial=0.0))
+
+
+def _repeated_values(recording: Recording) -> Rows:
+    """Rows that all hold the same position and torque and interrupt the motion, as those of a second publisher do.
+
+    They are strays also where the joint happens to pass there. Shape (n_samples,).
+    """
+    none = np.zeros(len(recording), dtype=bool)
+    table = recording.position + 1j * recording.torque
+    values, counts = np.unique(table, return_counts=True)
+    most = int(np.argmax(counts))
+    same = table == values[most]
+    count = int(counts[most])
+    if count < _FEWEST_REPEATS or not count < _MOST_REPEATS * len(recording):
+        return none
+    other = np.abs(np.diff(recording.position[~same]))
+    usual = float(np.quantile(other, 0.9))
+    before, after = np.flatnonzero(same[1:] & ~same[:-1]), np.flatnonzero(same[:-1] & ~same[1:])
+    moved = np.abs(np.diff(recording.position))
+    leaps = np.concatenate([moved[before], moved[after]])
+    short = same.sum() < _SHORT_RUN * max(before.size, 1)
+    return np.asarray(same) if short and np.mean(leaps > _LEAP * usual) > _ALIKE else none
+
+
+def _alternates(recording: Recording, period: float) -> bool:
+    """Whether the position mostly comes straight back after a step of a period, as rows of another publisher do."""
+    step = np.diff(recording.position)
+    wraps = np.flatnonzero(np.abs(step) > 0.5 * period)
+    back = np.sum((np.diff(wraps) <= 3) & (step[wraps[:-1]] * step[wraps[1:]] < 0.0))
+    return bool(back > 0.5 * wraps.size)
+
+
+def _snap(period: float, quantum: float) -> float:
+    """A known range next to the one that was measured, else a whole power of two of the quantum, else the measured."""
+    known = min(_KNOWN_PERIODS, key=lambda one: abs(period / one - 1.0))
+    if abs(period / known - 1.0) < _NEAR:
+        return known
+    if quantum > 0.0:
+        power = quantum * 2.0 ** round(np.log2(period / quantum))
+        if abs(period / power - 1.0) < _NEAR:
+            return float(power)
+    return period
+
+
+def _around(recording: Recording) -> Samples:
+    """Usual step next to each step: the third smallest of eight, and no less than a step of the slower half.
+
+    A motion is as fast beside a step as in it; strays close together leave three steps of the motion among eight.
+    """
+    size = np.abs(np.diff(recording.position))
+    floor = float(np.percentile(size[size > 0.0], 60)) if size.any() else 0.0
+    return np.asarray(np.maximum(np.sort(_neighbours(size), axis=0)[2], floor), dtype=np.float64)
+
+
+def _neighbours(size: Samples) -> Samples:
+    """The four steps before and the four after each step. Shape (8, n)."""
+    padded = np.pad(size, 4, mode="edge")
+    return np.stack([padded[k : k + size.size] for k in (0, 1, 2, 3, 5, 6, 7, 8)])

@@ -1,0 +1,227 @@
+"""Why a torque seems to take energy out of its joint: each cause is tried before anything is advised.
+
+A rigid joint with friction is fitted to the torque as it is, read as a signed number, moved in time, and turned round.
+A cause explains the symptom where the joint that it leaves could exist, and leaves less of the torque unexplained.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.recording.finding import Finding
+from fricomp.recording.quantum import measure_quantum
+from fricomp.recording.recording import Recording
+
+__all__ = ["JointFit", "explain_energy", "find_delay", "find_signed_bits", "fit_joint", "read_signed"]
+
+Samples = NDArray[np.float64]
+
+_BLOCK = 0.02
+"""Samples are averaged over so long, or over three of them [s]: encoder steps of an acceleration are then small."""
+_SLOW = 0.1
+"""Part of the top speed below which the direction of friction is not sure."""
+_LONGEST_DELAY = 0.06
+"""Largest delay that is tried [s]: two periods of a slow bus and a filter."""
+_DELAY_STEP = 2.5e-4
+"""Distance of the delays that are tried [s]."""
+_CLEARLY = 0.7
+"""What a cause may leave of the residual, times what is left without it."""
+_EXPLAINED = 0.5
+"""Part of the torque's variance that a turned sign must explain."""
+_BITS = (8, 12, 14, 16, 24, 32)
+"""Lengths of registers."""
+_SURE = 3.0
+"""Standard deviations beyond which a negative inertia is one."""
+_ALIKE = 5.0
+"""Blocks that err alike: their variance counts so often."""
+_APART = 0.1
+"""Part of a column that no other one holds, below which its parameter is not determined."""
+
+
+@dataclass(frozen=True)
+class JointFit:
+    """torque = inertia a + viscous v + coulomb sgn(v) + offset + gravity, by least squares.
+
+    Attributes:
+        inertia: [kg·m²] or [kg].
+        viscous: [N·m·s/rad] or [N·s/m].
+        coulomb: [N·m] or [N].
+        deviations: Of these three.
+        residual: Root mean square of what is left [N·m] or [N].
+        explained: Part of the torque's variance that is explained.
+        friction: Mean torque of friction at the speeds that occur [N·m] or [N].
+    """
+
+    inertia: float
+    viscous: float
+    coulomb: float
+    deviations: tuple[float, float, float]
+    residual: float
+    explained: float
+    friction: float
+
+    @property
+    def can_be(self) -> bool:
+        """Whether a joint could have this inertia and this friction."""
+        return self.friction > 0.0 and self.inertia > -_SURE * self.deviations[0]
+
+
+class _Motion(NamedTuple):
+    """Block means; rows are those that slide and have both neighbours."""
+
+    time: Samples
+    position: Samples
+    velocity: Samples
+    acceleration: Samples
+    rows: NDArray[np.bool_]
+    width: int
+
+
+def fit_joint(recording: Recording, torque: Samples | None = None, delay: float = 0.0) -> JointFit | None:
+    """Fit a rigid joint with friction; None where the motion is too short, or goes one way only.
+
+    Args:
+        recording: Of one joint.
+        torque: In place of the recorded one [as torque].
+        delay: How long after its stamp the torque acts [s].
+    """
+    motion = _blocks(recording)
+    return (
+        None
+        if motion is None
+        else _fit(motion, recording, np.asarray(recording.torque if torque is None else torque), delay)
+    )
+
+
+def explain_energy(recording: Recording, symptom: str) -> Finding:
+    """Say why the torque takes energy out of the joint, with the line to write where one cause explains it.
+
+    Args:
+        recording: Its torque takes energy out of the joint.
+        symptom: What was seen, in words.
+    """
+    bits = find_signed_bits(recording)
+    if bits is not None:
+        message = f"{symptom}: it is a signed number of {bits} bits that was read as an unsigned one"
+        return Finding(
+            "unsigned_torque",
+            "error",
+            message,
+            f"write signed_bits = {bits} into the channel of the mapping",
+            column="torque",
+        )
+    delay = find_delay(recording)
+    if delay is not None:
+        message = f"{symptom}, because it acts {1e3 * delay:.3g} ms after its stamp"
+        advice = f"identification and diagnosis take that off; delay = {delay:.4g} in a mapping does it for good"
+        return Finding("late_torque", "warning", message, advice, column="torque")
+    turned = fit_joint(recording, -np.asarray(recording.torque))
+    if turned is None or (turned.can_be and turned.explained > _EXPLAINED):
+        advice = "flip its sign (sign = -1 in a mapping): positive torque accelerates towards positive position"
+        return Finding("flipped_torque", "error", symptom, advice, column="torque")
+    message = f"{symptom}, and neither another sign nor a delay explains it: something else moves the joint"
+    advice = (
+        "record it while its neighbours rest and nobody moves it by hand, or give the arm's simulation and all joints"
+    )
+    return Finding("driven", "error", message, advice, column="torque")
+
+
+def find_signed_bits(recording: Recording) -> int | None:
+    """Bits of a signed torque that was read as an unsigned number; None where it was not."""
+    torque = np.asarray(recording.torque)
+    quantum = measure_quantum(torque)
+    if quantum <= 0.0 or torque.min() < 0.0:
+        return None
+    counts = torque / quantum
+    for bits in _BITS:
+        full = 2.0**bits
+        if not 0.9 * full < counts.max() < full + 0.5:
+            continue
+        signed = read_signed(torque, quantum * full)
+        inside = np.abs(signed).max() < 0.25 * quantum * full
+        calmer = np.abs(np.diff(signed)).sum() < 0.5 * np.abs(np.diff(torque)).sum()
+        if inside and calmer:
+            return bits
+    return None
+
+
+def read_signed(values: Samples, full: float) -> Samples:
+    """Unsigned readings of a counter of the range `full` as signed ones."""
+    return np.where(values >= 0.5 * full, values - full, values)
+
+
+def find_delay(recording: Recording) -> float | None:
+    """How long after its stamp the torque acts [s]; None where no delay makes a joint of it that could exist."""
+    motion, torque = _blocks(recording), np.asarray(recording.torque)
+    if motion is None:
+        return None
+    at_once = _fit(motion, recording, torque, 0.0)
+    step = max(_DELAY_STEP, 0.1 * recording.sample_period)
+    tried = np.arange(step, _LONGEST_DELAY, step)
+    fits = [_fit(motion, recording, torque, float(delay)) for delay in tried]
+    left = np.array([np.inf if fit is None else fit.residual for fit in fits])
+    best = int(np.argmin(left))
+    found = fits[best]
+    if found is None or at_once is None or best == tried.size - 1 or not found.can_be or found.inertia <= 0.0:
+        return None
+    if found.residual > _CLEARLY * at_once.residual:
+        return None
+    return float(tried[best])
+
+
+def _blocks(recording: Recording) -> _Motion | None:
+    width = max(3, round(_BLOCK / recording.sample_period))
+    count = len(recording) // width * width
+    if count < 60 * width:
+        return None
+    time, position = (
+        np.asarray(values)[:count].reshape(-1, width).mean(axis=1) for values in (recording.time, recording.position)
+    )
+    velocity = np.gradient(position, time)
+    acceleration = np.gradient(velocity, time)
+    top = float(np.percentile(np.abs(velocity), 98))
+    direction = np.sign(velocity) * (np.abs(velocity) > _SLOW * top)
+    rows = direction != 0.0
+    for shift in (1, 2):
+        rows[shift:] &= direction[shift:] == direction[:-shift]
+        rows[:-shift] &= direction[:-shift] == direction[shift:]
+    gaps = np.concatenate([[0.0], np.diff(time)]) > 3.0 * float(np.median(np.diff(time)))
+    for shift in (-2, -1, 0, 1, 2):
+        rows &= ~np.roll(gaps, shift)
+    rows[:2] = rows[-2:] = False
+    if min(np.sum(velocity[rows] > 0.0), np.sum(velocity[rows] < 0.0)) < 10:
+        return None
+    return _Motion(time, position, velocity, acceleration, rows, width)
+
+
+def _fit(motion: _Motion, recording: Recording, torque: Samples, delay: float) -> JointFit | None:
+    rows = motion.rows
+    count = motion.time.size * motion.width
+    if delay != 0.0:
+        torque = np.interp(np.asarray(recording.time) - delay, recording.time, torque)
+    target = torque[:count].reshape(-1, motion.width).mean(axis=1)[rows]
+    v, a, q = motion.velocity[rows], motion.acceleration[rows], motion.position[rows]
+    held = [np.sin(q), np.cos(q)] if recording.metadata.motion == "rotary" else [q]
+    design = np.column_stack([a, v, np.sign(v), np.ones(v.size), *held])
+    scale = np.maximum(np.abs(design).max(axis=0), 1e-300)
+    q_part, r_part = np.linalg.qr(design / scale)
+    if np.abs(np.diag(r_part)).min() < 1e-9 * np.abs(np.diag(r_part)).max():
+        inverse = np.linalg.pinv(r_part)
+    else:
+        inverse = np.linalg.inv(r_part)
+    solution = inverse @ (q_part.T @ target)
+    left = target - design / scale @ solution
+    residual = float(np.sqrt(np.mean(left**2)))
+    size = np.sqrt(np.sum(inverse**2, axis=1))
+    spread = residual * np.sqrt(_ALIKE) * size
+    alone = 1.0 / np.maximum(size, 1e-300) / np.maximum(np.linalg.norm(design / scale, axis=0), 1e-300)
+    spread[alone < _APART] = np.inf  # another column can take its place, such as gravity that of inertia in one swing
+    inertia, viscous, coulomb = (solution / scale)[:3].tolist()
+    variance = float(np.var(target))
+    mean = coulomb + viscous * float(np.mean(np.abs(v)))
+    return JointFit(
+        inertia, viscous, coulomb, tuple((spread / scale)[:3].tolist()), residual,
+        1.0 - residual**2 / variance if variance > 0.0 else 0.0, mean,
+    )  # fmt: skip

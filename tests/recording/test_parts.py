@@ -1,0 +1,141 @@
+"""What is left out of a recording, and that nothing else is."""
+
+import numpy as np
+import pytest
+
+from fricomp.recording import Recording, concatenate
+from fricomp.recording.parts import find_usable_parts
+
+from .joint_log import joint_log
+
+RNG = np.random.default_rng(7)
+
+
+def _with(recording: Recording, rows: slice | np.ndarray, **values: float) -> Recording:
+    changed = {name: np.array(recording.channels[name]) for name in values}
+    for name, value in values.items():
+        changed[name][rows] = value
+    return recording.with_channels(**changed)
+
+
+@pytest.mark.parametrize(("rate", "seed"), [(200.0, 1), (1000.0, 2)])
+def test_a_good_recording_is_its_own_only_part(rate: float, seed: int) -> None:
+    good = joint_log(12.0, rate, seed)
+    usable = find_usable_parts(good)
+    assert usable.kept is good
+    assert usable.parts == (good,)
+    assert usable.sentences == ()
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+def test_gaps_cut_a_recording_and_the_line_says_how_much_is_left(seed: int) -> None:
+    log = joint_log(30.0, 400.0, seed)
+    cut = log.rows(((log.time < 8.0) | (log.time > 11.5)) & ((log.time < 20.0) | (log.time > 20.3)))
+    usable = find_usable_parts(cut)
+    assert len(usable.parts) == 3
+    assert sum(len(part) for part in usable.parts) == len(cut)
+    assert "in 3 parts" in usable.sentences[0]
+
+
+def test_a_gap_that_a_straight_line_bridges_cuts_nothing() -> None:
+    log = joint_log(20.0, 1000.0)
+    usable = find_usable_parts(log.rows(np.r_[0:9000, 9012 : len(log)]))
+    assert len(usable.parts) == 1
+
+
+@pytest.mark.parametrize("rest", [20.0, 46.0])
+def test_a_long_rest_is_left_out_and_two_seconds_beside_the_motion_stay(rest: float) -> None:
+    log, n = joint_log(32.0, 250.0, 5), round(rest * 250)
+    first, second = log.rows(slice(0, 4000)), log.rows(slice(4000, 8000))
+    still = Recording(
+        np.arange(n) / 250.0,
+        np.full(n, first.position[-1]),
+        0.1 + RNG.normal(0.0, 0.004, n),
+        velocity=np.zeros(n),
+        metadata=log.metadata,
+    )
+    usable = find_usable_parts(concatenate([first, still, second], gap=1 / 250.0))
+    assert any(one.reason == "rows of long rests" for one in usable.left_out)
+    assert usable.kept.duration > 30.0
+    assert rest - 6.0 < sum(one.duration for one in usable.left_out) < rest
+
+
+@pytest.mark.parametrize("share", [0.01, 0.05, 0.2])
+def test_rows_of_another_publisher_are_left_out_wherever_the_joint_is(share: float) -> None:
+    log = joint_log(20.0, 500.0, 6)
+    others = RNG.random(len(log)) < share
+    usable = find_usable_parts(_with(log, others, position=0.0, torque=0.0, velocity=0.0))
+    count = np.count_nonzero(others)
+    assert count <= usable.left_out[0].rows < 1.2 * count
+    assert not np.isin(usable.kept.time, log.time[others]).any()
+
+
+def test_a_torn_stretch_and_single_outliers_of_position_are_left_out() -> None:
+    log = joint_log(20.0, 500.0, 8)
+    torn = _with(log, slice(3000, 3200), position=0.0)
+    torn = _with(torn, np.array([500, 5000, 7777]), position=40.0)
+    usable = find_usable_parts(torn)
+    assert sum(one.rows for one in usable.left_out) == pytest.approx(203, abs=4)
+    assert np.max(np.abs(usable.kept.position)) < 2.0
+
+
+def test_a_position_that_jumps_for_good_is_cut_there() -> None:
+    log = joint_log(20.0, 500.0, 9)
+    moved = np.array(log.position)
+    moved[4500:] += 1.7
+    usable = find_usable_parts(log.with_channels(position=moved))
+    assert [len(part) for part in usable.parts] == [4500, 5500]
+
+
+@pytest.mark.parametrize("period", [2.0 * np.pi, 25.0, 4.0 * np.pi])
+def test_a_counter_that_wraps_is_unwrapped_by_its_own_range(period: float) -> None:
+    log = joint_log(20.0, 500.0, 10)
+    far = 0.55 * period * np.sin(2.0 * np.pi * 0.11 * log.time) + 0.02 * log.position
+    count = 2.0 * np.pi / 2**14
+    wrapped = np.round((np.mod(far + 0.5 * period, period) - 0.5 * period) / count) * count
+    usable = find_usable_parts(log.with_channels(position=wrapped, velocity=None))
+    assert np.ptp(usable.kept.position - far) < 3.0 * count
+    assert f"{period:.6g}" in usable.sentences[0]
+
+
+@pytest.mark.parametrize("rows", [3, 15])
+def test_held_rows_are_thinned_to_the_rate_of_the_readings(rows: int) -> None:
+    log = joint_log(30.0, 1000.0, 11)
+    index = np.arange(len(log)) // rows * rows
+    held = {name: values[index] for name, values in log.channels.items() if name != "time"}
+    usable = find_usable_parts(log.with_channels(**held))
+    assert usable.kept.sample_period == pytest.approx(rows * 1e-3, rel=0.01)
+    assert f"{1000.0 / rows:.4g} Hz" in usable.sentences[-1]
+
+
+def test_a_slow_joint_with_a_coarse_encoder_keeps_its_rows() -> None:
+    log = joint_log(30.0, 1000.0, 12)
+    coarse = np.round(0.02 * log.position / 1e-3) * 1e-3
+    assert len(find_usable_parts(log.with_channels(position=coarse, velocity=None)).kept) == len(log)
+
+
+def test_a_saturated_stretch_of_torque_is_left_out() -> None:
+    log = joint_log(20.0, 500.0, 13)
+    limit = float(np.quantile(np.abs(log.torque), 0.85))
+    clipped = np.clip(log.torque, -limit, limit)
+    usable = find_usable_parts(log.with_channels(torque=clipped))
+    left = {one.reason: one.rows for one in usable.left_out}
+    assert left.get("rows of stuck or saturated stretches", 0) > 0
+
+
+def test_a_torque_in_coarse_steps_is_not_stuck() -> None:
+    log = joint_log(20.0, 500.0, 14)
+    assert find_usable_parts(log.with_channels(torque=np.round(log.torque / 0.2) * 0.2)).left_out == ()
+
+
+def test_a_velocity_without_a_code_for_zero_is_no_motion() -> None:
+    log = joint_log(20.0, 500.0, 15)
+    position = np.array(log.position)
+    position[2000:3000] = position[2000]
+    step = 90.0 / 4095
+    codes = (
+        np.floor(np.where(np.arange(len(log)) // 1000 == 2, 0.0, np.asarray(log.velocity, dtype=np.float64)) / step)
+        + 0.5
+    ) * step
+    resting = log.with_channels(position=position, velocity=codes)
+    assert not any("stuck" in one.reason for one in find_usable_parts(resting).left_out)
