@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 
 from fricomp.control.compensator import Compensator
-from fricomp.control.extra_terms import build_extra
+from fricomp.control.extra_terms import build_steady
 from fricomp.control.trust import trusted_curves
 from fricomp.errors import ParameterError
-from fricomp.laws import DwellStiction
+from fricomp.laws import DynamicTerm
 
 __all__ = ["AdaptationSettings", "OnlineAdaptation"]
 
@@ -78,13 +78,13 @@ class OnlineAdaptation:
         self._settings = settings or AdaptationSettings()
         self._compensator = compensator
         self._curves = trusted_curves(compensator.model)
-        terms = [term for term in self._curves.extra if not isinstance(term, DwellStiction)]
-        self._extra = build_extra(terms, compensator.settings, compensator.period)[0] if terms else None
+        terms = self._curves.extra
+        self._extra = build_steady(terms, compensator.settings) if terms else None
         self._dry_bounds = self._settings.dry_bounds or _identified(compensator, "coulomb_torque")
         self._viscous_bounds = self._settings.viscous_bounds or _identified(compensator, "viscous_coefficient")
         known = self._settings.sliding_velocity
         fast = known if known is not None else _SLIDING_SPEEDS * (self._curves.stribeck_velocity or 0.01)
-        self._fast = max([fast, *(term.rest_speed for term in self._curves.extra if isinstance(term, DwellStiction))])
+        self._fast = max([fast, *(term.sliding_speed for term in terms if isinstance(term, DynamicTerm))])
         self._rate = compensator.period / self._settings.time_constant
         self._ahead = True
         self._start()
@@ -166,7 +166,7 @@ class OnlineAdaptation:
         dry, viscous = loaded * curve.dry(speed), curve.viscous * speed
         if self._extra is None:
             return dry, viscous, 0.0
-        extra = self._extra(speed, velocity, position, load_torque, temperature, acceleration)
+        extra = self._extra(velocity, position, load_torque, temperature, acceleration)
         return max(dry + extra.dry, 0.0), viscous + (extra.drag if ahead else -extra.drag), extra.held
 
     def _solve(self) -> None:

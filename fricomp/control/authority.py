@@ -3,23 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from itertools import product
 
 from fricomp.control.curve import FrictionCurves
-from fricomp.control.extra_terms import LOAD_TERMS
 from fricomp.control.trust import compute_torque_cap
-from fricomp.laws import (
-    Cogging,
-    DwellStiction,
-    FrictionLaw,
-    KinematicError,
-    PositionCoulomb,
-    Term,
-    ThermalFriction,
-    ThermalViscous,
-)
-from fricomp.model import FrictionModel, Validity
+from fricomp.laws import Ranges, ThermalFriction, ThermalViscous, find_inputs
+from fricomp.model import FrictionModel
 
 __all__ = ["compute_authority", "find_acceleration_range", "find_temperature_range"]
 
@@ -42,27 +30,25 @@ def compute_authority(
     factors = [float(curves.load.factor(edge)) for edge in model.validity.normal_load or ()]
     cap = compute_torque_cap(model)
     largest = min(curves.largest(velocity_range, max([*factors, 1.0])), math.inf if cap is None else cap)
-    over_load = [term for term in curves.extra if isinstance(term, LOAD_TERMS)]
-    rest = [term for term in curves.extra if not isinstance(term, LOAD_TERMS)]
-    fastest_change = max(map(abs, find_acceleration_range(model, curves, velocity_range) or (0.0,)))
-    warmth = find_temperature_range(model, curves)
-    validity = replace(model.validity, temperature=warmth)
-    largest += sum(_largest(term, velocity_range, validity, fastest_change) for term in rest)
+    over_load = [term for term in curves.extra if "load_torque" in find_inputs([term])]
+    changes, warmth = find_acceleration_range(model, curves, velocity_range), find_temperature_range(model, curves)
+    ranges = Ranges(velocity_range, model.validity.position, changes, model.validity.load_torque, warmth)
+    largest += sum(term.largest_torque(ranges) for term in curves.extra if term not in over_load)
     notes = []
     if warmth is not None and model.validity.temperature is None:
         notes.append(
             f"the model states no range of temperature: it is followed from {warmth[0]:.4g} to {warmth[1]:.4g} °C, "
             "where a part of its friction doubles, or is halved or gone; give temperature_range and authority for more"
         )
-    if fastest_change and model.validity.acceleration is None:
+    if changes is not None and model.validity.acceleration is None:
         notes.append(
-            f"the model states no range of acceleration: it is followed up to {fastest_change:.3g}, where it brings "
+            f"the model states no range of acceleration: it is followed up to {changes[1]:.3g}, where it brings "
             "as much as the rest of its term; give acceleration_range and authority for more"
         )
     if not over_load:
         return largest, notes
     if model.validity.load_torque is not None:
-        return largest + sum(_largest(term, velocity_range, validity) for term in over_load), notes
+        return largest + sum(term.largest_torque(ranges) for term in over_load), notes
     notes.append(
         "the model states no range of load torque: friction from the load is compensated up to as much as all other "
         "friction together; give authority for more"
@@ -77,8 +63,12 @@ def find_acceleration_range(
 
     Those of the model, or of either sign up to where a term would ask for as much again as without any.
     """
-    pushes = [_pushes(term, velocity_range) for term in curves.extra if isinstance(term, KinematicError)]
-    edges = [_UNKNOWN_ACCELERATION_SHARE * held / per_unit for held, per_unit in pushes if per_unit > 0.0]
+    ranges, edges = Ranges(velocity_range, model.validity.position, None, model.validity.load_torque), []
+    for term in curves.extra:
+        held = term.largest_torque(ranges)
+        per_unit = term.largest_torque(ranges._replace(acceleration=(-1.0, 1.0))) - held
+        if per_unit > 0.0:
+            edges.append(_UNKNOWN_ACCELERATION_SHARE * held / per_unit)
     if not edges:
         return None
     return model.validity.acceleration or (-min(edges), min(edges))
@@ -116,27 +106,3 @@ def _thermal_reach(term: ThermalViscous | ThermalFriction, curves: FrictionCurve
             (min(curves.forward.coulomb, curves.reverse.coulomb), term.coulomb_slope),
         ]
     return min((size / abs(slope) for size, slope in parts if slope != 0.0), default=math.inf)
-
-
-def _pushes(term: KinematicError, velocity_range: tuple[float, float]) -> tuple[float, float]:
-    """Largest torque of an uneven gear per unit of its error: without acceleration, and for one more unit of it."""
-    fastest = max(abs(edge) for edge in velocity_range)
-    gravity = math.hypot(term.gravity_cosine, term.gravity_sine)
-    held = (1.0 + term.order) * gravity + term.load_inertia * (term.order * fastest) ** 2
-    return held, 2.0 * term.load_inertia * term.order
-
-
-def _largest(term: Term, velocity_range: tuple[float, float], validity: Validity, fastest_change: float = 0.0) -> float:
-    """Largest torque of a term: the amplitude of a wave, or the largest at the ends of all ranges."""
-    if isinstance(term, Cogging | PositionCoulomb):
-        return math.hypot(term.sine, term.cosine)
-    if isinstance(term, DwellStiction):
-        return term.rise
-    if isinstance(term, KinematicError):
-        held, per_unit = _pushes(term, velocity_range)
-        return math.hypot(term.sine, term.cosine) * (held + per_unit * fastest_change)
-    # Next to rest as well, where falling branches are highest.
-    speeds = [edge * share for edge in velocity_range for share in (1.0, 1e-6)]
-    ends = product(speeds, validity.position or (0.0,), validity.load_torque or (0.0,), validity.temperature or (None,))
-    law = FrictionLaw((term,))
-    return max(abs(float(law.torque(v, position=q, load_torque=load, temperature=hot))) for v, q, load, hot in ends)

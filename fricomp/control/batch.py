@@ -4,24 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from fricomp.control.curve import CurveParameters, FrictionCurves
+from fricomp.control.curve import FrictionCurves
 from fricomp.control.settings import CompensationSettings
 from fricomp.laws import FloatArray
 
-__all__ = ["compute_compensation", "compute_dry", "compute_friction"]
-
-
-def compute_dry(curve: CurveParameters, speed: FloatArray) -> FloatArray:
-    """Dry friction of one direction at `speed` >= 0 [N·m] or [N]."""
-    falling = np.exp(-((speed / curve.stribeck_velocity) ** curve.exponent))
-    return np.asarray(curve.coulomb + curve.rise * falling, dtype=np.float64)
+__all__ = ["compute_compensation", "compute_friction"]
 
 
 def compute_friction(curves: FrictionCurves, velocity: FloatArray) -> FloatArray:
     """Friction torque in steady sliding, zero at rest [N·m] or [N]."""
     speed = np.abs(velocity)
-    ahead = compute_dry(curves.forward, speed) + curves.forward.viscous * speed
-    back = compute_dry(curves.reverse, speed) + curves.reverse.viscous * speed
+    ahead = curves.forward.dry(speed) + curves.forward.viscous * speed
+    back = curves.reverse.dry(speed) + curves.reverse.viscous * speed
     return np.where(velocity > 0.0, ahead, np.where(velocity < 0.0, -back, 0.0))
 
 
@@ -50,7 +44,7 @@ def compute_compensation(
         direction = drive + settings.error_rate * np.sign(position_error) * beyond
     ahead = direction >= 0.0
     speed = np.maximum(np.where(ahead, 1.0, -1.0) * ((1.0 - share) * drive + share * velocity), 0.0)
-    dry = np.where(ahead, compute_dry(curves.forward, speed), compute_dry(curves.reverse, speed))
+    dry = np.where(ahead, curves.forward.dry(speed), curves.reverse.dry(speed))
     if settings.rest_velocity:
         rest = np.maximum(1.0 - np.abs(velocity) / settings.rest_velocity, 0.0)
         static = np.where(ahead, sum(curves.forward[:2]), sum(curves.reverse[:2]))

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from fricomp.control.choice import choose_settings
-from fricomp.control.extra_terms import INPUT_TERMS
 from fricomp.control.hot_path import HotPath, TorqueFunction, build_hot_path
 from fricomp.control.settings import CompensationSettings, LoopDynamics
 from fricomp.control.trust import require_usable, trusted_curves
 from fricomp.errors import ParameterError
+from fricomp.laws import find_inputs
 from fricomp.model import FrictionModel, load_model
 
 __all__ = ["ArmCompensator", "Compensator", "require_one_each"]
@@ -173,10 +173,9 @@ def require_one_each(compensators: Sequence[Compensator]) -> None:
 
 
 def _inputs(model: FrictionModel) -> frozenset[str]:
-    found = {name for name, terms in INPUT_TERMS.items() if any(isinstance(term, terms) for term in model.law.terms)}
     # A normal load in any other unit than the joint's torque is known to the user alone.
     transmitted = "transmitted" in model.provenance.notes.get("normal_load", "")
-    return frozenset(found | ({"normal_load"} if transmitted else set()))
+    return find_inputs(model.law.terms) | ({"normal_load"} if transmitted else set())
 
 
 def _read(model: ModelSource) -> FrictionModel:

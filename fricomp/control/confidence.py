@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from fricomp.control.extra_terms import plain_forms
 from fricomp.errors import ParameterError
-from fricomp.laws import FloatArray, FrictionLaw
+from fricomp.laws import FloatArray, FrictionLaw, trace_parts
 from fricomp.model import Covariance, FrictionModel
 
 __all__ = ["compute_confident_gain", "compute_friction_deviation"]
@@ -72,7 +71,7 @@ def compute_confident_gain(model: FrictionModel, velocity_range: tuple[float, fl
 
 def _without_held_terms(model: FrictionModel, covariance: Covariance) -> FrictionModel:
     """`model` with the terms that resist a motion alone; as it is where there is no other, or none at all."""
-    resisting = [term for term in model.law.terms if not any(form.kind == "held" for form in plain_forms(term))]
+    resisting = [term for term in model.law.terms if trace_parts(term).held is None]
     if len(resisting) in (0, len(model.law.terms)):
         return model
     law = FrictionLaw(tuple(resisting))

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from fricomp.errors import ParameterError
 from fricomp.laws import (
@@ -22,6 +24,7 @@ from fricomp.laws import (
     Term,
     Viscous,
 )
+from fricomp.laws.stribeck import compute_dry_level, compute_falling_share
 
 __all__ = ["Bristle", "CurveParameters", "FrictionCurves", "split_law"]
 
@@ -43,14 +46,21 @@ class CurveParameters(NamedTuple):
     exponent: float
     viscous: float
 
-    def dry(self, speed: float) -> float:
-        """Dry friction at `speed` >= 0 [N·m] or [N]."""
-        ratio: float = (speed / self.stribeck_velocity) ** self.exponent
-        return self.coulomb + self.rise * math.exp(-ratio)
+    def falling_share(self, speed: Any) -> Any:
+        """Share of the rise that is left at `speed` >= 0 [1]."""
+        return compute_falling_share(speed, self.stribeck_velocity, self.exponent)
+
+    def dry_of(self, falling_share: Any) -> Any:
+        """Dry friction where that share of the rise is left [N·m] or [N]."""
+        return compute_dry_level(self.coulomb, self.rise, falling_share)
+
+    def dry(self, speed: Any) -> Any:
+        """Dry friction at `speed` >= 0, a number, an array or a formula [N·m] or [N]."""
+        return self.dry_of(self.falling_share(speed))
 
     def level(self, speed: float) -> float:
         """Friction at `speed` >= 0 [N·m] or [N]."""
-        return self.dry(speed) + self.viscous * speed
+        return float(self.dry(speed)) + self.viscous * speed
 
     def steepest_fall(self) -> float:
         """Largest -dF/ds of the curve, 0 where it never falls [N·m·s/rad] or [N·s/m].
@@ -123,8 +133,8 @@ class FrictionCurves:
     def largest(self, velocity: tuple[float, float], load_factor: float = 1.0) -> float:
         """Largest friction from `velocity[0]` to `velocity[1]` [N·m] or [N]."""
         edges = ((self.forward, max(velocity[1], 0.0)), (self.reverse, max(-velocity[0], 0.0)))
-        speeds = ((curve, top * i / 200) for curve, top in edges for i in range(201))
-        return max(load_factor * curve.dry(s) + curve.viscous * s for curve, s in speeds)
+        speeds = ((curve, top * np.arange(201) / 200) for curve, top in edges)
+        return max(float(np.max(load_factor * curve.dry(s) + curve.viscous * s)) for curve, s in speeds)
 
 
 def split_law(law: FrictionLaw) -> FrictionCurves:

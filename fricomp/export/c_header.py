@@ -5,9 +5,8 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-import sys
-from collections.abc import Callable
 from string import Template
+from typing import Any
 
 import numpy as np
 
@@ -16,19 +15,21 @@ from fricomp.control import CompensationSettings
 from fricomp.control.bristle import FALLING_SHARE_WITHOUT_VELOCITY, deepest_bend
 from fricomp.control.choice import choose_settings
 from fricomp.control.curve import FrictionCurves
+from fricomp.control.extra_terms import trace_extra
 from fricomp.control.trust import require_usable, trusted_curves
 from fricomp.errors import ExportError, ParameterError
+from fricomp.export.c_source import C
 from fricomp.export.c_terms import EXTRA_CHECKS, EXTRA_FIELDS, render_extra
-from fricomp.laws import DwellStiction
+from fricomp.laws.bristle import advance_bristle, bristle_torque
+from fricomp.laws.expression import Expression, Symbol
+from fricomp.laws.lagged import follow_velocity
+from fricomp.laws.stribeck import compute_dry_level, compute_falling_share
 from fricomp.model import FrictionModel, encode_model
 
 __all__ = ["render_c_header"]
 
-Literal = Callable[[float], str]
-
 _LONGEST_PERIOD = 10.0
 """Control periods end here [s], as in `Compensator`."""
-_LARGEST_FLOAT, _LARGEST_DOUBLE = float(np.finfo(np.float32).max), sys.float_info.max
 
 
 def render_c_header(
@@ -51,7 +52,7 @@ def render_c_header(
         any_status: Take a model too that its identification calls unusable.
 
     Raises:
-        ExportError: The prefix is no C name, or the law has a term without a closed form in C.
+        ExportError: The prefix is no C name.
         ParameterError: The model is not usable, or the period is outside the range that `Compensator` takes.
     """
     if not any_status:
@@ -64,7 +65,7 @@ def render_c_header(
     if not re.fullmatch(r"[A-Za-z_]\w*", name, re.ASCII):
         raise ExportError(f"prefix {name!r} is not a C name: letters, digits and underscores, no digit first")
     functions = "\n".join(
-        _functions(curves, chosen, (model.position_unit, _comment(model.torque_unit), name), period, is_float)
+        _functions(curves, chosen, (model.position_unit, _comment(model.torque_unit), name), period, C(is_float))
         for is_float in (False, True)
     )
     return template.HEADER.substitute(
@@ -88,49 +89,41 @@ def _comment(text: str) -> str:
 
 
 def _functions(
-    curves: FrictionCurves, settings: CompensationSettings, names: tuple[str, str, str], period: float, is_float: bool
+    curves: FrictionCurves, settings: CompensationSettings, names: tuple[str, str, str], period: float, c: C
 ) -> str:
-    def literal(value: float) -> str:
-        if abs(value) > (_LARGEST_FLOAT if is_float else _LARGEST_DOUBLE):
-            size = "INFINITY" if is_float else "(double)INFINITY"
-            return size if value > 0.0 else f"-{size}"
-        text = repr(float(value))
-        text = text if "e" in text or "." in text else f"{text}.0"
-        return f"{text}F" if is_float else text
-
     position_unit, torque_unit, prefix = names
-    suffix = "f" if is_float else ""
-    constants = {"real": "float" if is_float else "double", "f": suffix, "prefix": prefix}
-    constants |= {name: literal(value) for name, value in _numbers(curves, settings).items()}
-    dry = _static(curves, settings, literal) if curves.bristle is None else _bristle(curves, period, literal)
-    has_extra, is_late = bool(curves.extra), curves.lag > 0.0
+    constants = {"real": c.real, "f": c.suffix, "prefix": prefix}
+    constants |= {name: c.literal(value) for name, value in _numbers(curves, settings).items()}
+    extra, is_late = trace_extra(curves.extra, period) if curves.extra else None, curves.lag > 0.0
     constants |= {"speed": "blended", "dragged": "drive"}
     if is_late:
-        constants |= {"speed": f"fabs{suffix}(state->felt)", "dragged": "state->dragged"}
-        constants["lasting"] = literal(math.exp(-period / curves.lag))
+        constants |= {"speed": f"fabs{c.suffix}(state->felt)", "dragged": "state->dragged"}
+        constants["follow"] = _follow(period / curves.lag, c)
+    constants["factor_of_load"] = c.assign({"factor": curves.load.factor(Symbol("normal_load"))})
     memories = ["felt", "dragged"] if is_late else []
-    memories += ["rested" for term in curves.extra if isinstance(term, DwellStiction)]
+    memories += [name for step in (extra.steps if extra else ()) for name in step.states]
 
     def filled(text: str) -> str:
         return Template(text).substitute(constants, position_unit=position_unit, torque_unit=torque_unit)
 
+    dry = _static(curves, settings, c) if curves.bristle is None else _bristle(curves, period, c)
     return template.FUNCTIONS.substitute(
         constants,
         position_unit=position_unit,
-        extra_fields=filled(EXTRA_FIELDS) if has_extra else "",
-        extra_checks=EXTRA_CHECKS if has_extra else "",
-        extra_variables=filled(template.EXTRA_VARIABLES) if has_extra else "",
-        extra=filled(render_extra(curves.extra, settings, period, literal)),
+        extra_fields=filled(EXTRA_FIELDS) if extra else "",
+        extra_checks=EXTRA_CHECKS if extra else "",
+        extra_variables=filled(template.EXTRA_VARIABLES) if extra else "",
+        extra=render_extra(extra, settings, c) if extra else "",
         lagging=filled(template.LAG) if is_late else "",
         turning=filled(template.TURNING) if is_late else "",
         memories=filled("".join(f"    $real {name};\n" for name in memories)),
         forgotten=filled("".join(f"    state->{name} = $zero;\n" for name in memories)),
-        dragging=filled("((viscous * $dragged) + drag)" if has_extra else "viscous * $dragged"),
-        holding=filled(template.HOLDING) if has_extra else "",
-        load_bounds=_load_bounds(settings, literal),
-        drive_from_measurement=_measured(settings, literal),
+        dragging=filled("((viscous * $dragged) + drag)" if extra else "viscous * $dragged"),
+        holding=filled(template.HOLDING) if extra else "",
+        load_bounds=_load_bounds(settings, c),
+        drive_from_measurement=_measured(settings, c),
         dry=Template(dry.safe_substitute(constants)).substitute(constants),
-        rate_limit=_rate_limit(settings, period, literal),
+        rate_limit=_rate_limit(settings, period, c),
     )
 
 
@@ -150,8 +143,6 @@ def _numbers(curves: FrictionCurves, settings: CompensationSettings) -> dict[str
         "smoothing": settings.smoothing,
         "mean_viscous": 0.5 * (curves.forward.viscous + curves.reverse.viscous),
         "half_viscous": 0.5 * (curves.forward.viscous - curves.reverse.viscous),
-        "load_sensitivity": curves.load.load_sensitivity,
-        "reference_load": curves.load.reference_load,
         "forward_edge": high,
         "reverse_edge": low,
     }
@@ -161,60 +152,85 @@ def _numbers(curves: FrictionCurves, settings: CompensationSettings) -> dict[str
     return values
 
 
-def _load_bounds(settings: CompensationSettings, literal: Literal) -> str:
+def _load_bounds(settings: CompensationSettings, c: C) -> str:
     if settings.normal_load_range is None:
         return ""
-    low, high = (literal(edge) for edge in settings.normal_load_range)
+    low, high = (c.literal(edge) for edge in settings.normal_load_range)
     return f"        normal_load = (normal_load < {low}) ? {low} : ((normal_load > {high}) ? {high} : normal_load);\n"
 
 
-def _measured(settings: CompensationSettings, literal: Literal) -> str:
+def _measured(settings: CompensationSettings, c: C) -> str:
     if settings.source != "measured":
         return ""
-    band, zero = literal(settings.dead_band), literal(0.0)
+    band, zero = c.literal(settings.dead_band), c.literal(0.0)
     return (
         f"        drive = (input->velocity > {band}) ? (input->velocity - {band})\n"
         f"              : ((input->velocity < -{band}) ? (input->velocity + {band}) : {zero});\n"
     )
 
 
-def _falling(curves: FrictionCurves, literal: Literal, chosen_by: str) -> str:
-    """The exponential of the curve of the sign of `chosen_by` as C; the usual exponent 2 needs no power."""
-    ratio = "(speed / stribeck_velocity)"
-    forward, reverse = curves.forward.exponent, curves.reverse.exponent
-    if forward == reverse == 2.0:
-        return f"exp$f(-({ratio} * {ratio}))"
-    return f"exp$f(-pow$f({ratio}, ({chosen_by} >= $zero) ? {literal(forward)} : {literal(reverse)}))"
+def _follow(steps: float, c: C) -> str:
+    """The low pass of both velocities of a lag."""
+    now = {"felt": "seen", "dragged": "driven"}
+    formulas = {f"state->{name}": follow_velocity(Symbol(name), Symbol(now[name]), steps) for name in now}
+    return c.assign(formulas, {name: f"state->{name}" for name in now})
 
 
-def _static(curves: FrictionCurves, settings: CompensationSettings, literal: Literal) -> Template:
-    share_at_rest, width = "$zero", literal(settings.rest_velocity)
+def _symbols(*names: str) -> list[Any]:
+    return [Symbol(name) for name in names]
+
+
+def _falling(curves: FrictionCurves, chosen_by: str, c: C) -> tuple[Expression, dict[str, str]]:
+    """The share of the rise that is left in the direction of the sign of `chosen_by`, and the text of its symbol."""
+    speed, stribeck_velocity = _symbols("speed", "stribeck_velocity")
+    exponents = [curve.exponent for curve in (curves.forward, curves.reverse)]
+    exponent: Any = exponents[0]
+    if exponents[0] != exponents[1]:
+        exponent = np.where(Symbol("is_forward"), *exponents)  # type: ignore[call-overload]
+    return compute_falling_share(speed, stribeck_velocity, exponent), {
+        "is_forward": f"({chosen_by} >= {c.literal(0.0)})"
+    }
+
+
+def _static(curves: FrictionCurves, settings: CompensationSettings, c: C) -> Template:
+    share_at_rest, width = "$zero", c.literal(settings.rest_velocity)
     if settings.rest_velocity > 0.0:
         size = "fabs$f(input->velocity)"
         share_at_rest = f"({size} < {width}) ? ($one - ({size} / {width})) : $zero"
+    falling, names = _falling(curves, "direction", c)
+    level = compute_dry_level(*_symbols("coulomb", "rise", "falling"))
     return Template(
         template.STATIC.safe_substitute(
-            falling=_falling(curves, literal, "direction"),
+            falling=c.assign({"falling": falling}, names, " " * 12),
+            level=c.assign({"level": Symbol("factor") * level}, {"factor": "${prefix}_factor${f}(input)"}),
             share_at_rest=share_at_rest,
-            unseen=literal(FALLING_SHARE_WITHOUT_VELOCITY if settings.source == "blend" else 1.0),
+            unseen=c.literal(FALLING_SHARE_WITHOUT_VELOCITY if settings.source == "blend" else 1.0),
         )
     )
 
 
-def _bristle(curves: FrictionCurves, period: float, literal: Literal) -> Template:
-    assert curves.bristle is not None
+def _bristle(curves: FrictionCurves, period: float, c: C) -> Template:
+    bristle = curves.bristle
+    assert bristle is not None
+    falling, names = _falling(curves, "drive", c)
+    coulomb, rise = _symbols("coulomb", "rise")
+    level = compute_dry_level(coulomb, rise, falling)
+    before, after = Symbol("bristle"), Symbol("after")
+    bent = advance_bristle(before, Symbol("drive"), Symbol("steady"), period)
+    torque = bristle_torque(bristle.sigma_0, bristle.sigma_1, before, after, period)
+    names |= {"factor": "${prefix}_factor${f}(input)", "bristle": "state->bristle"}
     return Template(
         template.BRISTLE.safe_substitute(
-            falling=_falling(curves, literal, "drive"),
-            sigma_0=literal(curves.bristle.sigma_0),
-            deepest=literal(deepest_bend(curves)),
-            sigma_1_per_period=literal(curves.bristle.sigma_1 / period),
-            period=literal(period),
+            level=c.assign({"level": Symbol("factor") * level}, names),
+            sigma_0=c.literal(bristle.sigma_0),
+            deepest=c.literal(deepest_bend(curves)),
+            bend=c.assign({f"const {c.real} after": bent}, names, " " * 12)
+            + c.assign({"torque": torque}, names, " " * 12),
         )
     )
 
 
-def _rate_limit(settings: CompensationSettings, period: float, literal: Literal) -> str:
+def _rate_limit(settings: CompensationSettings, period: float, c: C) -> str:
     if math.isinf(settings.torque_rate):
         return "    (void)change; /* the rate is not limited */\n"
-    return template.RATE.substitute(step=literal(settings.torque_rate * period))
+    return template.RATE.substitute(step=c.literal(settings.torque_rate * period))

@@ -80,8 +80,7 @@ static inline $real ${prefix}_factor${f}(const ${prefix}_input${f}_t *input)
     $real factor = $one;
     if (input->has_normal_load) {
         $real normal_load = input->normal_load;
-$load_bounds        factor = $one + ($load_sensitivity * ((normal_load / $reference_load) - $one));
-        if (factor < $zero) {
+$load_bounds$factor_of_load        if (factor < $zero) {
             factor = $zero;
         }
     }
@@ -169,9 +168,7 @@ LAG = """    {
         const $real lowest = $reverse_edge;
         const $real driven = (drive > highest) ? highest : ((drive < lowest) ? lowest : drive);
         const $real seen = (blended > highest) ? highest : ((blended < lowest) ? lowest : blended);
-        state->dragged = driven + ((state->dragged - driven) * $lasting);
-        state->felt = seen + ((state->felt - seen) * $lasting);
-    }
+$follow    }
 """
 
 TURNING = """    viscous = $mean_viscous + ($half_viscous * tanh$f(direction / $smoothing));
@@ -183,21 +180,21 @@ HOLDING = """    torque += $gain * held;
 STATIC = Template(
     """    {
         const $real speed = $speed;
-        $real falling = (speed > $zero) ? $falling : $one;
+        $real falling = $one;
+        if (speed > $zero) {
+$falling        }
         if (input->has_velocity) {
             const $real share_at_rest = $share_at_rest;
             falling += ($one - falling) * share_at_rest;
         } else {
             falling *= $unseen;
         }
-        level = ${prefix}_factor${f}(input) * (coulomb + (rise * falling));
-        torque = level * tanh$f(direction / $smoothing);
+$level        torque = level * tanh$f(direction / $smoothing);
     }"""
 )
 
 BRISTLE = Template(
     """    {
-        const $real size = (drive >= $zero) ? drive : -drive;
         const $real speed = fabs$f($dragged);
         $real steady;
         if (drive >= $zero) { /* a bristle bends with the velocity, whatever a position error says */
@@ -209,13 +206,9 @@ BRISTLE = Template(
             rise = $reverse_rise;
             stribeck_velocity = $reverse_stribeck_velocity;
         }
-        level = ${prefix}_factor${f}(input) * (coulomb + (rise * $falling));
-        steady = level / $sigma_0;
+$level        steady = level / $sigma_0;
         if ((steady > $zero) && (steady < $deepest)) {
-            const $real target = (drive >= $zero) ? steady : -steady;
-            const $real after = target + ((state->bristle - target) * exp$f(-(size * $period) / steady));
-            torque = ($sigma_0 * after) + ($sigma_1_per_period * (after - state->bristle));
-            state->bristle = after;
+$bend            state->bristle = after;
         } else {
             state->bristle = $zero;
             torque = level * tanh$f(drive / $smoothing);

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from fricomp.control.curve import FrictionCurves
-from fricomp.control.extra_terms import INPUT_TERMS
 from fricomp.control.trust import compute_torque_cap, find_doubt_in_status, require_usable, trusted_curves
 from fricomp.errors import ExportError, MissingExtraError
 from fricomp.export.joined_facts import join_facts
-from fricomp.export.onnx_terms import extra_constants, extra_nodes
-from fricomp.laws import DwellStiction, FloatArray
+from fricomp.export.onnx_nodes import NodeWriter
+from fricomp.export.onnx_terms import closed_form
+from fricomp.laws import FloatArray, find_inputs
 from fricomp.model import FrictionModel
 from fricomp.whole_file import write_whole
 
@@ -25,7 +25,6 @@ OPSET = 17
 STATE_COLUMNS = ("velocity", "normal_load", "position", "load_torque", "temperature", "acceleration")
 """Columns of the input of a closed form; the third to fifth only where a model depends on any of them, and the last one
 only where a model depends on it."""
-_BEYOND = tuple({term for terms in INPUT_TERMS.values() for term in terms})
 _IR_VERSION = 8
 
 
@@ -45,7 +44,7 @@ def closed_form_graph(models: Sequence[FrictionModel], *, any_status: bool = Fal
         any_status: Take models too that their identification calls unusable.
 
     Raises:
-        ExportError: No model, or a law has a term that the graph cannot express.
+        ExportError: No model.
         ParameterError: A model is not usable.
         MissingExtraError: onnx is not installed.
     """
@@ -54,33 +53,12 @@ def closed_form_graph(models: Sequence[FrictionModel], *, any_status: bool = Fal
         raise ExportError("an ONNX graph needs at least one model")
     for model in models if not any_status else ():
         require_usable(model)
-    curves = [trusted_curves(model) for model in models]
-    # In steady sliding, which is what a graph without a state holds, nothing is left of what a rest brought.
-    extras = [[term for term in curve.extra if not isinstance(term, DwellStiction)] for curve in curves]
-    constants: dict[str, FloatArray] = {"zero": np.zeros((1, 1)), "one": np.ones((1, 1))} | extra_constants(extras)
-    for side in ("forward", "reverse"):
-        table = np.array([getattr(curve, side) for curve in curves])
-        for column, name in enumerate(("coulomb", "rise", "stribeck_velocity", "exponent", "viscous")):
-            constants[f"{side}_{name}"] = table[:, column : column + 1]
-    constants["sensitivity"] = np.array([[curve.load.load_sensitivity] for curve in curves])
-    constants["reference_load"] = np.array([[curve.load.reference_load] for curve in curves])
+    curves, columns = [trusted_curves(model) for model in models], state_columns(models)
+    writer = NodeWriter(onnx.helper.make_node)
+    writer.write(closed_form(curves, [compute_torque_cap(model) for model in models]), "torque")
     rows: int | str = "n" if len(models) == 1 else len(models)
-    node, columns = onnx.helper.make_node, state_columns(models)
-    output = "plain_torque" if any(extras) else "torque"
-    caps = [compute_torque_cap(model) for model in models]
-    smoothing = np.array([[curve.smoothing] for curve in curves])
-    if is_smoothed := bool(np.any(smoothing)):
-        constants["sharp"] = np.where(smoothing > 0.0, 0.0, 1.0)  # of joints whose friction changes its sign at once
-        constants["smoothing"] = smoothing + constants["sharp"]
-    nodes = _closed_form_nodes(node, columns, is_smoothed, "unheld_torque" if any(caps) else output)
-    if any(caps):
-        constants["cap"] = np.array([[np.inf if cap is None else cap] for cap in caps])
-        constants["minus_cap"] = -constants["cap"]
-        nodes += [
-            node("Min", ["unheld_torque", "cap"], ["below_cap"]),
-            node("Max", ["below_cap", "minus_cap"], [output]),
-        ]
-    graph = _model(onnx, nodes + extra_nodes(node, extras), constants, (rows, len(columns)))
+    nodes = [onnx.helper.make_node("Split", ["state"], columns, axis=1), *writer.nodes]
+    graph = _model(onnx, nodes, writer.constants, (rows, len(columns)))
     for key, value in _loads(models, curves).items():
         graph.metadata_props.add(key=key, value=value)
     if unused := [name for name in columns if not any(_depends_on(name, model) for model in models)]:
@@ -104,61 +82,15 @@ def _depends_on(column: str, model: FrictionModel) -> bool:
     """Whether a column of the state changes the torque of a joint."""
     if column == "normal_load":
         return trusted_curves(model).load.load_sensitivity != 0.0
-    return column == "velocity" or any(isinstance(term, INPUT_TERMS[column]) for term in model.law.terms)
+    return column == "velocity" or column in find_inputs(model.law.terms)
 
 
 def state_columns(models: Sequence[FrictionModel]) -> tuple[str, ...]:
     """Columns of the input that the closed forms of `models` need."""
-    terms = [term for model in models for term in model.law.terms]
-    if any(isinstance(term, INPUT_TERMS["acceleration"]) for term in terms):
+    inputs = find_inputs([term for model in models for term in model.law.terms])
+    if "acceleration" in inputs:
         return STATE_COLUMNS
-    return STATE_COLUMNS[:-1] if any(isinstance(term, _BEYOND) for term in terms) else STATE_COLUMNS[:2]
-
-
-def _closed_form_nodes(node: Any, columns: Sequence[str], is_smoothed: bool, output: str) -> list[Any]:
-    nodes = [
-        node("Split", ["state"], columns, axis=1),
-        node("Abs", ["velocity"], ["speed"]),
-        node("Div", ["normal_load", "reference_load"], ["load_ratio"]),
-        node("Sub", ["load_ratio", "one"], ["excess"]),
-        node("Mul", ["excess", "sensitivity"], ["share"]),
-        node("Add", ["share", "one"], ["follows"]),
-        # Far below the reference load friction ends, and never drives.
-        node("Relu", ["follows"], ["load_factor" if is_smoothed else "factor"]),
-        *(_smoothing_nodes(node) if is_smoothed else []),
-    ]
-    for side in ("forward", "reverse"):
-        names = ("ratio", "power", "minus", "falling", "risen", "dry", "loaded", "viscous_part", "level")
-        ratio, power, minus, falling, risen, dry, loaded, viscous, level = (f"{side}_{name}_" for name in names)
-        nodes += [
-            node("Div", ["speed", f"{side}_stribeck_velocity"], [ratio]),
-            node("Pow", [ratio, f"{side}_exponent"], [power]),
-            node("Neg", [power], [minus]),
-            node("Exp", [minus], [falling]),
-            node("Mul", [falling, f"{side}_rise"], [risen]),
-            node("Add", [risen, f"{side}_coulomb"], [dry]),
-            node("Mul", [dry, "factor"], [loaded]),
-            node("Mul", ["speed", f"{side}_viscous"], [viscous]),
-            node("Add", [loaded, viscous], [level]),
-        ]
-    return [
-        *nodes,
-        node("Greater", ["velocity", "zero"], ["is_forward"]),
-        node("Where", ["is_forward", "forward_level_", "reverse_level_"], ["size"]),
-        node("Where", ["is_forward", "forward_loaded_", "reverse_loaded_"], ["dry_level"]),
-        node("Sign", ["velocity"], ["sign"]),
-        node("Mul", ["size", "sign"], [output]),
-    ]
-
-
-def _smoothing_nodes(node: Any) -> list[Any]:
-    """The factor of the load times the share of dry friction that a speed reaches: tanh(speed/smoothing), or all."""
-    return [
-        node("Div", ["speed", "smoothing"], ["smoothed_speed"]),
-        node("Tanh", ["smoothed_speed"], ["smoothed_share"]),
-        node("Max", ["smoothed_share", "sharp"], ["reached"]),
-        node("Mul", ["load_factor", "reached"], ["factor"]),
-    ]
+    return STATE_COLUMNS[:-1] if inputs else STATE_COLUMNS[:2]
 
 
 def stack_networks(paths: Sequence[str | os.PathLike[str]], *, any_status: bool = False) -> Any:

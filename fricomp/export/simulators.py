@@ -15,7 +15,7 @@ from fricomp.control.trust import bound_friction, require_usable, trusted_curves
 from fricomp.errors import ExportError
 from fricomp.export.default_class import joint_type
 from fricomp.export.fidelity import Fidelity, compute_fidelity, fit_levels, sample_friction
-from fricomp.laws import Cogging, FloatArray, FrictionLaw, KinematicError, SpringTorque, Term
+from fricomp.laws import Cogging, FloatArray, FrictionLaw, SpringTorque, Term, trace_parts
 from fricomp.model import FrictionModel
 
 __all__ = ["MJCF_WAYS", "MjcfWay", "SimulatorExport", "apply_to_mjcf", "apply_to_urdf", "export_mjcf", "export_urdf"]
@@ -64,13 +64,13 @@ def export_mjcf(model: FrictionModel, way: MjcfWay = "dcmotor", *, any_status: b
     if not any_status:
         require_usable(model)
     model = bound_friction(model)
-    springs = [term for term in model.law.terms if isinstance(term, SpringTorque)]
-    ripples = [term for term in model.law.terms if isinstance(term, Cogging)]
-    uneven = [term for term in model.law.terms if isinstance(term, KinematicError)]
+    held = _held_terms(model)
+    springs = [term for term in held if isinstance(term, SpringTorque)]
+    ripples = [term for term in held if isinstance(term, Cogging)]
     said = (*springs, *(ripples if way == "dcmotor" else ()))
-    sliding = _without(model, (*springs, *ripples, *uneven))
+    sliding = _without(model, held)
     curves, lost = trusted_curves(sliding), []
-    silent = (*curves.extra, *uneven, *(term for term in ripples if term not in said))
+    silent = (*curves.extra, *(term for term in held if term not in said))
     left_out = [term.name for term in model.law.terms if term in silent]
     if left_out:
         lost.append(f"left out: {', '.join(left_out)}")
@@ -87,6 +87,11 @@ def export_mjcf(model: FrictionModel, way: MjcfWay = "dcmotor", *, any_status: b
     if ripples and way == "dcmotor":
         export = replace(export, actuator={**export.actuator, "cogging": _cogging(ripples[0])})
     return replace(export, joint={**export.joint, **spring})
+
+
+def _held_terms(model: FrictionModel) -> list[Term]:
+    """Terms that act whatever the direction of motion, and so are no friction."""
+    return [term for term in model.law.terms if trace_parts(term).held is not None]
 
 
 def _without(model: FrictionModel, terms: Sequence[Term]) -> FrictionModel:
@@ -189,13 +194,13 @@ def export_urdf(model: FrictionModel, *, any_status: bool = False) -> SimulatorE
     if not any_status:
         require_usable(model)
     model = bound_friction(model)
-    over_position = [term for term in model.law.terms if isinstance(term, SpringTorque | Cogging | KinematicError)]
-    model = _without(model, over_position)
+    held = _held_terms(model)
+    model = _without(model, held)
     curves = split_law(model.law)
     velocity, friction = sample_friction(model)
     level, slope = fit_levels(velocity, friction)
     lost = ["one level for both directions, no Stribeck effect, no load, no presliding", *_lost_lag(curves)]
-    left_out = [term.name for term in (*over_position, *curves.extra)]
+    left_out = [term.name for term in (*held, *curves.extra)]
     if left_out:
         lost.append(f"left out: {', '.join(left_out)}")
     return SimulatorExport(

@@ -16,11 +16,23 @@ from fricomp.laws.quadratic_drag import QuadraticDrag
 from fricomp.laws.ripple import Cogging, PositionCoulomb
 from fricomp.laws.spring_torque import SpringTorque
 from fricomp.laws.stribeck import BidirectionalStribeck, Stribeck, StribeckCurve
-from fricomp.laws.term import DynamicTerm, FloatArray, OperatingPoint, Scalar, Term, term_class, term_names
+from fricomp.laws.term import (
+    DynamicTerm,
+    FloatArray,
+    OperatingPoint,
+    Parts,
+    Ranges,
+    Scalar,
+    Term,
+    term_class,
+    term_names,
+)
 from fricomp.laws.thermal_friction import ThermalFriction
 from fricomp.laws.thermal_viscous import ThermalViscous
+from fricomp.laws.tracing import INPUTS, TracedPoint, TracedStep, find_inputs, trace_parts, trace_step
 
 __all__ = [
+    "INPUTS",
     "BidirectionalStribeck",
     "Cogging",
     "Coulomb",
@@ -40,9 +52,11 @@ __all__ = [
     "LoadStribeck",
     "LuGre",
     "OperatingPoint",
+    "Parts",
     "PositionCoulomb",
     "PowerLawViscous",
     "QuadraticDrag",
+    "Ranges",
     "Scalar",
     "SmoothedCoulomb",
     "SpringTorque",
@@ -51,7 +65,12 @@ __all__ = [
     "Term",
     "ThermalFriction",
     "ThermalViscous",
+    "TracedPoint",
+    "TracedStep",
     "Viscous",
+    "find_inputs",
     "term_class",
     "term_names",
+    "trace_parts",
+    "trace_step",
 ]

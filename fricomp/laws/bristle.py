@@ -2,27 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from fricomp.laws.load import LoadScaling
-from fricomp.laws.stribeck import STRIBECK_UNITS, BidirectionalStribeck, StribeckCurve
-from fricomp.laws.term import (
-    DynamicTerm,
-    FloatArray,
-    OperatingPoint,
-    Scalar,
-    require_nonnegative,
-    require_positive,
+from fricomp.laws.stribeck import (
+    STRIBECK_UNITS,
+    BidirectionalStribeck,
+    StribeckCurve,
+    dry_level_of_direction,
+    viscous_torque,
 )
+from fricomp.laws.term import DynamicTerm, OperatingPoint, Parts, require_nonnegative, require_positive
 
-__all__ = ["Dahl", "LuGre"]
+__all__ = ["Dahl", "LuGre", "advance_bristle", "bristle_torque"]
 
 
-def advance_bristle(z: FloatArray, v: FloatArray, steady: FloatArray, dt: float) -> FloatArray:
+def advance_bristle(z: Any, v: Any, steady: Any, dt: Any) -> Any:
     """Bristle deflection after `dt` [s] of z' = v - |v| z / z_ss, which is linear in z while v is constant.
 
     The exact solution z_ss sgn(v) + (z - z_ss sgn(v)) exp(-|v| dt / z_ss) stays bounded at any step.
@@ -37,6 +36,11 @@ def advance_bristle(z: FloatArray, v: FloatArray, steady: FloatArray, dt: float)
     return target + (z - target) * np.exp(-np.abs(v) * dt / steady)
 
 
+def bristle_torque(sigma_0: float, sigma_1: float, before: Any, after: Any, dt: Any) -> Any:
+    """sigma_0 z + sigma_1 z' at the end of a step from z = `before` to `after`; z' is its mean over the step."""
+    return sigma_0 * after + (sigma_1 / dt) * (after - before)
+
+
 @dataclass(frozen=True)
 class Dahl(DynamicTerm):
     """Dahl's model with exponent 1 [dahl1968]: tau = sigma_0 z, z' = v - sigma_0 |v| z / F_c.
@@ -48,6 +52,7 @@ class Dahl(DynamicTerm):
     """
 
     name: ClassVar[str] = "dahl"
+    states: ClassVar[tuple[str, ...]] = ("deflection",)
     units: ClassVar[Mapping[str, str]] = {
         "coulomb_torque": "{torque}",
         "sigma_0": "{torque}/{position}",
@@ -62,19 +67,18 @@ class Dahl(DynamicTerm):
     def __post_init__(self) -> None:
         require_positive(self, "coulomb_torque", "sigma_0")
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    def parts(self, point: OperatingPoint) -> Parts:
         """Torque in steady sliding at `point`."""
-        return self.load.factor(point.normal_load) * self.coulomb_torque * np.sign(point.velocity)
+        return Parts(dry=self.load.factor_at(point) * self.coulomb_torque)
 
-    def rest_state(self) -> Scalar:
-        """No deflection [rad] or [m]."""
-        return 0.0
+    def follow(self, point: OperatingPoint, before: Sequence[Any], dt: Any) -> tuple[Any, ...]:
+        """Deflection after `dt` [s]."""
+        steady = self.load.factor_at(point) * self.coulomb_torque / self.sigma_0
+        return (advance_bristle(before[0], point.velocity, steady, dt),)
 
-    def advance(self, state: Scalar, point: OperatingPoint, dt: float) -> tuple[Scalar, Scalar]:
-        """Torque and deflection after `dt` [s]."""
-        steady = np.asarray(self.load.factor(point.normal_load) * self.coulomb_torque / self.sigma_0)
-        z = advance_bristle(np.asarray(state), np.asarray(point.velocity, dtype=np.float64), steady, dt)
-        return self.sigma_0 * z, z
+    def parts_after(self, point: OperatingPoint, before: Sequence[Any], after: Sequence[Any], dt: Any) -> Parts:
+        """Torque of the bent bristle."""
+        return Parts(bristle=bristle_torque(self.sigma_0, 0.0, before[0], after[0], dt))
 
 
 @dataclass(frozen=True)
@@ -95,6 +99,7 @@ class LuGre(DynamicTerm):
     """
 
     name: ClassVar[str] = "lugre"
+    states: ClassVar[tuple[str, ...]] = ("deflection",)
     units: ClassVar[Mapping[str, str]] = {
         **STRIBECK_UNITS,
         "sigma_0": "{torque}/{position}",
@@ -111,26 +116,25 @@ class LuGre(DynamicTerm):
         require_positive(self, "sigma_0")
         require_nonnegative(self, "sigma_1")
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    def parts(self, point: OperatingPoint) -> Parts:
         """Torque in steady sliding at `point`."""
-        return BidirectionalStribeck(self.forward, self.reverse, self.load).torque(point)
+        return BidirectionalStribeck(self.forward, self.reverse, self.load).parts(point)
 
-    def rest_state(self) -> Scalar:
-        """No deflection [rad] or [m]."""
-        return 0.0
+    def follow(self, point: OperatingPoint, before: Sequence[Any], dt: Any) -> tuple[Any, ...]:
+        """Deflection after `dt` [s]."""
+        return (self._bend(point, before[0], point.velocity, dt),)
 
-    def advance(self, state: Scalar, point: OperatingPoint, dt: float) -> tuple[Scalar, Scalar]:
-        """Torque and deflection after `dt` [s]; the bristle rate is its mean over the step."""
-        v = np.asarray(point.velocity, dtype=np.float64)
-        return self._bend(np.asarray(state), v, v, point, dt)
+    def parts_after(self, point: OperatingPoint, before: Sequence[Any], after: Sequence[Any], dt: Any) -> Parts:
+        """Torque of the bent bristle, and viscous friction."""
+        return self._parts(point, before[0], after[0], point.velocity, dt)
 
-    def _bend(
-        self, before: FloatArray, v: FloatArray, felt: FloatArray, point: OperatingPoint, dt: float
-    ) -> tuple[Scalar, Scalar]:
-        """Torque and deflection after `dt` [s], with friction at the velocity `felt`."""
-        speed, is_forward = np.abs(felt), v >= 0.0
-        dry = np.where(is_forward, self.forward.dry_level(speed), self.reverse.dry_level(speed))
-        steady = self.load.factor(point.normal_load) * dry / self.sigma_0
-        z = advance_bristle(before, v, steady, dt)
-        viscous = np.where(is_forward, self.forward.viscous_coefficient, self.reverse.viscous_coefficient)
-        return self.sigma_0 * z + self.sigma_1 * (z - before) / dt + viscous * felt, z
+    def _bend(self, point: OperatingPoint, before: Any, felt: Any, dt: Any) -> Any:
+        """Deflection after `dt` [s], with friction at the velocity `felt`."""
+        level = self.load.factor_at(point) * dry_level_of_direction(self.forward, self.reverse, point, np.abs(felt))
+        return advance_bristle(before, point.velocity, level / self.sigma_0, dt)
+
+    def _parts(self, point: OperatingPoint, before: Any, after: Any, felt: Any, dt: Any) -> Parts:
+        return Parts(
+            bristle=bristle_torque(self.sigma_0, self.sigma_1, before, after, dt),
+            drag=viscous_torque(self.forward, self.reverse, point, felt),
+        )

@@ -9,7 +9,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from fricomp.laws.load import LoadScaling
-from fricomp.laws.term import OperatingPoint, Scalar, Term, require, require_nonnegative, require_positive
+from fricomp.laws.term import OperatingPoint, Parts, Term, require, require_nonnegative, require_positive
 
 __all__ = ["Coulomb", "SmoothedCoulomb", "Viscous"]
 
@@ -34,9 +34,9 @@ class Coulomb(Term):
     def __post_init__(self) -> None:
         require_nonnegative(self, "coulomb_torque")
 
-    def torque(self, point: OperatingPoint) -> Scalar:
-        """Torque at `point`; zero at rest."""
-        return self.load.factor(point.normal_load) * self.coulomb_torque * np.sign(point.velocity)
+    def parts(self, point: OperatingPoint) -> Parts:
+        """Torque at `point`."""
+        return Parts(dry=self.load.factor_at(point) * self.coulomb_torque)
 
 
 @dataclass(frozen=True)
@@ -55,9 +55,9 @@ class Viscous(Term):
     def __post_init__(self) -> None:
         require_nonnegative(self, "viscous_coefficient")
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`."""
-        return self.viscous_coefficient * np.asarray(point.velocity, dtype=np.float64)
+        return Parts(drag=self.viscous_coefficient * point.velocity)
 
 
 @dataclass(frozen=True)
@@ -88,8 +88,8 @@ class SmoothedCoulomb(Term):
         require_positive(self, "smoothing_velocity")
         require(self.shape in ("tanh", "arctan"), f"shape must be 'tanh' or 'arctan', got {self.shape!r}")
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`."""
-        ratio = np.asarray(point.velocity, dtype=np.float64) / self.smoothing_velocity
-        sign = np.tanh(ratio) if self.shape == "tanh" else 2.0 / np.pi * np.arctan(ratio)
-        return self.load.factor(point.normal_load) * self.coulomb_torque * sign
+        ratio = point.speed / self.smoothing_velocity
+        share = np.tanh(ratio) if self.shape == "tanh" else 2.0 / np.pi * np.arctan(ratio)
+        return Parts(dry=self.load.factor_at(point) * self.coulomb_torque * share)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
-from fricomp.laws.term import DynamicTerm, OperatingPoint, Scalar, require_nonnegative, require_positive
+from fricomp.laws.term import DynamicTerm, OperatingPoint, Parts, Ranges, require_nonnegative, require_positive
 
 __all__ = ["DwellStiction"]
 
@@ -27,6 +27,7 @@ class DwellStiction(DynamicTerm):
     """
 
     name: ClassVar[str] = "dwell_stiction"
+    states: ClassVar[tuple[str, ...]] = ("share",)
     units: ClassVar[Mapping[str, str]] = {
         "rise": "{torque}",
         "time_constant": "s",
@@ -43,18 +44,25 @@ class DwellStiction(DynamicTerm):
         require_nonnegative(self, "rise")
         require_positive(self, "time_constant", "travel", "rest_speed")
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    @property
+    def sliding_speed(self) -> float:
+        """The rest speed [rad/s] or [m/s]."""
+        return self.rest_speed
+
+    def parts(self, point: OperatingPoint) -> Parts:
         """Nothing: a joint in steady sliding has lost what its rest brought."""
-        return 0.0 * np.asarray(point.velocity, dtype=np.float64)
+        return Parts()
 
-    def rest_state(self) -> Scalar:
-        """Nothing of the rise [1]: how long a joint has been at rest before is not known."""
-        return 0.0
+    def follow(self, point: OperatingPoint, before: Sequence[Any], dt: Any) -> tuple[Any, ...]:
+        """Share of the rise [1] after `dt` [s]; 0 at the start, since no one knows how long the joint has rested."""
+        (share,), speed = before, np.abs(point.velocity)
+        grown = share - np.expm1(-dt / self.time_constant) * (1.0 - share)
+        return (np.where(speed < self.rest_speed, grown, share * np.exp(-speed * (dt / self.travel))),)
 
-    def advance(self, state: Scalar, point: OperatingPoint, dt: float) -> tuple[Scalar, Scalar]:
-        """Torque and share of the rise after `dt` [s]."""
-        v, before = np.asarray(point.velocity, dtype=np.float64), np.asarray(state)
-        speed = np.abs(v)
-        grown = before - np.expm1(-dt / self.time_constant) * (1.0 - before)
-        share = np.where(speed < self.rest_speed, grown, before * np.exp(-speed * dt / self.travel))
-        return self.rise * share * np.sign(v), share
+    def parts_after(self, point: OperatingPoint, before: Sequence[Any], after: Sequence[Any], dt: Any) -> Parts:
+        """The level that rests have brought."""
+        return Parts(dry=self.rise * after[0])
+
+    def largest_torque(self, ranges: Ranges) -> float:
+        """The whole rise."""
+        return self.rise

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fricomp.laws.term import OperatingPoint, Scalar, Term, require, require_finite, require_nonnegative
+from fricomp.laws.term import OperatingPoint, Parts, Term, require, require_finite, require_nonnegative
 
 __all__ = ["EndStop"]
 
@@ -35,7 +35,7 @@ class EndStop(Term):
         require_nonnegative(self, "stiffness")
         require(self.side in (1.0, -1.0), f"side must be 1 or -1, got {self.side!r}")
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`."""
-        depth = np.maximum(self.side * (np.asarray(point.position, dtype=np.float64) - self.edge), 0.0)
-        return self.stiffness * self.side * depth
+        depth = np.maximum(self.side * (point.position - self.edge), 0.0)
+        return Parts(held=self.stiffness * self.side * depth)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
-from fricomp.laws.term import OperatingPoint, Scalar, Term, require_finite, require_nonnegative
+from fricomp.laws.term import OperatingPoint, Parts, Ranges, Term, require_finite, require_nonnegative
 
 __all__ = ["KinematicError"]
 
@@ -49,13 +50,21 @@ class KinematicError(Term):
         require_nonnegative(self, "order", "load_inertia")
         require_finite(self, "sine", "cosine", "gravity_cosine", "gravity_sine")
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`."""
-        q, v = np.asarray(point.position, dtype=np.float64), np.asarray(point.velocity, dtype=np.float64)
+        q = point.position
         wave_cosine, wave_sine = np.cos(self.order * q), np.sin(self.order * q)
         error = self.sine * wave_sine + self.cosine * wave_cosine
         slope = self.order * (self.sine * wave_cosine - self.cosine * wave_sine)
         gravity = self.gravity_cosine * np.cos(q) + self.gravity_sine * np.sin(q)
         gradient = self.gravity_sine * np.cos(q) - self.gravity_cosine * np.sin(q)
-        pushed = slope * (gravity + 2.0 * self.load_inertia * np.asarray(point.acceleration, dtype=np.float64))
-        return pushed - self.load_inertia * self.order**2 * error * v**2 + gradient * error
+        pushed = slope * (gravity + 2.0 * self.load_inertia * point.acceleration)
+        return Parts(held=pushed - self.load_inertia * self.order**2 * error * point.velocity**2 + gradient * error)
+
+    def largest_torque(self, ranges: Ranges) -> float:
+        """Bound on the torque over `ranges`, from the amplitude of the error."""
+        fastest = max(map(abs, ranges.velocity))
+        gravity = math.hypot(self.gravity_cosine, self.gravity_sine)
+        held = (1.0 + self.order) * gravity + self.load_inertia * (self.order * fastest) ** 2
+        accelerated = 2.0 * self.load_inertia * self.order * max(map(abs, ranges.acceleration or (0.0,)))
+        return math.hypot(self.sine, self.cosine) * (held + accelerated)

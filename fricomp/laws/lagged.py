@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from fricomp.laws.bristle import LuGre
-from fricomp.laws.stribeck import BidirectionalStribeck
-from fricomp.laws.term import DynamicTerm, FloatArray, OperatingPoint, Scalar, require_positive
+from fricomp.laws.stribeck import BidirectionalStribeck, dry_level_of_direction, viscous_torque
+from fricomp.laws.term import DynamicTerm, OperatingPoint, Parts, require_positive
 
-__all__ = ["LaggedLuGre", "LaggedStribeck"]
+__all__ = ["LaggedLuGre", "LaggedStribeck", "follow_velocity"]
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,7 @@ class LaggedStribeck(BidirectionalStribeck, DynamicTerm):
     """
 
     name: ClassVar[str] = "lagged_stribeck"
+    states: ClassVar[tuple[str, ...]] = ("felt_velocity",)
     units: ClassVar[Mapping[str, str]] = {**BidirectionalStribeck.units, "lag": "s"}
 
     lag: float = field(kw_only=True)
@@ -33,18 +34,17 @@ class LaggedStribeck(BidirectionalStribeck, DynamicTerm):
     def __post_init__(self) -> None:
         require_positive(self, "lag")
 
-    def rest_state(self) -> Scalar:
-        """No velocity [rad/s] or [m/s]."""
-        return 0.0
+    def follow(self, point: OperatingPoint, before: Sequence[Any], dt: Any) -> tuple[Any, ...]:
+        """The lagging velocity after `dt` [s]."""
+        return (follow_velocity(before[0], point.velocity, dt / self.lag),)
 
-    def advance(self, state: Scalar, point: OperatingPoint, dt: float) -> tuple[Scalar, Scalar]:
-        """Torque and lagging velocity after `dt` [s]."""
-        v = np.asarray(point.velocity, dtype=np.float64)
-        felt = _follow(np.asarray(state), v, dt / self.lag)
-        is_forward, speed = v >= 0.0, np.abs(felt)
-        dry = np.where(is_forward, self.forward.dry_level(speed), self.reverse.dry_level(speed))
-        viscous = np.where(is_forward, self.forward.viscous_coefficient, self.reverse.viscous_coefficient)
-        return self.load.factor(point.normal_load) * dry * np.sign(v) + viscous * felt, felt
+    def parts_after(self, point: OperatingPoint, before: Sequence[Any], after: Sequence[Any], dt: Any) -> Parts:
+        """Torque at the lagging velocity."""
+        (felt,) = after
+        return Parts(
+            dry=self.load.factor_at(point) * dry_level_of_direction(self.forward, self.reverse, point, np.abs(felt)),
+            drag=viscous_torque(self.forward, self.reverse, point, felt),
+        )
 
 
 @dataclass(frozen=True)
@@ -58,6 +58,7 @@ class LaggedLuGre(LuGre):
     """
 
     name: ClassVar[str] = "lagged_lugre"
+    states: ClassVar[tuple[str, ...]] = ("deflection", "felt_velocity")
     units: ClassVar[Mapping[str, str]] = {**LuGre.units, "lag": "s"}
 
     lag: float = field(kw_only=True)
@@ -66,18 +67,16 @@ class LaggedLuGre(LuGre):
         super().__post_init__()
         require_positive(self, "lag")
 
-    def rest_state(self) -> Scalar:
-        """No deflection [rad] or [m] and no velocity [rad/s] or [m/s]."""
-        return np.zeros(2)
+    def follow(self, point: OperatingPoint, before: Sequence[Any], dt: Any) -> tuple[Any, ...]:
+        """Deflection and lagging velocity after `dt` [s]."""
+        felt = follow_velocity(before[1], point.velocity, dt / self.lag)
+        return self._bend(point, before[0], felt, dt), felt
 
-    def advance(self, state: Scalar, point: OperatingPoint, dt: float) -> tuple[Scalar, Scalar]:
-        """Torque and state after `dt` [s]."""
-        before, v = np.asarray(state), np.asarray(point.velocity, dtype=np.float64)
-        felt = _follow(before[1], v, dt / self.lag)
-        torque, z = self._bend(before[0], v, felt, point, dt)
-        return torque, np.stack(np.broadcast_arrays(z, felt))
+    def parts_after(self, point: OperatingPoint, before: Sequence[Any], after: Sequence[Any], dt: Any) -> Parts:
+        """Torque of the bent bristle, and viscous friction at the lagging velocity."""
+        return self._parts(point, before[0], after[0], after[1], dt)
 
 
-def _follow(felt: FloatArray, v: FloatArray, steps: float) -> FloatArray:
-    """The lagging velocity after `steps` time constants of constant velocity [rad/s] or [m/s]."""
-    return np.asarray(v + (felt - v) * np.exp(-steps))
+def follow_velocity(felt: Any, v: Any, steps: Any) -> Any:
+    """The lagging velocity after `steps` time constants of the constant velocity `v` [rad/s] or [m/s]."""
+    return v + (felt - v) * np.exp(-steps)

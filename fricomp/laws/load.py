@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
-from fricomp.laws.term import Scalar, require_nonnegative, require_positive
+from fricomp.laws.term import OperatingPoint, require_nonnegative, require_positive
 
 __all__ = ["LoadScaling"]
 
@@ -29,8 +30,12 @@ class LoadScaling:
         require_nonnegative(self, "load_sensitivity")
         require_positive(self, "reference_load")
 
-    def factor(self, normal_load: Scalar | None) -> Scalar:
-        """Factor on dry friction [1] under `normal_load`; 1 where the load is unknown."""
+    def factor(self, normal_load: Any) -> Any:
+        """Factor on dry friction [1] under `normal_load`; 1 where the load is None."""
         if normal_load is None:
             return 1.0
         return 1.0 + self.load_sensitivity * (normal_load / self.reference_load - 1.0)
+
+    def factor_at(self, point: OperatingPoint) -> Any:
+        """Factor on dry friction [1] at `point`; 1 where its normal load is unknown."""
+        return self.factor(point.normal_load_or(self.reference_load))

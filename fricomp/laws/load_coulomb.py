@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fricomp.laws.term import OperatingPoint, Scalar, Term, require_nonnegative
+from fricomp.laws.term import OperatingPoint, Parts, Term, require_nonnegative
 
 __all__ = ["LoadCoulomb"]
 
@@ -29,6 +29,6 @@ class LoadCoulomb(Term):
     def __post_init__(self) -> None:
         require_nonnegative(self, "coefficient")
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`."""
-        return self.coefficient * np.abs(point.load_torque) * np.sign(point.velocity)
+        return Parts(dry=self.coefficient * np.abs(point.load_torque))

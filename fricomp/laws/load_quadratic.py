@@ -6,9 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
-from fricomp.laws.term import OperatingPoint, Scalar, Term, require_nonnegative
+from fricomp.laws.term import OperatingPoint, Parts, Term, require_nonnegative
 
 __all__ = ["LoadQuadratic"]
 
@@ -29,7 +27,6 @@ class LoadQuadratic(Term):
     def __post_init__(self) -> None:
         require_nonnegative(self, "coefficient")
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`."""
-        load = np.asarray(point.load_torque, dtype=np.float64)
-        return self.coefficient * load**2 * np.sign(point.velocity)
+        return Parts(dry=self.coefficient * point.load_torque**2)

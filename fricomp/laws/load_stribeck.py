@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fricomp.laws.term import OperatingPoint, Scalar, Term, require_nonnegative, require_positive
+from fricomp.laws.term import OperatingPoint, Parts, Term, require_nonnegative, require_positive
 
 __all__ = ["LoadStribeck"]
 
@@ -32,8 +32,7 @@ class LoadStribeck(Term):
         require_nonnegative(self, "coefficient")
         require_positive(self, "stribeck_velocity")
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`."""
-        v = np.asarray(point.velocity, dtype=np.float64)
-        falling = np.exp(-((v / self.stribeck_velocity) ** 2))
-        return self.coefficient * np.abs(point.load_torque) * falling * np.sign(v)
+        falling = np.exp(-((point.speed / self.stribeck_velocity) ** 2))
+        return Parts(dry=self.coefficient * np.abs(point.load_torque) * falling)

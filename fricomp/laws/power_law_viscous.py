@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fricomp.laws.term import OperatingPoint, Scalar, Term, require_nonnegative, require_positive
+from fricomp.laws.term import OperatingPoint, Parts, Term, require_nonnegative, require_positive
 
 __all__ = ["PowerLawViscous"]
 
@@ -32,7 +32,7 @@ class PowerLawViscous(Term):
         require_nonnegative(self, "coefficient")
         require_positive(self, "exponent")
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`."""
-        v = np.asarray(point.velocity, dtype=np.float64)
-        return self.coefficient * np.abs(v) ** self.exponent * np.sign(v)
+        size = self.coefficient * np.abs(point.velocity) ** self.exponent
+        return Parts(drag=np.where(point.is_forward, size, -size))

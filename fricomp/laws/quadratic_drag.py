@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fricomp.laws.term import OperatingPoint, Scalar, Term, require_nonnegative
+from fricomp.laws.term import OperatingPoint, Parts, Term, require_nonnegative
 
 __all__ = ["QuadraticDrag"]
 
@@ -29,7 +29,6 @@ class QuadraticDrag(Term):
     def __post_init__(self) -> None:
         require_nonnegative(self, "coefficient")
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`."""
-        v = np.asarray(point.velocity, dtype=np.float64)
-        return self.coefficient * v * np.abs(v)
+        return Parts(drag=self.coefficient * point.velocity * np.abs(point.velocity))

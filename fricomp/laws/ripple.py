@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
-from fricomp.laws.term import FloatArray, OperatingPoint, Scalar, Term, require_finite, require_nonnegative
+from fricomp.laws.term import OperatingPoint, Parts, Ranges, Term, require_finite, require_nonnegative
 
 __all__ = ["Cogging", "PositionCoulomb"]
 
@@ -28,13 +28,13 @@ class _Ripple(Term):
         require_finite(self, "sine", "cosine")
         require_nonnegative(self, "order")
 
-    @abstractmethod
-    def torque(self, point: OperatingPoint) -> Scalar:
-        """Torque at `point`."""
+    def largest_torque(self, ranges: Ranges) -> float:
+        """The amplitude of the wave."""
+        return math.hypot(self.sine, self.cosine)
 
-    def _wave(self, point: OperatingPoint) -> FloatArray:
-        angle = self.order * np.asarray(point.position, dtype=np.float64)
-        return np.asarray(self.sine * np.sin(angle) + self.cosine * np.cos(angle))
+    def _wave(self, point: OperatingPoint) -> Any:
+        angle = self.order * point.position
+        return self.sine * np.sin(angle) + self.cosine * np.cos(angle)
 
 
 @dataclass(frozen=True)
@@ -49,9 +49,9 @@ class Cogging(_Ripple):
 
     name: ClassVar[str] = "cogging"
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`."""
-        return self._wave(point)
+        return Parts(held=self._wave(point))
 
 
 @dataclass(frozen=True)
@@ -66,6 +66,6 @@ class PositionCoulomb(_Ripple):
 
     name: ClassVar[str] = "position_coulomb"
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`."""
-        return self._wave(point) * np.sign(point.velocity)
+        return Parts(dry=self._wave(point))

@@ -6,9 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
-from fricomp.laws.term import OperatingPoint, Scalar, Term, require_finite, require_nonnegative
+from fricomp.laws.term import OperatingPoint, Parts, Term, require_finite, require_nonnegative
 
 __all__ = ["SpringTorque"]
 
@@ -38,7 +36,7 @@ class SpringTorque(Term):
         require_finite(self, "centre")
         require_nonnegative(self, "stiffness", "hardening")
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`."""
-        stretch = np.asarray(point.position, dtype=np.float64) - self.centre
-        return self.stiffness * stretch * (1.0 + self.hardening * stretch**2)
+        stretch = point.position - self.centre
+        return Parts(held=self.stiffness * stretch * (1.0 + self.hardening * stretch**2))

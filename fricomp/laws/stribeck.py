@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -12,13 +12,13 @@ from fricomp.laws.load import LoadScaling
 from fricomp.laws.term import (
     FloatArray,
     OperatingPoint,
-    Scalar,
+    Parts,
     Term,
     require_nonnegative,
     require_positive,
 )
 
-__all__ = ["BidirectionalStribeck", "Stribeck", "StribeckCurve"]
+__all__ = ["BidirectionalStribeck", "Stribeck", "StribeckCurve", "compute_dry_level", "compute_falling_share"]
 
 STRIBECK_UNITS: Mapping[str, str] = {
     "coulomb_torque": "{torque}",
@@ -58,14 +58,35 @@ class StribeckCurve:
         require_nonnegative(self, "coulomb_torque", "static_torque", "viscous_coefficient")
         require_positive(self, "stribeck_velocity", "stribeck_exponent")
 
-    def dry_level(self, speed: FloatArray) -> FloatArray:
+    def dry_level(self, speed: Any) -> Any:
         """Dry friction [N·m] or [N] at `speed` >= 0: the curve without its viscous part."""
-        falling = np.exp(-((speed / self.stribeck_velocity) ** self.stribeck_exponent))
-        return self.coulomb_torque + (self.static_torque - self.coulomb_torque) * falling
+        share = compute_falling_share(speed, self.stribeck_velocity, self.stribeck_exponent)
+        return compute_dry_level(self.coulomb_torque, self.static_torque - self.coulomb_torque, share)
 
     def level(self, speed: FloatArray) -> FloatArray:
         """Friction magnitude [N·m] or [N] at `speed` >= 0 [rad/s] or [m/s]."""
-        return self.dry_level(speed) + self.viscous_coefficient * speed
+        return np.asarray(self.dry_level(speed) + self.viscous_coefficient * speed)
+
+
+def compute_falling_share(speed: Any, stribeck_velocity: float, exponent: float) -> Any:
+    """Share of F_s - F_c [1] that is left at `speed` >= 0 [rad/s] or [m/s]."""
+    return np.exp(-((speed / stribeck_velocity) ** exponent))
+
+
+def compute_dry_level(coulomb: float, rise: float, falling_share: Any) -> Any:
+    """Dry friction [N·m] or [N] of a curve where that share of its `rise` F_s - F_c is left."""
+    return coulomb + rise * falling_share
+
+
+def dry_level_of_direction(forward: StribeckCurve, reverse: StribeckCurve, point: OperatingPoint, speed: Any) -> Any:
+    """Dry friction [N·m] or [N] of the curve of the direction of motion at `point`, at `speed`."""
+    return np.where(point.is_forward, forward.dry_level(speed), reverse.dry_level(speed))
+
+
+def viscous_torque(forward: StribeckCurve, reverse: StribeckCurve, point: OperatingPoint, velocity: Any) -> Any:
+    """Viscous friction [N·m] or [N] of the curve of the direction of motion at `point`, at `velocity`."""
+    coefficient = np.where(point.is_forward, forward.viscous_coefficient, reverse.viscous_coefficient)
+    return coefficient * velocity
 
 
 @dataclass(frozen=True)
@@ -85,13 +106,12 @@ class BidirectionalStribeck(Term):
     reverse: StribeckCurve
     load: LoadScaling = LoadScaling()
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`; zero at rest, where Stribeck friction takes any value up to the static torque."""
-        v = np.asarray(point.velocity, dtype=np.float64)
-        speed, scale = np.abs(v), self.load.factor(point.normal_load)
-        forward = scale * self.forward.dry_level(speed) + self.forward.viscous_coefficient * speed
-        reverse = scale * self.reverse.dry_level(speed) + self.reverse.viscous_coefficient * speed
-        return np.where(v > 0.0, forward, np.where(v < 0.0, -reverse, v * 0.0))
+        return Parts(
+            dry=self.load.factor_at(point) * dry_level_of_direction(self.forward, self.reverse, point, point.speed),
+            drag=viscous_torque(self.forward, self.reverse, point, point.velocity),
+        )
 
 
 @dataclass(frozen=True)
@@ -104,6 +124,9 @@ class Stribeck(Term):
     curve: StribeckCurve
     load: LoadScaling = LoadScaling()
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`; zero at rest."""
-        return BidirectionalStribeck(self.curve, self.curve, self.load).torque(point)
+        return Parts(
+            dry=self.load.factor_at(point) * self.curve.dry_level(point.speed),
+            drag=self.curve.viscous_coefficient * point.velocity,
+        )

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fricomp.laws.term import OperatingPoint, Scalar, Term, require_finite, require_positive
+from fricomp.laws.term import OperatingPoint, Parts, Term, require_finite, require_positive
 
 __all__ = ["STRONGEST_FALL", "ThermalFriction"]
 
@@ -50,12 +50,9 @@ class ThermalFriction(Term):
         require_positive(self, "forward_viscous", "reverse_viscous")
         require_finite(self, "viscous_slope", "coulomb_slope", "reference_temperature")
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`."""
-        v = np.asarray(point.velocity, dtype=np.float64)
-        if point.temperature is None:
-            return 0.0 * v
-        warmth = np.asarray(point.temperature, dtype=np.float64) - self.reference_temperature
-        viscous = np.where(v >= 0.0, self.forward_viscous, self.reverse_viscous)
+        warmth = point.temperature_or(self.reference_temperature) - self.reference_temperature
+        viscous = np.where(point.is_forward, self.forward_viscous, self.reverse_viscous)
         fall = np.clip(self.viscous_slope * warmth / viscous, -STRONGEST_FALL, STRONGEST_FALL)
-        return viscous * np.expm1(-fall) * v - self.coulomb_slope * warmth * np.sign(v)
+        return Parts(drag=viscous * np.expm1(-fall) * point.velocity, dry=-self.coulomb_slope * warmth)

@@ -6,9 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
-from fricomp.laws.term import OperatingPoint, Scalar, Term, require_finite
+from fricomp.laws.term import OperatingPoint, Parts, Term, require_finite
 
 __all__ = ["ThermalViscous"]
 
@@ -31,9 +29,7 @@ class ThermalViscous(Term):
     def __post_init__(self) -> None:
         require_finite(self, "slope", "reference_temperature")
 
-    def torque(self, point: OperatingPoint) -> Scalar:
+    def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`."""
-        v = np.asarray(point.velocity, dtype=np.float64)
-        if point.temperature is None:
-            return 0.0 * v
-        return -self.slope * (np.asarray(point.temperature) - self.reference_temperature) * v
+        warmth = point.temperature_or(self.reference_temperature) - self.reference_temperature
+        return Parts(drag=-self.slope * warmth * point.velocity)

@@ -297,12 +297,6 @@ def test_a_wrong_load_bends_no_bristle_for_longer_than_it_lasts(tmp_path: Path) 
     assert found[-1, 2] == compensator.rejected == 2
 
 
-def test_term_that_c_cannot_hold_is_refused() -> None:
-    law = BidirectionalStribeck(FORWARD, REVERSE)
-    with pytest.raises(ExportError, match=r"smoothed_coulomb has no closed form in C: .*one dry curve"):
-        render_c_header(make_model(law, SmoothedCoulomb(0.1, 0.02, "arctan")))
-
-
 @pytest.mark.parametrize("period", [0.0, -1.0, 10.0, math.nan])
 def test_a_period_that_the_compensator_refuses_is_refused(period: float) -> None:
     with pytest.raises(ParameterError, match="the period must be positive and below 10 s"):

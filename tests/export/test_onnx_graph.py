@@ -254,8 +254,3 @@ def test_foreign_files_are_refused(tmp_path: Path) -> None:
     for name in ("x.onnx", "missing.onnx", "closed.onnx"):
         with pytest.raises(ExportError):
             stack_networks([tmp_path / name])
-
-
-def test_term_that_the_graph_cannot_hold_is_refused() -> None:
-    with pytest.raises(ExportError, match=r"smoothed_coulomb have no closed form in ONNX: .*one dry curve"):
-        closed_form_graph([make_model(BidirectionalStribeck(FORWARD, REVERSE), SmoothedCoulomb(0.1, 0.1, "arctan"))])

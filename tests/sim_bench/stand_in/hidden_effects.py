@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fricomp.laws import OperatingPoint, Scalar, Term
+from fricomp.laws import OperatingPoint, Parts, Term
 
 
 @dataclass(frozen=True)
@@ -21,8 +21,8 @@ class Ripple(Term):
     amplitude: float
     order: float
 
-    def torque(self, point: OperatingPoint) -> Scalar:
-        return self.amplitude * np.sin(self.order * np.asarray(point.position))
+    def parts(self, point: OperatingPoint) -> Parts:
+        return Parts(held=self.amplitude * np.sin(self.order * point.position))
 
 
 @dataclass(frozen=True)
@@ -34,8 +34,8 @@ class LoadFriction(Term):
 
     coefficient: float
 
-    def torque(self, point: OperatingPoint) -> Scalar:
-        return self.coefficient * np.abs(point.load_torque) * np.sign(point.velocity)
+    def parts(self, point: OperatingPoint) -> Parts:
+        return Parts(dry=self.coefficient * np.abs(point.load_torque))
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,6 @@ class ThinningOil(Term):
     viscous_coefficient: float
     thinning: float
 
-    def torque(self, point: OperatingPoint) -> Scalar:
-        warmth = 0.0 if point.temperature is None else np.asarray(point.temperature) - 25.0
-        factor = np.asarray(np.exp(-self.thinning * warmth), dtype=np.float64)
-        return self.viscous_coefficient * factor * np.asarray(point.velocity, dtype=np.float64)
+    def parts(self, point: OperatingPoint) -> Parts:
+        factor = np.exp(-self.thinning * (point.temperature_or(25.0) - 25.0))
+        return Parts(drag=self.viscous_coefficient * factor * point.velocity)
