@@ -36,7 +36,6 @@ __all__ = [
     "LANES",
     "close_loop",
     "compile_kernel",
-    "dwell",
     "observe",
 ]
 
@@ -376,24 +375,3 @@ def close_loop(
             out[0, j, k], out[1, j, k] = answer, seen
         for s in range(taken):
             _take_substep(state, how, (s / taken, (s + 0.5) / taken), h, (0.0, 0.0), 0.0)
-
-
-@compile_kernel
-def dwell(velocity: np.ndarray, settings: np.ndarray) -> np.ndarray:
-    """Share of its final rise that static friction has gained by resting, lost again over a short travel.
-
-    Args:
-        velocity: Velocity [rad/s]. Shape (n,).
-        settings: dt [s], time constant [s], travel over which it is lost [rad], rest speed [rad/s].
-    """
-    out = np.empty_like(velocity)
-    grown = 0.0
-    gain = 1.0 - np.exp(-settings[0] / max(settings[1], 1e-6))
-    for k in range(velocity.shape[0]):
-        speed = abs(velocity[k])
-        if speed < settings[3]:
-            grown += gain * (1.0 - grown)
-        else:
-            grown *= np.exp(-speed * settings[0] / max(settings[2], 1e-9))
-        out[k] = grown
-    return out

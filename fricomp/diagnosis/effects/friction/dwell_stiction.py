@@ -12,11 +12,32 @@ from fricomp.laws import DwellStiction as DwellStictionTerm
 from fricomp.laws import Term
 
 from ...inputs.track import FloatArray
-from ...joint.kernel import dwell
+from ...joint.kernel import compile_kernel
 from ...joint.observer import Contribution, Plant
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
 from ..forward_part import ForwardPart, HiddenState
+
+
+@compile_kernel
+def dwell(velocity: np.ndarray, settings: np.ndarray) -> np.ndarray:
+    """Share of its final rise that static friction has gained by resting, lost again over a short travel.
+
+    Args:
+        velocity: Velocity [rad/s]. Shape (n,).
+        settings: dt [s], time constant [s], travel over which it is lost [rad], rest speed [rad/s].
+    """
+    out = np.empty_like(velocity)
+    grown = 0.0
+    gain = 1.0 - np.exp(-settings[0] / max(settings[1], 1e-6))
+    for k in range(velocity.shape[0]):
+        speed = abs(velocity[k])
+        if speed < settings[3]:
+            grown += gain * (1.0 - grown)
+        else:
+            grown *= np.exp(-speed * settings[0] / max(settings[2], 1e-9))
+        out[k] = grown
+    return out
 
 
 @register
