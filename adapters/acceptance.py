@@ -2,29 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Sized
-from math import isfinite
+from collections.abc import Sequence
 from typing import NoReturn
 
 from fricomp.control import JointLimits, SafetyGate
+from fricomp.control.number import is_number
 from fricomp.errors import AdapterConfigurationError, AdapterError, FricompError, ParameterError
 from fricomp.joint import Capabilities, CommandMode, JointCapabilities, Watchdog
 
 from .options import AdapterOptions
 
-__all__ = ["check_counts", "check_limits", "check_rate", "check_watchdog", "make_gate", "raise_own"]
+__all__ = ["check_counts", "check_limits", "check_rate", "check_waiver", "check_watchdog", "make_gate", "raise_own"]
 
 # Limits that come from rounded data sheets may miss the drive's own value by a hair.
 ROUNDING = 1e-6
 
 
-def check_counts(n_joints: int, **given: Sized) -> None:
+def check_counts(n_joints: int, **given: Sequence[object]) -> None:
     """One entry of everything for each joint.
 
     Raises:
         AdapterConfigurationError: It is not so.
     """
     for what, entries in given.items():
+        if not isinstance(entries, Sequence) or isinstance(entries, str | bytes):
+            raise AdapterConfigurationError(f"{what} must be a sequence of one entry for each joint, got {entries!r}")
         if len(entries) != n_joints:
             raise AdapterConfigurationError(f"{len(entries)} {what} given for {n_joints} joints: give one for each")
 
@@ -36,6 +38,8 @@ def check_limits(joints: Sequence[JointCapabilities], limits: Sequence[JointLimi
         AdapterConfigurationError: A limit is beyond the drive's.
     """
     for joint, limit in zip(joints, limits, strict=True):
+        if not isinstance(limit, JointLimits):
+            raise AdapterConfigurationError(f"joint {joint.name!r}: its limits must be JointLimits, got {limit!r}")
         for what, wanted, most in (
             ("torque", limit.torque, joint.torque_limit),
             ("velocity", limit.velocity, joint.velocity_limit),
@@ -65,8 +69,8 @@ def check_rate(offered: Capabilities, mode: CommandMode, period: float) -> None:
     """
     if mode not in offered.modes:
         raise AdapterConfigurationError(f"mode {mode!r} is not offered; this drive has {', '.join(offered.modes)}")
-    if not isfinite(period) or period <= 0.0:
-        raise AdapterConfigurationError(f"the period must be finite and positive [s], got {period!r}")
+    if not (is_number(period, 0.0) and period > 0.0):
+        raise AdapterConfigurationError(f"the period must be a finite positive number [s], got {period!r}")
     highest = offered.rate_in(mode)
     if 1.0 / period > highest * (1.0 + 1e-9):
         raise AdapterConfigurationError(
@@ -107,6 +111,16 @@ def make_gate(
         )
     except ParameterError as error:
         raise AdapterConfigurationError(str(error)) from error
+
+
+def check_waiver(options: AdapterOptions) -> None:
+    """Doing without a watchdog is said by True and nothing else.
+
+    Raises:
+        AdapterConfigurationError: It is said otherwise.
+    """
+    if not isinstance(options.allow_no_watchdog, bool):
+        raise AdapterConfigurationError(f"allow_no_watchdog must be True or False, got {options.allow_no_watchdog!r}")
 
 
 def raise_own(error: BaseException) -> NoReturn:

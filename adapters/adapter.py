@@ -11,7 +11,7 @@ from fricomp.control import SafetyGate
 from fricomp.errors import AdapterConfigurationError, AdapterError
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, JointFeedback, Watchdog
 
-from .acceptance import check_counts, check_limits, check_rate, check_watchdog, make_gate, raise_own
+from .acceptance import check_counts, check_limits, check_rate, check_waiver, check_watchdog, make_gate, raise_own
 from .drive_side import DriveSide
 from .holding import POLL_INTERVAL_NS, HeldDriver
 from .options import AdapterOptions
@@ -114,6 +114,7 @@ class JointAdapter(HeldDriver):
         check_rate(self.capabilities, mode, period)
         wanted, before = self.options, self._checked_options
         self._check_options(wanted)
+        check_waiver(wanted)
         with self._lock:
             if self._enabled:
                 raise AdapterError("the joints are enabled: disable() them before configuring")
@@ -149,7 +150,7 @@ class JointAdapter(HeldDriver):
             DriveHeld: A drive is energised by somebody else; nothing was written.
         """
         gate, watchdog = self._configured_gate(), self.capabilities.watchdog
-        if not (self.options.allow_no_watchdog or (watchdog is not None and watchdog.confirmed)):
+        if not (self.options.allow_no_watchdog is True or (watchdog is not None and watchdog.confirmed)):
             raise AdapterError(
                 "the drive has no confirmed watchdog and would keep its last torque if the bus fell silent: "
                 "set one on the drive, or pass allow_no_watchdog=True to take that risk"

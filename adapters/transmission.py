@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import isfinite
 from typing import get_args
 
+from fricomp.control.number import is_number
 from fricomp.errors import AdapterConfigurationError
 from fricomp.joint import JointCapabilities
 from fricomp.model import Motion
@@ -36,13 +36,13 @@ class Transmission:
     motion: Motion = "rotary"
 
     def __post_init__(self) -> None:
-        if not (isfinite(self.gear_ratio) and self.gear_ratio > 0.0):
+        if not (is_number(self.gear_ratio, 0.0) and self.gear_ratio > 0.0):
             raise AdapterConfigurationError(
                 f"gear_ratio must be positive, got {self.gear_ratio!r}: put a reversal into sign"
             )
-        if self.sign not in (1, -1):
+        if not is_number(self.sign) or self.sign not in (1, -1):
             raise AdapterConfigurationError(f"sign must be 1 or -1, got {self.sign!r}")
-        if not isfinite(self.zero):
+        if not is_number(self.zero):
             raise AdapterConfigurationError(f"zero must be finite, got {self.zero!r}")
         if self.motion not in get_args(Motion):
             raise AdapterConfigurationError(f"motion must be 'rotary' or 'linear', got {self.motion!r}")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from math import isfinite
 
+from fricomp.control.number import is_number
 from fricomp.errors import AdapterError, FricompError, ParameterError
 from fricomp.joint import JointCommand, JointFeedback
 
@@ -61,10 +61,10 @@ class TrialSettings:
     take_over: bool = False
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.share <= LARGEST_SHARE:
-            raise ParameterError(f"a trial uses at most {LARGEST_SHARE:.0%} of the torque limit, got {self.share:.1%}")
+        if not (is_number(self.share, 0.0, LARGEST_SHARE) and self.share > 0.0):
+            raise ParameterError(f"a trial uses at most {LARGEST_SHARE:.0%} of the torque limit, got {self.share!r}")
         for name in ("period", "ramp_time", "largest_motion", "listen_time"):
-            if not (isfinite(getattr(self, name)) and getattr(self, name) > 0.0):
+            if not (is_number(getattr(self, name), 0.0) and getattr(self, name) > 0.0):
                 raise ParameterError(f"{name} must be finite and positive, got {getattr(self, name)!r}")
 
 

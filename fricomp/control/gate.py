@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 from fricomp.control.limits import JointLimits
 from fricomp.control.motion_watch import MotionWatch
+from fricomp.control.number import is_number
 from fricomp.errors import ParameterError, SafetyTrip
 from fricomp.joint import JointFeedback
 
@@ -22,6 +23,7 @@ ABSURD_TORQUE_RATIO = 100.0
 """A command this many times the limit is a fault (N·mm for N·m, a diverged controller), not a demand to be clamped."""
 
 _NANOSECONDS = 1e9
+_LONGEST = 1e6  # of the times of a gate [s]: in nanoseconds still a whole number
 _HIGHEST = sys.float_info.max  # no position is as high as infinity, not even on a joint that turns freely
 # Reported torque over its limit, and states in a row, from which a drive's own loop goes too far: noise stays below.
 _TOO_MUCH, _IN_A_ROW = 1.25, 3
@@ -98,12 +100,12 @@ class SafetyGate:
         watch_torque: bool = False,
         quanta: Sequence[tuple[float, float]] = (),
     ) -> None:
-        if not limits:
-            raise ParameterError("a safety gate needs the limits of at least one joint")
+        if not (isinstance(limits, Sequence) and limits and all(isinstance(each, JointLimits) for each in limits)):
+            raise ParameterError(f"a safety gate needs the limits of at least one joint, got {limits!r}")
         times = {"period": (period, 1e-9), "ramp_time": (ramp_time, 0.0), "stale_after": (stale_after, 1e-9)}
         for name, (value, lowest) in times.items():
-            if not (math.isfinite(value) and value >= lowest):
-                raise ParameterError(f"{name} must be finite and at least {lowest:g} s, got {value!r}")
+            if not is_number(value, lowest, _LONGEST):
+                raise ParameterError(f"{name} must be from {lowest:g} to {_LONGEST:g} s, got {value!r}")
         self.limits = tuple(limits)
         self._period_ns = round(period * _NANOSECONDS)
         self._ramp_ns = max(round(ramp_time * _NANOSECONDS), 1)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+from fricomp.control.number import is_number
 from fricomp.errors import ParameterError
 
 __all__ = ["JointLimits"]
@@ -47,28 +48,21 @@ class JointLimits:
     def __post_init__(self) -> None:
         for name in ("torque", "torque_rate", "velocity"):
             value = getattr(self, name)
-            if not (_is_finite(value) and value > 0.0):
+            if not (is_number(value) and value > 0.0):
                 raise ParameterError(f"the {name} limit must be finite and positive, got {value!r}")
             object.__setattr__(self, name, float(value))
         if self.position is not None:
             object.__setattr__(self, "position", _range(self.position))
         if self.breakaway is not None:
-            if not (_is_finite(self.breakaway) and self.breakaway > 0.0):
+            if not (is_number(self.breakaway) and self.breakaway > 0.0):
                 raise ParameterError(f"the breakaway limit must be finite and positive or None, got {self.breakaway!r}")
             object.__setattr__(self, "breakaway", float(self.breakaway))
-        if self.temperature is not None and not _is_finite(self.temperature):
+        if self.temperature is not None and not is_number(self.temperature):
             raise ParameterError(f"the temperature limit must be finite [°C] or None, got {self.temperature!r}")
 
 
-def _is_finite(value: object) -> bool:
-    """Whether a value is a number, which True is not, and a 64 bit float holds it."""
-    try:
-        return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-    except OverflowError:
-        return False
-
-
 def _range(limits: tuple[float, float]) -> tuple[float, float]:
-    if len(limits) != 2 or not all(_is_finite(limit) for limit in limits) or not limits[0] < limits[1]:
+    pair = limits if isinstance(limits, Sequence) and len(limits) == 2 and all(map(is_number, limits)) else (0.0, 0.0)
+    if not pair[0] < pair[1]:
         raise ParameterError(f"the position limits must be two finite ascending numbers or None, got {limits!r}")
-    return float(limits[0]), float(limits[1])
+    return float(pair[0]), float(pair[1])

@@ -13,6 +13,7 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from fricomp.control.number import is_number
 from fricomp.errors import ParameterError
 
 __all__ = ["RealTimeOptions", "RealTimeReport", "real_time"]
@@ -42,10 +43,13 @@ class RealTimeOptions:
     freeze_garbage: bool = True
 
     def __post_init__(self) -> None:
-        if not 0 <= self.priority <= 99:
+        if not (isinstance(self.priority, int) and is_number(self.priority, 0, 99)):
             raise ParameterError(f"priority must be from 0 to 99, got {self.priority!r}")
-        if self.core is not None and self.core < 0:
+        if self.core is not None and not (isinstance(self.core, int) and is_number(self.core, 0)):
             raise ParameterError(f"core must be at least 0, got {self.core!r}")
+        for name in ("lock_memory", "freeze_garbage"):
+            if not isinstance(getattr(self, name), bool):
+                raise ParameterError(f"{name} must be True or False, got {getattr(self, name)!r}")
 
 
 @dataclass

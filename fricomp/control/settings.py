@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from fricomp.control.number import LARGEST_NUMBER, is_number
 from fricomp.errors import ParameterError
 
 __all__ = ["NO_LIMITS", "CompensationSettings", "DriveLimits", "LoopDynamics", "Source"]
@@ -37,7 +39,7 @@ class LoopDynamics:
     def __post_init__(self) -> None:
         for name in ("inertia", "stiffness", "damping", "delay", "velocity_filter"):
             value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0.0):
+            if not is_number(value, 0.0):
                 raise ParameterError(f"{name} of the loop must be finite and not negative, got {value!r}")
         if self.inertia == 0.0:
             raise ParameterError("the inertia of the loop must be positive")
@@ -60,8 +62,9 @@ class DriveLimits:
 
     def __post_init__(self) -> None:
         for name in ("torque", "torque_rate"):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"the drive's limit of {name} must be positive, got {getattr(self, name)!r}")
+            value = getattr(self, name)
+            if not (is_number(value, 0.0, math.inf) and value > 0.0):
+                raise ParameterError(f"the drive's limit of {name} must be positive, got {value!r}")
 
 
 NO_LIMITS = DriveLimits()
@@ -126,22 +129,28 @@ class CompensationSettings:
         if self.source not in ("reference", "blend", "measured"):
             raise ParameterError(f"source must be 'reference', 'blend' or 'measured', got {self.source!r}")
         for name in ("smoothing", "authority", "fade_width", "torque_rate"):
-            if not getattr(self, name) > 0.0:
-                raise ParameterError(f"{name} must be positive, got {getattr(self, name)!r}")
+            highest = LARGEST_NUMBER if name in ("smoothing", "authority") else math.inf
+            if not (is_number(getattr(self, name), 0.0, highest) and getattr(self, name) > 0.0):
+                finite = "" if highest == math.inf else "finite and "
+                raise ParameterError(f"{name} must be {finite}positive, got {getattr(self, name)!r}")
         for name in ("dead_band", "rest_velocity", "error_rate", "error_band"):
-            if not 0.0 <= getattr(self, name) < math.inf:
+            if not is_number(getattr(self, name), 0.0):
                 raise ParameterError(f"{name} must be finite and not negative, got {getattr(self, name)!r}")
-        for name in ("smoothing", "authority"):
-            if getattr(self, name) == math.inf:
-                raise ParameterError(f"{name} must be finite")
-        if not 0.0 <= self.measured_share <= 1.0:
+        if not is_number(self.measured_share, 0.0, 1.0):
             raise ParameterError(f"measured_share must lie from 0 to 1, got {self.measured_share!r}")
-        if not 0.0 <= self.gain <= 2.0:
+        if not is_number(self.gain, 0.0, 2.0):
             raise ParameterError(f"gain must lie from 0 to 2 (below 1 to under-compensate), got {self.gain!r}")
         self._require_ranges()
 
     def _require_ranges(self) -> None:
         for name in ("velocity", "normal_load", "load_torque", "temperature", "acceleration"):
             bounds = getattr(self, f"{name}_range")
-            if bounds is not None and not (len(bounds) == 2 and bounds[0] <= bounds[1]):  # NaN is not ordered either
+            if bounds is not None and not _is_ordered(bounds):
                 raise ParameterError(f"{name}_range must be (lowest, highest), got {bounds!r}")
+
+
+def _is_ordered(bounds: object) -> bool:
+    """Whether these are two numbers, the lower one first; NaN is not ordered."""
+    if not (isinstance(bounds, Sequence) and len(bounds) == 2):
+        return False
+    return all(is_number(bound, -math.inf, math.inf) for bound in bounds) and bool(bounds[0] <= bounds[1])

@@ -281,8 +281,8 @@ def test_arm_hands_on_every_input() -> None:
         ({"temperature_range": (40.0, 20.0)}, "temperature_range"),
         ({"acceleration_range": (1.0, -1.0)}, "acceleration_range"),
         ({"colour": "red", "gain": 0.9}, "unknown setting colour; known"),
-        ({"smoothing": "0.1"}, "wrong kind .*'0.1'"),
-        ({"velocity_range": 3.0}, "wrong kind"),
+        ({"smoothing": "0.1"}, "smoothing .*'0.1'"),
+        ({"velocity_range": 3.0}, "velocity_range"),
         ({"period": 0.0}, "period"),
     ],
 )
