@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -11,7 +12,7 @@ from fricomp.cli.out_folder import Overwrite
 from fricomp.cli.run import DELAY, VELOCITY_FILTER
 
 if TYPE_CHECKING:
-    from fricomp.control import DriveLimits
+    from fricomp.control import DriveLimits, LoopDynamics
     from fricomp.control.loop_check import LoopCheck
 
 __all__ = ["app"]
@@ -47,6 +48,10 @@ def check_loop(
     ] = None,
     torque_rate: Annotated[
         float | None, typer.Option(help="Fastest change of the torque, likewise \\[N·m/s] or \\[N/s].")
+    ] = None,
+    velocity_limit: Annotated[
+        float | None,
+        typer.Option(help="Of the safety gate \\[rad/s] or \\[m/s]; the model's highest speed if left out."),
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the chart.")] = None,
     overwrite: Overwrite = False,
@@ -91,6 +96,9 @@ def check_loop(
     table.add_row("drift after a stop", f"{result.drift:.2g} {friction.position_unit}")
     table.add_row("thrown off its reference", _thrown(result, friction.position_unit))
     table.add_row("drive in the simulation", _limits(result.drive, friction.torque_unit))
+    fastest = settings.velocity_range[1] if velocity_limit is None else velocity_limit
+    for failure, travel in _travels(loop, drive, fastest, period, friction.position_unit):
+        table.add_row(failure, travel)
     screen = console()
     screen.print(table)
     for note in settings.notes:
@@ -108,6 +116,23 @@ def check_loop(
     else:
         screen.print("Not safe: less than 15 % margin, or the joint does not come to rest.", style="bold")
         raise typer.Exit(1)
+
+
+def _travels(
+    loop: LoopDynamics, drive: DriveLimits, velocity: float, period: float, unit: str
+) -> Iterator[tuple[str, str]]:
+    """How far the joint comes before the gate stops it, with each failure; the gate's limits are needed for that."""
+    from fricomp.control.failure_travel import FAILURES, bound_travel
+    from fricomp.control.limits import JointLimits
+
+    if drive.torque == float("inf"):
+        yield "travel until the gate stops it", "not bounded: give --torque-limit"
+        return
+    rate = min(drive.torque_rate, drive.torque / period)
+    found = bound_travel(loop, JointLimits(drive.torque, rate, velocity), period)
+    for name in FAILURES:
+        far = f"at most {found[name]:.3g} {unit}" if found[name] < float("inf") else "not bounded"
+        yield f"travel until the gate stops it: {name}", f"{far}, at a velocity limit of {velocity:.3g} {unit}/s"
 
 
 def _thrown(result: LoopCheck, unit: str) -> str:

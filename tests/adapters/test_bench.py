@@ -35,11 +35,8 @@ def test_garbage_brings_nothing_foreign_and_no_torque_beyond_the_limit(protocol:
 @pytest.mark.parametrize("protocol", sorted(PROTOCOLS))
 def test_a_joint_in_its_loop_is_stopped_by_faults_and_lies_alone(protocol: str) -> None:
     result = soak_adapter(protocol, 20_000, seed=2)
-    assert result.false_trips == []
-    assert result.foreign == []
-    assert result.still_torque == 0
-    assert 0.0 < result.largest_torque <= 1.0
-    assert max(result.slowest.values(), default=0.0) <= 0.05
+    assert result.passed, result
+    assert result.largest_torque > 0.0
     assert sum(result.n_stops.values()) > 0
 
 

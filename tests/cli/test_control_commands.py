@@ -93,11 +93,15 @@ def test_check_loop_says_safe_or_exits_with_one(model: Path) -> None:
     assert good.returncode == 0
     assert "Safe." in good.stdout
     assert "torque not limited" in good.stdout
+    assert "not bounded: give --torque-limit" in " ".join(good.stdout.split())
     limits = ("--torque-limit", 5, "--torque-rate", 100)
     bad = fricomp("check-loop", model, "--inertia", 0.05, "--bandwidth", 10, "--delay", 0.012, *limits)
     assert bad.returncode == 1
     assert "Not safe" in bad.stdout
-    assert "at most 5 N·m, 100 N·m/s" in " ".join(bad.stdout.split())
+    said = " ".join(bad.stdout.split())
+    assert "at most 5 N·m, 100 N·m/s" in said
+    assert "sensor mirrored" in said
+    assert "travel until the gate stops it" in said
 
 
 @pytest.mark.parametrize("option", ["--torque-limit", "--torque-rate"])

@@ -46,6 +46,9 @@ LIES: dict[str, Lie] = {
 }
 """Sensors that lie, by name."""
 
+CONSISTENT = ("sensor mirrored",)
+"""Lies that do not contradict themselves: what the joint makes of its torque tells, and travel is bounded, not time."""
+
 
 @dataclass
 class SoakResult:
@@ -79,8 +82,8 @@ class SoakResult:
 
     @property
     def passed(self) -> bool:
-        """Whether nothing healthy was stopped, lies were found, nothing foreign came, and torque kept to limits and ends."""
-        is_late = max(self.slowest.values(), default=0.0) > WANTED
+        """Whether nothing healthy was stopped, every lie was, nothing foreign came, and torque kept its limits."""
+        is_late = any(time > WANTED for lie, time in self.slowest.items() if lie not in CONSISTENT)
         return not (self.false_trips or self.foreign or self.still_torque or is_late) and self.largest_torque <= 1.0
 
 
@@ -221,7 +224,7 @@ class _Soak:
         self._guard(lambda: self.adapter.safe_stop("end of the fault"))
 
     def _is_moving(self) -> bool:
-        return abs(self.twin.stand_in.plant.velocity(0)) > FAST_ENOUGH
+        return bool(abs(self.twin.stand_in.plant.velocity(0)) > FAST_ENOUGH)
 
     def _guarded_tick(self, reference: float) -> bool:
         return bool(self._guard(lambda: self._tick(reference)))
