@@ -202,7 +202,7 @@ def require_free(
 
 
 def require_free_file(path: Path, *, overwrite: bool = False, inputs: Collection[Path] = ()) -> None:
-    """Refuse one file that would replace another against the rule of this module.
+    """Refuse one file that would replace another against the rule of this module; what a killed writer left goes.
 
     Raises:
         OutputError: It is an input, a link, a folder, or there already and not to be replaced.
@@ -215,6 +215,7 @@ def require_free_file(path: Path, *, overwrite: bool = False, inputs: Collection
         raise OutputError(f"{path} is a folder: give the name of a file in it as --out")
     if path.exists() and not overwrite:
         raise OutputError(f"{path} is there already: replace it (--overwrite), or choose another --out")
+    remove_abandoned_parts(path.parent)
 
 
 class Claim:
