@@ -9,9 +9,10 @@ from typing import IO, Any
 import msgspec
 import numpy as np
 
-from fricomp.errors import MissingExtraError, RecordingError
+from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Source
-from fricomp.recording.sources.columns import Columns, columns_of_records, flatten_arrays
+from fricomp.recording.sources.columns import Columns, columns_of_records, flatten_arrays, flatten_structures
+from fricomp.recording.sources.mat_file import read_variables
 from fricomp.untrusted import find_size_limit, parse_json
 
 _MAT_HEADER, _MAT_COMPRESSED, _MAT_STEP = 128, 15, 2**20  # of the format: header, kind of an element; a step
@@ -26,21 +27,10 @@ def read_mat(path: Path, source: Source) -> Columns:
         RecordingError: The file is damaged, or of version 7.3.
     """
     try:
-        from scipy.io import loadmat
-    except ImportError as error:
-        raise MissingExtraError("scipy", "convert") from error
-    try:
         _require_content(path, _measure_mat(path))
-        content = loadmat(path, simplify_cells=True)
-    except RecordingError:
-        raise
-    except NotImplementedError as error:
-        raise RecordingError(f"{path} is a MATLAB 7.3 file: save it in MATLAB with save(..., '-v7')") from error
-    except OSError:
-        raise
-    except Exception as error:  # the parser raises whatever damaged bytes make it stumble over
+    except zlib.error as error:
         raise RecordingError(f"{path} is no MATLAB file: {error}") from error
-    return flatten_arrays(_flatten_structures({name: v for name, v in content.items() if not name.startswith("__")}))
+    return read_variables(path)
 
 
 def read_npz(path: Path, source: Source) -> Columns:
@@ -121,7 +111,7 @@ def read_json(path: Path, source: Source) -> Columns:
     if isinstance(content, list):
         return columns_of_records(content)
     if isinstance(content, dict):
-        return flatten_arrays(_flatten_structures(content))
+        return flatten_arrays(flatten_structures(content))
     raise RecordingError(f"{path} holds neither rows nor columns at {source.records or 'its top level'!r}")
 
 
@@ -143,13 +133,3 @@ def _number_format(name: str) -> np.dtype[Any]:
     if dtype.kind not in "buif":
         raise RecordingError(f"{name!r} is no format of one number: write one as numpy does, '<f8'")
     return dtype
-
-
-def _flatten_structures(content: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
-    for name, value in content.items():
-        if isinstance(value, dict):
-            flat.update(_flatten_structures(value, f"{prefix}{name}."))
-        else:
-            flat[f"{prefix}{name}"] = value
-    return flat

@@ -45,6 +45,17 @@ def flatten_arrays(arrays: Mapping[str, Any]) -> Columns:
     return columns
 
 
+def flatten_structures(content: dict[str, Any], prefix: str = "") -> dict[str, Any]:
+    """The entries of nested structures, named with dots."""
+    flat: dict[str, Any] = {}
+    for name, value in content.items():
+        if isinstance(value, dict):
+            flat.update(flatten_structures(value, f"{prefix}{name}."))
+        else:
+            flat[f"{prefix}{name}"] = value
+    return flat
+
+
 def columns_of_records(records: Iterable[Any]) -> Columns:
     """Turn rows, each an object or a list of numbers, into columns; what is missing becomes NaN.
 
