@@ -164,7 +164,9 @@ def _differentiate_two(function: str, x: Any, y: Any, name: str) -> Any:
     if function == "power":
         if dy is not None:
             raise ParameterError("the exponent of a power in a formula must not depend on the velocity")
-        return None if dx is None else y * x ** (y - 1.0) * dx
+        if dx is None:
+            return None
+        return 2.0 * x * dx if isinstance(y, Number) and y.value == 2.0 else y * x ** (y - 1.0) * dx
     if function == "add":
         return dy if dx is None else dx if dy is None else dx + dy
     if function == "subtract":

@@ -11,7 +11,7 @@ from typing import Any, Literal
 from fricomp.errors import MissingExtraError, ParameterError
 from fricomp.laws import DynamicTerm, FrictionLaw, OperatingPoint
 
-from .friction import Contact, JointFriction, remembered_level
+from .friction import Contact, JointFriction, has_bristle
 
 try:
     import mujoco
@@ -163,9 +163,10 @@ class Plant:
         contact.position = self._qpos[self._positions[joint]]
         if self._normal_load[joint] == "transmitted":
             contact.normal_load = abs(self.load_torque[joint])
-        if friction.pushes:
+        if friction.inputs:
             contact.acceleration, contact.load_torque = self._qacc[dof], self.load_torque[joint]
             contact.temperature = self.temperature[joint]
+        if friction.pushes:
             applied -= friction.applied(velocity, contact, self._h)
         # All forces but friction, as of the last step, with the change of the applied torque; the other joints'
         # accelerations enter through the coupling that M qacc - friction already holds.
@@ -237,7 +238,7 @@ class Plant:
         most = 1
         for friction, inertia in zip(self.frictions, self.inertias, strict=True):
             for term in friction.law.terms:
-                if isinstance(term, DynamicTerm) and remembered_level(term) is None:
+                if isinstance(term, DynamicTerm) and has_bristle(term):
                     most = max(most, _substeps(term, inertia, period))
         return most
 
