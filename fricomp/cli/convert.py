@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -12,6 +12,7 @@ from fricomp.errors import RecordingError
 
 if TYPE_CHECKING:
     from fricomp.recording import Finding, Mapping, NamedRecording
+    from fricomp.recording.mapping import FileRule, JointRule
 
 __all__ = ["app", "convert"]
 
@@ -30,7 +31,7 @@ docs/recordings.md says what a mapping file holds.
 
 @app.command(epilog=_EPILOG)
 def convert(
-    source: Annotated[Path, typer.Argument(help="MAT, NPZ, NPY, JSON, CSV, text, binary, MCAP or rosbag2.")],
+    source: Annotated[Path, typer.Argument(help="MAT, NPZ, NPY, JSON, CSV, text, Parquet, binary, MCAP or rosbag2.")],
     out: Annotated[Path, typer.Option(help="CSV or Parquet file; several recordings add their names to it.")],
     mapping: Annotated[
         str, typer.Option(help="TOML file, or the name of a mapping in the package; empty for a native recording.")
@@ -38,6 +39,12 @@ def convert(
     only: Annotated[list[str] | None, typer.Option(help="Joint or recording to take; repeat for more.")] = None,
     rate: Annotated[float | None, typer.Option(help="Resample to this rate \\[Hz].")] = None,
     skip_bad_rows: Annotated[bool, typer.Option(help="Leave out rows without a number or a later time.")] = False,
+    row_rate: Annotated[
+        float | None, typer.Option(help="Rows a second \\[Hz] in place of stamps that are held or missing.")
+    ] = None,
+    split: Annotated[
+        bool, typer.Option("--split", help="Write the usable parts, each into a file of its own, without the rest.")
+    ] = False,
     force: Annotated[bool, typer.Option(help="Write even what the checks call an error.")] = False,
     overwrite: Overwrite = False,
 ) -> None:
@@ -46,7 +53,11 @@ def convert(
 
     if rate is not None and not 0.0 < rate < float("inf"):
         raise RecordingError(f"--rate is {rate:g}: give samples a second above 0 [Hz], or leave it out")
-    found = _select(_read(source, mapping, rate, skip_bad_rows=skip_bad_rows), only or [])
+    if row_rate is not None and not 0.0 < row_rate < float("inf"):
+        raise RecordingError(f"--row-rate is {row_rate:g}: give rows a second above 0 [Hz], or leave it out")
+    read = _read(source, mapping, rate, row_rate, skip_bad_rows=skip_bad_rows)
+    found = _select(read, only or [])
+    found = [part for named in found for part in _split(named)] if split else [_with_note(named) for named in found]
     targets = {named.name: _target(out, named.name, alone=len(found) == 1) for named in found}
     _refuse_overwriting([targets[named.name] for named in found], source, mapping, overwrite=overwrite)
     findings = {named.name: _add(named.findings, check_recording(named.recording)) for named in found}
@@ -58,15 +69,48 @@ def convert(
     _show(found, findings, targets)
 
 
-def _read(source: Path, mapping: str, rate: float | None, *, skip_bad_rows: bool) -> list[NamedRecording]:
+def _split(named: NamedRecording) -> list[NamedRecording]:
+    """The usable parts, numbered where there are several; what was left out is told with the first."""
+    from dataclasses import replace
+
+    from fricomp.recording import Finding
+    from fricomp.recording.parts import find_usable_parts
+
+    usable = find_usable_parts(named.recording)
+    several = len(usable.parts) > 1
+    parts = [
+        replace(named, name=f"{named.name}/part_{number}" if several else named.name, recording=part, findings=())
+        for number, part in enumerate(usable.parts, 1)
+    ]
+    told = tuple(Finding("parts", "note", sentence.rstrip("."), "nothing to do") for sentence in usable.sentences)
+    return [replace(parts[0], findings=named.findings + told), *parts[1:]]
+
+
+def _with_note(named: NamedRecording) -> NamedRecording:
+    """The recording with a note on what identify and diagnose will leave out of it; it is written as it is."""
+    from dataclasses import replace
+
+    from fricomp.recording import Finding
+    from fricomp.recording.parts import find_usable_parts
+
+    advice = "identify and diagnose do so by themselves; --split writes what they use"
+    said = find_usable_parts(named.recording).sentences
+    return replace(
+        named, findings=named.findings + tuple(Finding("parts", "note", one.rstrip("."), advice) for one in said[:1])
+    )
+
+
+def _read(
+    source: Path, mapping: str, rate: float | None, row_rate: float | None, *, skip_bad_rows: bool
+) -> list[NamedRecording]:
     from fricomp.recording import NamedRecording, convert
     from fricomp.recording.file import read_content
     from fricomp.recording.resampling import resample_checked
 
     if mapping:
-        return list(convert(source, _adjust(mapping, rate, skip_bad_rows=skip_bad_rows)))
+        return list(convert(source, _adjust(mapping, rate, row_rate, skip_bad_rows=skip_bad_rows)))
     try:
-        recording, findings = read_content(source, skip_bad_rows=skip_bad_rows)
+        recording, findings = read_content(source, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
     except RecordingError as error:
         from fricomp.recording import list_mappings
 
@@ -78,18 +122,36 @@ def _read(source: Path, mapping: str, rate: float | None, *, skip_bad_rows: bool
     return [NamedRecording(source.stem, recording, findings)]
 
 
-def _adjust(name: str, rate: float | None, *, skip_bad_rows: bool) -> Mapping:
+def _adjust(name: str, rate: float | None, row_rate: float | None, *, skip_bad_rows: bool) -> Mapping:
     """The mapping, with what the command line asks for on top."""
     import msgspec
 
     from fricomp.recording import load_mapping
 
     mapping = load_mapping(name)
+    if row_rate is not None:
+        mapping = _with_row_rate(mapping, row_rate)
     return msgspec.structs.replace(
         mapping,
         resample_rate=mapping.resample_rate if rate is None else rate,
         skip_bad_rows=skip_bad_rows or mapping.skip_bad_rows,
     )
+
+
+def _with_row_rate(mapping: Mapping, row_rate: float) -> Mapping:
+    """The mapping with a time of so many rows a second [Hz] everywhere."""
+    import msgspec
+
+    from fricomp.recording.mapping import ChannelRule
+
+    clock = {"time": ChannelRule(rate=row_rate)}
+    replace = msgspec.structs.replace
+
+    def counted(rules: tuple[FileRule, ...] | tuple[JointRule, ...]) -> tuple[Any, ...]:
+        return tuple(replace(one, channels={**one.channels, **clock}) for one in rules)
+
+    channels = {**mapping.channels, **clock}
+    return replace(mapping, channels=channels, files=counted(mapping.files), joints=counted(mapping.joints))
 
 
 def _select(found: list[NamedRecording], only: list[str]) -> list[NamedRecording]:

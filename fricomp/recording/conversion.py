@@ -13,6 +13,7 @@ from fricomp.recording.metadata import RecordingMetadata, metadata_from_fields
 from fricomp.recording.recording import CHANNELS, Recording
 from fricomp.recording.resampling import resample_checked
 from fricomp.recording.sources import Columns, find_column, read_columns
+from fricomp.recording.stamps import spread_stamps
 from fricomp.recording.unit import find_unit
 from fricomp.recording.validity import find_usable_rows, tell_bad_rows
 
@@ -27,6 +28,9 @@ _SI = {
     "current": ("A", "A"),
     "position_reference": ("rad", "m"),
     "velocity_reference": ("rad/s", "m/s"),
+    "motor_position": ("rad", "m"),
+    "housing_temperature": ("°C", "°C"),
+    "supply_voltage": ("V", "V"),
 }
 
 
@@ -118,10 +122,10 @@ def _wanted_keys(plan: _Plan) -> list[Column]:
 
 def _build(plan: _Plan, columns: Columns, mapping: Mapping, path: Path) -> NamedRecording:
     rows = _select_rows(plan, columns, path)
-    findings: tuple[Finding, ...] = ()
+    rows, findings = _leave_out_others(plan, columns, rows)
     if mapping.skip_bad_rows:
         keep = _find_usable(plan, columns, rows)
-        rows, findings = rows[keep], tell_bad_rows(keep)
+        rows, findings = rows[keep], (*findings, *tell_bad_rows(keep))
     channels = _fill_all(plan, columns, rows)
     for name, rule in plan.channels.items():
         if rule.from_zero:
@@ -134,6 +138,21 @@ def _build(plan: _Plan, columns: Columns, mapping: Mapping, path: Path) -> Named
         return NamedRecording(plan.name, recording, findings)
     recording, before = resample_checked(recording, mapping.resample_rate)
     return NamedRecording(plan.name, recording, findings + before)
+
+
+def _leave_out_others(
+    plan: _Plan, columns: Columns, rows: NDArray[np.intp]
+) -> tuple[NDArray[np.intp], tuple[Finding, ...]]:
+    """The rows that say anything of this joint, and a note on the messages of other devices on its topic."""
+    time = plan.channels["time"]
+    own = [key for key in _wanted_keys(plan) if time.column is None or key != plan.key(time.column, time.joint_step)]
+    said = [np.isfinite(_take(find_column(columns, key), rows)) for key in own]
+    keep = np.any(said, axis=0) if said else np.ones(rows.size, dtype=bool)
+    others = int(np.count_nonzero(~keep))
+    if not others or not keep.any():
+        return rows, ()
+    message = f"{others} of {rows.size} rows say nothing of this joint, as messages of other devices, and were left out"
+    return rows[keep], (Finding("other_device", "note", message, "nothing to do"),)
 
 
 def _find_usable(plan: _Plan, columns: Columns, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
@@ -173,7 +192,7 @@ def _in_order(channels: dict[str, ChannelRule]) -> list[str]:
         if name in above or name not in channels:
             raise RecordingError(f"mapping: channel {name!r} is made of itself or is not defined")
         rule = channels[name]
-        needs = ["time"] if rule.integral_of else []
+        needs = ["time"] if rule.integral_of or (rule.delay and name != "time") else []
         for other in [*needs, *(part for part in (rule.integral_of, rule.plus) if part)]:
             visit(other, (*above, name))
         if name not in order:
@@ -199,6 +218,10 @@ def _fill(name: str, plan: _Plan, columns: Columns, rows: NDArray[np.intp], done
     values = values * (rule.sign * rule.scale) + rule.offset
     if rule.unwrap is not None:
         values = np.unwrap(values, period=rule.unwrap)
+    if rule.spread:
+        values = spread_stamps(values)
+    if rule.delay != 0.0 and name != "time":
+        values = np.interp(done["time"] - rule.delay, done["time"], values)
     return values + done[rule.plus] if rule.plus is not None else values
 
 

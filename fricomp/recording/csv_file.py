@@ -25,6 +25,7 @@ from fricomp.errors import RecordingError
 from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import RecordingMetadata, metadata_from_fields, metadata_to_fields
 from fricomp.recording.recording import CHANNELS, REQUIRED_CHANNELS, Recording
+from fricomp.recording.stamps import with_row_rate
 from fricomp.recording.validity import drop_bad_rows
 from fricomp.untrusted import parse_json
 from fricomp.whole_file import write_whole
@@ -63,12 +64,13 @@ def write_csv(recording: Recording, path: Path) -> None:
     write_whole(path, format_preamble(recording.metadata, recording.channels) + rows, RecordingError)
 
 
-def read_csv(path: Path, *, skip_bad_rows: bool = False) -> FileContent:
+def read_csv(path: Path, *, skip_bad_rows: bool = False, row_rate: float | None = None) -> FileContent:
     """Read a CSV recording.
 
     Args:
         path: File.
         skip_bad_rows: Leave out rows without a finite number in every column or with a time that does not advance.
+        row_rate: Rows a second in place of the stamps [Hz]; None takes the stamps.
 
     Raises:
         RecordingError: The file is no recording, holds something that is no number, or its
@@ -80,7 +82,7 @@ def read_csv(path: Path, *, skip_bad_rows: bool = False) -> FileContent:
     body, findings = _drop_torn_line(text[start:], len(names), signed=text.startswith(f"# {_FAMILY}"))
     try:
         table = _parse_table(body, names, skip_bad_rows=skip_bad_rows)
-        columns = dict(zip(names, table.T, strict=True))
+        columns = with_row_rate(dict(zip(names, table.T, strict=True)), row_rate)
         if skip_bad_rows:
             columns, left_out = drop_bad_rows(columns)
             findings += left_out

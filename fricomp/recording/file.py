@@ -44,13 +44,14 @@ def read_recording(path: str | Path) -> Recording:
     return content.recording
 
 
-def read_content(path: Path, *, skip_bad_rows: bool = False) -> FileContent:
+def read_content(path: Path, *, skip_bad_rows: bool = False, row_rate: float | None = None) -> FileContent:
     """Read a recording with what was wrong with its file; nothing is warned about.
 
     Args:
         path: File.
         skip_bad_rows: Leave out rows without a finite number in every column or with a time that does not advance;
             a finding says how many.
+        row_rate: Rows a second in place of the stamps [Hz]; None takes the stamps.
 
     Raises:
         RecordingError: As for `read_recording`.
@@ -61,8 +62,8 @@ def read_content(path: Path, *, skip_bad_rows: bool = False) -> FileContent:
     if path.is_dir():
         raise RecordingError(f"{path} is a folder: name the recording inside it")
     if _suffix(path) in _PARQUET:
-        return read_parquet(path, skip_bad_rows=skip_bad_rows)
-    return read_csv(path, skip_bad_rows=skip_bad_rows)
+        return read_parquet(path, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
+    return read_csv(path, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
 
 
 def _suffix(path: Path) -> str:

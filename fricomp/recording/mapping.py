@@ -27,7 +27,7 @@ from fricomp.errors import RecordingError
 from fricomp.recording.recording import CHANNELS, REQUIRED_CHANNELS
 from fricomp.untrusted import parse_toml
 
-Format = Literal["text", "mat", "npz", "npy", "json", "binary", "mcap", "rosbag2"]
+Format = Literal["text", "mat", "npz", "npy", "json", "binary", "mcap", "rosbag2", "parquet"]
 Column = Annotated[int, Meta(ge=1)] | str
 _Positive = Annotated[float, Meta(gt=0.0)]
 _FOLDER = Path(__file__).parent / "mappings"
@@ -46,6 +46,7 @@ class Source(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     Attributes:
         format: Kind of file; empty decides by the suffix.
         delimiter: Between the cells of a text file; empty is any white space.
+        decimal: Decimal mark of a text file; empty takes a comma as one wherever it is not the delimiter.
         header: The first line of a text file names its columns.
         skip_lines: Lines of a text file before the header or the first row.
         dtype: Number format of a binary file, as numpy writes it.
@@ -56,6 +57,7 @@ class Source(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     format: Format | None = None
     delimiter: str = ","
+    decimal: Literal["", ".", ","] = ""
     header: bool = False
     skip_lines: Annotated[int, Meta(ge=0)] = 0
     dtype: str = "<f8"
@@ -80,6 +82,8 @@ class ChannelRule(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         scale: Factor.
         sign: 1 or -1.
         offset: Added [SI].
+        delay: The value acts or was read so long after its stamp [s]; it is moved there. Not for time.
+        spread: Only for time, whose stamps are held over several rows: the rows between are spread evenly.
         from_zero: Subtract the first value.
         unwrap: Period at which the value jumps back [SI]; jumps of more than half are undone.
         plus: Another channel to add.
@@ -96,6 +100,8 @@ class ChannelRule(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     scale: float = 1.0
     sign: Literal[1, -1] = 1
     offset: float = 0.0
+    delay: float = 0.0
+    spread: bool = False
     from_zero: bool = False
     unwrap: _Positive | None = None
     plus: str | None = None

@@ -10,6 +10,7 @@ from fricomp.recording.csv_file import SCHEMA, FileContent
 from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import metadata_from_fields, metadata_to_fields
 from fricomp.recording.recording import Recording
+from fricomp.recording.stamps import with_row_rate
 from fricomp.recording.validity import drop_bad_rows
 from fricomp.untrusted import find_size_limit, parse_json
 from fricomp.whole_file import whole_file
@@ -31,12 +32,13 @@ def write_parquet(recording: Recording, path: Path) -> None:
         parquet.write_table(table, temporary)
 
 
-def read_parquet(path: Path, *, skip_bad_rows: bool = False) -> FileContent:
+def read_parquet(path: Path, *, skip_bad_rows: bool = False, row_rate: float | None = None) -> FileContent:
     """Read a recording; a Parquet file of another program needs the same column names.
 
     Args:
         path: File.
         skip_bad_rows: Leave out rows without a finite number in every column or with a time that does not advance.
+        row_rate: Rows a second in place of the stamps [Hz]; None takes the stamps.
 
     Raises:
         MissingExtraError: pyarrow is not installed.
@@ -57,6 +59,7 @@ def read_parquet(path: Path, *, skip_bad_rows: bool = False) -> FileContent:
         raise RecordingError(f"{path} claims more content than there is memory: it is damaged") from error
     except Exception as error:  # pyarrow's own kinds, and what damaged bytes make it stumble over
         raise RecordingError(f"{path} is no Parquet file: {error}") from error
+    columns = with_row_rate(columns, row_rate)
     findings: tuple[Finding, ...] = ()
     try:
         fields = _decode_fields((table.schema.metadata or {}).get(_KEY))

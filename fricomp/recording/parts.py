@@ -30,6 +30,8 @@ _BRIDGED = 0.03
 """Gap that is no cut [s], where all of them are short: a straight line over it is off by less than a low-pass sees."""
 _MOST_BRIDGED = 0.01
 """Part of the time that may be bridged."""
+_MOST_STUCK = 0.5
+"""Part of the rows above which stuck ones are not left out."""
 _FEWEST = 25
 """Rows below which a part is left out."""
 
@@ -116,6 +118,8 @@ def find_usable_parts(recording: Recording) -> UsableParts:
         begins[np.minimum(np.searchsorted(mended.time, jumps), len(mended) - 1)] = bool(jumps.size)
         changes.append(f"Rate: it changes from {rates.fast:.4g} to {rates.slow:.4g} Hz; all was brought to the latter.")
     stuck = find_stuck_rows(mended)
+    if stuck.mean() > _MOST_STUCK:  # then it is what was recorded, and the checks say what it looks like
+        stuck[:] = False
     left_out.append(_tell("rows of stuck or saturated stretches", mended, stuck))
     rests = find_rests(mended) & ~stuck
     left_out.append(_tell("rows of long rests", mended, rests))

@@ -35,6 +35,9 @@ OPTIONAL_CHANNELS = (
     "velocity_reference",
     "torque_command",
     "normal_load",
+    "motor_position",
+    "housing_temperature",
+    "supply_voltage",
 )
 CHANNELS = REQUIRED_CHANNELS + OPTIONAL_CHANNELS
 _TORQUES = ("torque", "load_torque", "torque_command")
@@ -60,6 +63,9 @@ class Recording(Shown):
         velocity_reference: [rad/s | m/s]
         torque_command: [as torque]
         normal_load: Load that presses the friction surfaces together [N, or as the metadata say].
+        motor_position: Of the motor's own encoder, brought to the joint side of the gear [rad | m].
+        housing_temperature: Beside `temperature`, which is then the winding's [°C].
+        supply_voltage: [V]
         metadata: Joint, units, side of the torque.
 
     Raises:
@@ -79,6 +85,9 @@ class Recording(Shown):
     velocity_reference: Samples | None = None
     torque_command: Samples | None = None
     normal_load: Samples | None = None
+    motor_position: Samples | None = None
+    housing_temperature: Samples | None = None
+    supply_voltage: Samples | None = None
     metadata: RecordingMetadata = field(default_factory=RecordingMetadata)
 
     def __post_init__(self) -> None:

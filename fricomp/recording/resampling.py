@@ -17,6 +17,7 @@ from fricomp.recording.timing_checks import GAP_PERIODS, locate_gaps
 
 Samples = NDArray[np.float64]
 
+_MOST_ROWS = 2e8  # of a result: more does not fit into memory, and comes from a corrupt stamp
 _ATTENUATION = 60.0  # [dB]
 _TRANSITION = 0.1  # width of the filter's edge, as a part of the new rate
 _CUTOFF = 0.45  # middle of the edge, as a part of the new rate: its end is the new Nyquist frequency
@@ -39,6 +40,11 @@ def resample(recording: Recording, rate: float) -> Recording:
     """
     if not (np.isfinite(rate) and rate > 0) or recording.duration * rate < 1:
         raise RecordingError(f"cannot resample {recording.duration:.6g} s at {rate} Hz: give a higher, finite rate")
+    if recording.duration * rate > _MOST_ROWS:
+        raise RecordingError(
+            f"{recording.duration:.6g} s at {rate:g} Hz are more than {_MOST_ROWS:.0e} rows: a stamp is far from all "
+            "others; leave its row out (fricomp convert --skip-bad-rows)"
+        )
     period = recording.sample_period
     target = recording.time[0] + np.arange(int(recording.duration * rate * (1 + 1e-12)) + 1) / rate
     kernel = _low_pass(rate * period) if rate * period < 1 - 1e-9 else None

@@ -6,10 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.recording.finding import Finding, Severity
+from fricomp.recording.stamps import find_rising, find_row_rate
 
 Samples = NDArray[np.float64]
 
 _MANY, _TOO_MANY = 0.01, 0.2  # parts of the rows that were left out
+_MANY_REPEATED = 0.2  # part of the rows with the stamp of the one before, above which the clock is coarse
 
 
 def find_invalid(channels: Mapping[str, Samples]) -> tuple[Finding, ...]:
@@ -28,9 +30,9 @@ def find_invalid(channels: Mapping[str, Samples]) -> tuple[Finding, ...]:
 
 
 def find_usable_rows(channels: Mapping[str, Samples]) -> NDArray[np.bool_]:
-    """Return the rows whose samples are all finite and whose time is later than every usable one before.
+    """Return the rows whose samples are all finite and whose time goes on.
 
-    A single stamp far ahead, after which time goes on as before it, is no usable one: it would forbid all that follow.
+    Stamps far from all others, or out of order, cost their own rows alone.
 
     Args:
         channels: As for `find_invalid`, of equal lengths.
@@ -39,17 +41,8 @@ def find_usable_rows(channels: Mapping[str, Samples]) -> NDArray[np.bool_]:
         Shape (n_samples,).
     """
     keep = np.all([np.isfinite(values) for values in channels.values()], axis=0)
-    keep[keep] = ~_is_ahead(channels["time"][keep])
-    time = np.where(keep, channels["time"], -np.inf)
-    latest = np.maximum.accumulate(np.concatenate([[-np.inf], time[:-1]]))
-    return np.asarray(keep & (channels["time"] > latest))
-
-
-def _is_ahead(time: Samples) -> NDArray[np.bool_]:
-    """Stamps that are no earlier than two after them, where these go on from the one before. Shape (n_samples,)."""
-    before, after = np.concatenate([[-np.inf], time[:-1]]), np.append(time[1:], np.nan)
-    second = np.append(after[1:], np.nan)[: time.size]
-    return np.asarray((before < after) & (after < second) & (second <= time))
+    keep[keep] = find_rising(channels["time"][keep])
+    return np.asarray(keep)
 
 
 def drop_bad_rows(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tuple[Finding, ...]]:
@@ -116,7 +109,13 @@ def _find_backward_time(time: Samples) -> tuple[Finding, ...]:
     row = int(bad[0]) + 1
     if step[row - 1] == 0:
         message = f"time {time[row]:.6g} s is stamped twice ({bad.size} rows do not advance)"
+        rate = find_row_rate(time) if bad.size > _MANY_REPEATED * time.size else None
         advice = "remove the repeated rows (fricomp convert --skip-bad-rows keeps the first of each)"
+        if rate is not None:
+            advice = (
+                f"give the rate of the rows, which is some {rate:.5g} Hz: fricomp convert --row-rate {rate:.5g}, or "
+                f"time = {{ rate = {rate:.5g} }} in a mapping"
+            )
         return (Finding("repeated_time", "error", message, advice, row + 1, "time"),)
     message = f"time falls from {time[row - 1]:.6g} s to {time[row]:.6g} s ({bad.size} rows do not advance)"
     advice = "split the file there or restore the clock: time must rise from row to row"

@@ -8,6 +8,7 @@ from fricomp.recording.mapping import Column, Format, Source
 from fricomp.recording.sources.array import read_binary, read_json, read_mat, read_npy, read_npz
 from fricomp.recording.sources.columns import Columns
 from fricomp.recording.sources.robot_log import read_mcap, read_rosbag
+from fricomp.recording.sources.table import read_table
 from fricomp.recording.sources.text import read_text
 
 _LONGEST_REASON = 300  # characters of a foreign error that are told
@@ -19,6 +20,7 @@ _READERS: dict[Format, Callable[[Path, Source], Columns]] = {
     "binary": read_binary,
     "mcap": read_mcap,
     "rosbag2": read_rosbag,
+    "parquet": read_table,
 }
 _SUFFIXES: dict[str, Format] = {
     ".csv": "text",
@@ -32,6 +34,8 @@ _SUFFIXES: dict[str, Format] = {
     ".mcap": "mcap",
     ".db3": "rosbag2",
     ".bag": "rosbag2",
+    ".parquet": "parquet",
+    ".pq": "parquet",
 }
 
 

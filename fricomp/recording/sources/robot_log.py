@@ -1,7 +1,8 @@
 """ROS logs: JointState messages in rosbag2 folders, MCAP and ROS 1 bags, and JSON messages in MCAP.
 
-Columns of a JointState topic: `time` [s] from the header's stamp, and for each joint `<joint>.position`,
-`<joint>.velocity`, `<joint>.effort`; of JSON messages: their fields, and `time` from the log.
+Columns of a JointState topic: `time` [s] from the header's stamp, or from the log where there is none, `log_time` [s],
+and for each joint `<joint>.position`, `<joint>.velocity`, `<joint>.effort`; of JSON messages: their fields, and `time`
+from the log.
 """
 
 from pathlib import Path
@@ -61,10 +62,10 @@ def read_rosbag(path: Path, source: Source) -> Columns:
             connections = [c for c in reader.connections if c.msgtype in _JOINT_STATE]
             topic = _choose_topic({c.topic for c in connections}, source.topic, path)
             chosen = [c for c in connections if c.topic == topic]
-            messages = [reader.deserialize(raw, c.msgtype) for c, _, raw in reader.messages(chosen)]
+            messages = [(at * 1e-9, reader.deserialize(raw, c.msgtype)) for c, at, raw in reader.messages(chosen)]
     except (AnyReaderError, Reader1Error, Reader2Error) as error:
         raise RecordingError(f"{path} is no bag that can be read: {error}") from error
-    return columns_of_records([_joint_record(message) for message in messages])
+    return columns_of_records([_joint_record(message, logged) for logged, message in messages])
 
 
 def _choose_topic(topics: set[str], wanted: str, path: Path) -> str:
@@ -76,9 +77,11 @@ def _choose_topic(topics: set[str], wanted: str, path: Path) -> str:
     return next(iter(topics))
 
 
-def _joint_record(message: Any) -> dict[str, float]:
+def _joint_record(message: Any, logged: float) -> dict[str, float]:
+    """Columns of one message; its time is that of the log [s] where nobody has stamped it."""
     stamp = message.header.stamp
-    record = {"time": stamp.sec + stamp.nanosec * 1e-9}
+    stamped = stamp.sec + stamp.nanosec * 1e-9
+    record = {"time": stamped if stamped > 0.0 else logged, "log_time": logged}
     for field in ("position", "velocity", "effort"):
         values = np.asarray(getattr(message, field), dtype=np.float64)  # empty where the robot does not know it
         # dots in a joint's name stay: a flat record is not taken apart again

@@ -1,6 +1,8 @@
 """Text tables: comma, tab or space separated, with or without a header line."""
 
+import re
 from collections.abc import Collection
+from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +10,8 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Column, Source
 from fricomp.recording.sources.columns import Columns
+
+_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
 
 
 def read_text(path: Path, source: Source, keys: Collection[Column], *, skip_bad_rows: bool) -> Columns:
@@ -25,15 +29,20 @@ def read_text(path: Path, source: Source, keys: Collection[Column], *, skip_bad_
     _refuse_names(path, source, keys)
     lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()[source.skip_lines :]
     separator = source.delimiter or None
+    decimal = source.decimal or ("." if separator == "," else ",")
     header = [cell.strip() for cell in lines.pop(0).split(separator)] if source.header and lines else []
+    if len(header) == 1 and any(mark in header[0] for mark in ";\t") and not set(header) & set(keys):
+        raise RecordingError(f"{path}: the header {header[0][:60]!r} is one name; {_hint(header, 0)}")
     first_line = source.skip_lines + bool(source.header) + 1
     rows = [(number, line.split(separator)) for number, line in enumerate(lines, first_line) if line.strip()]
     if not rows:
         raise RecordingError(f"{path} holds no rows")
     indices = {key: index for key in keys if (index := _find_index(key, header)) is not None}
     if skip_bad_rows:
-        return {key: np.array([_number_or_nan(cells, k) for _, cells in rows]) for key, k in indices.items()}
-    return {key: _parse_column(rows, k, key, path) for key, k in indices.items()} | _names_only(header, indices)
+        return {key: np.array([_number_or_nan(cells, k, decimal) for _, cells in rows]) for key, k in indices.items()}
+    return {key: _parse_column(rows, k, key, path, decimal) for key, k in indices.items()} | _names_only(
+        header, indices
+    )
 
 
 def _refuse_names(path: Path, source: Source, keys: Collection[Column]) -> None:
@@ -58,23 +67,47 @@ def _names_only(header: list[str], indices: dict[Column, int]) -> Columns:
 
 
 def _parse_column(
-    rows: list[tuple[int, list[str]]], index: int, key: Column, path: Path
+    rows: list[tuple[int, list[str]]], index: int, key: Column, path: Path, decimal: str
 ) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     try:
-        return np.array([float(cells[index]) for _, cells in rows])
+        return np.array([_number(cells[index], decimal) for _, cells in rows])
     except (ValueError, IndexError):
         for number, cells in rows:
-            if not np.isfinite(_number_or_nan(cells, index)):
+            if not np.isfinite(_number_or_nan(cells, index, decimal)):
                 what = f"{cells[index].strip()[:40]!r} is no number" if index < len(cells) else "the cell is missing"
-                raise RecordingError(
-                    f"{path}, line {number}, column {key}: {what}; "
-                    "set skip_bad_rows, or header, delimiter and skip_lines in the mapping"
-                ) from None
+                raise RecordingError(f"{path}, line {number}, column {key}: {what}; {_hint(cells, index)}") from None
         raise
 
 
-def _number_or_nan(cells: list[str], index: int) -> float:
+def _hint(cells: list[str], index: int) -> str:
+    """What to write in the mapping, by what the line looks like."""
+    line = ",".join(cells)
+    if ";" in line or "\t" in line:
+        mark = '";"' if ";" in line else '"\\t"'
+        return f'the line looks as if delimiter = {mark}, with decimal = "," where numbers have commas'
+    if index < len(cells) and _DECIMAL_COMMA.fullmatch(cells[index].strip()):
+        return 'write decimal = "," under [source] of the mapping'
+    return "set skip_bad_rows, or header, delimiter, decimal and skip_lines in the mapping"
+
+
+def _number(cell: str, decimal: str) -> float:
+    """A number, also with a decimal comma; of a date and time by ISO 8601 the seconds since 1970 [s].
+
+    Raises:
+        ValueError: It is none.
+    """
+    text = cell.strip().strip('"')
+    if decimal == "," and _DECIMAL_COMMA.fullmatch(text):
+        text = text.replace(",", ".")
     try:
-        return float(cells[index])
+        return float(text)
+    except ValueError:
+        stamp = datetime.fromisoformat(text)
+        return (stamp if stamp.tzinfo else stamp.replace(tzinfo=UTC)).timestamp()
+
+
+def _number_or_nan(cells: list[str], index: int, decimal: str) -> float:
+    try:
+        return _number(cells[index], decimal)
     except (ValueError, IndexError):
         return float("nan")

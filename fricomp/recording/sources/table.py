@@ -1,0 +1,77 @@
+"""Parquet tables of other programs, such as episodes of LeRobot: columns of numbers, and of lists of numbers."""
+
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from fricomp.errors import MissingExtraError, RecordingError
+from fricomp.recording.mapping import Source
+from fricomp.recording.sources.columns import Columns
+from fricomp.untrusted import parse_json
+
+_INFO = Path("meta") / "info.json"
+_LEVELS = 4
+"""Folders above an episode in which its data set is looked for."""
+
+
+def read_table(path: Path, source: Source) -> Columns:
+    """Read a Parquet file: `name` for a column of numbers, `name:3` for the third entry of a column of lists.
+
+    Where the data set names the entries, as LeRobot does in meta/info.json, `name.entry` is the same.
+
+    Raises:
+        MissingExtraError: pyarrow is not installed.
+        RecordingError: The file is no Parquet file.
+    """
+    try:
+        import pyarrow
+        from pyarrow import parquet
+    except ImportError as error:
+        raise MissingExtraError("pyarrow", "parquet") from error
+    try:
+        table = parquet.read_table(path)
+    except pyarrow.ArrowException as error:
+        raise RecordingError(f"{path} is no Parquet file: {error}") from error
+    named = _entry_names(path)
+    columns: Columns = {}
+    for name in table.column_names:
+        columns.update(_columns_of(name, table.column(name).to_pylist(), named.get(name, [])))
+    return columns
+
+
+def _columns_of(name: str, values: list[Any], entries: list[str]) -> Columns:
+    lists = [value for value in values if isinstance(value, list)]
+    if not lists:
+        if any(isinstance(value, str | bytes | dict) for value in values):
+            return {}
+        return {name: np.array([np.nan if value is None else value for value in values], dtype=np.float64)}
+    width = max(map(len, lists))
+    matrix = np.full((len(values), width), np.nan)
+    for row, value in zip(matrix, values, strict=True):
+        numbers = [entry for entry in value or [] if isinstance(entry, int | float)]
+        row[: len(numbers)] = numbers
+    found: Columns = {f"{name}:{k}": column for k, column in enumerate(matrix.T, start=1)}
+    return found | {f"{name}.{entry}": column for entry, column in zip(entries, matrix.T, strict=False)}
+
+
+def _entry_names(path: Path) -> dict[str, list[str]]:
+    """What the data set calls the entries of its columns; nothing where it does not say."""
+    for folder in list(path.resolve().parents)[:_LEVELS]:
+        file = folder / _INFO
+        if not file.is_file():
+            continue
+        try:
+            features = parse_json(file.read_bytes())["features"]
+        except (msgspec.DecodeError, KeyError, TypeError, OSError):
+            return {}
+        return {name: _flat(one.get("names")) for name, one in features.items() if isinstance(one, dict)}
+    return {}
+
+
+def _flat(names: Any) -> list[str]:
+    """Names of entries, which stand in a list or under the name of an axis."""
+    if isinstance(names, dict):
+        names = next(iter(names.values()), [])
+    return [str(name) for name in names] if isinstance(names, list) else []
