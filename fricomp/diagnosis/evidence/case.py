@@ -1,4 +1,4 @@
-"""The case that is judge, and how it stands to the simulation and friction that were given."""
+"""The case that is judged, and how it stands to the simulation and friction that were given."""
 
 from __future__ import annotations
 

@@ -143,6 +143,6 @@ def _is_physical(one: Explanation) -> bool:
 
 
 def _judge_standing(prepared: Baseline, one: Explanation, given: Fit) -> Explanation:
-    """An explanation judge beside the simulation as given."""
+    """An explanation judged beside the simulation as given."""
     penalty = one.structure.freedom * float(np.log(given.residual.size))
     return replace(one, certain=compute_evidence(prepared, one.names, given, one.fit) - penalty, before=given)

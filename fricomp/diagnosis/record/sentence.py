@@ -35,7 +35,7 @@ FOREIGN_CURVE = "what is missing follows the speed in a curve that is neither a 
 
 LAWLESS = (
     "The drive follows its command late. The joint pushes against something unknown: no law of its own motion explains "
-    "its torque, so its friction cannot be judge here."
+    "its torque, so its friction cannot be judged here."
 )
 """Opening where a late drive is all that can be said."""
 

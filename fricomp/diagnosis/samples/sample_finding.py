@@ -40,7 +40,7 @@ class SampleFinding:
         held: Errors of samples on blocks that were left out; it explains `held.explained` of them.
         series: Residual of the samples, before and after.
         alike: Effects that explain the samples as well.
-        lawless: Whether the joint obeys no law of its own motion, so that nothing but its drive can be judge.
+        lawless: Whether the joint obeys no law of its own motion, so that nothing but its drive can be judged.
         rivals: Explanations of the samples that were weighed, best first; empty where only this one was.
         orders: Energy that a ripple of each order explains; empty where none was looked for.
         ripple: Order [1/rad] and amplitude [N·m] of a ripple; None for other effects.

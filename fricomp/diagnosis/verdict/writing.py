@@ -37,7 +37,7 @@ def write_diagnosis(
 
     Args:
         findings: Evidence from the rows.
-        verdict: What was judge of it.
+        verdict: What was judged of it.
         proposal: The motion that would tell rivals apart; None where none is proposed.
         forward: Errors of a forward simulation; None where there was none.
         remarks: What the checks of the data noticed.
