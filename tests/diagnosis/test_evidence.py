@@ -1,4 +1,4 @@
-"""What counts as evidence: rows in which the joint slides, a little from each, and on data that took no part."""
+"""What counts as evidence: rows in which the joint slides, a little from each, and on held-out data."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Confirmation on data that took no part: blocks in time with gaps, and whole recordings left out."""
+"""Confirmation on held-out data: blocks in time with gaps between them, or whole recordings."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def confirm(prepared: Baseline, structure: Structure, fit: Fit, seed: int, *, gi
     after = before if fit is base else _predict_held_out(prepared, structure, fit, folds)
     energy_before, energy_after = before**2, after**2
     unit = _measure_typical_noise(prepared)
-    # Nulls are fitted to all of their rows; on rows that took no part they would leave this much more.
+    # Nulls are fitted to all of their rows; on rows that the fit did not use they would leave this much more.
     rows, freedom = before.size, prepared.fit.theta.size
     left = np.mean([np.mean(null**2) for null in prepared.null_residuals])
     floor = unit * float(np.sqrt(left * (rows + freedom) / (rows - freedom)))

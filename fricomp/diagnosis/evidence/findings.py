@@ -35,11 +35,11 @@ class Findings:
 
     Attributes:
         case: The case.
-        trial: The best explanation on data that took no part.
+        trial: The best explanation on held-out data.
         unknown: Whether something is missing that no accepted effect covers.
         refitted: The joint that the verdict is about: the base with the chosen effects, or alone.
         base: Its parameters with their intervals.
-        held: Errors on data that took no part.
+        held: Errors on held-out data.
         noise_ratio: Residual of the base over its noise.
         comparison: What differs from the given simulation and friction.
         parts: Part of each of those shifts in what putting them right explains; empty where the errors are counted from

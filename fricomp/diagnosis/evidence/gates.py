@@ -15,7 +15,7 @@ __all__ = ["Trial", "covers", "find_vibration", "is_confirmed", "put_to_trial", 
 
 
 class Trial(NamedTuple):
-    """The best explanation on data that took no part.
+    """The best explanation on held-out data.
 
     Attributes:
         chosen: It; None where there is none that covers the mismatch, or the held-out error does not fall for sure.

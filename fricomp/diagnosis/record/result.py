@@ -71,7 +71,7 @@ class NamedEffect(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class HeldOut(msgspec.Struct, frozen=True, kw_only=True):
-    """Root mean square errors on blocks that took no part in the fit, over the rows of the residual.
+    """Root mean square errors on blocks that the fit did not use, over the rows of the residual.
 
     Each row counts by its own noise, and the errors are in that of a typical row: what a model leaves about reversals,
     where no bristle is quite right, does not drown the rest.
@@ -102,7 +102,7 @@ class HeldOut(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Forward(msgspec.Struct, frozen=True, kw_only=True):
-    """Position errors of a forward simulation in MuJoCo under the recorded reference, on time that took no part.
+    """Position errors of a forward simulation in MuJoCo under the recorded reference, on time that the fit did not use.
 
     Attributes:
         rmse_before: Of the base model.

@@ -61,7 +61,7 @@ def build_error_table(record: DiagnosisRecord) -> Table | None:
     rows: list[tuple[str, ...]] = [(_BASE if before == BASE else before, f"{found.rmse_before:.4g}", "–")]
     rows += [(name, f"{found.rmse_after:.4g}", f"{low:.0%} to {high:.0%}") for name in after]
     rows.append(("noise floor: nothing missing", f"{found.noise_floor:.4g}", "–"))
-    caption = "On blocks that took no part in the fit, each row counted by its own noise."
+    caption = "On blocks that the fit did not use, each row counted by its own noise."
     columns = ("error on held-out data", f"RMS [{found.unit}]", "falls by (95 % interval)")
     width = 3 if record.effects else 2
     return Table(columns[:width], tuple(row[:width] for row in rows), caption)

@@ -154,7 +154,7 @@ class _Motion:
         return np.column_stack(columns)
 
     def leave_out(self, distance: float, memoryless: bool = False) -> FloatArray:
-        """Error on blocks that took no part in the fit [N·m]. Shape (n_kept,)."""
+        """Error on blocks that the fit did not use [N·m]. Shape (n_kept,)."""
         table = self.build_table(distance, memoryless)
         return predict_left_out_blocks(table / np.maximum(np.linalg.norm(table, axis=0), 1e-12), self.torque[self.keep])
 
