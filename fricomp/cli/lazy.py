@@ -14,12 +14,32 @@ __all__ = ["LazyGroup", "lazy_app"]
 
 
 class LazyGroup(TyperGroup):
-    """Lists placeholders, and puts the real command in place of the one that is called."""
+    """Lists placeholders, and puts the real command in place of the one that is called.
+
+    Attributes:
+        package: That holds one module a command.
+        default: Command that options without a command are meant for; empty for none.
+        renamed: Earlier names of commands, which still work.
+        gone: Earlier names of commands that are gone, each with the sentence that says what to type now.
+    """
 
     package: str = ""
+    default: str = ""
+    renamed: Mapping[str, str] = {}
+    gone: Mapping[str, str] = {}
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Options without a command go to the default one, where there is one."""
+        if self.default and args and args[0].startswith("-") and args[0] not in ctx.help_option_names:
+            args = [self.default, *args]
+        return super().parse_args(ctx, args)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """The real command that `args` begins with; only its module is imported."""
+        if args and args[0] in self.gone:
+            ctx.fail(self.gone[args[0]])
+        if args and args[0] in self.renamed:
+            args = [*self.renamed[args[0]].split(), *args[1:]]
         name, placeholder, rest = super().resolve_command(ctx, args)
         if name is None or placeholder is None:
             return name, placeholder, rest
@@ -34,15 +54,27 @@ def module_name(package: str, command: str) -> str:
     return f"{package}.{command.replace('-', '_')}"
 
 
-def lazy_app(package: str, commands: Mapping[str, str], **settings: Any) -> typer.Typer:
+def lazy_app(
+    package: str,
+    commands: Mapping[str, str],
+    *,
+    default: str = "",
+    renamed: Mapping[str, str] | None = None,
+    gone: Mapping[str, str] | None = None,
+    **settings: Any,
+) -> typer.Typer:
     """A typer app of the commands in `package` that are installed.
 
     Args:
         package: Package that holds one module a command.
         commands: Name to the one line that `--help` shows, in the order of the list.
+        default: Command that options without a command are meant for; empty for none.
+        renamed: Earlier names of commands, which still work.
+        gone: Earlier names of commands that are gone, each with the sentence that says what to type now.
         settings: Passed to `typer.Typer`.
     """
-    group = type("Group", (LazyGroup,), {"package": package})
+    known = {"package": package, "default": default, "renamed": renamed or {}, "gone": gone or {}}
+    group = type("Group", (LazyGroup,), known)
     app = typer.Typer(cls=group, no_args_is_help=True, **settings)
     for name, summary in commands.items():
         if find_spec(module_name(package, name)) is not None:

@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from fricomp.cli.bench.side_by_side import run_side_by_side
+from fricomp.cli.terminal import resumable
 from fricomp.errors import DiagnosisError
 from fricomp.fleet import executor, open_executor
 from fricomp.fleet.executor import SerialExecutor
@@ -73,8 +73,8 @@ def test_ctrl_c_says_where_what_is_finished_is(tmp_path: Path, capsys: pytest.Ca
     def interrupted() -> None:
         raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt):
-        run_side_by_side([interrupted], "serial", "calls", tmp_path)
+    with pytest.raises(KeyboardInterrupt), resumable(tmp_path), open_executor("serial") as (pool, _):
+        pool.submit(interrupted)
     assert f"Interrupted; what is finished is in {tmp_path}: --resume goes on" in capsys.readouterr().err
 
 

@@ -15,19 +15,20 @@ BENCHMARKS = {
     "tracking": "Tracking with and without compensation.",
     "adapters": "Every adapter against its twin and an independent peer.",
     "fleet": "Joints a second, identified in one call and one by one.",
-    "mismatch": "Named physics in concealed cases.",
-    "mismatch-gap": "How much of the held-out error a diagnosis closes.",
-    "mismatch-speed-up": "How much faster two workers diagnose than one.",
-    "mismatch-replay": "A scored run made again, or its seals checked.",
-    "mismatch-close": "End a scored run before its last case.",
+    "mismatch": "Named physics in concealed cases: run, page, gap, replay, speed-up.",
     "second-generator": "Named physics in joints that MuJoCo makes.",
     "real": "Diagnosis on public recordings of real joints.",
 }
-"""Benchmark to the line that `fricomp bench --help` shows; each lives in `fricomp/cli/bench/<name>.py`."""
+"""Benchmark to the line that `fricomp bench --help` shows; each is a module or package `fricomp/cli/bench/<name>`."""
 
 app = lazy_app(
     "fricomp.cli.bench",
     BENCHMARKS,
+    renamed={"mismatch-gap": "mismatch gap", "mismatch-speed-up": "mismatch speed-up"},
+    gone={
+        "mismatch-replay": "type 'fricomp bench mismatch replay docs/proof': the folder in place of a number of a run.",
+        "mismatch-close": "runs are not closed any more: start a new one with 'fricomp bench mismatch run --scored'.",
+    },
     help="Benchmarks: every figure of the documentation, measured again.",
     add_completion=False,
 )

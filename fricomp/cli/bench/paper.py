@@ -11,7 +11,7 @@ import typer
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from fricomp.sim_bench.studies.paper.ledger import Ledger
+    from fricomp.sim_bench.studies.kit.store import RowStore
 
 __all__ = ["app", "paper"]
 
@@ -51,9 +51,9 @@ def paper(
 ) -> None:
     """Repeat the paper's comparison. Finished draws are kept in OUT/ledger.jsonl, and a second call goes on there."""
     from fricomp.cli.terminal import console, progress
-    from fricomp.sim_bench.studies.paper.ledger import Ledger
+    from fricomp.sim_bench.studies.kit.store import RowStore
 
-    ledger, sizes = Ledger(out / "ledger.jsonl"), _QUICK if quick else _FULL
+    ledger, sizes = RowStore(out / "ledger.jsonl"), _QUICK if quick else _FULL
     command = "fricomp bench paper" + " --quick" * quick + (f" --docs {docs}" if docs is not None else "")
     pages = [out / "identification.md", *([docs] if docs is not None else [])]
     with progress() as bar:
@@ -72,7 +72,7 @@ def paper(
         console().print(f"Page {page}, figures in {page.with_suffix('')}")
 
 
-def _run(ledger: Ledger, sizes: _Sizes, report: Callable[[str], None]) -> None:
+def _run(ledger: RowStore, sizes: _Sizes, report: Callable[[str], None]) -> None:
     """What matters most comes first, for a run that is cut short."""
     from fricomp.sim_bench.studies.paper import rivals, study, timing
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -31,11 +30,11 @@ def real(
 
     from rich.table import Table
 
-    from fricomp.cli.bench.side_by_side import run_side_by_side
-    from fricomp.cli.terminal import console
+    from fricomp.cli.terminal import console, progress, resumable
     from fricomp.errors import DiagnosisError
-    from fricomp.sim_bench.studies.proof import format_stamp
-    from fricomp.sim_bench.studies.real import REAL_CASES, run_case, write_real_page
+    from fricomp.fleet import open_executor
+    from fricomp.sim_bench.studies.kit.commit import format_measured
+    from fricomp.sim_bench.studies.real import REAL_CASES, run_all, write_real_page
 
     if only and page is not None:
         raise DiagnosisError("a page is of all recordings: leave out --only, or --page")
@@ -45,8 +44,9 @@ def real(
         raise DiagnosisError(f"no case {unknown[0]!r}: valid are {', '.join(known)}")
     cases = [known[name] for name in only] if only else list(REAL_CASES)
     out.mkdir(parents=True, exist_ok=True)
-    calls = [partial(run_case, case, out, seed=seed, resume=resume) for case in cases]
-    outcomes = run_side_by_side(calls, executor, "recordings", out)
+    with resumable(out), progress() as bar, open_executor(executor) as pool:
+        task = bar.add_task("recordings", total=len(cases))
+        outcomes, commits = run_all(cases, out, pool, seed=seed, resume=resume, progress=lambda: bar.advance(task))
     table = Table("recording", "verdict", "named", "as expected", "time [s]")
     for one in outcomes:
         verdict = one.record.verdict if one.record is not None else "no answer"
@@ -55,5 +55,5 @@ def real(
         table.add_row(one.case.name, verdict, named or "–", mark, f"{one.seconds:.0f}")
     console().print(table)
     if page is not None:
-        write_real_page(outcomes, page, format_stamp(date.today(), Path.cwd()))
+        write_real_page(outcomes, page, format_measured(date.today(), " and ".join(commits)))
         console().print(f"{page} written", soft_wrap=True)

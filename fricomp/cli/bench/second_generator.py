@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -29,16 +28,18 @@ def second_generator(
     """Diagnose joints whose left-out physics is MuJoCo's own, and compare with what is known about them."""
     from rich.table import Table
 
-    from fricomp.cli.bench.side_by_side import run_side_by_side
-    from fricomp.cli.terminal import console
+    from fricomp.cli.terminal import console, progress, resumable
     from fricomp.errors import DiagnosisError
-    from fricomp.sim_bench.studies.second_generator import choose_cases, compute_figures, run_case, write_page
+    from fricomp.fleet import open_executor
+    from fricomp.sim_bench.studies.second_generator import choose_cases, compute_figures, run_all, write_page
 
     if only and page is not None:
         raise DiagnosisError("a page is of all cases: leave out --only, or --page")
     cases = choose_cases(only or (), quick=quick)
     out.mkdir(parents=True, exist_ok=True)
-    scores = run_side_by_side([partial(run_case, case, out, resume=resume) for case in cases], executor, "cases", out)
+    with resumable(out), progress() as bar, open_executor(executor) as pool:
+        task = bar.add_task("cases", total=len(cases))
+        scores, commits = run_all(cases, out, pool, resume=resume, progress=lambda: bar.advance(task))
     table = Table("case", "verdict", "named", "right", "seconds")
     for one in scores:
         right = "no" if one.wrong else "yes"
@@ -49,5 +50,5 @@ def second_generator(
         figures.add_row(*figure)
     console().print(figures)
     if page is not None:
-        write_page(scores, page, quick=quick)
+        write_page(scores, page, commits, quick=quick)
         console().print(f"{page} written", soft_wrap=True)

@@ -10,7 +10,7 @@ from fricomp.calibration.identification import identify
 from fricomp.laws import FloatArray
 from fricomp.report import Chart, Line, Panel, Points, Rule
 
-from .ledger import Ledger
+from ..kit.store import RowStore
 from .printed import NOISE_FREE
 from .problem import NOISE_READINGS, PARAMETERS, PaperProblem, Reading
 from .rival_summary import best_adam, name_of
@@ -28,7 +28,7 @@ _ITERATION = "iteration [thousands]"
 _READINGS: tuple[Reading, ...] = ("none", *NOISE_READINGS)
 
 
-def benchmark_charts(ledger: Ledger) -> list[Chart]:
+def benchmark_charts(ledger: RowStore) -> list[Chart]:
     """Charts of what the ledger holds."""
     rows = [
         row for row in ledger.rows(study="search", seed=0, iterations=PAPER_LENGTH) if row["method"] in ("PSO", "GA")
@@ -130,7 +130,7 @@ def _directions(step: FloatArray, course: FloatArray, label: str) -> list[Panel]
     return panels
 
 
-def _errors(ledger: Ledger, reading: Reading) -> Chart:
+def _errors(ledger: RowStore, reading: Reading) -> Chart:
     rows = ledger.rows(study="statistics", reading=reading)
     errors = np.sort([float(np.mean(PaperProblem().error_percent(np.array(row["values"])))) for row in rows])
     share = np.linspace(0.0, 1.0, len(errors))

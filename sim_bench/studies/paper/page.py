@@ -9,7 +9,7 @@ from importlib.metadata import version
 
 from fricomp.report import Chart
 
-from .ledger import Ledger
+from ..kit.store import RowStore
 from .printed import NOISE_FREE, NOISY
 from .problem import NOISE_READINGS
 from .rivals import FULL_SIZES
@@ -191,7 +191,7 @@ known later; `fricomp compare` brings models that know their loads to one load f
 """
 
 
-def identification_page(ledger: Ledger, charts: Sequence[Chart], command: str, folder: str) -> str:
+def identification_page(ledger: RowStore, charts: Sequence[Chart], command: str, folder: str) -> str:
     """The whole page as Markdown.
 
     Args:

@@ -10,8 +10,8 @@ import msgspec
 
 from fricomp.report import draw_png
 
+from ..kit.store import RowStore
 from .charts import benchmark_charts
-from .ledger import Ledger
 from .page import identification_page
 from .problem import NOISE_READINGS
 from .rival_summary import summarise_noise_free, summarise_searches
@@ -22,7 +22,7 @@ from .timing import summarise_timing
 __all__ = ["publish"]
 
 
-def publish(ledger: Ledger, pages: Sequence[Path], command: str) -> None:
+def publish(ledger: RowStore, pages: Sequence[Path], command: str) -> None:
     """Write each page, and beside it a folder of its name with the pictures and `figures.json`.
 
     Args:
@@ -41,7 +41,7 @@ def publish(ledger: Ledger, pages: Sequence[Path], command: str) -> None:
         path.write_text(identification_page(ledger, charts, command, folder.name), encoding="utf-8")
 
 
-def _figures(ledger: Ledger) -> dict[str, Any]:
+def _figures(ledger: RowStore) -> dict[str, Any]:
     single = ("departure", "loads", "further")
     return {study: [row["figures"] for row in ledger.rows(study=study)] for study in single} | {
         "targets": measured_targets(ledger),

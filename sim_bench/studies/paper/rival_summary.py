@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .ledger import Ledger
+from ..kit.store import RowStore
 from .problem import PaperProblem, Reading
 
 __all__ = ["NoiseFreeFigures", "SearchFigures", "best_adam", "name_of", "summarise_noise_free", "summarise_searches"]
@@ -43,7 +43,7 @@ class NoiseFreeFigures:
     from_start: int
 
 
-def summarise_noise_free(ledger: Ledger) -> list[NoiseFreeFigures]:
+def summarise_noise_free(ledger: RowStore) -> list[NoiseFreeFigures]:
     """Ours first, then every other method in the ledger; empty without runs of ours."""
     ours = ledger.rows(study="noise_free")
     if not ours:
@@ -80,7 +80,7 @@ def _mean_error(row: dict[str, Any]) -> float:
     return float(np.mean(PaperProblem().error_percent(np.array(row["values"]))))
 
 
-def best_adam(ledger: Ledger, reading: Reading) -> list[dict[str, Any]]:
+def best_adam(ledger: RowStore, reading: Reading) -> list[dict[str, Any]]:
     """The training by Adam that came closest, of those of the greatest length; empty without one."""
     rows = ledger.rows(study="adam", reading=reading)
     length = max((int(row["iterations"]) for row in rows), default=0)
@@ -118,7 +118,7 @@ class SearchFigures:
     missed: int
 
 
-def summarise_searches(ledger: Ledger, reading: Reading) -> list[SearchFigures]:
+def summarise_searches(ledger: RowStore, reading: Reading) -> list[SearchFigures]:
     """Every competing method and length in the ledger."""
     ours = {row["seed"]: row for row in ledger.rows(study="statistics", reading=reading)}
     rows = ledger.rows(study="search", reading=reading) + ledger.rows(study="adam", reading=reading)

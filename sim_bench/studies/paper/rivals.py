@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from ..kit.store import RowStore
 from .comparators import Comparison, run_cma, run_genetic, run_particle_swarm, run_robust_nls
-from .ledger import Ledger
 from .problem import NOISE_READINGS, Draw, PaperProblem
 from .study import SPREADS, random_values
 
@@ -52,7 +52,7 @@ FULL_SIZES = SearchSizes(full=20, tenth=200, pymoo_full=1, pymoo_tenth=3)
 """Of a run that is not cut short."""
 
 
-def run_searches(ledger: Ledger, sizes: SearchSizes, progress: Progress) -> None:
+def run_searches(ledger: RowStore, sizes: SearchSizes, progress: Progress) -> None:
     """PSO and GA on `full` draws at the paper's length and on `tenth` at a tenth, and what else there is.
 
     Without noise there is one data set, and the seed is the search's. Lengths alternate, so that a run that is cut
@@ -82,7 +82,7 @@ def _interleaved(sizes: SearchSizes) -> list[tuple[int, int]]:
     return plan
 
 
-def run_pymoo_study(ledger: Ledger, sizes: SearchSizes, progress: Progress) -> None:
+def run_pymoo_study(ledger: RowStore, sizes: SearchSizes, progress: Progress) -> None:
     """The same searches as pymoo runs them, on a few draws, to hold the compiled ones against."""
     for count, iterations in ((sizes.pymoo_tenth, _TENTH), (sizes.pymoo_full, PAPER_LENGTH)):
         for seed in range(count):
@@ -91,7 +91,7 @@ def run_pymoo_study(ledger: Ledger, sizes: SearchSizes, progress: Progress) -> N
                     _compare(ledger, PaperProblem().draw(reading, seed), (method, iterations), progress)
 
 
-def run_adam_study(ledger: Ledger, starts: int, steps: int, progress: Progress) -> None:
+def run_adam_study(ledger: RowStore, starts: int, steps: int, progress: Progress) -> None:
     """The paper's own training: without noise from random starts, on a draw of each reading from the best of them."""
     from .adam import run_adam
 
@@ -106,7 +106,7 @@ def run_adam_study(ledger: Ledger, starts: int, steps: int, progress: Progress) 
 
     known = {"study": "adam", "iterations": steps}
     for spread in SPREADS:
-        missing = list(ledger.missing(range(starts), **known, reading="none", spread=spread))
+        missing = list(ledger.find_missing(range(starts), **known, reading="none", spread=spread))
         for seed, row in zip(missing, train(problem.draw("none", 0), spread, missing) if missing else [], strict=True):
             ledger.append(row | {"seed": seed})
     rows = ledger.rows(**known, reading="none")
@@ -116,7 +116,7 @@ def run_adam_study(ledger: Ledger, starts: int, steps: int, progress: Progress) 
             ledger.append(*train(problem.draw(reading, 0), best["spread"], [best["seed"]]))
 
 
-def _compare(ledger: Ledger, draw: Draw, what: tuple[str, int], progress: Progress) -> None:
+def _compare(ledger: RowStore, draw: Draw, what: tuple[str, int], progress: Progress) -> None:
     method, iterations = what
     key = {"study": "search", "method": method, "iterations": iterations, "reading": draw.reading}
     if ledger.rows(**key, seed=draw.seed):

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from ..kit.store import RowStore
 from .departure import DepartureFigures
 from .extras import ExtraFigures
-from .ledger import Ledger
 from .load_departure import LoadFigures
 from .printed import PrintedRow
 from .problem import NOISE_READINGS, PARAMETERS, PaperProblem, Reading
@@ -38,20 +38,20 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows]) + "\n"
 
 
-def _largest(ledger: Ledger, study: str) -> list[dict[str, Any]]:
+def _largest(ledger: RowStore, study: str) -> list[dict[str, Any]]:
     """Figures of the rows of the largest size, where a ledger has seen several."""
     rows = ledger.rows(study=study)
     size = max((int(row["size"]) for row in rows), default=0)
     return [row["figures"] for row in rows if row["size"] == size]
 
 
-def target_table(ledger: Ledger) -> str:
+def target_table(ledger: RowStore) -> str:
     """What was wanted beside what was measured."""
     rows = [[t.what, t.wanted, t.measured, "yes" if t.reached else "**no**"] for t in measured_targets(ledger)]
     return _table(["what", "wanted", "measured", "reached"], rows)
 
 
-def printed_table(printed: Sequence[PrintedRow], ledger: Ledger, readings: Sequence[Reading]) -> str:
+def printed_table(printed: Sequence[PrintedRow], ledger: RowStore, readings: Sequence[Reading]) -> str:
     """Values and errors as the paper prints them, and the same of ours and of our runs of its methods."""
     rows = []
     for row in printed:
@@ -70,7 +70,7 @@ def _pair(name: str, values: Sequence[float], printed: str) -> list[list[str]]:
     ]
 
 
-def _ours(ledger: Ledger, reading: Reading) -> list[tuple[str, Sequence[float]]]:
+def _ours(ledger: RowStore, reading: Reading) -> list[tuple[str, Sequence[float]]]:
     study = "noise_free" if reading == "none" else "statistics"
     wanted = {} if reading == "none" else {"reading": reading}
     noise = "" if reading == "none" else f", {reading} noise"
@@ -81,7 +81,7 @@ def _ours(ledger: Ledger, reading: Reading) -> list[tuple[str, Sequence[float]]]
     return found + [(f"{name_of(row)}, {row['iterations']:,}{noise}", row["values"]) for row in rows]
 
 
-def noise_free_section(ledger: Ledger) -> str:
+def noise_free_section(ledger: RowStore) -> str:
     """Every method from many starts."""
     figures = summarise_noise_free(ledger)
     if not figures:
@@ -105,7 +105,7 @@ def noise_free_section(ledger: Ledger) -> str:
     )
 
 
-def statistics_section(ledger: Ledger, reading: Reading) -> str:
+def statistics_section(ledger: RowStore, reading: Reading) -> str:
     """Errors and intervals over many draws of one noise reading."""
     problem, f = PaperProblem(), summarise_statistics(ledger, reading)
     if f is None:
@@ -131,7 +131,7 @@ def _remarks(f: StatisticsFigures) -> str:
     )
 
 
-def search_section(ledger: Ledger) -> str:
+def search_section(ledger: RowStore) -> str:
     """The other methods beside ours on the same draws."""
     rows = [_search_row(f, reading) for reading in NOISE_READINGS for f in summarise_searches(ledger, reading)]
     heads = [
@@ -149,7 +149,7 @@ def _search_row(f: SearchFigures, reading: str) -> list[str]:
     ]  # fmt: skip
 
 
-def timing_section(ledger: Ledger) -> str:
+def timing_section(ledger: RowStore) -> str:
     """Processor time of every method."""
     figures = summarise_timing(ledger)
     ours = {f.reading: f.seconds for f in figures if f.method == OURS}
@@ -169,7 +169,7 @@ def timing_section(ledger: Ledger) -> str:
     return _table(heads, rows) if rows else ""
 
 
-def outlier_section(ledger: Ledger) -> str:
+def outlier_section(ledger: RowStore) -> str:
     """Robust fits of contaminated draws."""
     rows = []
     for reading in NOISE_READINGS:
@@ -188,7 +188,7 @@ def outlier_section(ledger: Ledger) -> str:
     return _table(heads, rows)
 
 
-def departure_section(ledger: Ledger) -> str:
+def departure_section(ledger: RowStore) -> str:
     """Closed form and networks on a joint that is no Stribeck joint."""
     rows = [
         [f.case, str(f.points), str(f.seeds), *(f"{e:.4f}" for e in (*f.inside, *f.outside)), str(f.departed)]
@@ -201,7 +201,7 @@ def departure_section(ledger: Ledger) -> str:
     return _table(heads, rows)
 
 
-def load_section(ledger: Ledger) -> str:
+def load_section(ledger: RowStore) -> str:
     """The same at several normal loads."""
     rows = [
         [f.case, str(f.points), str(f.seeds), *(f"{e:.4f}" for e in (*f.between, *f.beyond)), str(f.departed)]
@@ -215,7 +215,7 @@ def load_section(ledger: Ledger) -> str:
     return _table(heads, rows) if rows else ""
 
 
-def extras_section(ledger: Ledger) -> str:
+def extras_section(ledger: RowStore) -> str:
     """Speeds chosen for information, and LuGre."""
     return "".join(
         f"For the paper's parameters and 100 plateaus a direction, planned speeds bring the mean standard deviation "

@@ -15,7 +15,7 @@ from fricomp.calibration.identification.optimum import optimum_at
 from fricomp.calibration.identification.pinn import train_pinn
 from fricomp.laws import FloatArray
 
-from .ledger import Ledger
+from ..kit.store import RowStore
 from .oracle import find_optimum
 from .problem import NOISE_READINGS, UPPER_BOUNDS, Draw, PaperProblem, Reading
 
@@ -38,11 +38,11 @@ SPREADS = (30.0, 3.0)
 """Factors within which random starts lie."""
 
 
-def run_statistics(ledger: Ledger, draws: int, progress: Progress) -> None:
+def run_statistics(ledger: RowStore, draws: int, progress: Progress) -> None:
     """Our PINN and the oracle on `draws` draws of each noise reading."""
     problem = PaperProblem()
     for reading in NOISE_READINGS:
-        for seed in ledger.missing(range(draws), study="statistics", reading=reading):
+        for seed in ledger.find_missing(range(draws), study="statistics", reading=reading):
             ledger.append({"study": "statistics"} | _one_draw(problem.draw(reading, seed), reading))
             progress(f"statistics, {reading} noise, draw {seed + 1} of {draws}")
 
@@ -66,10 +66,10 @@ def _one_draw(draw: Draw, reading: Reading) -> dict[str, Any]:
     }
 
 
-def run_noise_free(ledger: Ledger, starts: int, progress: Progress) -> None:
+def run_noise_free(ledger: RowStore, starts: int, progress: Progress) -> None:
     """The paper's 41 points without noise from random parameters and random network weights."""
     draw = PaperProblem().draw("none", 0)
-    for seed in ledger.missing(range(starts), study="noise_free"):
+    for seed in ledger.find_missing(range(starts), study="noise_free"):
         begun = time.perf_counter()
         result = identify(draw.velocity, draw.torque, noise="absolute", seed=seed, options=random_start(seed))
         ledger.append(
@@ -85,7 +85,7 @@ def run_noise_free(ledger: Ledger, starts: int, progress: Progress) -> None:
         progress(f"noise-free, start {seed + 1} of {starts}")
 
 
-def run_as_given(ledger: Ledger, starts: int, progress: Progress) -> None:
+def run_as_given(ledger: RowStore, starts: int, progress: Progress) -> None:
     """The same training alone, all eight parameters starting as they are drawn: no projection, nothing to fall back on.
 
     From the starts that the paper's Adam has too, of both spreads.
@@ -93,7 +93,7 @@ def run_as_given(ledger: Ledger, starts: int, progress: Progress) -> None:
     problem = PaperProblem()
     draw, noise = problem.draw("none", 0), Noise("absolute")
     for spread in SPREADS:
-        for seed in ledger.missing(range(starts), study="as_given", spread=spread):
+        for seed in ledger.find_missing(range(starts), study="as_given", spread=spread):
             start = optimum_at(np.log(random_values(seed, spread)), problem.form, draw.points, noise)
             trained = train_pinn(problem.form, draw.points, start, seed=seed)
             values = np.exp(trained.optimum.logs)
@@ -125,11 +125,11 @@ def random_values(seed: int, spread: float) -> FloatArray:
     return np.asarray(values)
 
 
-def run_outliers(ledger: Ledger, draws: int, progress: Progress) -> None:
+def run_outliers(ledger: RowStore, draws: int, progress: Progress) -> None:
     """One point in ten off by ten standard deviations, robust loss."""
     problem = PaperProblem()
     for reading in NOISE_READINGS:
-        for seed in ledger.missing(range(draws), study="outliers", reading=reading):
+        for seed in ledger.find_missing(range(draws), study="outliers", reading=reading):
             draw, clean = contaminate(problem.draw(reading, seed), problem)
             begun = time.perf_counter()
             result = identify(draw.velocity, draw.torque, noise=reading, seed=seed, loss="robust")
@@ -149,7 +149,7 @@ def run_outliers(ledger: Ledger, draws: int, progress: Progress) -> None:
             progress(f"outliers, {reading} noise, draw {seed + 1} of {draws}")
 
 
-def run_departure(ledger: Ledger, seeds: int, progress: Progress) -> None:
+def run_departure(ledger: RowStore, seeds: int, progress: Progress) -> None:
     """Where the joint is no Stribeck joint."""
     from .departure import CASES, measure_departure
 
@@ -160,7 +160,7 @@ def run_departure(ledger: Ledger, seeds: int, progress: Progress) -> None:
             ledger.append({"study": "departure", "seed": number, "size": seeds, "figures": figures})
 
 
-def run_loads(ledger: Ledger, seeds: int, progress: Progress) -> None:
+def run_loads(ledger: RowStore, seeds: int, progress: Progress) -> None:
     """The same at several normal loads."""
     from .load_departure import LOAD_CASES, measure_loads
 
@@ -171,7 +171,7 @@ def run_loads(ledger: Ledger, seeds: int, progress: Progress) -> None:
             ledger.append({"study": "loads", "seed": number, "size": seeds, "figures": figures})
 
 
-def run_extras(ledger: Ledger, draws: int, lugre_seeds: int, progress: Progress) -> None:
+def run_extras(ledger: RowStore, draws: int, lugre_seeds: int, progress: Progress) -> None:
     """Speeds chosen for information, and LuGre."""
     from .extras import measure_extras
 

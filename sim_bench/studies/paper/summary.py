@@ -10,7 +10,7 @@ from scipy.stats import t as student
 
 from fricomp.laws import FloatArray
 
-from .ledger import Ledger
+from ..kit.store import RowStore
 from .problem import PaperProblem, Reading
 
 __all__ = ["OutlierFigures", "StatisticsFigures", "summarise_outliers", "summarise_statistics"]
@@ -53,7 +53,7 @@ class StatisticsFigures:
     error_spread: tuple[float, float]
 
 
-def summarise_statistics(ledger: Ledger, reading: Reading) -> StatisticsFigures | None:
+def summarise_statistics(ledger: RowStore, reading: Reading) -> StatisticsFigures | None:
     """None where there are no draws yet."""
     rows = ledger.rows(study="statistics", reading=reading)
     if not rows:
@@ -108,7 +108,7 @@ class OutlierFigures:
     silent_wrong_basins: int
 
 
-def summarise_outliers(ledger: Ledger, reading: Reading) -> OutlierFigures | None:
+def summarise_outliers(ledger: RowStore, reading: Reading) -> OutlierFigures | None:
     """None where there are no draws yet."""
     rows = ledger.rows(study="outliers", reading=reading)
     if not rows:

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from ..kit.store import RowStore
 from .extras import ExtraFigures
-from .ledger import Ledger
 from .problem import NOISE_READINGS
 from .rival_summary import NoiseFreeFigures, SearchFigures, summarise_noise_free, summarise_searches
 from .rivals import PAPER_LENGTH
@@ -34,7 +34,7 @@ class Target:
     reached: bool
 
 
-def measured_targets(ledger: Ledger) -> list[Target]:
+def measured_targets(ledger: RowStore) -> list[Target]:
     """The lines for which the ledger holds figures."""
     free = summarise_noise_free(ledger)
     found = [f for reading in NOISE_READINGS if (f := summarise_statistics(ledger, reading))]
@@ -152,7 +152,7 @@ def _adam(figures: list[NoiseFreeFigures], times: list[TimeFigures]) -> list[Tar
     ]
 
 
-def _outliers(ledger: Ledger) -> list[Target]:
+def _outliers(ledger: RowStore) -> list[Target]:
     figures = [(r, f) for r in NOISE_READINGS if (f := summarise_outliers(ledger, r))]
     if not figures:
         return []
@@ -186,7 +186,7 @@ def _span(values: list[float]) -> str:
     return f"{min(values):.1f} to {max(values):.1f} %" if values else "no draw reports `converged`"
 
 
-def _extras(ledger: Ledger) -> list[Target]:
+def _extras(ledger: RowStore) -> list[Target]:
     rows: list[dict[str, Any]] = ledger.rows(study="further")
     if not rows:
         return []

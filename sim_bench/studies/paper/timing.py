@@ -11,9 +11,9 @@ import numpy as np
 
 from fricomp.calibration.identification import IdentificationOptions, identify
 
+from ..kit.store import RowStore
 from .adam import run_adam
 from .comparators import Comparison, run_cma
-from .ledger import Ledger
 from .oracle import find_optimum
 from .problem import NOISE_READINGS, Draw, PaperProblem, Reading
 from .rivals import CMA_EVALUATIONS, PAPER_LENGTH
@@ -52,7 +52,7 @@ class TimeFigures:
     seconds_to_optimum: float | None = None
 
 
-def run_timing(ledger: Ledger, length: int, progress: Callable[[str], None]) -> None:
+def run_timing(ledger: RowStore, length: int, progress: Callable[[str], None]) -> None:
     """Time every method on draw 0 of each reading, ours on several draws.
 
     Args:
@@ -68,7 +68,7 @@ def run_timing(ledger: Ledger, length: int, progress: Callable[[str], None]) -> 
             ledger.append({"study": "timing", "seed": number, "size": length, "figures": figures})
 
 
-def summarise_timing(ledger: Ledger) -> list[TimeFigures]:
+def summarise_timing(ledger: RowStore) -> list[TimeFigures]:
     """The figures in the ledger of the greatest length; empty without any."""
     rows = ledger.rows(study="timing")
     length = max((int(row["size"]) for row in rows), default=0)

@@ -5,19 +5,39 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from fricomp.errors import DiagnosisError
 
-from .figure import Figure
+from ..kit.figure import Figure
+from .power import name_band
 from .score import Score
-from .splits import band_of
 
-__all__ = ["CAUSES", "format_causes", "read_causes"]
+__all__ = ["CAUSES", "Miss", "explain_misses", "read_causes"]
 
 CAUSES = "causes.toml"
 """File beside a page: the cause by the name of the figure."""
 
 _UNKNOWN = "Not looked into yet."
+_AXES: dict[str, Callable[[Score], str]] = {"strength": name_band, "friction core": lambda s: s.core}
+
+
+class Miss(NamedTuple):
+    """A figure that is not reached.
+
+    Attributes:
+        name: What is measured.
+        target: What is wanted.
+        value: As measured.
+        text: Why it is missed.
+        parts: By strength and by friction core, the value on each part of the cases.
+    """
+
+    name: str
+    target: str
+    value: str
+    text: str
+    parts: tuple[tuple[str, str], ...]
 
 
 def read_causes(folder: Path) -> dict[str, str]:
@@ -38,28 +58,20 @@ def read_causes(folder: Path) -> dict[str, str]:
     return causes
 
 
-def format_causes(figures: Sequence[Figure], causes: Mapping[str, str]) -> str:
-    """A section of the page; empty where every figure is reached."""
+def explain_misses(figures: Sequence[Figure[Score]], causes: Mapping[str, str]) -> list[Miss]:
+    """The figures that are not reached, each with its cause and the parts of its cases."""
     missed = [figure for figure in figures if figure.reached is False]
-    if not missed:
-        return ""
-    parts = [_format(figure, " ".join(causes.get(figure.name, _UNKNOWN).split())) for figure in missed]
-    return "## Figures not reached, and why\n\n" + "\n\n".join(parts)
+    return [
+        Miss(each.name, each.target, each.value, " ".join(causes.get(each.name, _UNKNOWN).split()), _split(each))
+        for each in missed
+    ]
 
 
-def _format(figure: Figure, cause: str) -> str:
-    lines = [f"**{figure.name}** ({figure.target}; {figure.value}). {cause}"]
-    if figure.brief is not None and len(figure.cases) > 1:
-        keys: dict[str, Callable[[Score], str]] = {"strength": band_of, "friction core": lambda s: s.core}
-        splits = [_split(figure, name, key) for name, key in keys.items()]
-        lines.append("\n".join(splits))
-    return "\n\n".join(lines)
-
-
-def _split(figure: Figure, name: str, key: Callable[[Score], str]) -> str:
-    assert figure.brief is not None
-    parts = []
-    for value in sorted(set(map(key, figure.cases))):
-        some = [score for score in figure.cases if key(score) == value]
-        parts.append(f"{value}: {figure.brief(some)}")
-    return f"- by {name}: {'; '.join(parts)}"
+def _split(figure: Figure[Score]) -> tuple[tuple[str, str], ...]:
+    if figure.brief is None or len(figure.cases) < 2:
+        return ()
+    found = []
+    for axis, key in _AXES.items():
+        parts = {value: [s for s in figure.cases if key(s) == value] for value in sorted(set(map(key, figure.cases)))}
+        found.append((axis, "; ".join(f"{value}: {figure.brief(some)}" for value, some in parts.items())))
+    return tuple(found)

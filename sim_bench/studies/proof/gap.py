@@ -20,29 +20,36 @@ import numpy as np
 
 from fricomp.diagnosis import HeldOut
 from fricomp.errors import DiagnosisError
-from fricomp.fleet import stream
-from fricomp.whole_file import whole_file
 
 from ...cases import CATALOGUE, CaseSpec, generate, write_answer, write_case
-from ..diagnosis_version import diagnosis_version
-from .blind import BlindAnswer, diagnose_blind
-from .making import name_of
+from ..kit.blind import BlindAnswer, Diagnose, diagnose_blind
+from ..kit.case import run_cases
+from ..kit.page import fill_template
+from ..kit.score import read_diagnosis
+from ..kit.statistics import compute_median
+from ..kit.store import Row, RowStore
+from .making import name_case
 from .plan import PlannedCase, plan_cases
-from .run import Diagnose
-from .score import Score, read_diagnosis, score_case
-from .statistics import compute_median
+from .score import Score, score_case
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 __all__ = ["GAP", "GapScore", "format_gaps", "measure_gaps", "plan_gaps"]
 
+_STORE = "gap.jsonl"
+
 GAP = "gap.md"
 """File beside a page that holds the table of the gaps closed."""
 
-_VISIBLE = 0.5  # wanted strength from which a case is taken
-_OPEN = 1.1  # error of the refitted joint over the reachable one, from which there is a gap to close
-_ON_THE_JOINT = ("torque", "torque_command")  # channels that hold the concealed torque [N·m]
+_VISIBLE = 0.5
+"""Wanted strength from which a case is taken: weaker effects leave hardly a gap."""
+
+_OPEN = 1.1
+"""Error of the refitted joint over the reachable one from which there is a gap to close."""
+
+_ON_THE_JOINT = ("torque", "torque_command")
+"""Channels that hold the concealed torque [N·m]."""
 
 
 class GapScore(msgspec.Struct, frozen=True):
@@ -57,7 +64,6 @@ class GapScore(msgspec.Struct, frozen=True):
         after: With what was named [N·m]; None likewise.
         reachable: Of the refitted joint on the recording without the concealed torque [N·m]; None likewise.
         floor: What the first diagnosis takes for noise [N·m]; None likewise.
-        diagnosis: Version of the diagnosis.
     """
 
     case: str
@@ -68,7 +74,6 @@ class GapScore(msgspec.Struct, frozen=True):
     after: float | None
     reachable: float | None
     floor: float | None
-    diagnosis: str = ""
 
     @property
     def closed(self) -> float:
@@ -118,36 +123,23 @@ def measure_gaps(
 
     Args:
         planned: Of `plan_gaps`.
-        folder: Keeps one file a case, so that a measurement of the same diagnosis that was stopped goes on.
+        folder: Keeps what is finished, so that a measurement that was stopped goes on.
         executor: With the number of its workers.
         diagnose: What runs for the files of a case.
         progress: Called after each case.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = {name_of(each.spec): folder / f"{name_of(each.spec)}.json" for each in planned}
-    done = {name for name, path in paths.items() if path.exists() and _read(path).diagnosis == diagnosis_version()}
-    todo = [(paths[name_of(each.spec)], (each, diagnose)) for each in planned if name_of(each.spec) not in done]
-    for _ in range(len(planned) - len(todo)):
-        progress()
-    for path, future in stream(todo, _measure, executor):
-        if (score := future.result()) is not None:
-            with whole_file(path, DiagnosisError) as part:
-                part.write_bytes(msgspec.json.encode(msgspec.structs.replace(score, diagnosis=diagnosis_version())))
-        progress()
-    return [_read(path) for path in paths.values() if path.exists()]
+    cases = {name_case(each.spec): (each, diagnose) for each in planned}
+    rows = run_cases(cases, _measure, RowStore(folder / _STORE), executor, progress=progress)
+    return [msgspec.convert(row["gap"], GapScore) for row in rows if "gap" in row]
 
 
-def _read(path: Path) -> GapScore:
-    return msgspec.json.decode(path.read_bytes(), type=GapScore)
-
-
-def _measure(planned: PlannedCase, diagnose: Diagnose) -> GapScore | None:
-    """None where the case could not be made."""
+def _measure(planned: PlannedCase, diagnose: Diagnose) -> Row:
+    """A row with the errors; without them where the case could not be made."""
     assert isinstance(planned.spec, CaseSpec)
     try:
         case = generate(planned.spec)
     except DiagnosisError:
-        return None
+        return {}
     with TemporaryDirectory() as place:
         folder = write_case(case, Path(place) / "cases")
         answer = write_answer(case, Path(place) / "answers", "gap")[0].read_bytes()
@@ -155,7 +147,7 @@ def _measure(planned: PlannedCase, diagnose: Diagnose) -> GapScore | None:
         _take_away(case.outcome.torque, case.scene.joint.gear_ratio, folder / "recording.parquet")
         without = files | {"recording.parquet": (folder / "recording.parquet").read_bytes()}
     first, second = diagnose(files), diagnose(without)
-    return _compare(score_case(planned, answer, first), first, second)
+    return {"gap": msgspec.to_builtins(_compare(score_case(planned, answer, first), first, second))}
 
 
 def _take_away(torque: NDArray[np.float64], gear_ratio: float, recording: Path) -> None:
@@ -174,7 +166,7 @@ def _take_away(torque: NDArray[np.float64], gear_ratio: float, recording: Path) 
 
 
 def _compare(score: Score, first: BlindAnswer, second: BlindAnswer) -> GapScore:
-    found, bare = (_held_out(each) for each in (first, second))
+    found, bare = (_read_held_out(each) for each in (first, second))
     return GapScore(
         case=score.case,
         truth=score.truth,
@@ -187,7 +179,7 @@ def _compare(score: Score, first: BlindAnswer, second: BlindAnswer) -> GapScore:
     )
 
 
-def _held_out(answer: BlindAnswer) -> HeldOut | None:
+def _read_held_out(answer: BlindAnswer) -> HeldOut | None:
     """Held-out errors of a diagnosis; None where it gave none."""
     return msgspec.convert(read_diagnosis(answer.diagnosis).get("heldout"), HeldOut | None)
 
@@ -198,46 +190,34 @@ def format_gaps(scores: Sequence[GapScore], reproduce: str, measured: str) -> st
     Args:
         scores: Of the cases that could be made.
         reproduce: Command that measures them again.
-        measured: When, and of which diagnosis.
+        measured: When, and at which commit.
     """
     known = [score for score in scores if np.isfinite(score.closed)]
     right = [score for score in known if score.top_right]
-    lines = [
-        "## Held-out gap closed, of what the right structure could close",
-        "",
-        f"    {reproduce}",
-        "",
-        f"{measured} "
-        "Each case is diagnosed twice: as it was recorded, and with the concealed torque taken away from torque, "
-        "command and current. What the refitted joint leaves there could be reached, whatever the first diagnosis says."
-        " Closed is (before² - after²) / (before² - reachable²), on held-out blocks. Single effects on the joint, ENR "
-        f"{_VISIBLE:g} or more, development seeds, {len(scores)} cases; "
-        f"{len(scores) - len(known)} of them have no gap (before is not above {_OPEN:g} times what could be reached) "
-        "or no held-out error. Either diagnosis weighs rows by its own estimate of their noise.",
-        "",
-        "| cases | target | closed (95 % interval) | from the diagnosis' own floor |",
-        "|---|---|---|---|",
-        _row("right name first", "≥ 0.95", right),
-        _row("all", "–", known),
-        "",
-        "| concealed | named | before [N·m] | after [N·m] | reachable [N·m] | closed |",
-        "|---|---|---|---|---|---|",
-        *(_case_row(score) for score in sorted(known, key=lambda s: -s.closed)),
-    ]
-    return "\n".join(lines)
+    return fill_template(
+        "proof/gap.md",
+        reproduce=reproduce,
+        measured=measured,
+        visible=f"{_VISIBLE:g}",
+        open=f"{_OPEN:g}",
+        count=len(scores),
+        closed_gaps=len(scores) - len(known),
+        shares=[_summarise("right name first", "≥ 0.95", right), _summarise("all", "–", known)],
+        cases=[_list_errors(score) for score in sorted(known, key=lambda s: -s.closed)],
+    )
 
 
-def _row(name: str, target: str, scores: Sequence[GapScore]) -> str:
-    closed, of_own = ([share(score) for score in scores] for share in (lambda s: s.closed, _closed_of_own))
-    return f"| {name} | {target} | {compute_median(closed)} | {compute_median(of_own)} |"
+def _summarise(name: str, target: str, scores: Sequence[GapScore]) -> list[object]:
+    closed = compute_median([score.closed for score in scores])
+    return [name, target, closed, compute_median([_close_to_own_floor(score) for score in scores])]
 
 
-def _closed_of_own(score: GapScore) -> float:
+def _close_to_own_floor(score: GapScore) -> float:
     """What the share would be if the first diagnosis were believed about the floor too."""
     before, after, floor = (np.float64(value) ** 2 for value in (score.before, score.after, score.floor))
     return float((before - after) / (before - floor)) if before > floor else float("nan")
 
 
-def _case_row(score: GapScore) -> str:
-    errors = " | ".join(f"{value:.4g}" for value in (score.before, score.after, score.reachable))
-    return f"| {score.truth} | {score.named or '–'} | {errors} | {score.closed:.2f} |"
+def _list_errors(score: GapScore) -> list[str]:
+    errors = [f"{value:.4g}" for value in (score.before, score.after, score.reachable)]
+    return [score.truth, score.named or "–", *errors, f"{score.closed:.2f}"]

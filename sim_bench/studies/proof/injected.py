@@ -13,6 +13,7 @@ from .score import Score
 __all__ = ["plan_bare", "plan_injected"]
 
 _STRENGTHS = ("5", "2", "1")
+"""Wanted strengths, the clear ones first, so that a short run has seen every effect once."""
 
 
 def plan_bare() -> list[PlannedCase]:
@@ -33,7 +34,7 @@ def plan_injected(bare: Sequence[Score], seeds: Iterator[int]) -> list[PlannedCa
         seeds: One is taken for each case.
     """
     answers = {score.excitation: score for score in bare if score.verdict not in ("failed", "bad_data")}
-    known = {name: _names(score) for name, score in answers.items()}
+    known = {name: _list_names(score) for name, score in answers.items()}
     planned = []
     for strength in _STRENGTHS:
         for turn in range(max(map(len, INJECTABLE.values()))):
@@ -45,7 +46,7 @@ def plan_injected(bare: Sequence[Score], seeds: Iterator[int]) -> list[PlannedCa
     return planned
 
 
-def _names(score: Score) -> tuple[str, ...]:
+def _list_names(score: Score) -> tuple[str, ...]:
     """Everything that was named or could not be told from a name."""
     return tuple(
         sorted({name for part in (score.named, score.sets) for name in part.replace("|", "+").split("+")} - {""})

@@ -4,44 +4,46 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from .figure import WEAK, where
+from ..kit.figure import WEAK, select
 from .plan import NULLS
 from .score import Score
 
 __all__ = [
-    "answer_of",
     "count_for_names",
     "count_for_pairs",
-    "holds",
+    "find_first_answer",
+    "find_right_names",
+    "holds_truth",
     "is_wrong",
-    "nameable",
     "names_another",
-    "rightly_named",
-    "unnameable",
+    "select_nameable",
+    "select_unnameable",
 ]
 
 _UNLOGGED = "neighbour_coupling"
 """Nobody can name it: the motion of the neighbour is not logged."""
 
 
-def nameable(scores: Sequence[Score]) -> list[Score]:
+def select_nameable(scores: Sequence[Score]) -> list[Score]:
     """Single effects that can be named."""
-    return where(scores, lambda s: s.group == "single" and s.truth != _UNLOGGED)
+    return select(scores, lambda s: s.group == "single" and s.truth != _UNLOGGED)
 
 
-def unnameable(scores: Sequence[Score]) -> list[Score]:
+def select_unnameable(scores: Sequence[Score]) -> list[Score]:
     """Single effects that nobody can name."""
-    return where(scores, lambda s: s.group == "single" and s.truth == _UNLOGGED)
+    return select(scores, lambda s: s.group == "single" and s.truth == _UNLOGGED)
 
 
-def rightly_named(score: Score) -> set[str]:
+def find_right_names(score: Score) -> set[str]:
     """The concealed effects that were named."""
     return set(score.truth.split("+")) & set(score.named.split("+")) - {""}
 
 
-def answer_of(score: Score) -> str:
-    """The name that came first, or the verdict in brackets; where the right one did, inertia and gravity that are off
-    too do not count."""
+def find_first_answer(score: Score) -> str:
+    """The name that came first, or the verdict in brackets.
+
+    Where the right name came first, names of inertia and gravity that are off as well do not count.
+    """
     names = score.named.split("+") if score.named else []
     if score.top_right:
         names = [name for name in names if name in score.truth.split("+")] or names
@@ -53,7 +55,7 @@ def names_another(score: Score) -> bool:
     return bool(score.named) and not score.top_right
 
 
-def holds(score: Score) -> bool:
+def holds_truth(score: Score) -> bool:
     """Whether the truth is in the printed set, or unknown was said where a channel is missing to name it."""
     hidden = score.group == "hidden" or score.truth == _UNLOGGED
     return score.in_set or (hidden and score.verdict_right and not score.named)
@@ -61,12 +63,12 @@ def holds(score: Score) -> bool:
 
 def count_for_names(scores: Sequence[Score], motion: str, weakest: float) -> list[Score]:
     """Single effects that can be named, on this motion and of at least this strength."""
-    return where(nameable(scores), lambda s: s.excitation == motion and s.enr >= WEAK * weakest)
+    return select(select_nameable(scores), lambda s: s.excitation == motion and s.enr >= WEAK * weakest)
 
 
 def count_for_pairs(scores: Sequence[Score]) -> list[Score]:
     """Pairs of which either effect can be seen beside the other."""
-    return where(scores, lambda s: s.group == "pair" and s.weakest_enr >= 0.3 * WEAK)
+    return select(scores, lambda s: s.group == "pair" and s.weakest_enr >= 0.3 * WEAK)
 
 
 def is_wrong(score: Score) -> bool:
@@ -81,4 +83,4 @@ def is_wrong(score: Score) -> bool:
         return score.verdict != "bad_data"
     if score.group == "outside":
         return score.enr >= WEAK and not score.verdict_right
-    return score.weakest_enr >= 0.5 * WEAK and not holds(score)
+    return score.weakest_enr >= 0.5 * WEAK and not holds_truth(score)

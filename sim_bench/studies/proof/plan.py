@@ -32,8 +32,12 @@ GROUPS = {
 NULLS = ("null", "hard_null")
 """Groups in which nothing is missing."""
 
-_SHORT = 30.0  # [s] of the recordings of clear cases
-_ONE_SPRING = {"joint_elasticity", "backlash"}  # both are of the one transmission, which has one stiffness
+_SHORT = 30.0
+"""Length of the recordings of clear cases [s]."""
+
+_ONE_SPRING = {"joint_elasticity", "backlash"}
+"""Both are of the one transmission, which has one stiffness, so that they do not go together."""
+
 _STRENGTHS = ("1", "0.5", "2", "0.2", "5", "0.1", "clear")
 _MOTIONS = ("rich", "fourier", "rich", "sweep", "rich", "fourier", "pick_and_place", "rich", "slow_reversals", "chirp")
 _HIDDEN = ("load_coulomb", "thermal_friction", "load_stribeck", "load_quadratic")
@@ -41,7 +45,8 @@ _PARAMETERS = ("inertia_error", "payload_error", "torque_offset", "direction_asy
 _OF_THE_BODY = frozenset({"inertia_error", "payload_error", "torque_gain_error"})
 """What is known by the simulation's inertia and gravity alone: where those are wrong as well, nobody can tell."""
 
-_LAWLESS = ("external_disturbance", "neighbour_coupling")  # pushes and unlogged neighbours: no names for two
+_LAWLESS = ("external_disturbance", "neighbour_coupling")
+"""Pushes and neighbours that are not logged: beside another effect nobody can name them."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +78,7 @@ def plan_cases(
         groups: Keys of `GROUPS`; cases of others are left out.
         order: In which designs (effects, motions, cores, noises) follow each other; every number has its own.
     """
-    makers = {group: _maker(group, order) for group in GROUPS}
+    makers = {group: _open_maker(group, order) for group in GROUPS}
     planned = []
     for group in islice((group for group in _interleave() if group in groups), count):
         fields = next(makers[group])
@@ -91,7 +96,7 @@ def plan_clear_cases(seeds: Iterator[int]) -> list[PlannedCase]:
     """
     rng = np.random.default_rng(9)
     decks = (CHOICES["core"], CHOICES["core"], CHOICES["noise"], _MOTIONS[1:])
-    cores, null_cores, noises, motions = (_deck(rng, cards) for cards in decks)
+    cores, null_cores, noises, motions = (_shuffle(rng, cards) for cards in decks)
     planned = []
     for index, name in enumerate(CATALOGUE, start=1):
         single = CaseSpec(next(seeds), (name,), "clear", "rich", _SHORT, next(noises), next(cores))
@@ -102,12 +107,12 @@ def plan_clear_cases(seeds: Iterator[int]) -> list[PlannedCase]:
     return planned
 
 
-def _maker(group: str, order: int) -> Iterator[dict[str, Any]]:
+def _open_maker(group: str, order: int) -> Iterator[dict[str, Any]]:
     """Designs of a group without end."""
     return _MAKERS[group](np.random.default_rng([8, list(GROUPS).index(group), order]))
 
 
-def _deck(rng: np.random.Generator, cards: Sequence[str]) -> Iterator[str]:
+def _shuffle(rng: np.random.Generator, cards: Sequence[str]) -> Iterator[str]:
     """All cards in an order of its own, again and again."""
     while True:
         yield from (cards[place] for place in rng.permutation(len(cards)))
@@ -124,13 +129,13 @@ def _interleave() -> Iterator[str]:
         yield group
 
 
-def _settings(rng: np.random.Generator, shifted: bool = True) -> Iterator[dict[str, Any]]:
+def _draw_settings(rng: np.random.Generator, shifted: bool = True) -> Iterator[dict[str, Any]]:
     """Motions, noises, cores, families and lengths, each drawn by itself; an effect that has its own meets them all.
 
     In every second case the user's simulation has inertia and gravity wrong, where that may be.
     """
     decks = {"excitation": _MOTIONS, "noise": CHOICES["noise"], "core": CHOICES["core"]}
-    for drawn in zip(*(_deck(rng, cards) for cards in decks.values()), strict=True):
+    for drawn in zip(*(_shuffle(rng, cards) for cards in decks.values()), strict=True):
         yield {
             **dict(zip(decks, drawn, strict=True)),
             "family": CHOICES["family"][int(rng.random() < 0.4)],
@@ -139,27 +144,27 @@ def _settings(rng: np.random.Generator, shifted: bool = True) -> Iterator[dict[s
         }
 
 
-def _single(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
+def _plan_single(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
     """Every effect of the catalogue in turn; strengths turn with the rounds, shifted from effect to effect."""
     names = tuple(map(str, rng.permutation(list(CATALOGUE))))
-    own = {name: _settings(rng, name not in _OF_THE_BODY) for name in names}
+    own = {name: _draw_settings(rng, name not in _OF_THE_BODY) for name in names}
     for index in range(2**31):
         turn, place = divmod(index, len(names))
         name, strength = names[place], _STRENGTHS[(turn + place) % len(_STRENGTHS)]
         yield next(own[name]) | {"effects": (name,), "strength": strength}
 
 
-def _pair(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
-    return _several(rng, 2)
+def _plan_pair(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
+    return _plan_several(rng, 2)
 
 
-def _triple(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
-    return _several(rng, 3)
+def _plan_triple(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
+    return _plan_several(rng, 3)
 
 
-def _several(rng: np.random.Generator, number: int) -> Iterator[dict[str, Any]]:
+def _plan_several(rng: np.random.Generator, number: int) -> Iterator[dict[str, Any]]:
     names = [name for name in CATALOGUE if name not in _PARAMETERS + _LAWLESS]
-    for fields, strength in zip(_settings(rng), cycle(("2", "1", "5", "clear", "0.5")), strict=False):
+    for fields, strength in zip(_draw_settings(rng), cycle(("2", "1", "5", "clear", "0.5")), strict=False):
         drawn = rng.choice(names, number, replace=False)
         while set(drawn) >= _ONE_SPRING:
             drawn = rng.choice(names, number, replace=False)
@@ -168,39 +173,39 @@ def _several(rng: np.random.Generator, number: int) -> Iterator[dict[str, Any]]:
         yield fields | design
 
 
-def _null(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
-    yield from _settings(rng, shifted=False)
+def _plan_null(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
+    yield from _draw_settings(rng, shifted=False)
 
 
-def _hard_null(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
-    for fields in _settings(rng):
+def _plan_hard_null(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
+    for fields in _draw_settings(rng):
         yield fields | {"shifted": True}
 
 
-def _outside(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
-    own = {name: _settings(rng) for name in OUTSIDE}
+def _plan_outside(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
+    own = {name: _draw_settings(rng) for name in OUTSIDE}
     for name, strength in zip(cycle(OUTSIDE), cycle(("5", "clear", "2", "1", "clear")), strict=False):
         yield next(own[name]) | {"effects": (name,), "strength": strength}
 
 
-def _hidden(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
-    own = {name: _settings(rng) for name in _HIDDEN}
+def _plan_hidden(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
+    own = {name: _draw_settings(rng) for name in _HIDDEN}
     for name in cycle(_HIDDEN):
         yield next(own[name]) | {"effects": (name,), "strength": "5", "hidden": True}
 
 
-def _fault(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
-    for fields, name in zip(_settings(rng), cycle(CHOICES["fault"]), strict=False):
+def _plan_fault(rng: np.random.Generator) -> Iterator[dict[str, Any]]:
+    for fields, name in zip(_draw_settings(rng), cycle(CHOICES["fault"]), strict=False):
         yield fields | {"fault": name}
 
 
 _MAKERS = {
-    "single": _single,
-    "null": _null,
-    "hard_null": _hard_null,
-    "pair": _pair,
-    "outside": _outside,
-    "triple": _triple,
-    "hidden": _hidden,
-    "fault": _fault,
+    "single": _plan_single,
+    "null": _plan_null,
+    "hard_null": _plan_hard_null,
+    "pair": _plan_pair,
+    "outside": _plan_outside,
+    "triple": _plan_triple,
+    "hidden": _plan_hidden,
+    "fault": _plan_fault,
 }

@@ -7,33 +7,34 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import msgspec
 import numpy as np
 
-from fricomp.errors import DiagnosisError
-
-from .blind import BlindAnswer
-from .intervals import KnownInterval, compare_intervals
-from .making import command_of
+from ..kit.blind import BlindAnswer
+from ..kit.interval import KnownInterval, compare_parameters
+from ..kit.score import judge_names, list_sets, read_diagnosis
+from .making import write_command
 from .plan import PlannedCase
 
 __all__ = [
-    "PARAMETERS",
+    "SIMULATION",
     "Score",
     "asks_for_more",
-    "brief_diagnosis",
-    "interval_overlap",
-    "read_diagnosis",
+    "compare_intervals",
+    "compute_overlap",
+    "read_score",
     "score_again",
     "score_case",
 ]
 
-PARAMETERS = frozenset({"inertia_error", "payload_error", "torque_offset", "direction_asymmetry"})
-"""Names of parameters that the simulation has, as against physics that it lacks."""
+SIMULATION = "simulation"
+"""What stands for an effect where inertia and gravity of a shifted simulation are compared."""
 
-_SCORED = ("schema", "verdict", "effects", "heldout", "location", "noise_ratio", "changes")  # of a diagnosis
-_TOLD = ("sentences",)  # beside it, what a reader looks for
 _OF_THE_RUN = ("group", "proposed", "recorded", "seconds", "error", "command")
-_GRID = 1e-3  # [s] of the comparison of two sets of intervals
+"""Fields of a score that follow from the run and not from answer and diagnosis."""
+
+_GRID = 1e-3
+"""Step at which two sets of time intervals are compared [s]: the period of the recordings."""
 
 
 @dataclass(frozen=True)
@@ -117,29 +118,9 @@ class Score:
     command: str
 
 
-def read_diagnosis(content: bytes) -> dict[str, Any]:
-    """The content of `diagnosis.json`; an empty one reads as a failed diagnosis.
-
-    Raises:
-        DiagnosisError: It is of another schema.
-    """
-    if not content:
-        return {"verdict": "failed", "effects": []}
-    record: dict[str, Any] = json.loads(content)
-    if record.get("schema") != "fricomp.diagnosis/1":
-        raise DiagnosisError(f"a diagnosis has schema {record.get('schema')!r}, fricomp.diagnosis/1 can be scored")
-    return record
-
-
-def brief_diagnosis(content: bytes) -> bytes:
-    """What a score reads of `diagnosis.json`, and the sentences: a tenth of it."""
-    if not content:
-        return b""
-    record = json.loads(content)
-    brief = {name: record[name] for name in (*_SCORED, *_TOLD) if name in record}
-    brief["effects"] = [{k: v for k, v in each.items() if k != "location"} for each in record["effects"]]
-    brief["location"] = {"time": (record.get("location") or {}).get("time", [])}
-    return json.dumps(brief, ensure_ascii=False).encode()
+def read_score(row: Mapping[str, Any]) -> Score:
+    """A score from a row of a store or of a table."""
+    return msgspec.convert(dict(row), Score)
 
 
 def score_case(planned: PlannedCase, answer: bytes, blind: BlindAnswer, follow_up: BlindAnswer | None = None) -> Score:
@@ -150,7 +131,7 @@ def score_case(planned: PlannedCase, answer: bytes, blind: BlindAnswer, follow_u
         "recorded": follow_up is not None,
         "seconds": blind.seconds,
         "error": blind.error,
-        "command": command_of(planned.spec),
+        "command": write_command(planned.spec),
     }
     return score_again(known, answer, blind.diagnosis, follow_up.diagnosis if follow_up else b"")
 
@@ -169,7 +150,7 @@ def score_again(known: Mapping[str, Any], answer: bytes, diagnosis: bytes, follo
     return Score(
         **{name: known[name] for name in _OF_THE_RUN},
         **_compare(truth, said),
-        resolved=bool(follow_up) and _resolved(truth, said, read_diagnosis(follow_up)),
+        resolved=bool(follow_up) and _tells_apart(truth, said, read_diagnosis(follow_up)),
     )
 
 
@@ -194,42 +175,40 @@ def _compare(truth: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
         "named": "+".join(each["name"] for each in said["effects"]),
         "sets": "+".join("|".join(each.get("indistinguishable_from", ())) for each in said["effects"]),
         **_score_names(truth, said),
-        "verdict_right": _verdict_right(truth, said),
+        "verdict_right": _is_verdict_right(truth, said),
         "overlap": _score_location(truth, said, spec["duration"]),
-        "noise_ratio": _number(said.get("noise_ratio")),
+        "noise_ratio": _read_number(said.get("noise_ratio")),
         "intervals": compare_intervals(truth, said),
     }
 
 
-def _right_names(truth: dict[str, Any]) -> list[set[str]]:
+def _list_right_names(truth: dict[str, Any]) -> list[set[str]]:
     """For each concealed effect of the catalogue the names that are right for it."""
     return [{each["name"], *each["accepted"]} for each in truth["effects"] if each["kind"] != "outside"]
 
 
-def _tolerated(truth: dict[str, Any]) -> set[str]:
+def _list_tolerated(truth: dict[str, Any]) -> set[str]:
     """Names that are never wrong in this case: inertia and gravity that are off, and what an outside effect may be."""
     outside = {name for each in truth["effects"] if each["kind"] == "outside" for name in each["accepted"]}
     return {*truth["shifted_parameters"], *outside}
 
 
 def _score_names(truth: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
-    right, tolerated = _right_names(truth), _tolerated(truth)
+    right, tolerated = _list_right_names(truth), _list_tolerated(truth)
     wanted: set[str] = set().union(*right) if right else set()
-    named = [each["name"] for each in said["effects"]]
-    sets = _sets(said)
-    judged = [name for name in named if name in wanted or name not in tolerated]
-    false = [name for name, group in zip(named, sets, strict=True) if name in judged and not group & wanted]
-    found = [any(name in judged for name in names) for names in right]
-    printed = [group for group in sets if len(group) > 1]
+    sets = list_sets(said)
+    judged = judge_names(sets, wanted, tolerated)
+    found = [not names.isdisjoint(judged.sets) for names in right]
+    printed = [group for group in sets.values() if len(group) > 1]
     return {
-        "top_right": bool(judged) and judged[0] in wanted,
-        "exact": all(found) and set(judged) <= wanted and len(judged) <= len(right),
-        "in_set": bool(right) and all(any(names & group for group in sets) for names in right),
-        "set_size": float(np.mean([len(group) for group in sets])) if sets else 0.0,
+        "top_right": judged.first_is_right,
+        "exact": all(found) and wanted.issuperset(judged.sets) and len(judged.sets) <= len(right),
+        "in_set": bool(right) and all(any(names & group for group in sets.values()) for names in right),
+        "set_size": float(np.mean([len(group) for group in sets.values()])) if sets else 0.0,
         "printed": len(printed),
         "printed_right": sum(bool(group & (wanted | tolerated)) for group in printed),
-        "false_names": len(false),
-        "false_parameters": len(PARAMETERS.intersection(false)),
+        "false_names": len(judged.false_names),
+        "false_parameters": len(judged.false_parameters),
     }
 
 
@@ -239,25 +218,20 @@ def asks_for_more(answer: BlindAnswer) -> bool:
     return bool(answer.motion) and any(each.get("indistinguishable_from") for each in said["effects"])
 
 
-def _resolved(truth: dict[str, Any], first: dict[str, Any], second: dict[str, Any]) -> bool:
+def _tells_apart(truth: dict[str, Any], first: dict[str, Any], second: dict[str, Any]) -> bool:
     """Whether of every set that was printed first, something is left, and that is true."""
-    right = {*_tolerated(truth), *set().union(*_right_names(truth))}
-    left = set().union(*_sets(second))
-    return all(group & left and group & left <= right for group in _sets(first) if len(group) > 1)
+    right = {*_list_tolerated(truth), *set().union(*_list_right_names(truth))}
+    left = set().union(*list_sets(second).values())
+    return all(group & left and group & left <= right for group in list_sets(first).values() if len(group) > 1)
 
 
-def _sets(said: dict[str, Any]) -> list[set[str]]:
-    """Each name with what it cannot be told from."""
-    return [{each["name"], *each.get("indistinguishable_from", ())} for each in said["effects"]]
-
-
-def _verdict_right(truth: dict[str, Any], said: dict[str, Any]) -> bool:
+def _is_verdict_right(truth: dict[str, Any], said: dict[str, Any]) -> bool:
     accepted = {name for each in truth["effects"] for name in each["accepted"]}
     names = {each["name"] for each in said["effects"]}
     return bool(said["verdict"] == truth["verdict"] or said["verdict"] in accepted or names & accepted)
 
 
-def interval_overlap(first: Sequence[Sequence[float]], second: Sequence[Sequence[float]], duration: float) -> float:
+def compute_overlap(first: Sequence[Sequence[float]], second: Sequence[Sequence[float]], duration: float) -> float:
     """Intersection over union of two sets of time intervals [s] within 0 and `duration`; 0 for two empty sets."""
     time = np.arange(0.0, duration, _GRID)
     masks = []
@@ -275,8 +249,53 @@ def _score_location(truth: dict[str, Any], said: dict[str, Any], duration: float
     if not localised:
         return float("nan")
     location = said.get("location") or {}
-    return interval_overlap(truth["location"]["time"], location.get("time", []), duration)
+    return compute_overlap(truth["location"]["time"], location.get("time", []), duration)
 
 
-def _number(value: float | None) -> float:
+def _read_number(value: float | None) -> float:
     return float("nan") if value is None else float(value)
+
+
+def compare_intervals(truth: Mapping[str, Any], said: Mapping[str, Any]) -> tuple[KnownInterval, ...]:
+    """All parameters that can be compared, of concealed effects that were named.
+
+    Inertia and gravity count besides, where those of the simulation were shifted and found to be.
+
+    Args:
+        truth: The opened answer.
+        said: The diagnosis.
+    """
+    given = {each["name"]: each["parameters"] for each in said["effects"]}
+    pairs = {each["name"]: (given.get(each["name"], {}), _read_values(each["comparable"])) for each in truth["effects"]}
+    if "gravity" in truth["joint"] and given.keys() & set(truth["shifted_parameters"]):
+        pairs[SIMULATION] = (_read_refitted(said), _read_body(truth["joint"]))
+    return tuple(
+        each
+        for effect, (found, wanted) in pairs.items()
+        if _count_numbered(found) == _count_numbered(wanted)  # where a push is missed, nobody knows which is the second
+        for each in compare_parameters(effect, found, wanted)
+    )
+
+
+def _read_values(parameters: Mapping[str, Any]) -> dict[str, float]:
+    return {name: each["value"] for name, each in parameters.items()}
+
+
+def _read_refitted(said: Mapping[str, Any]) -> dict[str, Any]:
+    """What a diagnosis says has changed in the simulation, with its interval."""
+    return {each["name"]: each["refitted"] for each in said.get("changes") or () if each.get("refitted")}
+
+
+def _read_body(joint: Mapping[str, Any]) -> dict[str, float]:
+    """Inertia and gravity of the concealed joint by the names of a diagnosis."""
+    gravity, angle = joint["gravity"], joint["gravity_angle"]
+    return {
+        "inertia": joint["inertia"],
+        "gravity_cos": gravity * float(np.sin(angle)),
+        "gravity_sin": gravity * float(np.cos(angle)),
+    }
+
+
+def _count_numbered(parameters: Mapping[str, Any]) -> int:
+    """How many of the same thing an effect has, such as pushes."""
+    return sum(name.startswith("start_") for name in parameters)

@@ -15,14 +15,15 @@ from numpy.typing import NDArray
 from fricomp.fleet import open_executor
 
 from ...cases import CaseSpec
+from ..kit.blind import Diagnose, diagnose_blind
 from ..real.injection import InjectedSpec
-from .blind import diagnose_blind, prepare
+from .making import prepare
 from .plan import PlannedCase
-from .run import Diagnose
 
 __all__ = ["SpeedUp", "measure_speed_up"]
 
-_TURNS = 20_000_000  # of a plain loop by which the cores themselves are timed, about a second
+_TURNS = 20_000_000
+"""Turns of a plain loop by which the cores themselves are timed: about a second."""
 
 
 @dataclass(frozen=True)
@@ -53,15 +54,15 @@ class SpeedUp:
     @property
     def ratio(self) -> float:
         """Median over the cases of the time of one worker with one core over that of several with as many."""
-        return float(np.median(_ratios(self.one_core, self.several)))
+        return float(np.median(_divide(self.one_core, self.several)))
 
     @property
     def ratio_free(self) -> float:
         """The same where one worker may use every core."""
-        return float(np.median(_ratios(self.one, self.several)))
+        return float(np.median(_divide(self.one, self.several)))
 
     def __str__(self) -> str:
-        low, high = np.quantile(_ratios(self.one_core, self.several), (0.25, 0.75))
+        low, high = np.quantile(_divide(self.one_core, self.several), (0.25, 0.75))
         return (
             f"{self.workers} workers are {self.ratio:.2f} times as fast as one that has one core (median of "
             f"{len(self.one)} cases, quartiles {low:.2f} to {high:.2f}; {sum(self.one_core):.0f} s and "
@@ -71,7 +72,7 @@ class SpeedUp:
         )
 
 
-def _ratios(one: Sequence[float], several: Sequence[float]) -> NDArray[np.float64]:
+def _divide(one: Sequence[float], several: Sequence[float]) -> NDArray[np.float64]:
     return np.divide(one, several)
 
 
@@ -97,15 +98,19 @@ def measure_speed_up(
     times: list[list[float]] = []
     loops: list[float] = []
     with open_executor(f"processes://{workers}") as (pool, _):
-        list(pool.map(_loop, [1] * workers))  # they have started
+        list(pool.map(_count, [1] * workers))  # they have started
         for index, each in enumerate(planned):
             if not prepare(each.spec, "speed").refused:
-                case = partial(_whole, each.spec, diagnose)
-                free, confined = (partial(_alone, pool, workers, way) for way in (case, partial(_on_one_core, case)))
-                times.append(_in_turn((free, confined, partial(_together, pool, workers, case)), index % 2 == 1))
-                loop = partial(_loop, _TURNS)
-                ways = partial(_alone, pool, workers, loop), partial(_together, pool, workers, loop)
-                alone, together = _in_turn(ways, index % 2 == 1)
+                case = partial(_do_case, each.spec, diagnose)
+                free, confined = (
+                    partial(_time_alone, pool, workers, way) for way in (case, partial(_call_on_one_core, case))
+                )
+                times.append(
+                    _call_in_turn((free, confined, partial(_time_together, pool, workers, case)), index % 2 == 1)
+                )
+                loop = partial(_count, _TURNS)
+                ways = partial(_time_alone, pool, workers, loop), partial(_time_together, pool, workers, loop)
+                alone, together = _call_in_turn(ways, index % 2 == 1)
                 loops.append(alone / together)
             progress()
     cores = len(os.sched_getaffinity(0))
@@ -113,14 +118,14 @@ def measure_speed_up(
     return SpeedUp(workers, one, one_core, several, tuple(loops), load, cores)
 
 
-def _in_turn(ways: Sequence[Callable[[], float]], backwards: bool) -> list[float]:
+def _call_in_turn(ways: Sequence[Callable[[], float]], backwards: bool) -> list[float]:
     """What each call gives, called in this order or in the reverse one."""
     if backwards:
         return [way() for way in reversed(ways)][::-1]
     return [way() for way in ways]
 
 
-def _alone(pool: Executor, workers: int, call: Callable[[], object]) -> float:
+def _time_alone(pool: Executor, workers: int, call: Callable[[], object]) -> float:
     """Time of so many calls one after the other [s]."""
     start = time.perf_counter()
     for _ in range(workers):
@@ -128,7 +133,7 @@ def _alone(pool: Executor, workers: int, call: Callable[[], object]) -> float:
     return time.perf_counter() - start
 
 
-def _together(pool: Executor, workers: int, call: Callable[[], object]) -> float:
+def _time_together(pool: Executor, workers: int, call: Callable[[], object]) -> float:
     """Time of so many calls side by side [s]."""
     start = time.perf_counter()
     for future in [pool.submit(call) for _ in range(workers)]:
@@ -136,7 +141,7 @@ def _together(pool: Executor, workers: int, call: Callable[[], object]) -> float
     return time.perf_counter() - start
 
 
-def _on_one_core(call: Callable[[], object]) -> None:
+def _call_on_one_core(call: Callable[[], object]) -> None:
     """Call with one core for this process and those that it starts."""
     cores = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {min(cores)})
@@ -146,11 +151,11 @@ def _on_one_core(call: Callable[[], object]) -> None:
         os.sched_setaffinity(0, cores)
 
 
-def _whole(spec: CaseSpec | InjectedSpec, diagnose: Diagnose) -> None:
+def _do_case(spec: CaseSpec | InjectedSpec, diagnose: Diagnose) -> None:
     diagnose(prepare(spec, "speed").files)
 
 
-def _loop(turns: int) -> int:
+def _count(turns: int) -> int:
     total = 0
     for turn in range(turns):
         total += turn

@@ -3,7 +3,7 @@
 from .cases import REAL_CASES, RealCase
 from .injection import INJECTABLE, InjectedSpec, inject
 from .page import write_real_page
-from .run import RealOutcome, run_case
+from .run import RealOutcome, run_all
 
 __all__ = [
     "INJECTABLE",
@@ -12,6 +12,6 @@ __all__ = [
     "RealCase",
     "RealOutcome",
     "inject",
-    "run_case",
+    "run_all",
     "write_real_page",
 ]

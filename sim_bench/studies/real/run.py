@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 
-import msgspec
-
 from fricomp.diagnosis import Diagnosis, DiagnosisRecord, Quantity, diagnose, load_diagnosis
 from fricomp.diagnosis.report import derive_parameters, write_diagnosis
-from fricomp.errors import DiagnosisError, FricompError
+from fricomp.errors import FricompError
 from fricomp.recording import read_public
-from fricomp.whole_file import whole_file
 
-from ..diagnosis_version import diagnosis_version
+from ..kit.case import run_cases
+from ..kit.store import Row, RowStore
 from .arm import ARMS, arm_xml
 from .cases import RealCase
 
-__all__ = ["RealOutcome", "run_case"]
+__all__ = ["RealOutcome", "run_all"]
+
+_STORE = "outcomes.jsonl"
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,16 @@ class RealOutcome:
         return self.names & set(self.case.listed)
 
     @property
+    def is_listed(self) -> bool:
+        """Whether effects are known of a case that promises none."""
+        return self.reached is None and bool(self.case.listed)
+
+    @property
+    def missed(self) -> bool:
+        """Whether what is known did not come out."""
+        return not self.reached and not (self.is_listed and self.found)
+
+    @property
     def others(self) -> frozenset[str]:
         """What was named that nobody knows to be there."""
         return self.named - self.case.effects
@@ -90,38 +102,47 @@ class RealOutcome:
         return f"{' + '.join(best.effects)}: {best.refused}"
 
 
-class _Note(msgspec.Struct, frozen=True):
-    """What `outcome.json` keeps beside the record, and of which diagnosis and seed."""
-
-    error: str
-    seconds: float
-    diagnosis: str = ""
-    seed: int = 0
-
-
-def run_case(case: RealCase, out: Path, *, seed: int = 0, resume: bool = False) -> RealOutcome:
-    """Diagnose one case and write its folder.
+def run_all(
+    cases: Sequence[RealCase],
+    out: Path,
+    executor: tuple[Executor, int],
+    *,
+    seed: int = 0,
+    resume: bool = False,
+    progress: Callable[[], None] = lambda: None,
+) -> tuple[list[RealOutcome], list[str]]:
+    """Diagnose the cases and write a folder for each.
 
     Args:
-        case: Which.
-        out: Folder; the case's own is made in it.
-        seed: Of the diagnosis.
-        resume: Take what an earlier run of this diagnosis left there.
+        cases: Which.
+        out: Folder; each case gets its own in it.
+        executor: With the number of its workers.
+        seed: Of the diagnoses.
+        resume: Keep the cases that an earlier run with this seed left there.
+        progress: Called after each case.
+
+    Returns:
+        What came out, in the order of the cases, and the commits at which it was measured.
     """
-    place = out / case.name
-    if resume and (place / "outcome.json").exists():
-        note = msgspec.json.decode((place / "outcome.json").read_bytes(), type=_Note)
-        if (note.diagnosis, note.seed) == (diagnosis_version(), seed):
-            record = None if note.error else load_diagnosis(place / "diagnosis.json")
-            return RealOutcome(case, record, note.error, note.seconds)
-    outcome = _diagnose(case, place, seed)
-    place.mkdir(parents=True, exist_ok=True)
-    with whole_file(place / "outcome.json", DiagnosisError) as part:
-        part.write_bytes(msgspec.json.encode(_Note(outcome.error, outcome.seconds, diagnosis_version(), seed)))
-    return outcome
+    store = RowStore(out / _STORE)
+    calls = {f"{case.name}, seed {seed}": (case, out, seed) for case in cases}
+    rows = run_cases(calls, _make_row, store, executor, resume=resume, progress=progress)
+    return [_read_outcome(case, row, out) for case, row in zip(cases, rows, strict=True)], sorted(
+        {row["commit"] for row in rows}
+    )
 
 
-def _written_arm(name: str, place: Path) -> Path:
+def _make_row(case: RealCase, out: Path, seed: int) -> Row:
+    outcome = _diagnose(case, out / case.name, seed)
+    return {"error": outcome.error, "seconds": outcome.seconds}
+
+
+def _read_outcome(case: RealCase, row: Row, out: Path) -> RealOutcome:
+    record = None if row["error"] else load_diagnosis(out / case.name / "diagnosis.json")
+    return RealOutcome(case, record, row["error"], row["seconds"])
+
+
+def _write_arm(name: str, place: Path) -> Path:
     """The arm's kinematics as a file, for the diagnosis and for whoever repeats it by hand."""
     place.mkdir(parents=True, exist_ok=True)
     path = place / "arm.xml"
@@ -134,7 +155,7 @@ def _diagnose(case: RealCase, place: Path, seed: int) -> RealOutcome:
     try:
         named = [(source, recording) for source in case.sources for recording in read_public(source)]
         names = [f"{source}/{one.metadata.joint}" if case.arm else source for source, one in named]
-        simulation = _written_arm(case.arm, place) if case.arm else None
+        simulation = _write_arm(case.arm, place) if case.arm else None
         diagnosis: Diagnosis = diagnose([one for _, one in named], simulation, seed=seed, names=names)
     except FricompError as error:
         return RealOutcome(case, None, str(error), time.perf_counter() - start)

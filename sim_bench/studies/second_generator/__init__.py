@@ -5,20 +5,20 @@ from .effect import Effect
 from .effects import EFFECTS, find_effect
 from .figures import Figure, compute_figures
 from .page import write_page
-from .run import run_case, write_files
-from .score import KnownValue, Score, score_case
+from .run import run_all, run_case, write_files
+from .score import Score, score_case
 
 __all__ = [
     "EFFECTS",
     "Case",
     "Effect",
     "Figure",
-    "KnownValue",
     "Score",
     "choose_cases",
     "compute_figures",
     "find_effect",
     "list_cases",
+    "run_all",
     "run_case",
     "score_case",
     "write_files",

@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import asdict
 from pathlib import Path
 
 import msgspec
 
-from fricomp.errors import DiagnosisError
 from fricomp.recording import write_recording
-from fricomp.whole_file import whole_file
 
-from ..diagnosis_version import diagnosis_version
-from ..proof.blind import BlindAnswer, diagnose_blind
+from ..kit.blind import diagnose_blind
+from ..kit.case import run_cases
+from ..kit.store import Row, RowStore
 from .cases import Case
 from .joint import PLAIN, write_mjcf
 from .motion import PERIOD, make_motion
 from .record import sense, simulate
 from .score import Score, score_case
 
-__all__ = ["run_case", "write_files"]
+__all__ = ["run_all", "run_case", "write_files"]
 
 _FILES = ("recording.parquet", "joint.xml")
+"""What the diagnosis sees."""
+
+_STORE = "scores.jsonl"
 
 
 def write_files(case: Case, folder: Path) -> dict[str, float]:
@@ -39,24 +43,40 @@ def write_files(case: Case, folder: Path) -> dict[str, float]:
     return dict(hidden.truth)
 
 
-def run_case(case: Case, out: Path, *, resume: bool = False) -> Score:
-    """Record, diagnose and score one case; everything is kept in a folder of its name.
+def run_case(case: Case, out: Path) -> Score:
+    """Record, diagnose and score one case; everything is kept in a folder of its name in `out`."""
+    folder = out / case.name
+    truth = write_files(case, folder)
+    blind = diagnose_blind({name: (folder / name).read_bytes() for name in _FILES})
+    (folder / "diagnosis.json").write_bytes(blind.diagnosis)
+    return score_case(case, truth, blind)
+
+
+def run_all(
+    cases: Sequence[Case],
+    out: Path,
+    executor: tuple[Executor, int],
+    *,
+    resume: bool = False,
+    progress: Callable[[], None] = lambda: None,
+) -> tuple[list[Score], list[str]]:
+    """Record, diagnose and score all cases.
 
     Args:
-        case: Which.
+        cases: Which.
         out: Folder of the run.
-        resume: Take the score that an earlier run left there, if it is of this very case and diagnosis.
+        executor: With the number of its workers.
+        resume: Keep the cases that an earlier run left there, if they were as long.
+        progress: Called after each case.
+
+    Returns:
+        The scores in the order of the cases, and the commits at which they were measured.
     """
-    folder = out / case.name
-    kept = folder / "score.json"
-    if resume and kept.exists():
-        score = msgspec.json.decode(kept.read_bytes(), type=Score)
-        if (score.case, score.diagnosis) == (case, diagnosis_version()):
-            return score
-    truth = write_files(case, folder)
-    blind: BlindAnswer = diagnose_blind({name: (folder / name).read_bytes() for name in _FILES})
-    (folder / "diagnosis.json").write_bytes(blind.diagnosis)
-    score = replace(score_case(case, truth, blind), diagnosis=diagnosis_version())
-    with whole_file(kept, DiagnosisError) as part:
-        part.write_bytes(msgspec.json.format(msgspec.json.encode(score), indent=1) + b"\n")
-    return score
+    store = RowStore(out / _STORE)
+    calls = {f"{case.name}, {case.duration:g} s": (case, out) for case in cases}
+    rows = run_cases(calls, _make_row, store, executor, resume=resume, progress=progress)
+    return [msgspec.convert(row["score"], Score) for row in rows], sorted({row["commit"] for row in rows})
+
+
+def _make_row(case: Case, out: Path) -> Row:
+    return {"score": asdict(run_case(case, out))}

@@ -20,6 +20,7 @@ _FORBIDDEN = (
 )
 
 _SECOND = "fricomp.sim_bench.studies.second_generator"
+_KIT = "fricomp.sim_bench.studies.kit"
 _MAKING = ("joint", "motion", "law", "hidden", "effect", "physics", "flaws", "outside", "effects", "record", "cases")
 
 
@@ -66,16 +67,17 @@ def test_no_chain_of_imports_leads_from_the_second_generator_to_the_first_or_the
         assert not [name for name in upstream if name.startswith(forbidden)]
 
 
-def test_what_scores_the_second_generator_takes_only_the_blind_side_and_statistics_of_the_proof(
-    graph: grimp.ImportGraph,
-) -> None:
+def test_what_scores_the_second_generator_takes_only_the_kit_of_all_studies(graph: grimp.ImportGraph) -> None:
     names = {path.stem for path in Path(second.__file__).parent.glob("*.py")} - {"__init__"}
     direct = {other for name in names for other in graph.find_modules_directly_imported_by(f"{_SECOND}.{name}")}
     beside = {name for name in direct if name.startswith("fricomp.sim_bench") and not name.startswith(_SECOND)}
-    blind = {f"fricomp.sim_bench.studies.proof.{name}" for name in ("blind", "score", "statistics")}
-    assert beside == blind | {
-        "fricomp.sim_bench.studies.diagnosis_version"
-    }  # a hash of the files, which imports none of them
+    assert all(name.startswith(_KIT) for name in beside)
+
+
+def test_the_kit_of_the_studies_imports_no_generator(graph: grimp.ImportGraph) -> None:
+    for module in graph.find_descendants(_KIT):
+        direct = graph.find_modules_directly_imported_by(module)
+        assert not [name for name in direct if name.startswith("fricomp.sim_bench") and not name.startswith(_KIT)]
 
 
 def test_the_diagnosis_does_not_import_the_second_generator(graph: grimp.ImportGraph) -> None:

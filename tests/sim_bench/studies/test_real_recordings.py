@@ -9,8 +9,9 @@ from scipy.signal import lfilter
 from fricomp.diagnosis import DIAGNOSIS_SCHEMA, DiagnosisRecord, HeldOut, NamedEffect, Rival
 from fricomp.diagnosis.samples.drive_path import find_drive_path
 from fricomp.diagnosis.samples.fine_ripple import find_fine_ripple
+from fricomp.fleet import SerialExecutor
 from fricomp.recording import Recording, RecordingMetadata, find_public_data, read_public
-from fricomp.sim_bench.studies.real import REAL_CASES, RealCase, RealOutcome, run_case, write_real_page
+from fricomp.sim_bench.studies.real import REAL_CASES, RealCase, RealOutcome, run_all, write_real_page
 
 
 def _public(name: str) -> Recording:
@@ -165,10 +166,11 @@ def test_the_page_names_the_strongest_refused_rival(tmp_path: Path) -> None:
 
 def test_an_absent_recording_is_told_and_kept_for_the_page(tmp_path: Path) -> None:
     case = RealCase("absent", ("emps/no_such_recording",), "nothing")
-    first = run_case(case, tmp_path)
+    (first,), _ = run_all([case], tmp_path, (SerialExecutor(), 1))
     assert first.record is None
     assert first.error
-    assert run_case(case, tmp_path, resume=True) == first
+    (again,), _ = run_all([case], tmp_path, (SerialExecutor(), 1), resume=True)
+    assert again == first
 
 
 def test_cases_have_names_of_their_own() -> None:

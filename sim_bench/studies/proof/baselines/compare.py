@@ -3,31 +3,37 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import msgspec
 import numpy as np
 
 from fricomp.errors import DiagnosisError
-from fricomp.fleet import stream
-from fricomp.report import format_markdown_table
-from fricomp.whole_file import whole_file
 
 from ....cases import CaseSpec, generate, write_answer, write_case
-from ..making import name_of
+from ...kit.case import run_cases
+from ...kit.page import fill_template
+from ...kit.statistics import compute_share, format_quartiles
+from ...kit.store import Row, RowStore
+from ..making import name_case
 from ..plan import NULLS, PlannedCase
 from ..score import Score
-from ..statistics import compute_share, format_quartiles
 from .data import Samples, fit_columns, load_data
 from .methods import METHODS, fit_base
 
 __all__ = ["BaselineScore", "compare_baselines", "format_table"]
 
 _VISIBLE = 0.5
-_GAP = 1.1  # held-out error of the refitted joint from which a gap can be closed
+"""Effect-to-noise ratio from which single effects count."""
+
+_GAP = 1.1
+"""Held-out error of the refitted joint, over that with the true torque, from which a gap can be closed."""
+
+_STORE = "baselines.jsonl"
 
 
 @dataclass(frozen=True)
@@ -75,35 +81,19 @@ def compare_baselines(
 
     Args:
         planned: The cases; those of real recordings have no noise-free truth and are left out.
-        folder: Keeps one Parquet file a case, so that a comparison that was stopped goes on.
+        folder: Keeps what is finished, so that a comparison that was stopped goes on.
         executor: With the number of its workers.
         progress: Called after each case.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = {each: folder / f"{name_of(each.spec)}.parquet" for each in planned if isinstance(each.spec, CaseSpec)}
-    todo = ((path, (each,)) for each, path in paths.items() if not path.exists())
-    for _ in range(len(planned) - sum(not path.exists() for path in paths.values())):
+    cases = {name_case(each.spec): (each,) for each in planned if isinstance(each.spec, CaseSpec)}
+    for _ in range(len(planned) - len(cases)):
         progress()
-    for path, future in stream(todo, _score_case, executor):
-        _write(future.result(), path)
-        progress()
-    return [score for path in paths.values() for score in _read(path)]
+    rows = run_cases(cases, _compare_case, RowStore(folder / _STORE), executor, progress=progress)
+    return [msgspec.convert(score, BaselineScore) for row in rows for score in row["scores"]]
 
 
-def _write(scores: Sequence[BaselineScore], path: Path) -> None:
-    import pyarrow
-    from pyarrow import parquet
-
-    if scores:
-        with whole_file(path, DiagnosisError) as part:
-            parquet.write_table(pyarrow.Table.from_pylist([asdict(score) for score in scores]), part)
-
-
-def _read(path: Path) -> Iterator[BaselineScore]:
-    from pyarrow import parquet
-
-    for row in parquet.read_table(path).to_pylist() if path.exists() else ():
-        yield BaselineScore(**row | {"names": tuple(row["names"])})
+def _compare_case(planned: PlannedCase) -> Row:
+    return {"scores": [asdict(score) for score in _score_case(planned)]}
 
 
 def _score_case(planned: PlannedCase) -> list[BaselineScore]:
@@ -121,7 +111,7 @@ def _score_case(planned: PlannedCase) -> list[BaselineScore]:
         data = load_data(folder)
         concealed = parquet.read_table(answer.with_suffix(".parquet")).column("concealed_torque").to_numpy()
         before = fit_base(data).error
-        floor = fit_columns(data, np.hstack([data.base, _smoothed(concealed)[data.kept, None]]))
+        floor = fit_columns(data, np.hstack([data.base, _smooth(concealed)[data.kept, None]]))
         right = {name for each in truth["effects"] for name in (each["name"], *each["accepted"])}
         scores = []
         for method, fit in METHODS.items():
@@ -142,7 +132,7 @@ def _score_case(planned: PlannedCase) -> list[BaselineScore]:
         return scores
 
 
-def _smoothed(torque: Samples) -> Samples:
+def _smooth(torque: Samples) -> Samples:
     from scipy.signal import savgol_filter
 
     return np.asarray(savgol_filter(torque, 21, 3))
@@ -154,30 +144,21 @@ def format_table(baselines: Sequence[BaselineScore], scores: Sequence[Score], me
     Args:
         baselines: Of the other methods.
         scores: Of the diagnosis.
-        measured: When, and of which diagnosis.
+        measured: When, and at which commit.
     """
     cases = {score.case for score in baselines}
     own = [score for score in scores if score.case in cases]
     if own:
         cases &= {score.case for score in own}
     shared = [score for score in baselines if score.case in cases]
-    rows = [_own_row(own)] if own else []
-    rows += [_base_row(shared)]
-    rows += [_row(method, [score for score in shared if score.method == method]) for method in METHODS]
-    text = (
-        f"{measured} {len(cases)} cases, the same for all. "
-        "Error: on held-out blocks, over that of a refit with the true concealed torque, at ENR 0.5 or more (median, "
-        "quartiles; 1 is as good as knowing that torque, less is possible where the refitted joint itself does not "
-        "fit). Gap closed: share of the squared error above 1 that is removed, where the refitted joint alone leaves "
-        f"more than {_GAP:g}; the diagnosis has a noise floor and rows of its own, so that neither compares. Names: "
-        "the strongest, single effects at ENR 0.5 or more."
-    )
-    head = ["method", "right name first", "names where nothing is missing", "held-out error", "gap closed"]
-    return f"## Other methods\n\n{text}\n\n{format_markdown_table(head, rows)}"
+    rows = [_list_own(own)] if own else []
+    rows += [_list_base(shared)]
+    rows += [_list_method(method, [score for score in shared if score.method == method]) for method in METHODS]
+    return fill_template("proof/baselines.md", measured=measured, count=len(cases), open=f"{_GAP:g}", rows=rows)
 
 
-def _row(method: str, scores: Sequence[BaselineScore]) -> list[str]:
-    single, nothing = _single(scores), [s for s in scores if s.group in NULLS]
+def _list_method(method: str, scores: Sequence[BaselineScore]) -> list[str]:
+    single, nothing = _select_single(scores), [s for s in scores if s.group in NULLS]
     names = compute_share(sum(s.top_right for s in single), len(single))
     alarms = compute_share(sum(s.false_alarm for s in nothing), len(nothing))
     told = [str(names), str(alarms)] if any(s.names for s in scores) else ["–", "–"]
@@ -185,7 +166,7 @@ def _row(method: str, scores: Sequence[BaselineScore]) -> list[str]:
     return [method, *told, errors, format_quartiles([s.gap_closed for s in single])]
 
 
-def _own_row(scores: Sequence[Score]) -> list[str]:
+def _list_own(scores: Sequence[Score]) -> list[str]:
     single = [s for s in scores if s.group == "single" and s.enr >= _VISIBLE]
     nothing = [s for s in scores if s.group in NULLS]
     names = compute_share(sum(s.top_right for s in single), len(single))
@@ -193,10 +174,10 @@ def _own_row(scores: Sequence[Score]) -> list[str]:
     return ["**fricomp diagnose**", str(names), str(alarms), "–", "–"]
 
 
-def _base_row(baselines: Sequence[BaselineScore]) -> list[str]:
-    first = [s for s in _single(baselines) if s.method == next(iter(METHODS))]
+def _list_base(baselines: Sequence[BaselineScore]) -> list[str]:
+    first = [s for s in _select_single(baselines) if s.method == next(iter(METHODS))]
     return ["rigid joint refitted", "–", "–", format_quartiles([s.before for s in first]), "0"]
 
 
-def _single(scores: Sequence[BaselineScore]) -> list[BaselineScore]:
+def _select_single(scores: Sequence[BaselineScore]) -> list[BaselineScore]:
     return [s for s in scores if s.group == "single" and s.enr >= _VISIBLE]

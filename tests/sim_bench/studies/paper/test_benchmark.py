@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fricomp.sim_bench.studies.paper.ledger import Ledger
+from fricomp.sim_bench.studies.kit.store import RowStore
 from fricomp.sim_bench.studies.paper.oracle import find_optimum
 from fricomp.sim_bench.studies.paper.page import CLOSING
 from fricomp.sim_bench.studies.paper.printed import NOISE_FREE, NOISY
@@ -31,10 +31,10 @@ def test_two_printed_averages_do_not_follow_from_the_printed_values() -> None:
 
 
 def test_a_study_goes_on_where_it_stopped(tmp_path: Path) -> None:
-    ledger = Ledger(tmp_path / "ledger.jsonl")
+    ledger = RowStore(tmp_path / "ledger.jsonl")
     said: list[str] = []
     run_statistics(ledger, 1, said.append)
-    run_statistics(Ledger(ledger.path), 1, said.append)
+    run_statistics(RowStore(ledger.path), 1, said.append)
     assert len(said) == 2
     figures = summarise_statistics(ledger, "absolute")
     assert figures is not None
@@ -43,20 +43,11 @@ def test_a_study_goes_on_where_it_stopped(tmp_path: Path) -> None:
     assert figures.largest_excess < 1e-3
 
 
-def test_a_half_written_line_is_left_out_and_does_not_spoil_the_next(tmp_path: Path) -> None:
-    path = tmp_path / "ledger.jsonl"
-    path.write_text('{"study": "x", "seed": 1}\n{"study": "x", "se')
-    ledger = Ledger(path)
-    assert list(ledger.missing(range(3), study="x")) == [0, 2]
-    ledger.append({"study": "x", "seed": np.int64(2)})
-    assert [row["seed"] for row in Ledger(path).rows(study="x")] == [1, 2]
-
-
 def test_page_figures_and_pictures_come_from_the_ledger(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib")
     from fricomp.sim_bench.studies.paper.publication import publish
 
-    ledger = Ledger(tmp_path / "ledger.jsonl")
+    ledger = RowStore(tmp_path / "ledger.jsonl")
     run_noise_free(ledger, 1, lambda _: None)
     run_statistics(ledger, 1, lambda _: None)
     run_outliers(ledger, 1, lambda _: None)
@@ -71,7 +62,7 @@ def test_page_figures_and_pictures_come_from_the_ledger(tmp_path: Path) -> None:
 
 
 def test_a_training_alone_reaches_the_parameters_from_starts_within_a_factor_of_three(tmp_path: Path) -> None:
-    ledger = Ledger(tmp_path / "ledger.jsonl")
+    ledger = RowStore(tmp_path / "ledger.jsonl")
     run_noise_free(ledger, 1, lambda _: None)
     run_as_given(ledger, 3, lambda _: None)
     ours = {f.starts: f for f in summarise_noise_free(ledger)}
@@ -101,7 +92,7 @@ def test_adam_with_noise_starts_from_its_best_start_and_stands_beside_ours_on_th
     pytest.importorskip("torch")
     from fricomp.sim_bench.studies.paper.rivals import run_adam_study
 
-    ledger = Ledger(tmp_path / "ledger.jsonl")
+    ledger = RowStore(tmp_path / "ledger.jsonl")
     for _ in range(2):
         run_adam_study(ledger, 3, 2, lambda _: None)
     assert [row["seed"] for row in ledger.rows(reading="none", spread=SPREADS[1])] == [0, 1, 2]
@@ -117,7 +108,7 @@ def test_adam_with_noise_starts_from_its_best_start_and_stands_beside_ours_on_th
 
 @pytest.mark.slow
 def test_intervals_of_the_robust_fit_hold_the_truth_a_little_less_often_than_they_say(tmp_path: Path) -> None:
-    ledger = Ledger(tmp_path / "ledger.jsonl")
+    ledger = RowStore(tmp_path / "ledger.jsonl")
     run_outliers(ledger, 100, lambda _: None)
     for reading in NOISE_READINGS:
         figures = summarise_outliers(ledger, reading)
@@ -138,5 +129,5 @@ def test_swarm_ends_at_the_oracle_and_never_below_it() -> None:
 
 
 def test_what_the_page_says_beside_its_figures_is_what_its_source_says() -> None:
-    page = Path(__file__).parents[3] / "docs" / "identification.md"
+    page = Path(__file__).parents[4] / "docs" / "identification.md"
     assert page.read_text(encoding="utf-8").endswith(CLOSING)

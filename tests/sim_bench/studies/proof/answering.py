@@ -4,7 +4,7 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from fricomp.sim_bench.studies.proof.blind import BlindAnswer
+from fricomp.sim_bench.studies.kit.blind import BlindAnswer
 from tests.fleet.working import die_the_first_time
 
 SCHEMA = "fricomp.diagnosis/1"

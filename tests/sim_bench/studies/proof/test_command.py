@@ -1,18 +1,18 @@
 """`fricomp bench mismatch` and `fricomp cases` as a user meets them."""
 
 import json
-import subprocess
 from functools import partial
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
-from fricomp.cli.bench import mismatch, mismatch_speed_up
+from fricomp.cli.bench import app as bench_app
+from fricomp.cli.bench import mismatch
+from fricomp.cli.bench.mismatch import speed_up
 from fricomp.cli.cases import app as cases_app
 from fricomp.errors import DiagnosisError
 from fricomp.sim_bench.studies import proof
-from fricomp.sim_bench.studies.proof import settings
 from tests.sim_bench.studies.proof.answering import always_consistent
 
 
@@ -60,22 +60,12 @@ def test_the_speed_up_is_printed_with_the_load_and_kept(tmp_path: Path, monkeypa
     )
     monkeypatch.setattr(proof, "measure_speed_up", lambda planned, progress: found)
     options = ["--cases", "4", "--out", str(tmp_path / "speed")]
-    done = CliRunner().invoke(mismatch_speed_up.app, options, catch_exceptions=False)
+    done = CliRunner().invoke(speed_up.app, options, catch_exceptions=False)
     assert "2 workers are 1.88 times as fast as one that has one core" in done.stdout
     assert "1.70 times as fast as one that may use all 2" in done.stdout
     assert "load average of 0.30 before" in done.stdout
     assert "plain loops that share nothing are 1.95 times as fast" in done.stdout
     assert json.loads((tmp_path / "speed" / "speed_up.json").read_text())["ratio"] == pytest.approx(1.875)
-
-
-def test_a_scored_run_outside_the_repository_is_refused_before_anything_is_written(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    with pytest.raises(DiagnosisError, match="git repository"):
-        CliRunner().invoke(mismatch.app, ["--scored", "--out", str(tmp_path / "run")], catch_exceptions=False)
-    assert not (tmp_path / "run").exists()
-    assert not (tmp_path / "docs").exists()
 
 
 @pytest.mark.parametrize("kind", ["--nulls", "--clear", "--quick", "--injected"])
@@ -94,34 +84,53 @@ def test_nulls_alone_are_made_and_scored(tmp_path: Path) -> None:
     told = CliRunner().invoke(mismatch.app, options, catch_exceptions=False).stdout
     assert "where nothing is missing" in told
     assert "of 3" in told
-    assert "fricomp bench mismatch --quick --nulls --cases 3 --first-seed 0" in page.read_text()
+    assert "fricomp bench mismatch run --quick --nulls --cases 3 --first-seed 0" in page.read_text()
 
 
 @pytest.mark.usefixtures("quick_answers")
-def test_a_scored_run_goes_in_pieces_and_its_log_tells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    source = tmp_path / "sim_bench" / "diagnosis" / "search.py"
-    source.parent.mkdir(parents=True)
-    source.write_text("threshold = 1\n")
-    for name in ("concealed", "proof"):
-        (source.parents[1] / name).mkdir()
-        (source.parents[1] / name / "code.py").write_text(f"{name} = 1\n")
-    identity = ("-c", "user.name=test", "-c", "user.email=test@example.org")
-    for call in (("init", "-q"), ("add", "."), ("commit", "-q", "-m", "diagnosis")):
-        subprocess.run(["git", "-C", str(tmp_path), *identity, *call], check=True, capture_output=True)
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(settings, "imported_diagnosis", source.parent.resolve)
-    (tmp_path / "docs").mkdir()
-    options = ["--scored", "--cases", "3", "--executor", "serial", "--resume", "--out", "run"]
-    options += ["--page", "docs/proof.md"]
-    monkeypatch.setattr(proof, "watch", lambda *_: iter([True, True, False]).__next__)
-    first = CliRunner().invoke(mismatch.app, [*options, "--minutes", "1"], catch_exceptions=False)
-    assert "1 of 3 cases are left: --resume goes on" in first.stdout
-    assert "2 of 3 cases, in the order of the plan" in (tmp_path / "docs" / "proof.md").read_text()
-    monkeypatch.setattr(proof, "watch", lambda *_: lambda: True)
-    CliRunner().invoke(mismatch.app, options, catch_exceptions=False)
-    log = proof.read_entries(tmp_path / "docs" / "proof" / "runs.jsonl")
-    assert [(entry["event"], entry["cases"]) for entry in log] == [("started", 3), ("paused", 2), ("finished", 3)]
-    assert "Scored run 1" in (tmp_path / "docs" / "proof.md").read_text()
+def test_a_scored_run_goes_in_pieces_and_is_replayed_from_beside_its_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    page, beside = tmp_path / "docs" / "proof.md", tmp_path / "docs" / "proof"
+    options = ["run", "--scored", "--cases", "3", "--executor", "serial", "--resume", "--page", str(page)]
+    monkeypatch.setattr(proof, "stop_after", lambda _: iter([True, True, False]).__next__)
+    first = _call([*options, "--out", str(tmp_path / "run"), "--minutes", "1"])
+    assert "1 of 3 cases are left: --resume goes on" in first
+    assert "2 of 3 cases, in the order of the plan" in page.read_text()
+    monkeypatch.setattr(proof, "stop_after", lambda _: lambda: True)
+    _call([*options, "--out", str(tmp_path / "elsewhere")])
+    text = page.read_text()
+    assert "Scored run, measured at commit" in text
+    _call(["page", "--out", str(tmp_path / "third"), "--page", str(page)])
+    assert page.read_text() == text
+    told = _call(["replay", str(beside), "--cases", "2", "--executor", "serial", "--out", str(tmp_path / "again")])
+    assert f"2 cases in {tmp_path / 'again'}" in told
+    with pytest.raises(DiagnosisError, match="of its own"):
+        _call(["replay", str(beside), "--out", str(tmp_path / "again"), "--page", str(page)])
+
+
+def _call(options: list[str]) -> str:
+    done = CliRunner().invoke(mismatch.app, options, catch_exceptions=False)
+    assert done.exit_code == 0, done.output
+    return done.stdout
+
+
+@pytest.mark.parametrize(
+    ("typed", "told"),
+    [
+        (["mismatch-close", "a reason"], "bench mismatch run --scored"),
+        (["mismatch-replay", "27"], "mismatch replay docs/proof"),
+    ],
+)
+def test_a_command_that_is_gone_says_what_to_type_now(typed: list[str], told: str) -> None:
+    done = CliRunner().invoke(bench_app, typed, env={"COLUMNS": "200"})
+    assert done.exit_code == 2
+    assert told in done.output
+
+
+def test_earlier_names_of_commands_still_work() -> None:
+    done = CliRunner().invoke(bench_app, ["mismatch-gap", "--help"], env={"COLUMNS": "200"})
+    assert "bench mismatch gap --cases 24" in done.stdout
 
 
 def test_cases_can_be_made_and_listed(tmp_path: Path) -> None:

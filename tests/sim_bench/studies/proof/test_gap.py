@@ -12,12 +12,12 @@ import pytest
 from pyarrow import parquet
 from typer.testing import CliRunner
 
-from fricomp.cli.bench import mismatch_gap
+from fricomp.cli.bench.mismatch import gap
 from fricomp.diagnosis import HeldOut
 from fricomp.fleet import SerialExecutor
 from fricomp.sim_bench.cases import CATALOGUE, CaseSpec, generate
+from fricomp.sim_bench.studies.kit.blind import BlindAnswer
 from fricomp.sim_bench.studies.proof import GAP, GapScore, PlannedCase, format_gaps, measure_gaps, plan_gaps
-from fricomp.sim_bench.studies.proof.blind import BlindAnswer
 from tests.sim_bench.studies.proof.answering import answer
 
 _SPEC = CaseSpec(1, ("cogging",), "clear", "rich", 8.0, "white", "dahl", "harmonic")
@@ -124,8 +124,6 @@ def test_the_command_writes_the_table_beside_the_page(tmp_path: Path, monkeypatc
 
     monkeypatch.setattr(proof, "measure_gaps", lambda planned, *_, **__: [_gap(0.4, 0.2, 0.1)] * len(planned))
     options = ["--cases", "3", "--quick", "--executor", "serial", "--out", str(tmp_path / "run")]
-    told = CliRunner().invoke(
-        mismatch_gap.app, [*options, "--page", str(tmp_path / "proof.md")], catch_exceptions=False
-    )
-    assert "fricomp bench mismatch-gap --cases 3 --quick --first-seed 0 --out runs/run" in told.stdout
+    told = CliRunner().invoke(gap.app, [*options, "--page", str(tmp_path / "proof.md")], catch_exceptions=False)
+    assert "fricomp bench mismatch gap --cases 3 --quick --first-seed 0 --out runs/run" in told.stdout
     assert "3 cases" in (tmp_path / "proof" / GAP).read_text()

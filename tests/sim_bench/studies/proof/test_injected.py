@@ -10,16 +10,16 @@ import pytest
 from fricomp.errors import RecordingError
 from fricomp.fleet import SerialExecutor
 from fricomp.recording import find_public_data, read_public
+from fricomp.sim_bench.studies.kit.blind import BlindAnswer
 from fricomp.sim_bench.studies.proof import (
     compute_figures,
-    development_seeds,
     is_wrong,
+    list_development_seeds,
     plan_bare,
     plan_injected,
     run_proof,
     write_page,
 )
-from fricomp.sim_bench.studies.proof.blind import BlindAnswer
 from fricomp.sim_bench.studies.real import INJECTABLE, REAL_CASES, InjectedSpec, inject
 from fricomp.sim_bench.studies.real.injected_effect import INJECTED, measure_motion
 from tests.sim_bench.studies.proof.answering import always_cogging, answer
@@ -88,7 +88,7 @@ def test_what_is_known_of_a_recording_is_neither_injected_nor_a_false_name(tmp_p
         return answer("missing_physics", ["quadratic_drag"])
 
     scores = run_proof(bare, tmp_path, pool, salt="s", diagnose=says_drag)
-    planned = plan_injected(scores, development_seeds(0))
+    planned = plan_injected(scores, list_development_seeds(0))
     effects = [each.spec.effect for each in planned]  # type: ignore[union-attr]
     assert "quadratic_drag" not in effects
     assert [each.spec.strength for each in planned][:3] == ["5", "5", "5"]

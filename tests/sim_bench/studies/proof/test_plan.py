@@ -2,7 +2,6 @@
 
 import itertools
 import json
-import subprocess
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import replace
@@ -15,14 +14,11 @@ from fricomp.sim_bench.cases import CATALOGUE, CHOICES, EXCITATIONS, OUTSIDE, Ca
 from fricomp.sim_bench.studies.proof import (
     GROUPS,
     PlannedCase,
-    append_entry,
-    development_seeds,
-    diagnosis_tree,
-    next_run,
+    RunSettings,
+    draw_seeds,
+    list_development_seeds,
     plan_cases,
     plan_clear_cases,
-    read_entries,
-    scored_seeds,
 )
 from fricomp.sim_bench.studies.proof.plan import NULLS
 from fricomp.sim_bench.studies.proof.seal import SealBook
@@ -37,7 +33,7 @@ def _names(planned: Iterable[PlannedCase], group: str) -> list[str]:
 
 
 def test_two_thousand_cases_hold_enough_of_each_group() -> None:
-    planned = plan_cases(2000, development_seeds())
+    planned = plan_cases(2000, list_development_seeds())
     groups = Counter(each.group for each in planned)
     assert groups["null"] + groups["hard_null"] >= 500
     assert groups["pair"] >= 200
@@ -49,7 +45,7 @@ def test_two_thousand_cases_hold_enough_of_each_group() -> None:
 
 
 def test_the_clear_plan_holds_every_effect_once_and_nulls() -> None:
-    planned = plan_clear_cases(development_seeds(1000))
+    planned = plan_clear_cases(list_development_seeds(1000))
     singles = _names(planned, "single")
     assert sorted(singles) == sorted(CATALOGUE)
     assert {each.spec.strength for each in planned} == {"clear"}
@@ -60,7 +56,7 @@ def test_the_clear_plan_holds_every_effect_once_and_nulls() -> None:
 
 
 def test_a_plan_of_nulls_alone_turns_through_motions_and_cores() -> None:
-    planned = plan_cases(300, development_seeds(), groups=NULLS)
+    planned = plan_cases(300, list_development_seeds(), groups=NULLS)
     assert {each.group for each in planned} == set(NULLS)
     assert all(not spec.effects for spec in _specs(planned))
     assert {spec.excitation for spec in _specs(planned)} == set(EXCITATIONS)
@@ -68,19 +64,19 @@ def test_a_plan_of_nulls_alone_turns_through_motions_and_cores() -> None:
 
 
 def test_every_case_of_a_plan_is_another() -> None:
-    planned = plan_cases(500, development_seeds())
+    planned = plan_cases(500, list_development_seeds())
     assert len({case_id(spec) for spec in _specs(planned)}) == 500
 
 
 def test_a_short_plan_is_the_beginning_of_a_long_one_in_fair_shares() -> None:
-    short, long = plan_cases(100, development_seeds()), plan_cases(400, development_seeds())
+    short, long = plan_cases(100, list_development_seeds()), plan_cases(400, list_development_seeds())
     assert long[:100] == short
     groups = Counter(each.group for each in short)
     assert all(abs(groups[name] - 100 * share) <= 1.0 for name, share in GROUPS.items())
 
 
 def test_a_run_that_is_cut_short_has_weak_and_strong_effects_alike() -> None:
-    planned = plan_cases(120, development_seeds())
+    planned = plan_cases(120, list_development_seeds())
     strengths = Counter(each.spec.strength for each in planned if each.group == "single")
     assert len(strengths) == 7
     assert max(strengths.values()) - min(strengths.values()) <= 3
@@ -88,7 +84,7 @@ def test_a_run_that_is_cut_short_has_weak_and_strong_effects_alike() -> None:
 
 def test_every_effect_meets_every_friction_core_and_motion() -> None:
     met: dict[str, set[str]] = {name: set() for name in CATALOGUE}
-    for each in plan_cases(2000, development_seeds(), order=26):
+    for each in plan_cases(2000, list_development_seeds(), order=26):
         if each.group == "single" and isinstance(each.spec, CaseSpec):
             met[each.spec.effects[0]] |= {str(each.spec.core), each.spec.excitation}
     assert all(some == {*CHOICES["core"], *EXCITATIONS} for some in met.values())
@@ -96,9 +92,9 @@ def test_every_effect_meets_every_friction_core_and_motion() -> None:
 
 @pytest.mark.parametrize("number", [1, 13, 14])
 def test_an_order_has_designs_of_its_own_in_the_same_shares(number: int) -> None:
-    first, other = plan_cases(400, development_seeds()), plan_cases(400, development_seeds(), order=number)
+    first, other = plan_cases(400, list_development_seeds()), plan_cases(400, list_development_seeds(), order=number)
     assert [each.group for each in other] == [each.group for each in first]
-    assert plan_cases(400, development_seeds(), order=number)[:50] == other[:50]
+    assert plan_cases(400, list_development_seeds(), order=number)[:50] == other[:50]
     same = sum(replace(a, seed=0) == replace(b, seed=0) for a, b in zip(_specs(first), _specs(other), strict=True))
     assert same <= 12  # nulls have few enough settings that some meet
     assert set(_names(other, "single")) == set(CATALOGUE)
@@ -106,51 +102,16 @@ def test_an_order_has_designs_of_its_own_in_the_same_shares(number: int) -> None
     assert len(strengths) == 7
 
 
-def test_scored_seeds_are_no_development_seeds_and_follow_the_diagnosis() -> None:
-    first = list(itertools.islice(scored_seeds("abc", 1), 1000))
+def test_seeds_of_a_scored_run_are_no_development_seeds_and_follow_from_its_key() -> None:
+    def draw(key: str, count: int = 5) -> list[int]:
+        return list(itertools.islice(draw_seeds(RunSettings(1, scored=True, key=key)), count))
+
+    first = draw("abc", 1000)
     assert min(first) >= 1 << 62
     assert len(set(first)) == 1000
-    assert first[:5] != list(itertools.islice(scored_seeds("abc", 2), 5))
-    assert first[:5] != list(itertools.islice(scored_seeds("abd", 1), 5))
-    assert first[:5] == list(itertools.islice(scored_seeds("abc", 1), 5))
+    assert draw("abd") != first[:5] == draw("abc")
     with pytest.raises(DiagnosisError, match="development seeds"):
-        development_seeds(1 << 62)
-
-
-def _git(folder: Path, *arguments: str) -> None:
-    identity = ("-c", "user.name=test", "-c", "user.email=test@example.org")
-    subprocess.run(["git", "-C", str(folder), *identity, *arguments], check=True, capture_output=True)
-
-
-def test_a_scored_run_needs_the_diagnosis_committed(tmp_path: Path) -> None:
-    source = tmp_path / "sim_bench" / "diagnosis" / "search.py"
-    source.parent.mkdir(parents=True)
-    source.write_text("threshold = 1\n")
-    _git(tmp_path, "init", "-q")
-    _git(tmp_path, "add", ".")
-    _git(tmp_path, "commit", "-q", "-m", "diagnosis")
-    tree = diagnosis_tree(tmp_path)
-    assert len(tree) == 40
-    source.write_text("threshold = 2\n")
-    with pytest.raises(DiagnosisError, match="commit it before a scored run"):
-        diagnosis_tree(tmp_path)
-    _git(tmp_path, "commit", "-q", "-a", "-m", "another")
-    assert diagnosis_tree(tmp_path) != tree
-
-
-def test_without_git_there_is_no_scored_run(tmp_path: Path) -> None:
-    with pytest.raises(DiagnosisError, match="git repository"):
-        diagnosis_tree(tmp_path)
-
-
-def test_a_started_run_is_logged_for_good_and_never_numbered_again(tmp_path: Path) -> None:
-    log = tmp_path / "proof" / "runs.jsonl"
-    assert next_run(log) == 1
-    append_entry(log, {"run": 1, "event": "started"})
-    assert next_run(log) == 2
-    append_entry(log, {"run": 2, "event": "started"})
-    append_entry(log, {"run": 2, "event": "finished", "figures": {"named where nothing is missing": "0.0 %"}})
-    assert [entry["event"] for entry in read_entries(log)] == ["started", "started", "finished"]
+        list_development_seeds(1 << 62)
 
 
 def test_a_changed_answer_does_not_open(tmp_path: Path) -> None:

@@ -7,7 +7,9 @@ from typing import Any
 import pytest
 
 from fricomp.errors import DiagnosisError
-from fricomp.sim_bench.studies.proof.blind import BlindAnswer
+from fricomp.fleet import SerialExecutor
+from fricomp.sim_bench.studies.kit.blind import BlindAnswer
+from fricomp.sim_bench.studies.kit.commit import find_commit
 from fricomp.sim_bench.studies.second_generator import (
     EFFECTS,
     Case,
@@ -16,6 +18,7 @@ from fricomp.sim_bench.studies.second_generator import (
     compute_figures,
     list_cases,
     run,
+    run_all,
     run_case,
     score_case,
     write_files,
@@ -97,11 +100,14 @@ def test_what_is_outside_must_be_unknown_and_what_a_simulation_says_of_friction_
 def test_parameters_are_compared_where_they_are_known_and_have_an_interval() -> None:
     named = {"load_coulomb": {"coefficient": (0.09, 0.12), "inertia_share": (0.1, 0.2), "other": (0.0, 1.0)}}
     score = _score("load_coulomb", "missing_physics", named, coefficient=0.1, inertia_share=0.0)
-    assert [(value.name, value.covered) for value in score.values] == [("coefficient", True), ("inertia_share", False)]
+    assert [(value.parameter, value.covers) for value in score.values] == [
+        ("coefficient", True),
+        ("inertia_share", False),
+    ]
     fixed = _score("load_coulomb", "missing_physics", {"load_coulomb": {"coefficient": (0.1, 0.1)}}, coefficient=0.1)
     assert fixed.values == ()
     lag = _score("nothing", "measurement", {_LAG: {"time_constant": (2.7e-3, 3.3e-3)}})
-    assert lag.values[0].covered
+    assert lag.values[0].covers
 
 
 def test_no_answer_is_wrong_and_says_why() -> None:
@@ -120,7 +126,7 @@ def test_the_page_lists_all_cases_and_how_to_make_the_wrong_ones_again(tmp_path:
         _score("nothing", "measurement", {_LAG: {}}),
         _score("backlash", "missing_physics", {"cogging": ["presliding_hysteresis"], _LAG: {}}),
     ]
-    write_page(scores, tmp_path / "second_generator.md")
+    write_page(scores, tmp_path / "second_generator.md", ["4962d2c"])
     text = (tmp_path / "second_generator.md").read_text(encoding="utf-8")
     assert "| load_coulomb-rich | `missing_physics` | `load_coulomb`, `velocity_filter_lag` | yes |" in text
     assert "| 0.2 → 0.01 (0.009) | 12 |" in text
@@ -129,7 +135,7 @@ def test_the_page_lists_all_cases_and_how_to_make_the_wrong_ones_again(tmp_path:
     assert "1 of 3 answers." in text
     assert "| backlash-rich | named `cogging`; not found | `fricomp bench second-generator --only backlash-rich" in text
     assert "95 % interval of a parameter holds the truth | 100.0% (1 of 1;" in text
-    write_page([scores[1]], tmp_path / "none.md", quick=True)
+    write_page([scores[1]], tmp_path / "none.md", ["4962d2c"], quick=True)
     assert (tmp_path / "none.md").read_text(encoding="utf-8").rstrip().endswith("None.")
 
 
@@ -141,12 +147,18 @@ def test_a_run_that_is_resumed_keeps_its_scores(tmp_path: Path, monkeypatch: pyt
         return _answer("measurement", {_LAG: {}})
 
     monkeypatch.setattr(run, "diagnose_blind", diagnose)
+
+    def go(case: Case, *, resume: bool = True) -> Score:
+        (score,), commits = run_all([case], tmp_path, (SerialExecutor(), 1), resume=resume)
+        assert commits == [find_commit()]
+        return score
+
     case = Case("nothing", "fourier", 1, duration=1.0)
-    first = run_case(case, tmp_path)
+    first = go(case)
     assert seen == [{"recording.parquet", "joint.xml"}]
-    assert run_case(case, tmp_path, resume=True) == first
-    run_case(Case("nothing", "fourier", 1, duration=1.5), tmp_path, resume=True)  # of the same name, but another
-    run_case(case, tmp_path)
+    assert go(case) == first
+    go(Case("nothing", "fourier", 1, duration=1.5))  # of the same name, but another
+    go(case, resume=False)
     assert len(seen) == 3
 
 
@@ -163,5 +175,5 @@ def test_friction_under_load_is_found_from_the_files_alone(tmp_path: Path) -> No
     score = run_case(case, tmp_path)
     assert score.error == ""
     assert score.first_right
-    (coefficient,) = [value for value in score.values if value.name == "coefficient"]
+    (coefficient,) = [value for value in score.values if value.parameter == "coefficient"]
     assert coefficient.value == pytest.approx(0.1, abs=0.02)

@@ -1,0 +1,58 @@
+"""`fricomp bench mismatch gap`: how much of the held-out error a diagnosis closes, of what could be closed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..options import ExecutorOption, WorkersOption
+
+app = typer.Typer(add_completion=False)
+
+_EPILOG = """fricomp bench mismatch gap --cases 24 --first-seed 810000 --page docs/proof.md --out runs/gap
+
+fricomp bench mismatch gap --quick --cases 4 --out runs/gap"""
+_OUT = Path("runs/gap")
+
+
+@app.command(epilog=_EPILOG)
+def gap(
+    out: Annotated[Path, typer.Option(help="Folder for the cases and the table; the same command goes on.")] = _OUT,
+    cases: Annotated[int, typer.Option(min=1, help="How many.")] = 24,
+    quick: Annotated[bool, typer.Option("--quick", help="Cases of 30 s.")] = False,
+    first_seed: Annotated[int, typer.Option(help="First development seed.")] = 0,
+    executor: ExecutorOption = "processes",
+    workers: WorkersOption = None,
+    page: Annotated[
+        Path | None, typer.Option(help="Page of `bench mismatch` that shows the table from now on.")
+    ] = None,
+) -> None:
+    """Diagnose concealed cases twice, as they are and without what is concealed, and compare the held-out errors."""
+    from datetime import date
+
+    from fricomp.cli.terminal import console, progress, resumable
+    from fricomp.fleet import open_executor
+    from fricomp.sim_bench.studies.kit.commit import find_commit, format_measured
+    from fricomp.sim_bench.studies.proof import (
+        GAP,
+        QUICK_DURATION,
+        format_gaps,
+        list_development_seeds,
+        measure_gaps,
+        plan_gaps,
+    )
+
+    planned = plan_gaps(cases, list_development_seeds(first_seed), QUICK_DURATION if quick else None)
+    again = resumable(out, "the same command goes on")
+    with again, progress() as bar, open_executor(executor, workers) as pool:
+        task = bar.add_task("diagnosed twice", total=cases)
+        scores = measure_gaps(planned, out / "gap", pool, progress=lambda: bar.advance(task))
+    options = f"--cases {cases} {'--quick ' if quick else ''}--first-seed {first_seed} --out runs/{out.name}"
+    measured = format_measured(date.today(), find_commit())
+    text = format_gaps(scores, f"fricomp bench mismatch gap {options}", measured)
+    for path in (out / GAP, *((page.with_suffix("") / GAP,) if page is not None else ())):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    console().print(text, soft_wrap=True)
