@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from fricomp.cli.resume import flags
+from fricomp.cli.settings_file import use_settings, write_settings
 from fricomp.errors import ParameterError
 from fricomp.extras import REPORT, require
 
@@ -28,6 +29,10 @@ fricomp calibrate --backend canopen --config joint.toml --dry-run
 
 fricomp calibrate --backend canopen --config joint.toml --out runs/elbow --adaptive --accuracy 0.5
 
+fricomp calibrate --backend canopen --config joint.toml --dwell 2 --write-settings sweep.toml
+
+fricomp calibrate --settings sweep.toml --repeats 3 --out runs/elbow
+
 fricomp calibrate --resume --out runs/elbow
 
 fricomp calibrate --torque-constant --weight 0.5 --lever 0.25 --backend dynamixel --config joint.toml
@@ -38,67 +43,144 @@ fricomp calibrate --torque-constant --weight 0.5 --lever 0.25 --backend dynamixe
 def calibrate(
     context: typer.Context,
     backend: Annotated[
-        str | None, typer.Option(help="Adapter: `fricomp adapters` lists them; what --config says, or sim.")
+        str | None,
+        typer.Option(
+            rich_help_panel="Joint", help="Adapter: `fricomp adapters` lists them; what --config says, or sim."
+        ),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder of the run.")] = Path("runs/calibration"),
-    config: Annotated[Path | None, typer.Option(help="Configuration of the adapter (TOML).")] = None,
-    joint: Annotated[str, typer.Option(help="Joint to calibrate; the first if not given.")] = "",
+    config: Annotated[
+        Path | None, typer.Option(rich_help_panel="Joint", help="Configuration of the adapter (TOML).")
+    ] = None,
+    joint: Annotated[
+        str, typer.Option(rich_help_panel="Joint", help="Joint to calibrate; the first if not given.")
+    ] = "",
     model: Annotated[
         str,
         typer.Option(
-            help="MJCF of the mechanism, for gravity and inertia; of sim: default_joint, two_link_arm or a file."
+            rich_help_panel="Joint",
+            help="MJCF of the mechanism, for gravity and inertia; of sim: default_joint, two_link_arm or a file.",
         ),
     ] = "",
     gravity_unknown: Annotated[
-        bool, typer.Option(help="No model of the gravity on this joint: half difference of both directions.")
+        bool,
+        typer.Option(
+            rich_help_panel="Joint", help="No model of the gravity on this joint: half difference of both directions."
+        ),
     ] = False,
     speeds: Annotated[
         str,
         typer.Option(
+            rich_help_panel="Sweep",
             help="log:LOW:HIGH:COUNT, uniform:LOW:HIGH:COUNT or a list \\[rad/s] or \\[m/s]; "
-            "log-spaced below the highest that fits into the travel if not given."
+            "log-spaced below the highest that fits into the travel if not given.",
         ),
     ] = "",
-    repeats: Annotated[int, typer.Option(help="Visits to each speed in each direction.")] = 2,
-    dwell: Annotated[float, typer.Option(help="Time on a settled plateau \\[s].")] = 1.0,
-    warm_up: Annotated[float, typer.Option(help="Time of moving to and fro before the sweep \\[s].")] = 8.0,
-    positions: Annotated[int, typer.Option(help="Places over the travel at which slow plateaus are centred.")] = 1,
-    loop: Annotated[Literal["auto", "drive", "host"], typer.Option(help="Who closes the velocity loop.")] = "auto",
+    repeats: Annotated[int, typer.Option(rich_help_panel="Sweep", help="Visits to each speed in each direction.")] = 2,
+    dwell: Annotated[float, typer.Option(rich_help_panel="Sweep", help="Time on a settled plateau \\[s].")] = 1.0,
+    warm_up: Annotated[
+        float, typer.Option(rich_help_panel="Sweep", help="Time of moving to and fro before the sweep \\[s].")
+    ] = 8.0,
+    positions: Annotated[
+        int, typer.Option(rich_help_panel="Sweep", help="Places over the travel at which slow plateaus are centred.")
+    ] = 1,
+    loop: Annotated[
+        Literal["auto", "drive", "host"], typer.Option(rich_help_panel="Sweep", help="Who closes the velocity loop.")
+    ] = "auto",
     inertia: Annotated[
         float,
         typer.Option(
             show_default=False,
+            rich_help_panel="Sweep",
             help="About the joint, for the host's loop \\[kg·m²] or \\[kg]; that of --model if not given.",
         ),
     ] = 0.0,
-    bandwidth: Annotated[float, typer.Option(help="Of the host's loop \\[rad/s].")] = 60.0,
+    bandwidth: Annotated[float, typer.Option(rich_help_panel="Sweep", help="Of the host's loop \\[rad/s].")] = 60.0,
     check_torque: Annotated[
-        float, typer.Option(help="Largest torque of the sign check, as a fraction of the torque limit.")
+        float,
+        typer.Option(
+            rich_help_panel="Sweep", help="Largest torque of the sign check, as a fraction of the torque limit."
+        ),
     ] = 0.3,
-    normal_load: Annotated[str, typer.Option(help="none, transmitted (from the model), or a number.")] = "none",
-    method: Annotated[Literal["pinn", "least_squares"], typer.Option(help="Both have the same optimum.")] = "pinn",
+    seed: Annotated[
+        int,
+        typer.Option(rich_help_panel="Sweep", help="Of the order, the network's first weights and simulated noise."),
+    ] = 0,
+    normal_load: Annotated[
+        str, typer.Option(rich_help_panel="Identification", help="none, transmitted (from the model), or a number.")
+    ] = "none",
+    method: Annotated[
+        Literal["pinn", "least_squares"],
+        typer.Option(rich_help_panel="Identification", help="Both have the same optimum."),
+    ] = "pinn",
     noise: Annotated[
-        Literal["auto", "relative", "absolute"], typer.Option(help="Of the torque; relative to the friction.")
+        Literal["auto", "relative", "absolute"],
+        typer.Option(rich_help_panel="Identification", help="Of the torque; relative to the friction."),
     ] = "auto",
     adaptive: Annotated[
-        bool, typer.Option("--adaptive", help="Second pass at the speeds that tell most, until --accuracy is reached.")
+        bool,
+        typer.Option(
+            "--adaptive",
+            rich_help_panel="Identification",
+            help="Second pass at the speeds that tell most, until --accuracy is reached.",
+        ),
     ] = False,
-    accuracy: Annotated[float, typer.Option(help="Mean standard deviation at which --adaptive stops \\[%].")] = 0.5,
-    seed: Annotated[int, typer.Option(help="Of the order, the network's first weights and simulated noise.")] = 0,
+    accuracy: Annotated[
+        float,
+        typer.Option(rich_help_panel="Identification", help="Mean standard deviation at which --adaptive stops \\[%]."),
+    ] = 0.5,
     motion: Annotated[
         Path | None,
-        typer.Option(help="Record this motion (CSV: time, velocity\\[, position]) instead, in SI units."),
+        typer.Option(
+            rich_help_panel="Instead of a sweep",
+            help="Record this motion (CSV: time, velocity\\[, position]) instead, in SI units.",
+        ),
     ] = None,
     torque_constant: Annotated[
-        bool, typer.Option("--torque-constant", help="Hang a known weight to find the newton metres of a reading.")
+        bool,
+        typer.Option(
+            "--torque-constant",
+            rich_help_panel="Instead of a sweep",
+            help="Hang a known weight to find the newton metres of a reading.",
+        ),
     ] = False,
-    weight: Annotated[float, typer.Option(show_default=False, help="Hung for --torque-constant \\[kg].")] = 0.0,
-    lever: Annotated[float, typer.Option(show_default=False, help="From the axis to where it hangs \\[m].")] = 0.0,
+    weight: Annotated[
+        float,
+        typer.Option(
+            show_default=False, rich_help_panel="Instead of a sweep", help="Hung for --torque-constant \\[kg]."
+        ),
+    ] = 0.0,
+    lever: Annotated[
+        float,
+        typer.Option(
+            show_default=False, rich_help_panel="Instead of a sweep", help="From the axis to where it hangs \\[m]."
+        ),
+    ] = 0.0,
+    out: Annotated[Path, typer.Option(rich_help_panel="Run", help="Folder of the run.")] = Path("runs/calibration"),
+    settings: Annotated[
+        Path | None,
+        typer.Option(
+            rich_help_panel="Run",
+            is_eager=True,
+            callback=use_settings,
+            help="TOML file with any options of the headings above; the command line wins.",
+        ),
+    ] = None,
+    write: Annotated[
+        Path | None,
+        typer.Option(
+            "--write-settings", rich_help_panel="Run", help="Write such a file, with comments, and exit; nothing moves."
+        ),
+    ] = None,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Print the plan and what it can tell; nothing moves.")
+        bool,
+        typer.Option("--dry-run", rich_help_panel="Run", help="Print the plan and what it can tell; nothing moves."),
     ] = False,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the run that --out holds already.")] = False,
-    resume: Annotated[bool, typer.Option("--resume", help="Go on with the run in --out, as it was asked for.")] = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", rich_help_panel="Run", help="Replace the run that --out holds already.")
+    ] = False,
+    resume: Annotated[
+        bool, typer.Option("--resume", rich_help_panel="Run", help="Go on with the run in --out, as it was asked for.")
+    ] = False,
 ) -> None:
     """Sweep a joint, identify its friction, and write model, network and report.
 
@@ -112,10 +194,14 @@ def calibrate(
     from fricomp.cli.calibration import resume_run
 
     given = _given(context)
+    if write is not None:
+        write_settings(context, write, overwrite=overwrite)
+        typer.echo(f"Written: {write}. Edit it, and give it as --settings {write}")
+        return
     _refuse_contradictions(given)
     if not (dry_run or torque_constant or motion):
         require(*REPORT, "onnx")
-    settings = SweepSettings(
+    swept = SweepSettings(
         speeds=speeds, repeats=repeats, dwell=dwell, warm_up=warm_up, positions=positions,
         loop=loop, inertia=inertia, bandwidth=bandwidth, check_torque=check_torque, seed=seed,
     )  # fmt: skip
@@ -126,7 +212,7 @@ def calibrate(
     chosen, file = adapter_configuration(backend, config, model, seed)
     mechanism = "" if gravity_unknown else file
     wanted = "" if motion is None else str(motion)
-    request = CalibrationRequest(*chosen, joint, mechanism, settings, options, wanted)
+    request = CalibrationRequest(*chosen, joint, mechanism, swept, options, wanted)
     if resume:
         resume_run(out, request, {name for name in given if name not in ("resume", "out")})
         return
@@ -162,10 +248,13 @@ def _move(request: CalibrationRequest, hung: HungWeight | None, out: Path, *, ov
         start_run(request, out, overwrite=overwrite)
 
 
+_GIVEN = ("COMMANDLINE", "DEFAULT_MAP")
+
+
 def _given(context: typer.Context) -> dict[str, Any]:
-    """The options that stand on the command line."""
+    """The options that stand on the command line, or in the file of --settings."""
     sources = {name: context.get_parameter_source(name) for name in context.params}
-    return {name: context.params[name] for name, source in sources.items() if source and source.name == "COMMANDLINE"}
+    return {name: context.params[name] for name, source in sources.items() if source and source.name in _GIVEN}
 
 
 def _refuse_contradictions(given: dict[str, Any]) -> None:
@@ -174,7 +263,7 @@ def _refuse_contradictions(given: dict[str, Any]) -> None:
     Raises:
         ParameterError: There are some.
     """
-    weights = [name for name in ("weight", "lever") if name in given]
+    weights = [name for name in ("weight", "lever") if given.get(name)]
     if given.get("torque_constant") and "motion" in given:
         raise ParameterError("--torque-constant has a motion of its own: leave out --motion")
     if weights and not given.get("torque_constant"):

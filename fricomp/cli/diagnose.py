@@ -65,35 +65,69 @@ def diagnose(
             help="Recordings (CSV or Parquet: time, position, torque): files, folders, patterns; or a table of joints."
         ),
     ],
-    out: Annotated[Path, typer.Option(help="Folder for the report, the record and the models.")],
+    out: Annotated[
+        Path, typer.Option(rich_help_panel="Output", help="Folder for the report, the record and the models.")
+    ],
     simulation: Annotated[
-        Path | None, typer.Option(help="MJCF or URDF of the joint; a rigid joint is identified without it.")
+        Path | None,
+        typer.Option(
+            rich_help_panel="Simulation", help="MJCF or URDF of the joint; a rigid joint is identified without it."
+        ),
     ] = None,
     joint: Annotated[
-        str | None, typer.Option(help="Name of the joint; needed where the simulation has several.")
+        str | None,
+        typer.Option(rich_help_panel="Simulation", help="Name of the joint; needed where the simulation has several."),
     ] = None,
-    friction: Annotated[Path | None, typer.Option(help="Friction model of the simulation (friction.json).")] = None,
+    friction: Annotated[
+        Path | None,
+        typer.Option(rich_help_panel="Simulation", help="Friction model of the simulation (friction.json)."),
+    ] = None,
     simulated: Annotated[
-        Path | None, typer.Option(help="Recording that your simulator made under the same commands.")
+        Path | None,
+        typer.Option(rich_help_panel="Simulation", help="Recording that your simulator made under the same commands."),
     ] = None,
     controller: Annotated[
-        Path | None, typer.Option(help="PD or PID loop that moved the joint (TOML); it is estimated without it.")
+        Path | None,
+        typer.Option(
+            rich_help_panel="Diagnosis", help="PD or PID loop that moved the joint (TOML); it is estimated without it."
+        ),
     ] = None,
     thorough: Annotated[
-        bool, typer.Option("--thorough", help="200 nulls instead of 32 for the thresholds; takes longer.")
+        bool,
+        typer.Option(
+            "--thorough", rich_help_panel="Diagnosis", help="200 nulls instead of 32 for the thresholds; takes longer."
+        ),
     ] = False,
     each: Annotated[
-        bool, typer.Option("--each", help="Every recording on its own, each into a subfolder of --out.")
+        bool,
+        typer.Option(
+            "--each", rich_help_panel="Of a fleet", help="Every recording on its own, each into a subfolder of --out."
+        ),
     ] = False,
-    executor: Annotated[str, typer.Option(help="Of a fleet: processes, serial or dask://host:port.")] = "processes",
-    workers: Annotated[int | None, typer.Option(min=1, help="Of a fleet; one a core by default.")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Of a fleet: go on with the one in --out.")] = False,
+    executor: Annotated[
+        str, typer.Option(rich_help_panel="Of a fleet", help="Of a fleet: processes, serial or dask://host:port.")
+    ] = "processes",
+    workers: Annotated[
+        int | None, typer.Option(min=1, rich_help_panel="Of a fleet", help="Of a fleet; one a core by default.")
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", rich_help_panel="Of a fleet", help="Of a fleet: go on with the one in --out.")
+    ] = False,
     overwrite: Overwrite = False,
-    seed: Annotated[int, typer.Option(min=0, help="Of nulls and bootstraps; the same seed gives the same answer.")] = 0,
+    seed: Annotated[
+        int,
+        typer.Option(
+            min=0, rich_help_panel="Diagnosis", help="Of nulls and bootstraps; the same seed gives the same answer."
+        ),
+    ] = 0,
     schema: Annotated[
         bool,
         typer.Option(
-            "--schema", help="Print the JSON schema of diagnosis.json and exit.", callback=_print_schema, is_eager=True
+            "--schema",
+            rich_help_panel="Output",
+            help="Print the JSON schema of diagnosis.json and exit.",
+            callback=_print_schema,
+            is_eager=True,
         ),
     ] = False,
 ) -> None:

@@ -49,30 +49,53 @@ def identify(
             "normal_load; several files, a folder, a pattern or a table of joints are a fleet."
         ),
     ],
-    out: Annotated[Path, typer.Option(help="Folder for friction.json, friction.onnx and report.html.")] = Path(
-        "runs/identify"
-    ),
+    out: Annotated[
+        Path, typer.Option(rich_help_panel="Output", help="Folder for friction.json, friction.onnx and report.html.")
+    ] = Path("runs/identify"),
     method: Annotated[
-        Literal["pinn", "least_squares"], typer.Option(help="For tables only; both have the same optimum.")
+        Literal["pinn", "least_squares"],
+        typer.Option(rich_help_panel="Of a table", help="For tables only; both have the same optimum."),
     ] = "pinn",
-    noise: Annotated[Literal["auto", "relative", "absolute"], typer.Option(help="For tables only.")] = "auto",
+    noise: Annotated[
+        Literal["auto", "relative", "absolute"], typer.Option(rich_help_panel="Of a table", help="For tables only.")
+    ] = "auto",
     loss: Annotated[
-        Literal["gaussian", "robust"], typer.Option(help="For tables only; robust: against outliers.")
+        Literal["gaussian", "robust"],
+        typer.Option(rich_help_panel="Of a table", help="For tables only; robust: against outliers."),
     ] = "gaussian",
     law: Annotated[
         str,
         typer.Option(
-            help="stribeck, symmetric_stribeck, coulomb, coulomb_viscous, tanh or arctan; for tables also auto."
+            rich_help_panel="Friction",
+            help="stribeck, symmetric_stribeck, coulomb, coulomb_viscous, tanh or arctan; for tables also auto.",
         ),
     ] = "stribeck",
-    gravity: Annotated[bool, typer.Option(help="For a recording: gravity acts on the joint, and is fitted.")] = False,
-    seed: Annotated[int, typer.Option(min=0, help="Of the network's first weights.")] = 0,
-    depart: Annotated[bool, typer.Option(help="Let a network leave the law where held-out points ask for it.")] = False,
-    batch: Annotated[bool, typer.Option("--batch", help="Tables of a fleet: all joints in one call.")] = False,
-    device: Annotated[str, typer.Option(help="Of torch, for --batch: cpu, cuda.")] = "cpu",
-    executor: Annotated[str, typer.Option(help="Of a fleet: processes, serial or dask://host:port.")] = "processes",
-    workers: Annotated[int | None, typer.Option(min=1, help="Of a fleet; one a core by default.")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="Of a fleet: go on with the one in --out.")] = False,
+    gravity: Annotated[
+        bool,
+        typer.Option(
+            rich_help_panel="Of a recording", help="For a recording: gravity acts on the joint, and is fitted."
+        ),
+    ] = False,
+    seed: Annotated[int, typer.Option(min=0, rich_help_panel="Friction", help="Of the network's first weights.")] = 0,
+    depart: Annotated[
+        bool,
+        typer.Option(rich_help_panel="Friction", help="Let a network leave the law where held-out points ask for it."),
+    ] = False,
+    batch: Annotated[
+        bool, typer.Option("--batch", rich_help_panel="Of a fleet", help="Tables of a fleet: all joints in one call.")
+    ] = False,
+    device: Annotated[
+        str, typer.Option(rich_help_panel="Of a fleet", help="Of torch, for --batch: cpu, cuda.")
+    ] = "cpu",
+    executor: Annotated[
+        str, typer.Option(rich_help_panel="Of a fleet", help="Of a fleet: processes, serial or dask://host:port.")
+    ] = "processes",
+    workers: Annotated[
+        int | None, typer.Option(min=1, rich_help_panel="Of a fleet", help="Of a fleet; one a core by default.")
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", rich_help_panel="Of a fleet", help="Of a fleet: go on with the one in --out.")
+    ] = False,
     overwrite: Overwrite = False,
 ) -> None:
     """Identify friction; with a recording, inertia, gravity and offset first."""

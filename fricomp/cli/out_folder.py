@@ -10,5 +10,8 @@ from fricomp.results import make_folder, require_folder
 
 __all__ = ["Overwrite", "make_folder", "require_folder"]
 
-Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace the results of the kind that --out holds.")]
+Overwrite = Annotated[
+    bool,
+    typer.Option("--overwrite", rich_help_panel="Output", help="Replace the results of the kind that --out holds."),
+]
 """The option; its default is False."""

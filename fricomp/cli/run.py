@@ -40,22 +40,38 @@ def run(
         list[Path], typer.Argument(help="Model file of each joint (friction.json), in the order of the bus.")
     ],
     backend: Annotated[
-        str | None, typer.Option(help="Adapter: `fricomp adapters` lists them; what --config says, or sim.")
+        str | None,
+        typer.Option(
+            rich_help_panel="Drive", help="Adapter: `fricomp adapters` lists them; what --config says, or sim."
+        ),
     ] = None,
-    config: Annotated[Path | None, typer.Option(help="Configuration of bus and joints (TOML).")] = None,
-    inertia: Annotated[list[float], typer.Option(help="At each joint \\[kg·m²] or \\[kg]; once for all.")] = [0.1],  # noqa: B006
-    bandwidth: Annotated[float, typer.Option(help="Of the PD position loop \\[Hz].")] = 5.0,
-    amplitude: Annotated[float, typer.Option(help="Of the sine \\[rad] or \\[m].")] = 0.2,
-    frequency: Annotated[float, typer.Option(help="Of the sine \\[Hz].")] = 0.1,
-    cycles: Annotated[float, typer.Option(help="Cycles of the sine.")] = 2.0,
-    rate: Annotated[float, typer.Option(help="Of the loop \\[Hz].")] = 1000.0,
-    delay: Annotated[float, typer.Option(help="From motion to the torque that answers it \\[s].")] = DELAY,
+    config: Annotated[
+        Path | None, typer.Option(rich_help_panel="Drive", help="Configuration of bus and joints (TOML).")
+    ] = None,
+    inertia: Annotated[
+        list[float], typer.Option(rich_help_panel="Loop", help="At each joint \\[kg·m²] or \\[kg]; once for all.")
+    ] = [0.1],  # noqa: B006
+    bandwidth: Annotated[float, typer.Option(rich_help_panel="Loop", help="Of the PD position loop \\[Hz].")] = 5.0,
+    amplitude: Annotated[float, typer.Option(rich_help_panel="Motion", help="Of the sine \\[rad] or \\[m].")] = 0.2,
+    frequency: Annotated[float, typer.Option(rich_help_panel="Motion", help="Of the sine \\[Hz].")] = 0.1,
+    cycles: Annotated[float, typer.Option(rich_help_panel="Motion", help="Cycles of the sine.")] = 2.0,
+    rate: Annotated[float, typer.Option(rich_help_panel="Loop", help="Of the loop \\[Hz].")] = 1000.0,
+    delay: Annotated[
+        float, typer.Option(rich_help_panel="Loop", help="From motion to the torque that answers it \\[s].")
+    ] = DELAY,
     velocity_filter: Annotated[
-        float, typer.Option(help="Time constant of the measured velocity's filter \\[s].")
+        float, typer.Option(rich_help_panel="Loop", help="Time constant of the measured velocity's filter \\[s].")
     ] = VELOCITY_FILTER,
-    gain: Annotated[float | None, typer.Option(help="Of the compensation; chosen from the model if left out.")] = None,
-    priority: Annotated[int, typer.Option(min=0, max=99, help="FIFO priority on real hardware; 0 for none.")] = 80,
-    out: Annotated[Path, typer.Option(help="Folder for recordings and plots.")] = Path("runs/run"),
+    gain: Annotated[
+        float | None,
+        typer.Option(rich_help_panel="Loop", help="Of the compensation; chosen from the model if left out."),
+    ] = None,
+    priority: Annotated[
+        int, typer.Option(min=0, max=99, rich_help_panel="Drive", help="FIFO priority on real hardware; 0 for none.")
+    ] = 80,
+    out: Annotated[Path, typer.Option(rich_help_panel="Output", help="Folder for recordings and plots.")] = Path(
+        "runs/run"
+    ),
     overwrite: Overwrite = False,
 ) -> None:
     """Follow a sine twice, without and with compensation, and show the difference.
