@@ -134,13 +134,13 @@ def diagnose_given(
     base = partial(base, nulls=SETTINGS.nulls_thorough if thorough else SETTINGS.nulls)
     try:
         _report(progress, "fitting the base model and simulating nulls")
-        prepared = base()
-        reasons = _check_inertia(given, prepared)
+        baseline = base()
+        reasons = _check_inertia(given, baseline)
         if reasons:
             return write_refusal(given, reasons, told)
-        prepared, found = _search(prepared, base, progress)
+        baseline, found = _search(baseline, base, progress)
         _report(progress, "confirming on held-out data")
-        case = Case(given.recordings, prepared, found, given.rigid, given.friction, seed)
+        case = Case(given.recordings, baseline, found, given.rigid, given.friction, seed)
         findings = collect_findings(prefer_simulation(case))
         sample = look_into_samples(findings)
         verdict = judge(findings, sample, simulated)
@@ -172,25 +172,25 @@ def _choose_observer(given: Given, tracks: Sequence[Track]) -> Observer:
     return replace(observer, bandwidth=SETTINGS.slow_bandwidth) if has_low_rate(given.recordings) else observer
 
 
-def _check_inertia(given: Given, prepared: Baseline) -> list[str]:
+def _check_inertia(given: Given, baseline: Baseline) -> list[str]:
     """Why the recordings cannot be of the simulation's joint; empty where they can."""
-    return [] if given.rigid is None else inertia_against(unpack(prepared.fit.theta).inertia, given.rigid.inertia)
+    return [] if given.rigid is None else inertia_against(unpack(baseline.fit.theta).inertia, given.rigid.inertia)
 
 
 def _search(
-    prepared: Baseline, base: Callable[..., Baseline], progress: Progress | None
+    baseline: Baseline, base: Callable[..., Baseline], progress: Progress | None
 ) -> tuple[Baseline, SearchResult]:
     """Search for effects; once more with friction that creeps, where a strong effect hid that from the base."""
     _report(progress, "searching for effects")
-    found = search(prepared)
-    if not has_late_creep(prepared, found):
-        return prepared, found
+    found = search(baseline)
+    if not has_late_creep(baseline, found):
+        return baseline, found
     _report(progress, "searching again, with friction that creeps")
-    prepared = base(creeps=True)
-    return prepared, search(prepared)
+    baseline = base(creeps=True)
+    return baseline, search(baseline)
 
 
 def _simulate_forward(given: Given, findings: Findings) -> Forward | None:
     """Simulate the held-out end of the first recording; None where no loop is known."""
     loop, chosen = given.loops[0], findings.chosen if findings.held.explained > 0.0 else None
-    return None if loop is None else measure_forward_error(given.recordings[0], findings.case.prepared, chosen, loop)
+    return None if loop is None else measure_forward_error(given.recordings[0], findings.case.baseline, chosen, loop)

@@ -13,7 +13,7 @@ from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 
 from .diagnose import Progress, diagnose
-from .evidence.comparison import NAMED, PLAIN, UNEXPLAINED, Doubt
+from .evidence.comparison import NAMED, PLAIN, UNEXPLAINED, Tolerances
 from .evidence.settings import PARAMETERS
 from .inputs.checks import reasons_against
 from .inputs.rigid import RigidJoint
@@ -136,11 +136,11 @@ def _read_rigid(recording: Recording, found: Diagnosis, friction: FrictionModel)
         friction_loss=0.5 * sum(curve.coulomb_torque for curve in curves),
         rotary=recording.metadata.motion == "rotary",
     )
-    doubt = NAMED if found.effects else PLAIN
+    tolerances = NAMED if found.effects else PLAIN
     if found.covariance is None:  # the samples showed more than the rows of this fit
-        doubt = UNEXPLAINED
+        tolerances = UNEXPLAINED
     own = np.zeros((BODY_AND_CURVES, BODY_AND_CURVES)) if found.covariance is None else found.covariance
-    return replace(rigid, covariance=_build_covariance(own, rigid, _measure_level(found, rigid), doubt))
+    return replace(rigid, covariance=_build_covariance(own, rigid, _measure_level(found, rigid), tolerances))
 
 
 def _measure_level(found: Diagnosis, read: RigidJoint) -> float:
@@ -151,20 +151,20 @@ def _measure_level(found: Diagnosis, read: RigidJoint) -> float:
     return max(read.friction_loss, 0.5 * sum(curve.coulomb_torque for curve in curves))
 
 
-def _build_covariance(covariance: FloatArray, read: RigidJoint, level: float, doubt: Doubt) -> FloatArray:
+def _build_covariance(covariance: FloatArray, read: RigidJoint, level: float, tolerances: Tolerances) -> FloatArray:
     """Covariance of inertia, gravity, offset and curves; what sliding cannot part is known no better than in a refit.
 
     Args:
         covariance: Of the base. Shape (p, p).
         read: What was read.
         level: Dry friction.
-        doubt: How far all of it strays beyond what the fit knows of its own error.
+        tolerances: How far all of it strays beyond what the fit knows of its own error.
     """
     named = BASE_NAMES[:BODY_AND_CURVES]
     parting = np.array([_PARTING.get(name, 0.0) for name in named]) * PARAMETERS.split * level
-    gravity = float(np.hypot(doubt.gravity * float(np.hypot(*read.gravity)), doubt.sliding * level))
-    strays = {"log_inertia": doubt.inertia, "gravity_cos": gravity, "gravity_sin": gravity}
-    strays |= dict.fromkeys(_PARTING, doubt.uneven * level)
+    gravity = float(np.hypot(tolerances.gravity * float(np.hypot(*read.gravity)), tolerances.sliding * level))
+    strays = {"log_inertia": tolerances.inertia, "gravity_cos": gravity, "gravity_sin": gravity}
+    strays |= dict.fromkeys(_PARTING, tolerances.uneven * level)
     beyond = np.diag([strays.get(name, 0.0) for name in named]) ** 2
     result: FloatArray = covariance[: len(named), : len(named)] + np.outer(parting, parting) + beyond
     return result

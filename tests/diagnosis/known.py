@@ -16,7 +16,7 @@ from fricomp.diagnosis.evidence.confirmation import Confirmation
 from fricomp.diagnosis.evidence.findings import Findings
 from fricomp.diagnosis.evidence.gates import Trial
 from fricomp.diagnosis.evidence.location import collect_rows
-from fricomp.diagnosis.evidence.refitted import Refitted
+from fricomp.diagnosis.evidence.refitted import RefittedJoint
 from fricomp.diagnosis.inputs.track import FloatArray, Track
 from fricomp.diagnosis.joint.base import pack
 from fricomp.diagnosis.joint.nulls import Nulls
@@ -39,7 +39,7 @@ class Known(Explanation):
 
     reached: FloatArray | None = None
 
-    def compute_reach(self, prepared: Baseline) -> FloatArray:
+    def compute_reach(self, baseline: Baseline) -> FloatArray:
         return np.full(self.fit.residual.size, _FAR) if self.reached is None else self.reached
 
 
@@ -95,31 +95,31 @@ def known_baseline(track: Track | None = None, *, loudness: float = 1.0, structu
     return Baseline(replace(problem, weights=weights), structure, fit, box, nulls, structured=structured)
 
 
-def known_fit(prepared: Baseline, names: Sequence[str], gain: float, **more: Any) -> Explanation:
+def known_fit(baseline: Baseline, names: Sequence[str], gain: float, **more: Any) -> Explanation:
     """An explanation by the effects `names` that starts where they do, beside a base; `more` as in `known`."""
-    structure = Structure(prepared.structure.contexts, tuple(Candidate(name, ()) for name in names))
-    theta, residual = np.concatenate([prepared.fit.theta, structure.build_start()]), prepared.fit.residual
+    structure = Structure(baseline.structure.contexts, tuple(Candidate(name, ()) for name in names))
+    theta, residual = np.concatenate([baseline.fit.theta, structure.build_start()]), baseline.fit.residual
     fit = Fit(theta, residual, np.zeros((residual.size, theta.size)), float(residual @ residual))
-    return replace(Explanation(structure, fit, prepared.box, gain, gain, 0.9), **more)
+    return replace(Explanation(structure, fit, baseline.box, gain, gain, 0.9), **more)
 
 
-def known_case(prepared: Baseline, found: SearchResult | None = None, **more: Any) -> Case:
+def known_case(baseline: Baseline, found: SearchResult | None = None, **more: Any) -> Case:
     """A case about a base; `more` are its other attributes."""
-    track = prepared.problem.tracks[0]
+    track = baseline.problem.tracks[0]
     time = np.arange(track.size, dtype=np.float64) * np.float64(track.dt)
     recording = Recording(time, track.position, track.torque)
-    plain = Case((recording,), prepared, known_search(best=False) if found is None else found, None, None, 0)
+    plain = Case((recording,), baseline, known_search(best=False) if found is None else found, None, None, 0)
     return replace(plain, **more)
 
 
-def known_findings(prepared: Baseline, case: Case | None = None, **more: Any) -> Findings:
+def known_findings(baseline: Baseline, case: Case | None = None, **more: Any) -> Findings:
     """Findings of a base that leaves nothing to name; `more` are their other attributes."""
-    size, (series,) = prepared.fit.theta.size, collect_rows(prepared, [prepared.fit.residual], [prepared.fit.residual])
+    size, (series,) = baseline.fit.theta.size, collect_rows(baseline, [baseline.fit.residual], [baseline.fit.residual])
     plain = Findings(
-        case=known_case(prepared) if case is None else case,
+        case=known_case(baseline) if case is None else case,
         trial=Trial(),
         unknown=False,
-        refitted=Refitted(prepared.structure, prepared.fit, np.eye(size)),
+        refitted=RefittedJoint(baseline.structure, baseline.fit, np.eye(size)),
         base={},
         held=Confirmation(1.0, 1.0, 1.0, (0.0, 0.0), 0.0),
         noise_ratio=1.0,

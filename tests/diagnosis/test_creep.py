@@ -51,17 +51,17 @@ def test_friction_is_viscous_below_the_creep_velocity(speed: float, lead: float,
 )
 def test_creep_is_found_where_the_simulator_made_it(time: float, kind: str, rate: int) -> None:
     truth = FrictionLoss(time=time)
-    prepared = _prepared(truth, kind, rate)
-    plant = unpack(prepared.fit.theta)
+    baseline = _prepared(truth, kind, rate)
+    plant = unpack(baseline.fit.theta)
     assert plant.creep_velocity == pytest.approx(truth.creep_velocity, rel=0.15)
     assert plant.creep_lead == pytest.approx(1.0 / truth.rate, abs=1e-3)
     assert plant.level == pytest.approx(truth.level, rel=0.05)
-    assert prepared.noise_ratio < 1.1
+    assert baseline.noise_ratio < 1.1
 
 
 def test_a_joint_that_sticks_keeps_its_bristle() -> None:
-    prepared = _prepared(FrictionLoss(time=0.002, impedance=STICKING), "rests", 1000)
-    assert unpack(prepared.fit.theta).creep_velocity == 0.0
-    assert prepared.box.upper[-2] == 0.0
-    assert not prepared.fit.jacobian[:, -2:].any()
-    assert prepared.noise_ratio < 1.1
+    baseline = _prepared(FrictionLoss(time=0.002, impedance=STICKING), "rests", 1000)
+    assert unpack(baseline.fit.theta).creep_velocity == 0.0
+    assert baseline.box.upper[-2] == 0.0
+    assert not baseline.fit.jacobian[:, -2:].any()
+    assert baseline.noise_ratio < 1.1

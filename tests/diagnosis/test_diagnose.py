@@ -82,10 +82,10 @@ def test_gravity_held_to_none_about_a_vertical_axis_lets_the_rest_be_fitted() ->
     joint = ToyJoint(gravity=0.0, quadratic_drag=0.6)
     given = RigidJoint(joint.inertia, (0.0, 0.0), 0.0, 0.0, 0.0, True)
     tracks = build_tracks([recording(joint, "fourier", 20.0)])
-    prepared = prepare(tracks, observer=Observer(), nulls=8, seed=0, rigid=given)
+    baseline = prepare(tracks, observer=Observer(), nulls=8, seed=0, rigid=given)
     drag = (Candidate("quadratic_drag", (("coefficient", 0.0),)),)
-    (free,) = fit_from(prepared, [(drag, prepared.fit.theta)], prepared.box)
-    (held,) = fit_from(prepared, [(drag, prepared.fit.theta)], hold(prepared.box, given))
+    (free,) = fit_from(baseline, [(drag, baseline.fit.theta)], baseline.box)
+    (held,) = fit_from(baseline, [(drag, baseline.fit.theta)], hold(baseline.box, given))
     assert held.gain > 0.7 * free.gain
     assert held.values["quadratic_drag"]["coefficient"] == pytest.approx(joint.quadratic_drag, abs=0.05)
 

@@ -10,7 +10,7 @@ import pytest
 
 from fricomp.diagnosis.effects import EFFECTS, Context, EffectParameter
 from fricomp.diagnosis.effects.structure import N_BASE, Candidate, Structure
-from fricomp.diagnosis.evidence.refitted import Refitted
+from fricomp.diagnosis.evidence.refitted import RefittedJoint
 from fricomp.diagnosis.inputs.delay import apply_lags
 from fricomp.diagnosis.joint.base import BASE_NAMES, pack
 from fricomp.diagnosis.joint.observer import Plant
@@ -359,7 +359,9 @@ def test_intervals_end_where_the_domain_does(context: Context) -> None:
     structure = Structure((context,), (Candidate("load_coulomb", values),))
     theta = np.concatenate([pack(context.plant), structure.build_start()])
     fit = Fit(theta, np.zeros(1), np.zeros((1, theta.size)), 0.0)
-    numbers = Refitted(structure, fit, np.diag(np.full(theta.size, 0.04))).list_parameters("load_coulomb", "N·m", "rad")
+    numbers = RefittedJoint(structure, fit, np.diag(np.full(theta.size, 0.04))).list_parameters(
+        "load_coulomb", "N·m", "rad"
+    )
     share = next(p for _, p in structure.parameters if p.name == "inertia_share")
     assert numbers["inertia_share"].ci95 == pytest.approx((share.lower, min(share.upper, 0.1 + 1.96 * 0.2)))
     assert numbers["coefficient"].ci95[1] == pytest.approx(0.05 + 1.96 * 0.2, rel=0.01)
@@ -382,7 +384,7 @@ def test_a_time_is_printed_as_if_the_base_had_its_usual_delay(
         covariance = np.zeros((theta.size, theta.size))
         both = [BASE_NAMES.index("delay"), N_BASE]
         covariance[np.ix_(both, both)] = 1e-6 * np.array([[1.0, sign], [sign, 1.0]])
-        numbers = Refitted(structure, Fit(theta, np.zeros(1), np.zeros((1, theta.size)), 0.0), covariance)
+        numbers = RefittedJoint(structure, Fit(theta, np.zeros(1), np.zeros((1, theta.size)), 0.0), covariance)
         found.append(numbers.list_parameters(name, "N·m", "rad")[parameter])
         assert numbers.list_base("N·m", "rad")["delay"].ci95 == pytest.approx((-9.9e-4, -1e-5))
     assert found[0].value == pytest.approx(found[1].value) == pytest.approx(3e-3 - sign * 5e-4)
@@ -398,7 +400,9 @@ def test_the_order_of_a_ripple_is_known_as_well_as_the_encoder_reads(context: Co
         structure = Structure((context,), candidates)
         theta = np.concatenate([pack(context.plant), structure.build_start()])
         fit = Fit(theta, np.zeros(1), np.zeros((1, theta.size)), 0.0)
-        order = Refitted(structure, fit, 1e-8 * np.eye(theta.size)).list_parameters("cogging", "N·m", "rad")["order"]
+        order = RefittedJoint(structure, fit, 1e-8 * np.eye(theta.size)).list_parameters("cogging", "N·m", "rad")[
+            "order"
+        ]
         widths.append(order.ci95[1] - order.value)
     assert widths[0] == pytest.approx(1.96e-4)
     assert widths[1] == pytest.approx(1.96 * 100.0 * 2.0 * 5e-3 / np.sqrt(2.0), rel=1e-3)

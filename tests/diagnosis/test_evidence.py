@@ -32,50 +32,50 @@ from .known import PLANT, fit_of, known, known_baseline, known_search, to_and_fr
 
 
 @pytest.fixture(scope="module")
-def prepared() -> Baseline:
+def baseline() -> Baseline:
     return known_baseline()
 
 
-def test_rows_whose_window_touches_rest_do_not_slide(prepared: Baseline) -> None:
-    time = prepared.problem.grids[0].centres * 1e-3
+def test_rows_whose_window_touches_rest_do_not_slide(baseline: Baseline) -> None:
+    time = baseline.problem.grids[0].centres * 1e-3
     at_rest = (time > 4.05) & (time < 5.95)
-    assert not prepared.sliding[at_rest].any()
-    assert prepared.sliding[(time > 2.1) & (time < 2.9)].all()
-    assert not prepared.sliding[np.abs(time - 3.0) < 0.01].any()  # it turns there
+    assert not baseline.sliding[at_rest].any()
+    assert baseline.sliding[(time > 2.1) & (time < 2.9)].all()
+    assert not baseline.sliding[np.abs(time - 3.0) < 0.01].any()  # it turns there
 
 
-def test_a_joint_that_hardly_ever_slides_has_all_rows(prepared: Baseline) -> None:
-    track = prepared.problem.tracks[0]
+def test_a_joint_that_hardly_ever_slides_has_all_rows(baseline: Baseline) -> None:
+    track = baseline.problem.tracks[0]
     still = replace(track, velocity=np.zeros(track.size))
-    resting = replace(prepared, problem=replace(prepared.problem, tracks=(still,)))
+    resting = replace(baseline, problem=replace(baseline.problem, tracks=(still,)))
     assert resting.sliding.all()
 
 
-def test_rest_speaks_only_for_effects_that_show_there(prepared: Baseline) -> None:
-    sliding = prepared.sliding
+def test_rest_speaks_only_for_effects_that_show_there(baseline: Baseline) -> None:
+    sliding = baseline.sliding
     before, after = np.full(sliding.size, 0.7), np.full(sliding.size, 0.7)
     after[~sliding] = 0.0
     fall = 0.49 * np.sum(~sliding)
-    assert compute_evidence(prepared, ("frictional_lag",), fit_of(before), fit_of(after)) == 0.0
-    assert compute_evidence(prepared, ("backlash",), fit_of(before), fit_of(after)) == pytest.approx(fall)
-    assert compute_evidence(prepared, ("backlash", "frictional_lag"), fit_of(before), fit_of(after)) == pytest.approx(
+    assert compute_evidence(baseline, ("frictional_lag",), fit_of(before), fit_of(after)) == 0.0
+    assert compute_evidence(baseline, ("backlash",), fit_of(before), fit_of(after)) == pytest.approx(fall)
+    assert compute_evidence(baseline, ("backlash", "frictional_lag"), fit_of(before), fit_of(after)) == pytest.approx(
         fall
     )
 
 
-def test_a_fall_about_rest_that_no_bristle_reaches_speaks_for_any_effect(prepared: Baseline) -> None:
-    loud = np.where(prepared.sliding, 1.0, 2.0)
-    shown = compute_evidence(prepared, ("load_coulomb",), fit_of(loud), fit_of(np.ones(loud.size)))
-    assert shown == pytest.approx(3.0 * np.sum(~prepared.sliding))
+def test_a_fall_about_rest_that_no_bristle_reaches_speaks_for_any_effect(baseline: Baseline) -> None:
+    loud = np.where(baseline.sliding, 1.0, 2.0)
+    shown = compute_evidence(baseline, ("load_coulomb",), fit_of(loud), fit_of(np.ones(loud.size)))
+    assert shown == pytest.approx(3.0 * np.sum(~baseline.sliding))
 
 
-def test_no_row_counts_for_more_than_three_deviations(prepared: Baseline) -> None:
-    before = np.zeros(prepared.sliding.size)
-    first, second = np.flatnonzero(prepared.sliding)[:2]
+def test_no_row_counts_for_more_than_three_deviations(baseline: Baseline) -> None:
+    before = np.zeros(baseline.sliding.size)
+    first, second = np.flatnonzero(baseline.sliding)[:2]
     before[first] = 100.0
-    assert compute_evidence(prepared, ("cogging",), fit_of(before), fit_of(0.0 * before)) == pytest.approx(9.0)
+    assert compute_evidence(baseline, ("cogging",), fit_of(before), fit_of(0.0 * before)) == pytest.approx(9.0)
     before[second] = 2.0
-    assert compute_evidence(prepared, ("cogging",), fit_of(before), fit_of(0.0 * before)) == pytest.approx(13.0)
+    assert compute_evidence(baseline, ("cogging",), fit_of(before), fit_of(0.0 * before)) == pytest.approx(13.0)
 
 
 @dataclass(frozen=True)
@@ -189,14 +189,14 @@ def test_samples_are_cut_finely_where_a_bristle_may_be_stretched() -> None:
     np.testing.assert_array_equal(problem.tracks[0].substeps, problem.cut_samples_for(PLANT).tracks[0].substeps)
 
 
-def test_what_lies_mostly_about_rest_speaks_for_no_effect_of_sliding(prepared: Baseline) -> None:
+def test_what_lies_mostly_about_rest_speaks_for_no_effect_of_sliding(baseline: Baseline) -> None:
     """Both bring 20 where the joint slides; the second far more about rest, as a bent bristle would."""
-    rows = prepared.sliding
+    rows = baseline.sliding
     none = fit_of(np.zeros(rows.size))
     some = np.where(rows, 20.0 / rows.sum(), 0.0)
     rest = some + np.where(rows, 0.0, 0.58)
-    assert compute_evidence(prepared, {"frictional_lag"}, fit_of(np.sqrt(some)), none) == pytest.approx(20.0)
-    assert compute_evidence(prepared, {"frictional_lag"}, fit_of(np.sqrt(rest)), none) == 0.0
+    assert compute_evidence(baseline, {"frictional_lag"}, fit_of(np.sqrt(some)), none) == pytest.approx(20.0)
+    assert compute_evidence(baseline, {"frictional_lag"}, fit_of(np.sqrt(rest)), none) == 0.0
 
 
 @pytest.mark.parametrize("memory", [0.6, -0.4])
@@ -234,8 +234,8 @@ def test_a_set_is_never_wider_than_another_form_of_a_law() -> None:
 
 
 @pytest.mark.parametrize("seen", ["sliding", "about rest"])
-def test_the_form_of_the_bristle_is_not_held_against_an_explanation(seen: str, prepared: Baseline) -> None:
-    rows = prepared.sliding if seen == "sliding" else np.logical_not(prepared.sliding)
+def test_the_form_of_the_bristle_is_not_held_against_an_explanation(seen: str, baseline: Baseline) -> None:
+    rows = baseline.sliding if seen == "sliding" else np.logical_not(baseline.sliding)
     generic = rows[:, None] / np.sqrt(np.sum(rows))
     base = known_baseline()
     base.__dict__["generic"] = generic  # as if its splines were this one column

@@ -19,7 +19,7 @@ from ..search.refit import compute_preference, fit_from, polish
 from ..search.search import SearchResult
 from ..search.settings import SEARCH
 from .alias import is_as_good, list_alternatives, list_printed_rivals
-from .comparison import AGREES, NAMED, Doubt
+from .comparison import AGREES, NAMED, Tolerances
 from .settings import AGREEMENT, ALIASES
 
 __all__ = ["hold", "move_to", "prefer_agreeing"]
@@ -28,7 +28,10 @@ _BENT = "needs another inertia or gravity than the simulation's"
 
 
 def prefer_agreeing(
-    prepared: Baseline, found: SearchResult, rigid: RigidJoint | None, differs: Callable[[Explanation, Doubt], bool]
+    baseline: Baseline,
+    found: SearchResult,
+    rigid: RigidJoint | None,
+    differs: Callable[[Explanation, Tolerances], bool],
 ) -> SearchResult:
     """What was found, with a best explanation that agrees with the simulation where one fits as well.
 
@@ -39,10 +42,10 @@ def prefer_agreeing(
     agrees with the simulation must fit nearly as well.
 
     Args:
-        prepared: Base model and recordings.
+        baseline: The base fitted to the recordings, with its nulls.
         found: What the search found.
         rigid: Inertia and gravity of the simulation; None where none was given.
-        differs: Whether an explanation moves parameters of the simulation by more than their error, with some doubt.
+        differs: Whether an explanation moves parameters of the simulation by more than their error, within tolerances.
     """
     best = found.best
     if best is None:
@@ -51,23 +54,23 @@ def prefer_agreeing(
         least = best.gain - max(ALIASES.close, AGREEMENT.hides * best.left, found.explainable_null)
         options = [one for one in list_alternatives(found) if one.gain > least]
         if rigid is not None and rigid.rotary:
-            held = _fit_held(prepared, _list_near(found, best), rigid)
+            held = _fit_held(baseline, _list_near(found, best), rigid)
             agrees = any(_fits_enough(one, least) and not differs(one, AGREES) for one in held)
-            held = _finish(prepared, held, best, 1 if agrees else AGREEMENT.most_near)
+            held = _finish(baseline, held, best, 1 if agrees else AGREEMENT.most_near)
             options += [one for one in held if _fits_enough(one, least)]
         kept = _keep_agreeing(best, sorted(options, key=lambda explanation: -explanation.gain), differs)
         if not kept:
             return found
         others = tuple(e for e in found.explanations if e is not kept[0])
         found = replace(found, best=kept[0], explanations=(kept[0], *others))
-    return found if rigid is None or not rigid.rotary else _straighten_rivals(prepared, found, rigid, differs)
+    return found if rigid is None or not rigid.rotary else _straighten_rivals(baseline, found, rigid, differs)
 
 
 def _fits_enough(one: Explanation, least: float) -> bool:
     return one.gain > least and not one.refused
 
 
-def _finish(prepared: Baseline, held: Sequence[Explanation], best: Explanation, number: int) -> list[Explanation]:
+def _finish(baseline: Baseline, held: Sequence[Explanation], best: Explanation, number: int) -> list[Explanation]:
     """The same, the first of them at its minimum, and others too that come near `best`, up to `number` in all.
 
     From its parameters to the simulation's gravity a narrow valley of offset, gravity and friction bends, which a fit
@@ -77,11 +80,11 @@ def _finish(prepared: Baseline, held: Sequence[Explanation], best: Explanation, 
     far = [one.refused != "" or one.gain <= AGREEMENT.near * best.gain for one in order]
     ends = [one for i, one in enumerate(order[:number]) if i == 0 or not far[i]]
     rest = [one for one in order if all(one is not each for each in ends)]
-    return [*polish(prepared, ends, iterations=SEARCH.last_steps), *rest] if ends else rest
+    return [*polish(baseline, ends, iterations=SEARCH.last_steps), *rest] if ends else rest
 
 
 def _keep_agreeing(
-    best: Explanation, options: Sequence[Explanation], differs: Callable[[Explanation, Doubt], bool]
+    best: Explanation, options: Sequence[Explanation], differs: Callable[[Explanation, Tolerances], bool]
 ) -> list[Explanation]:
     """The options that leave the simulation as it is, or as nearly as a law of another form can, where it can."""
     plain = [one for one in options if not differs(one, AGREES)]
@@ -89,7 +92,7 @@ def _keep_agreeing(
 
 
 def _straighten_rivals(
-    prepared: Baseline, found: SearchResult, rigid: RigidJoint, differs: Callable[[Explanation, Doubt], bool]
+    baseline: Baseline, found: SearchResult, rigid: RigidJoint, differs: Callable[[Explanation, Tolerances], bool]
 ) -> SearchResult:
     """What was found, each rival that moves the simulation as it fits with the simulation's parameters, or refused."""
     best = found.best
@@ -97,7 +100,7 @@ def _straighten_rivals(
     if best is None or not bent:
         return found
     straight: dict[tuple[str, ...], Explanation] = {}
-    for one in _fit_held(prepared, list({rival.names: rival for rival in bent}.values()), rigid):
+    for one in _fit_held(baseline, list({rival.names: rival for rival in bent}.values()), rigid):
         if not one.refused and is_as_good(one, best) and not differs(one, AGREES):
             straight[one.names] = max(one, straight.get(one.names, one), key=lambda e: e.gain)
     rest = [replace(e, refused=_BENT) if e in bent else e for e in found.explanations if e is not best]
@@ -114,16 +117,16 @@ def _list_near(found: SearchResult, best: Explanation) -> list[Explanation]:
     return list(near.values())[: AGREEMENT.most_near]
 
 
-def _fit_held(prepared: Baseline, near: Sequence[Explanation], rigid: RigidJoint) -> list[Explanation]:
+def _fit_held(baseline: Baseline, near: Sequence[Explanation], rigid: RigidJoint) -> list[Explanation]:
     """The effects of each explanation in all their forms, with inertia and gravity held at those of the simulation."""
-    box = hold(prepared.box, rigid)
+    box = hold(baseline.box, rigid)
     wanted = []
     for one in near:
         theta = move_to(box.centre[:3], one.fit.theta[:N_BASE], one.structure.contexts)
         settled = sorted(one.settled, key=lambda candidate: candidate.name)
         forms = [[candidate, *_list_other_forms(one.structure.contexts, candidate.name)] for candidate in settled]
         wanted += [(candidates, theta) for candidates in islice(product(*forms), AGREEMENT.most_starts)]
-    return fit_from(prepared, wanted, box)
+    return fit_from(baseline, wanted, box)
 
 
 def move_to(body: FloatArray, theta: FloatArray, contexts: Sequence[Context]) -> FloatArray:

@@ -47,7 +47,7 @@ def is_as_good(rival: Explanation, best: Explanation) -> bool:
     return rival.gain > best.gain - max(ALIASES.close, ALIASES.form * best.gain)
 
 
-def compare_effects(prepared: Baseline, screened: Screen) -> Distinguishability:
+def compare_effects(baseline: Baseline, screened: Screen) -> Distinguishability:
     """One minus R² of each effect by each other, after the base is refitted."""
     best = screened.select_best()
     names = tuple(sorted(best))

@@ -29,14 +29,14 @@ _UNEVEN = ("torque_offset", "direction_asymmetry")
 
 
 def fit_as_given(
-    prepared: Baseline, names: Collection[str], rigid: RigidJoint | None, friction: FrictionModel | None
+    baseline: Baseline, names: Collection[str], rigid: RigidJoint | None, friction: FrictionModel | None
 ) -> Fit | None:
     """The base fitted with the parameters of the effects `names` as given; None where these were not given.
 
     Everything else is refitted, so that the error of this fit is that of these parameters alone; inertia and gravity,
     where a simulation says them, stay where the refit found them.
     """
-    theta = prepared.fit.theta
+    theta = baseline.fit.theta
     offset = 0.0 if rigid is None else rigid.offset
     fixed = _list_rigid_values(names, rigid) | _list_uneven_values(names, theta, friction, offset)
     if not fixed:
@@ -44,10 +44,10 @@ def fit_as_given(
     if rigid is not None:  # over a short range gravity would take up a constant torque
         fixed = dict(zip(_BODY, theta[: len(_BODY)].tolist(), strict=True)) | fixed
     at = [BASE_NAMES.index(name) for name in fixed]
-    lower, upper, start = (values.copy() for values in (prepared.box.lower, prepared.box.upper, prepared.fit.theta))
+    lower, upper, start = (values.copy() for values in (baseline.box.lower, baseline.box.upper, baseline.fit.theta))
     lower[at] = upper[at] = start[at] = list(fixed.values())
-    evaluate = prepared.problem.build_residual(prepared.problem.add_nothing, N_BASE)
-    box = replace(prepared.box, lower=lower, upper=upper)
+    evaluate = baseline.problem.build_residual(baseline.problem.add_nothing, N_BASE)
+    box = replace(baseline.box, lower=lower, upper=upper)
     fit = minimise(evaluate, start, box, iterations=PARAMETERS.iterations, refresh=2)
     jacobian = fit.jacobian.copy()
     jacobian[:, at] = 0.0  # what is given stays so on every fold

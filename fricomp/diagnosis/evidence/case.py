@@ -17,9 +17,9 @@ from ..joint.solver import Fit
 from ..search.preparation import Baseline
 from ..search.search import SearchResult
 from .as_given import fit_as_given
-from .comparison import Comparison, Doubt
+from .comparison import Comparison, Tolerances
 from .friction_comparison import GivenFriction, compare_friction, list_friction_changes
-from .refitted import Refitted
+from .refitted import RefittedJoint
 from .rigid_comparison import compare_rigid
 from .settings import PARAMETERS
 
@@ -32,7 +32,7 @@ class Case:
 
     Attributes:
         recordings: Of the joint, on its own side.
-        prepared: Base model and nulls.
+        baseline: The base fitted to the recordings, with its nulls.
         found: What the search found.
         rigid: Inertia, gravity and spring of the simulation; None where none was given.
         friction: Friction model that was given; None where none was.
@@ -41,7 +41,7 @@ class Case:
     """
 
     recordings: tuple[Recording, ...]
-    prepared: Baseline
+    baseline: Baseline
     found: SearchResult
     rigid: RigidJoint | None
     friction: FrictionModel | None
@@ -76,15 +76,15 @@ class Case:
         return None if self.rigid is None else self.rigid.spring
 
 
-def compare_given(case: Case, refitted: Refitted, doubt: Doubt) -> Comparison:
+def compare_given(case: Case, refitted: RefittedJoint, tolerances: Tolerances) -> Comparison:
     """Compare what was refitted with the given simulation and friction.
 
     Args:
         case: What was given.
         refitted: The joint that the verdict is about.
-        doubt: How far its parameters stray beyond what the fit knows of its own error.
+        tolerances: How far its parameters stray beyond what the fit knows of its own error.
     """
-    cov, plant = doubt.known**2 * refitted.covariance[:BODY_AND_CURVES, :BODY_AND_CURVES], refitted.plant
+    cov, plant = tolerances.known**2 * refitted.covariance[:BODY_AND_CURVES, :BODY_AND_CURVES], refitted.plant
     result, given = Comparison(), case.rigid
     rigid = given if given is not None and given.rotary else None
     read = given is not None and given.covariance is not None  # from a recording of the simulation, friction and all
@@ -92,22 +92,22 @@ def compare_given(case: Case, refitted: Refitted, doubt: Doubt) -> Comparison:
         cov = cov + given.covariance
     acceleration = float(np.sqrt(np.mean(np.concatenate([c.acceleration for c in refitted.structure.contexts]) ** 2)))
     if rigid is not None:
-        result = compare_rigid(plant, cov[:3, :3], rigid, case.unit, doubt, acceleration)
+        result = compare_rigid(plant, cov[:3, :3], rigid, case.unit, tolerances, acceleration)
     if given is not None and (read or case.friction is None):
         units = (case.unit, case.position_unit)
-        result = replace(result, changes=result.changes + list_friction_changes(plant, cov, given, units, doubt))
+        result = replace(result, changes=result.changes + list_friction_changes(plant, cov, given, units, tolerances))
     stated = case.stated_friction
     if stated is None:
         return result
     held, offset = None if result.shifts else rigid, 0.0 if given is None else given.offset
     beside = GivenFriction(stated, offset, held, exact=case.friction is not None)
-    more = compare_friction(plant, cov, beside, case.unit, doubt, acceleration)
+    more = compare_friction(plant, cov, beside, case.unit, tolerances, acceleration)
     return Comparison(result.shifts + more.shifts, result.changes + more.changes)
 
 
 def fit_given(case: Case, names: Sequence[str]) -> Fit | None:
     """Fit the base with the parameters of these effects as given; None where none of them was given."""
-    return fit_as_given(case.prepared, names, case.rigid, case.stated_friction)
+    return fit_as_given(case.baseline, names, case.rigid, case.stated_friction)
 
 
 def share_between(case: Case, names: Sequence[str]) -> tuple[float, ...]:
@@ -115,5 +115,5 @@ def share_between(case: Case, names: Sequence[str]) -> tuple[float, ...]:
     if len(names) == 1:
         return (1.0,)
     alone = [fit_given(case, [one]) for one in names]
-    costs = [1e-30 if one is None else max(one.cost - case.prepared.fit.cost, 1e-30) for one in alone]
+    costs = [1e-30 if one is None else max(one.cost - case.baseline.fit.cost, 1e-30) for one in alone]
     return tuple(cost / sum(costs) for cost in costs)

@@ -17,18 +17,18 @@ __all__ = [
     "PLAIN",
     "UNEXPLAINED",
     "Comparison",
-    "Doubt",
     "Shift",
+    "Tolerances",
     "compute_body_strays",
-    "compute_doubt",
     "compute_inertia_stray",
+    "compute_tolerances",
     "describe_change",
     "weigh_hypotheses",
 ]
 
 
 @dataclass(frozen=True)
-class Doubt:
+class Tolerances:
     """Standard deviations by which refitted parameters stray beyond what the fit knows of its own error.
 
     Attributes:
@@ -50,19 +50,19 @@ class Doubt:
     known: float = 1.0
 
 
-PLAIN = Doubt(inertia=1e-4, accelerating=1e-4, gravity=5e-5, sliding=5e-4, uneven=6e-4)
+PLAIN = Tolerances(inertia=1e-4, accelerating=1e-4, gravity=5e-5, sliding=5e-4, uneven=6e-4)
 """How far parameters strayed on simulated joints with nothing missing. Smaller numbers would name parameters that are
 right."""
 
-NAMED = Doubt(inertia=0.005, accelerating=4e-4, gravity=2e-3, sliding=3e-3, uneven=3e-3, known=1.5)
+NAMED = Tolerances(inertia=0.005, accelerating=4e-4, gravity=2e-3, sliding=3e-3, uneven=3e-3, known=1.5)
 """How far they strayed on simulated joints beside one strong effect that was named. Of 22 joints whose simulation was
 wrong beside a named effect the fit's own intervals held 54 of 66 true values, hence the factor on them."""
 
-AGREES = Doubt(inertia=1e-4, accelerating=4e-4, gravity=3e-4, sliding=1e-3, uneven=3e-4)
+AGREES = Tolerances(inertia=1e-4, accelerating=4e-4, gravity=3e-4, sliding=1e-3, uneven=3e-4)
 """How far an explanation that leaves the simulation as it is may move its parameters: between the two above, chosen on
 development cases. Larger numbers take explanations for agreeing that bend gravity."""
 
-UNEXPLAINED = Doubt(inertia=0.02, accelerating=4e-4, gravity=0.01, sliding=0.02, uneven=0.02)
+UNEXPLAINED = Tolerances(inertia=0.02, accelerating=4e-4, gravity=0.01, sliding=0.02, uneven=0.02)
 """How far they strayed on simulated joints with something that was not named, which biases all of them."""
 
 
@@ -102,31 +102,31 @@ class Comparison:
     changes: tuple[Change, ...] = ()
 
 
-def compute_doubt(noise_ratio: float) -> Doubt:
-    """Doubt beside named effects that make the base's residual so many times its noise.
+def compute_tolerances(noise_ratio: float) -> Tolerances:
+    """Tolerances beside named effects that make the base's residual so many times its noise.
 
     A law of slightly another form leaves a part of the effect's size, so that parameters stray the less, the weaker the
     effect is.
     """
     share = min(float(np.sqrt(max(noise_ratio**2 - 1.0, 0.0))) / PARAMETERS.strong, 1.0)
     between = (plain + share * (named - plain) for plain, named in zip(astuple(PLAIN), astuple(NAMED), strict=True))
-    return replace(Doubt(*between), known=NAMED.known)
+    return replace(Tolerances(*between), known=NAMED.known)
 
 
-def compute_inertia_stray(plant: Plant, doubt: Doubt, acceleration: float) -> float:
+def compute_inertia_stray(plant: Plant, tolerances: Tolerances, acceleration: float) -> float:
     """Standard deviation of log inertia beyond what the fit knows of its own error."""
-    accelerating = doubt.accelerating * plant.level / max(plant.inertia * acceleration, 1e-12)
-    return float(np.hypot(doubt.inertia, accelerating))
+    accelerating = tolerances.accelerating * plant.level / max(plant.inertia * acceleration, 1e-12)
+    return float(np.hypot(tolerances.inertia, accelerating))
 
 
-def compute_body_strays(plant: Plant, gravity: float, doubt: Doubt, acceleration: float) -> FloatArray:
+def compute_body_strays(plant: Plant, gravity: float, tolerances: Tolerances, acceleration: float) -> FloatArray:
     """Standard deviations of log inertia and both gravity coefficients, whose amplitude is `gravity`, beyond what the
     fit knows of its own error. Shape (3,).
 
     Gravity far below friction says nothing about a gain: the floor keeps chi squared from tiny biases.
     """
-    least = max(float(np.hypot(doubt.gravity * gravity, doubt.sliding * plant.level)), 1e-12)
-    return np.array([compute_inertia_stray(plant, doubt, acceleration), least, least])
+    least = max(float(np.hypot(tolerances.gravity * gravity, tolerances.sliding * plant.level)), 1e-12)
+    return np.array([compute_inertia_stray(plant, tolerances, acceleration), least, least])
 
 
 def weigh_hypotheses(

@@ -38,25 +38,25 @@ class Confirmation:
     explained: float
 
 
-def confirm(prepared: Baseline, structure: Structure, fit: Fit, seed: int, *, given: Fit | None = None) -> Confirmation:
+def confirm(baseline: Baseline, structure: Structure, fit: Fit, seed: int, *, given: Fit | None = None) -> Confirmation:
     """Refit base and effects on all blocks but one, about their joint minimum, and judge them on that one.
 
     Args:
-        prepared: Base model and recordings.
+        baseline: The base fitted to the recordings, with its nulls.
         structure: Base with effects, or without.
         fit: Its joint minimum.
         seed: Of the bootstrap.
         given: The base with parameters as given, where the error is to be counted from there.
     """
-    folds = _split_folds([grid.centres.size for grid in prepared.problem.grids])
-    base = prepared.fit if given is None else given
-    before = _predict_held_out(prepared, prepared.structure, base, folds)
-    after = before if fit is base else _predict_held_out(prepared, structure, fit, folds)
+    folds = _split_folds([grid.centres.size for grid in baseline.problem.grids])
+    base = baseline.fit if given is None else given
+    before = _predict_held_out(baseline, baseline.structure, base, folds)
+    after = before if fit is base else _predict_held_out(baseline, structure, fit, folds)
     energy_before, energy_after = before**2, after**2
-    unit = _measure_typical_noise(prepared)
+    unit = _measure_typical_noise(baseline)
     # Nulls are fitted to all of their rows; on rows that the fit did not use they would leave this much more.
-    rows, freedom = before.size, prepared.fit.theta.size
-    left = np.mean([np.mean(null**2) for null in prepared.null_residuals])
+    rows, freedom = before.size, baseline.fit.theta.size
+    left = np.mean([np.mean(null**2) for null in baseline.null_residuals])
     floor = unit * float(np.sqrt(left * (rows + freedom) / (rows - freedom)))
     blocks = _split_blocks(before.size)
     b = np.array([energy_before[k].sum() for k in blocks])
@@ -79,9 +79,9 @@ def confirm(prepared: Baseline, structure: Structure, fit: Fit, seed: int, *, gi
     )
 
 
-def _measure_typical_noise(prepared: Baseline) -> float:
+def _measure_typical_noise(baseline: Baseline) -> float:
     """Median over all rows of the standard deviation between nulls [N·m]."""
-    nulls = prepared.nulls
+    nulls = baseline.nulls
     squares = [np.mean((r - m) ** 2, axis=0) for r, m in zip(nulls.rows, nulls.weights.mean, strict=True)]
     return float(np.sqrt(np.median(np.concatenate(squares))))
 
@@ -105,7 +105,7 @@ def _split_folds(sizes: list[int]) -> list[tuple[FloatArray, FloatArray]]:
 
 
 def _predict_held_out(
-    prepared: Baseline,
+    baseline: Baseline,
     structure: Structure,
     fit: Fit,
     folds: list[tuple[FloatArray, FloatArray]],
@@ -115,11 +115,11 @@ def _predict_held_out(
     About the joint minimum each fold takes a step on its own rows. It is simulated, and taken where those gain by it:
     a bristle or a gap is no line, and what a line promises may be far from what comes.
     """
-    theta, residual = fit.theta, structure.compute_residuals(prepared.problem, [fit.theta])[0]
-    box = prepared.box.join(structure.build_box()) if structure.candidates else prepared.box
+    theta, residual = fit.theta, structure.compute_residuals(baseline.problem, [fit.theta])[0]
+    box = baseline.box.join(structure.build_box()) if structure.candidates else baseline.box
     moves = [_compute_move(residual, fit.jacobian, box, train) for train, _ in folds]
     values = structure.compute_residuals(
-        prepared.problem, [box.clip(theta + part * move) for move in moves for part in CONFIRMATION.step_parts]
+        baseline.problem, [box.clip(theta + part * move) for move in moves for part in CONFIRMATION.step_parts]
     )
     result = residual.copy()
     for i, (train, test) in enumerate(folds):

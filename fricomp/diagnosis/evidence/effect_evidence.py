@@ -16,7 +16,7 @@ from .alias import list_aliases
 from .case import Case
 from .location import locate
 from .overtone import Overtone, find_overtones, is_explained_by_overtone
-from .refitted import Refitted
+from .refitted import RefittedJoint
 
 __all__ = ["EffectEvidence", "measure_effects"]
 
@@ -43,7 +43,7 @@ class EffectEvidence:
 
 
 def measure_effects(
-    case: Case, chosen: Explanation, refitted: Refitted, series: tuple[RowSeries, ...]
+    case: Case, chosen: Explanation, refitted: RefittedJoint, series: tuple[RowSeries, ...]
 ) -> tuple[tuple[EffectEvidence, ...], Location]:
     """Measure each effect of an explanation, and where all of them act together.
 
@@ -59,7 +59,7 @@ def measure_effects(
     span = max(float(np.ptp(context.position)) for context in chosen.structure.contexts)
 
     def does_as_well(name: str, other: str, order: float) -> bool:
-        return is_explained_by_overtone(case.prepared, case.found.explanations, chosen, name, other, order)
+        return is_explained_by_overtone(case.baseline, case.found.explanations, chosen, name, other, order)
 
     overtones = find_overtones(chosen, sums, span, does_as_well)
     measured = tuple(
@@ -77,11 +77,11 @@ def measure_effects(
 
 
 def _measure_energy(case: Case, chosen: Explanation, names: Collection[str]) -> list[FloatArray]:
-    return compute_effect_energy(case.prepared, chosen.structure, chosen.fit.theta, names)
+    return compute_effect_energy(case.baseline, chosen.structure, chosen.fit.theta, names)
 
 
 def _locate_energy(case: Case, series: tuple[RowSeries, ...], energy: Sequence[FloatArray]) -> Location:
     """Where effects add most, of whose torque the energy of every sample is known."""
-    prepared = case.prepared
-    rows = [one[grid.centres] for one, grid in zip(energy, prepared.problem.grids, strict=True)]
-    return locate(series, rows, samples=(prepared.structure.contexts[0].time, energy[0]))
+    baseline = case.baseline
+    rows = [one[grid.centres] for one, grid in zip(energy, baseline.problem.grids, strict=True)]
+    return locate(series, rows, samples=(baseline.structure.contexts[0].time, energy[0]))

@@ -16,13 +16,13 @@ from ..search.tone import Tone
 from .agreement import prefer_agreeing
 from .alias import compare_effects
 from .case import Case, compare_given, fit_given, share_between
-from .comparison import PLAIN, UNEXPLAINED, Comparison, Doubt, Shift, compute_doubt
+from .comparison import PLAIN, UNEXPLAINED, Comparison, Shift, Tolerances, compute_tolerances
 from .confirmation import Confirmation, confirm
 from .effect_evidence import EffectEvidence, measure_effects
 from .gates import Trial, find_vibration, put_to_trial, stands_out
 from .in_place import prefer_in_place
 from .location import collect_rows, find_change_points, locate, map_excess
-from .refitted import Refitted
+from .refitted import RefittedJoint
 from .settings import LOCATION
 from .velocity_lag import find_velocity_lag
 
@@ -57,7 +57,7 @@ class Findings:
     case: Case
     trial: Trial
     unknown: bool
-    refitted: Refitted
+    refitted: RefittedJoint
     base: dict[str, Quantity]
     held: Confirmation
     noise_ratio: float
@@ -113,32 +113,32 @@ class Findings:
 def prefer_simulation(case: Case) -> Case:
     """The case with a best explanation that agrees with the simulation, where one fits as well."""
 
-    def differs(one: Explanation, doubt: Doubt) -> bool:
-        return bool(compare_given(case, Refitted.refit(case.prepared, one), doubt).shifts)
+    def differs(one: Explanation, tolerances: Tolerances) -> bool:
+        return bool(compare_given(case, RefittedJoint.refit(case.baseline, one), tolerances).shifts)
 
-    found = prefer_agreeing(case.prepared, case.found, case.rigid, differs)
+    found = prefer_agreeing(case.baseline, case.found, case.rigid, differs)
     return prefer_in_place(replace(case, found=found))
 
 
 def collect_findings(case: Case) -> Findings:
     """Compute what speaks for and against each answer."""
-    prepared, found = case.prepared, case.found
-    trial = put_to_trial(prepared, found, case.seed)
+    baseline, found = case.baseline, case.found
+    trial = put_to_trial(baseline, found, case.seed)
     chosen = trial.chosen
-    tone = find_vibration(prepared) if chosen is None else None
-    unknown = chosen is None and (tone is not None or stands_out(found, prepared))
-    refitted = Refitted.refit(prepared, chosen)
-    comparison = compare_given(case, refitted, _choose_doubt(prepared, trial, unknown))
+    tone = find_vibration(baseline) if chosen is None else None
+    unknown = chosen is None and (tone is not None or stands_out(found, baseline))
+    refitted = RefittedJoint.refit(baseline, chosen)
+    comparison = compare_given(case, refitted, _choose_tolerances(baseline, trial, unknown))
     names = [shift.name for shift in comparison.shifts]
     given = None if unknown or chosen is not None else fit_given(case, names)
-    before = given or prepared.fit if chosen is None or chosen.before is None else chosen.before
-    held = trial.held or confirm(prepared, prepared.structure, prepared.fit, case.seed, given=given)
-    series = _collect_series(prepared, before, refitted)
+    before = given or baseline.fit if chosen is None or chosen.before is None else chosen.before
+    held = trial.held or confirm(baseline, baseline.structure, baseline.fit, case.seed, given=given)
+    series = _collect_series(baseline, before, refitted)
     effects, location = measure_effects(case, chosen, refitted, series) if chosen is not None else ((), {})
     if chosen is None and (unknown or given is not None):
         location = _locate_unknown(series, tone) if unknown else _locate_moved(series)
     spectrum = compute_order_spectrum(
-        prepared.problem, prepared.structure.contexts, prepared.fit.residual, prepared.basis
+        baseline.problem, baseline.structure.contexts, baseline.fit.residual, baseline.basis
     )
     return Findings(
         case=case,
@@ -147,7 +147,7 @@ def collect_findings(case: Case) -> Findings:
         refitted=refitted,
         base=refitted.list_base(case.unit, case.position_unit),
         held=held,
-        noise_ratio=_compute_noise_ratio(prepared, trial, held),
+        noise_ratio=_compute_noise_ratio(baseline, trial, held),
         comparison=comparison,
         parts=() if given is None else share_between(case, names),
         effects=effects,
@@ -157,31 +157,31 @@ def collect_findings(case: Case) -> Findings:
         maps=map_excess(series, case.seed),
         orders={"order": spectrum.order, "energy": spectrum.energy},
         change_points=find_change_points(series),
-        told_apart=compare_effects(prepared, found.first),
+        told_apart=compare_effects(baseline, found.first),
     )
 
 
-def _choose_doubt(prepared: Baseline, trial: Trial, unknown: bool) -> Doubt:
+def _choose_tolerances(baseline: Baseline, trial: Trial, unknown: bool) -> Tolerances:
     """How far refitted parameters stray: what is unknown biases them most, a named effect less."""
     if trial.chosen is not None and trial.held is not None:
-        return compute_doubt(_compute_noise_ratio(prepared, trial, trial.held))
+        return compute_tolerances(_compute_noise_ratio(baseline, trial, trial.held))
     return UNEXPLAINED if unknown else PLAIN
 
 
-def _compute_noise_ratio(prepared: Baseline, trial: Trial, held: Confirmation) -> float:
+def _compute_noise_ratio(baseline: Baseline, trial: Trial, held: Confirmation) -> float:
     """Residual of the base over its noise; what was named may have been taken for a part of that."""
-    ratio = prepared.noise_ratio
+    ratio = baseline.noise_ratio
     return ratio if trial.chosen is None else max(ratio, held.rmse_before / held.noise_floor)
 
 
-def _collect_series(prepared: Baseline, before: Fit, after: Refitted) -> tuple[RowSeries, ...]:
+def _collect_series(baseline: Baseline, before: Fit, after: RefittedJoint) -> tuple[RowSeries, ...]:
     """Rows of the base, as given or refitted, and of the joint that the verdict is about."""
-    problem, weights = prepared.problem, prepared.nulls.weights
-    runs = [problem.compute_rows(prepared.structure.observe(problem, before.theta))]
+    problem, weights = baseline.problem, baseline.nulls.weights
+    runs = [problem.compute_rows(baseline.structure.observe(problem, before.theta))]
     same = after.fit is before
     runs.append(runs[0] if same else problem.compute_rows(after.structure.observe(problem, after.fit.theta)))
     corrected = [[r - m for r, m in zip(rows, weights.mean, strict=True)] for rows in runs]
-    return collect_rows(prepared, corrected[0], corrected[1])
+    return collect_rows(baseline, corrected[0], corrected[1])
 
 
 def _locate_unknown(series: tuple[RowSeries, ...], tone: Tone | None) -> Location:

@@ -19,8 +19,8 @@ from ..joint.observer import Plant
 from ..record.result import Change, Quantity
 from .comparison import (
     Comparison,
-    Doubt,
     Shift,
+    Tolerances,
     compute_inertia_stray,
     describe_change,
     weigh_hypotheses,
@@ -59,7 +59,7 @@ class GivenFriction:
 
 
 def compare_friction(
-    plant: Plant, covariance: FloatArray, given: GivenFriction, unit: str, doubt: Doubt, acceleration: float
+    plant: Plant, covariance: FloatArray, given: GivenFriction, unit: str, tolerances: Tolerances, acceleration: float
 ) -> Comparison:
     """Compare offset and the symmetry of the friction with a given friction model.
 
@@ -72,7 +72,7 @@ def compare_friction(
         covariance: Of log inertia, gravity, offset and both curves, in the order of the base. Shape (12, 12).
         given: The friction model, beside the simulation.
         unit: Unit of torque.
-        doubt: Of the refitted parameters.
+        tolerances: How far the refitted parameters stray beyond what the fit knows of its own error.
         acceleration: RMS of the motion's, in unit of position/s².
     """
     try:
@@ -83,7 +83,7 @@ def compare_friction(
     level = max(0.5 * sum(sides), 1e-9)
     curves = [_list_numbers(_list_curve(one)) for one in (forward, reverse)]
     odd = _compute_odd_shift(plant, covariance, curves, given)
-    strays = _compute_strays(odd, level, doubt, compute_inertia_stray(plant, doubt, acceleration))
+    strays = _compute_strays(odd, level, tolerances, compute_inertia_stray(plant, tolerances, acceleration))
     shifts = _name_uneven(odd, strays, (level, unit))
     deviations = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     changes = tuple(
@@ -97,7 +97,7 @@ def compare_friction(
 
 
 def list_friction_changes(
-    plant: Plant, covariance: FloatArray, given: RigidJoint, units: tuple[str, str], doubt: Doubt
+    plant: Plant, covariance: FloatArray, given: RigidJoint, units: tuple[str, str], tolerances: Tolerances
 ) -> tuple[Change, ...]:
     """Dry and viscous friction of a simulation beside the refitted ones, where they differ for sure.
 
@@ -109,7 +109,7 @@ def list_friction_changes(
         covariance: Of log inertia, gravity, offset and both curves, in the order of the base. Shape (12, 12).
         given: The simulation.
         units: Of torque and position.
-        doubt: Of the refitted parameters.
+        tolerances: How far the refitted parameters stray beyond what the fit knows of its own error.
     """
     if not (given.damping or given.friction_loss):
         return ()
@@ -120,7 +120,7 @@ def list_friction_changes(
     ):
         refitted, both = 0.5 * (plant.forward[at] + plant.reverse[at]), [_FORWARD + at, _REVERSE + at]
         deviation = 0.5 * float(np.sqrt(max(np.sum(covariance[np.ix_(both, both)]), 0.0)))
-        stray = float(np.hypot(deviation, doubt.uneven * refitted))
+        stray = float(np.hypot(deviation, tolerances.uneven * refitted))
         if (refitted - value) ** 2 > PARAMETERS.significant * stray**2:
             changes.append(describe_change(name, value, refitted, deviation, unit))
     return tuple(changes)
@@ -171,14 +171,14 @@ def _list_numbers(curve: tuple[float, float, float, float]) -> FloatArray:
     return np.array([coulomb, static - coulomb, log(max(velocity, 1e-12)), viscous])
 
 
-def _compute_strays(odd: _Odd, level: float, doubt: Doubt, inertia: float) -> FloatArray:
+def _compute_strays(odd: _Odd, level: float, tolerances: Tolerances, inertia: float) -> FloatArray:
     """Covariance by which the shift strays beyond what the fit knows, `inertia` being that of its log. Shape (8, 8)."""
-    torque, excess = doubt.uneven * level, max(float(odd.curve[1]), 1e-9)
-    gravity = float(np.hypot(doubt.gravity * (odd.gravity or 0.0), torque))
+    torque, excess = tolerances.uneven * level, max(float(odd.curve[1]), 1e-9)
+    gravity = float(np.hypot(tolerances.gravity * (odd.gravity or 0.0), torque))
     sides = np.array([[0.5, 0.5], [0.5, -0.5]])  # offset and odd part, from their sum and their difference
     split = sides @ np.diag([torque, PARAMETERS.split * level]) ** 2 @ sides.T
     # Of the shape of a curve, by as much torque; of the viscous torque where it is as large as the Coulomb torque.
-    shape = np.diag([torque, torque / excess, doubt.uneven * float(odd.curve[3])]) ** 2
+    shape = np.diag([torque, torque / excess, tolerances.uneven * float(odd.curve[3])]) ** 2
     return np.asarray(block_diag(np.diag([inertia, gravity, gravity]) ** 2, split, shape), dtype=np.float64)
 
 

@@ -28,26 +28,26 @@ class Trial(NamedTuple):
     held: Confirmation | None = None
 
 
-def put_to_trial(prepared: Baseline, found: SearchResult, seed: int) -> Trial:
+def put_to_trial(baseline: Baseline, found: SearchResult, seed: int) -> Trial:
     """Confirm the best explanation, where it covers the mismatch and is what its names say: no one part that ripples
     torque and friction, no other curve over speed.
 
     Args:
-        prepared: Base model and recordings.
+        baseline: The base fitted to the recordings, with its nulls.
         found: Explanations, best first.
         seed: Of the bootstrap.
     """
     best = found.best
-    if best is None or not covers(best, found, prepared) or best.common_order is not None or best.foreign_curve:
+    if best is None or not covers(best, found, baseline) or best.common_order is not None or best.foreign_curve:
         return Trial()
-    held = confirm(prepared, best.structure, best.fit, seed, given=best.before)
-    sure = is_confirmed(held, best, found.threshold, prepared.measure_loudness(best.fit))
+    held = confirm(baseline, best.structure, best.fit, seed, given=best.before)
+    sure = is_confirmed(held, best, found.threshold, baseline.measure_loudness(best.fit))
     return Trial(chosen=best, held=held) if sure else Trial(failed=best)
 
 
-def covers(best: Explanation, found: SearchResult, prepared: Baseline) -> bool:
+def covers(best: Explanation, found: SearchResult, baseline: Baseline) -> bool:
     """Whether little is left beside `best`: of what it explains, or of what would stand out by itself."""
-    faint = max(GATES.faint_nulls * found.explainable_null, GATES.faint * prepared.fit.residual.size)
+    faint = max(GATES.faint_nulls * found.explainable_null, GATES.faint * baseline.fit.residual.size)
     clear = best.certain > GATES.clear * found.threshold
     if best.left < found.explainable_null:
         return best.coverage >= GATES.faintly_covered
@@ -75,16 +75,16 @@ def is_confirmed(held: Confirmation, chosen: Explanation, threshold: float, loud
     return held.ci95_reduction[0] > 0.0 or (rare and held.rmse_after < held.rmse_before)
 
 
-def find_vibration(prepared: Baseline) -> Tone | None:
+def find_vibration(baseline: Baseline) -> Tone | None:
     """The strongest line in the spectrum of what the base leaves; None where nulls have such lines."""
-    tone = find_tone(prepared)
+    tone = find_tone(baseline)
     return tone if tone.energy > GATES.tone * tone.energy_null and tone.share > GATES.alone else None
 
 
-def stands_out(found: SearchResult, prepared: Baseline) -> bool:
+def stands_out(found: SearchResult, baseline: Baseline) -> bool:
     """Whether something is missing that no accepted effect covers: it is smooth, or swings as no noise does."""
-    rows, ratio = prepared.fit.residual.size, prepared.noise_ratio
-    if prepared.structured and ratio > GATES.swinging:
+    rows, ratio = baseline.fit.residual.size, baseline.noise_ratio
+    if baseline.structured and ratio > GATES.swinging:
         return True
     if ratio < GATES.audible or ratio > GATES.loudest:
         return ratio > GATES.loudest

@@ -19,7 +19,7 @@ from .alias import is_as_good
 from .case import Case, compare_given
 from .comparison import PLAIN, compute_body_strays
 from .gates import stands_out
-from .refitted import Refitted
+from .refitted import RefittedJoint
 from .settings import ALIASES, IN_PLACE
 
 __all__ = ["BODY_SHIFTS", "prefer_in_place"]
@@ -67,16 +67,16 @@ def prefer_in_place(case: Case) -> Case:
     question = _ask(case)
     if question is None:
         return case
-    prepared, found = case.prepared, case.found
+    baseline, found = case.baseline, case.found
     base = question.given.fit.theta[:N_BASE]
-    tried = fit_from(prepared, [((one,), base) for one in _list_tried(case, question)], question.box)
+    tried = fit_from(baseline, [((one,), base) for one in _list_tried(case, question)], question.box)
     alike = [one for one in tried if _is_physical(one) and question.does_as_well(one, found.explainable_null)]
     alike = sorted(alike, key=lambda one: (bool(one.refused), -one.gain))
     case = replace(case, instead=tuple(dict.fromkeys(one.names[0] for one in alike)))
     sure = [one for one in alike if not one.refused and one.gain > question.moved.gain + found.threshold]
     if not sure:
         return case
-    standing = [_judge_standing(prepared, one, question.given.fit) for one in sure]
+    standing = [_judge_standing(baseline, one, question.given.fit) for one in sure]
     others = tuple(one for one in found.explanations if one.names != standing[0].names)
     explanations = (*standing, *(one for one in alike if one not in sure), *others)
     return replace(case, found=replace(found, best=standing[0], explanations=explanations))
@@ -84,29 +84,29 @@ def prefer_in_place(case: Case) -> Case:
 
 def _ask(case: Case) -> _Question | None:
     """None where no inertia or gravity was moved, or something was found besides."""
-    prepared, rigid = case.prepared, case.rigid
-    if rigid is None or not rigid.rotary or case.found.best is not None or stands_out(case.found, prepared):
+    baseline, rigid = case.baseline, case.rigid
+    if rigid is None or not rigid.rotary or case.found.best is not None or stands_out(case.found, baseline):
         return None
-    named = [one.name for one in compare_given(case, Refitted.refit(prepared, None), PLAIN).shifts]
+    named = [one.name for one in compare_given(case, RefittedJoint.refit(baseline, None), PLAIN).shifts]
     numbers = sum(BODY_SHIFTS.get(name, 0) for name in named)
     if not numbers:
         return None
-    moved = judge(prepared, prepared.structure, prepared.fit, prepared.box)
-    moved = replace(moved, gain=-numbers * float(np.log(prepared.fit.residual.size)))
-    box = _hold_as_known(prepared, rigid)
-    start = move_to(box.centre[:3], prepared.fit.theta, prepared.structure.contexts)
-    (given,) = fit_from(prepared, [((), start)], box)
+    moved = judge(baseline, baseline.structure, baseline.fit, baseline.box)
+    moved = replace(moved, gain=-numbers * float(np.log(baseline.fit.residual.size)))
+    box = _hold_as_known(baseline, rigid)
+    start = move_to(box.centre[:3], baseline.fit.theta, baseline.structure.contexts)
+    (given,) = fit_from(baseline, [((), start)], box)
     jacobian = given.fit.jacobian.copy()
     jacobian[:, :3] = 0.0  # what is given stays so, about it and on every fold
     return _Question(moved, replace(given, fit=replace(given.fit, jacobian=jacobian)), box)
 
 
-def _hold_as_known(prepared: Baseline, rigid: RigidJoint) -> Box:
+def _hold_as_known(baseline: Baseline, rigid: RigidJoint) -> Box:
     """The base's domain with inertia and gravity of the simulation, as far as they are known and a comparison tells."""
     box, plant, contexts = (
-        prepared.box,
-        prepared.structure.unpack_plant(prepared.fit.theta),
-        prepared.structure.contexts,
+        baseline.box,
+        baseline.structure.unpack_plant(baseline.fit.theta),
+        baseline.structure.contexts,
     )
     acceleration = float(np.sqrt(np.mean(np.concatenate([c.acceleration for c in contexts]) ** 2)))
     spread = np.diag(compute_body_strays(plant, float(np.hypot(*rigid.gravity)), PLAIN, acceleration) ** 2)
@@ -119,9 +119,9 @@ def _hold_as_known(prepared: Baseline, rigid: RigidJoint) -> Box:
 
 def _list_tried(case: Case, question: _Question) -> list[Candidate]:
     """Effects that may explain what the simulation as given leaves, the most likely ones of them."""
-    prepared, fit = case.prepared, question.given.fit
-    about = Structure(prepared.structure.contexts)
-    columns = screen(prepared.problem, about, fit.theta, fit.residual, fit.jacobian).select_best().values()
+    baseline, fit = case.baseline, question.given.fit
+    about = Structure(baseline.structure.contexts)
+    columns = screen(baseline.problem, about, fit.theta, fit.residual, fit.jacobian).select_best().values()
     strong = [
         c.candidate
         for c in columns
@@ -142,7 +142,7 @@ def _is_physical(one: Explanation) -> bool:
     return all(EFFECTS[name].is_faint(values[name], one.structure.contexts) for name in one.names)
 
 
-def _judge_standing(prepared: Baseline, one: Explanation, given: Fit) -> Explanation:
+def _judge_standing(baseline: Baseline, one: Explanation, given: Fit) -> Explanation:
     """An explanation judged beside the simulation as given."""
     penalty = one.structure.freedom * float(np.log(given.residual.size))
-    return replace(one, certain=compute_evidence(prepared, one.names, given, one.fit) - penalty, before=given)
+    return replace(one, certain=compute_evidence(baseline, one.names, given, one.fit) - penalty, before=given)

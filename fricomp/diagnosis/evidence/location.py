@@ -16,12 +16,12 @@ __all__ = ["collect_rows", "find_change_points", "locate", "map_excess"]
 
 
 def collect_rows(
-    prepared: Baseline, before: Sequence[FloatArray], after: Sequence[FloatArray]
+    baseline: Baseline, before: Sequence[FloatArray], after: Sequence[FloatArray]
 ) -> tuple[RowSeries, ...]:
     """Residual rows of each recording with the state of the joint."""
     result = []
     for i, (track, grid, context) in enumerate(
-        zip(prepared.problem.tracks, prepared.problem.grids, prepared.structure.contexts, strict=True)
+        zip(baseline.problem.tracks, baseline.problem.grids, baseline.structure.contexts, strict=True)
     ):
         at = grid.centres
         temperature = context.channels.get("temperature")
@@ -37,7 +37,7 @@ def collect_rows(
                 temperature=None if temperature is None else temperature[at],
                 before=before[i],
                 after=after[i],
-                spread=prepared.nulls.weights.spread[i],
+                spread=baseline.nulls.weights.spread[i],
             )
         )
     return tuple(result)

@@ -57,14 +57,14 @@ def find_overtones(
 
 
 def is_explained_by_overtone(
-    prepared: Baseline, tried: Sequence[Explanation], chosen: Explanation, name: str, other: str, order: float
+    baseline: Baseline, tried: Sequence[Explanation], chosen: Explanation, name: str, other: str, order: float
 ) -> bool:
     """Whether a wave of `other` at `order`, which is no free parameter, explains as much as the effect `name` does.
 
     An effect that draws another one's overtone in a form of its own may miss its order by more than its interval.
 
     Args:
-        prepared: Base model and recordings.
+        baseline: The base fitted to the recordings, with its nulls.
         tried: Explanations that were refitted.
         chosen: The one that was found.
         name: Its effect in question.
@@ -78,7 +78,7 @@ def is_explained_by_overtone(
     fit, form = part.fit, {p.name for owner, p in part.structure.parameters if owner == other and not p.linear}
     start = {key: value for key, value in part.values[other].items() if key in form} | {"order": order}
     wave = Candidate(other, tuple(start.items()))
-    waves = screen(prepared.problem, part.structure, fit.theta, fit.residual, fit.jacobian, [wave]).columns
+    waves = screen(baseline.problem, part.structure, fit.theta, fit.residual, fit.jacobian, [wave]).columns
     return bool(waves) and waves[0].energy >= fit.cost - chosen.fit.cost
 
 

@@ -19,7 +19,7 @@ from ..search.preparation import Baseline
 from .confirmation import compute_covariance
 from .settings import PARAMETERS
 
-__all__ = ["SPLIT_BY_PRESLIDING", "Refitted"]
+__all__ = ["SPLIT_BY_PRESLIDING", "RefittedJoint"]
 
 SPLIT_BY_PRESLIDING = ("offset", "forward.coulomb_torque", "reverse.coulomb_torque")
 """Parameters of the base that sliding shows as sums only."""
@@ -30,7 +30,7 @@ _LARGEST = 700.0
 
 
 @dataclass(frozen=True)
-class Refitted:
+class RefittedJoint:
     """A structure at its joint minimum.
 
     Attributes:
@@ -44,11 +44,11 @@ class Refitted:
     covariance: FloatArray
 
     @classmethod
-    def refit(cls, prepared: Baseline, chosen: Explanation | None) -> Refitted:
+    def refit(cls, baseline: Baseline, chosen: Explanation | None) -> RefittedJoint:
         """The base with the chosen effects; alone where none are. Derivatives are fresh: a descent updates its own."""
-        one = prepared if chosen is None else chosen
+        one = baseline if chosen is None else chosen
         descent = one.structure.start_descent(one.fit.theta, one.box, iterations=0)
-        (fit,) = fit_all(prepared.problem, [(one.structure, descent)])
+        (fit,) = fit_all(baseline.problem, [(one.structure, descent)])
         return cls(one.structure, fit, compute_covariance(fit, one.box.join(one.structure.build_known_box())))
 
     @cached_property

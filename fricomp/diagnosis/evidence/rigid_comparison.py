@@ -10,8 +10,8 @@ from ..joint.observer import Plant
 from ..record.result import Quantity
 from .comparison import (
     Comparison,
-    Doubt,
     Shift,
+    Tolerances,
     compute_body_strays,
     describe_change,
     weigh_hypotheses,
@@ -24,7 +24,7 @@ _SAME_FACTOR = ("payload_error", "torque_gain_error")
 
 
 def compare_rigid(
-    plant: Plant, covariance: FloatArray, given: RigidJoint, unit: str, doubt: Doubt, acceleration: float
+    plant: Plant, covariance: FloatArray, given: RigidJoint, unit: str, tolerances: Tolerances, acceleration: float
 ) -> Comparison:
     """Compare inertia and gravity with the simulation's.
 
@@ -33,12 +33,12 @@ def compare_rigid(
         covariance: Of log inertia and the two gravity coefficients. Shape (3, 3).
         given: The simulation.
         unit: Unit of torque.
-        doubt: Of the refitted parameters.
+        tolerances: How far the refitted parameters stray beyond what the fit knows of its own error.
         acceleration: RMS of the motion's [rad/s²].
     """
     refit = np.array([plant.inertia / given.inertia, *plant.gravity])
     prior = np.array([1.0, *given.gravity])
-    strays = compute_body_strays(plant, float(np.hypot(*given.gravity)), doubt, acceleration)
+    strays = compute_body_strays(plant, float(np.hypot(*given.gravity)), tolerances, acceleration)
     floor = np.asarray(np.diag(strays**2), dtype=np.float64)
     # Relative and not logarithmic: a gain moves inertia and gravity by one factor, and 5 % of that are 0.0488 there.
     relative = np.array([plant.inertia / given.inertia, 1.0, 1.0])

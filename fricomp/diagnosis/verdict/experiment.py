@@ -61,28 +61,28 @@ def propose_experiment(findings: Findings) -> Proposal | None:
         rivals.setdefault(rival.names, rival)
     if findings.chosen is None or not rivals:
         return None
-    box = case.prepared.box
+    box = case.baseline.box
     if case.rigid is not None and case.rigid.rotary and not compare_given(case, findings.refitted, AGREES).shifts:
         box = hold(box, case.rigid)  # beside one that agrees, rivals are held to the simulation too
-    return propose_motion(case.prepared, findings.chosen, list(rivals.values())[: EXPERIMENT.most_rivals], box)
+    return propose_motion(case.baseline, findings.chosen, list(rivals.values())[: EXPERIMENT.most_rivals], box)
 
 
-def propose_motion(prepared: Baseline, chosen: Explanation, rivals: Sequence[Explanation], box: Box) -> Proposal | None:
+def propose_motion(baseline: Baseline, chosen: Explanation, rivals: Sequence[Explanation], box: Box) -> Proposal | None:
     """The motion that tells `chosen` from most of its rivals; None where no motion of the menu tells it from any.
 
     Args:
-        prepared: Base model and recordings.
+        baseline: The base fitted to the recordings, with its nulls.
         chosen: The explanation that was chosen.
         rivals: What fits as well.
         box: Domain and priors of the base, within which a rival may move.
     """
-    dt = prepared.problem.tracks[0].dt
-    reach, trials = _find_range(prepared), []
+    dt = baseline.problem.tracks[0].dt
+    reach, trials = _find_range(baseline), []
     for title, shape in MENU.items():
         time = np.arange(int(EXPERIMENT.duration / dt), dtype=np.float64) * dt
         fade = np.clip(np.minimum(time, time[-1] - time) / EXPERIMENT.fade, 0.0, 1.0)
         position = reach.centre + shape(time, reach) * (3.0 - 2.0 * fade) * fade**2
-        motion = _Motion.build(prepared, position)
+        motion = _Motion.build(baseline, position)
         trials.append((title, motion, [motion.compute_lack(chosen, rival, box) for rival in rivals]))
     title, motion, lacks = max(trials, key=lambda trial: _rate(trial[2]))
     told = [(lack, rival) for lack, rival in zip(lacks, rivals, strict=True) if lack > EXPERIMENT.enough]
@@ -101,10 +101,10 @@ def _rate(lacks: Sequence[float]) -> tuple[int, float]:
     )
 
 
-def _find_range(prepared: Baseline) -> Range:
-    low = min(float(track.position.min()) for track in prepared.problem.tracks)
-    high = max(float(track.position.max()) for track in prepared.problem.tracks)
-    speed = max(float(np.quantile(np.abs(track.velocity), EXPERIMENT.fastest)) for track in prepared.problem.tracks)
+def _find_range(baseline: Baseline) -> Range:
+    low = min(float(track.position.min()) for track in baseline.problem.tracks)
+    high = max(float(track.position.max()) for track in baseline.problem.tracks)
+    speed = max(float(np.quantile(np.abs(track.velocity), EXPERIMENT.fastest)) for track in baseline.problem.tracks)
     return Range(0.5 * (low + high), EXPERIMENT.half_range * (high - low), speed)
 
 
@@ -125,13 +125,13 @@ class _Motion:
     whitener: FloatArray
 
     @classmethod
-    def build(cls, prepared: Baseline, position: FloatArray) -> _Motion:
+    def build(cls, baseline: Baseline, position: FloatArray) -> _Motion:
         """The motion along `position`, seen through the observer of the recordings."""
-        track, plant = _simulate_recording(prepared, position)
-        problem = build_problem([track], plant, prepared.problem.observer)
+        track, plant = _simulate_recording(baseline, position)
+        problem = build_problem([track], plant, baseline.problem.observer)
         seen = problem.observe([Job(problem.tracks[0], plant, Contribution())])
-        context = build_contexts(problem, plant, seen, prepared.structure.contexts[0].hints)[0]
-        weights = prepared.nulls.weights
+        context = build_contexts(problem, plant, seen, baseline.structure.contexts[0].hints)[0]
+        weights = baseline.nulls.weights
         return cls(problem, context, float(np.median(np.concatenate(weights.spread))), weights.whitener)
 
     def predict_rows(self, explanation: Explanation, points: Sequence[FloatArray]) -> FloatArray:
@@ -178,10 +178,10 @@ class _Motion:
         return {"time": time, "position_reference": track.position, "velocity_reference": velocity}
 
 
-def _simulate_recording(prepared: Baseline, position: FloatArray) -> tuple[Track, Plant]:
+def _simulate_recording(baseline: Baseline, position: FloatArray) -> tuple[Track, Plant]:
     """The recording that the base model would give on a motion, without noise."""
-    plant = prepared.structure.unpack_plant(prepared.fit.theta)
-    old = prepared.problem.tracks[0]
+    plant = baseline.structure.unpack_plant(baseline.fit.theta)
+    old = baseline.problem.tracks[0]
     v = differentiate(position, old.dt)
     a = differentiate(v, old.dt)
     speed = np.abs(v)

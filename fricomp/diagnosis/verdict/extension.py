@@ -25,11 +25,11 @@ __all__ = ["write_base_model", "write_extended_model"]
 _OF_THE_CORE = ("stribeck_exponent", "sigma_0", "sigma_1", "lag")  # fields of a plant that its curves and bristle have
 
 
-def write_base_model(recordings: Sequence[Recording], prepared: Baseline) -> FrictionModel:
+def write_base_model(recordings: Sequence[Recording], baseline: Baseline) -> FrictionModel:
     """Friction of the refitted base."""
-    plant = prepared.structure.unpack_plant(prepared.fit.theta)
+    plant = baseline.structure.unpack_plant(baseline.fit.theta)
     return _write_model(
-        recordings, prepared.structure.contexts, (BidirectionalStribeck(*_build_pair(plant, VERDICT.exponent)),), plant
+        recordings, baseline.structure.contexts, (BidirectionalStribeck(*_build_pair(plant, VERDICT.exponent)),), plant
     )
 
 

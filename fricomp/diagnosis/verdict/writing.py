@@ -66,7 +66,7 @@ def write_diagnosis(
     return Diagnosis(
         record=record,
         evidence=Evidence(findings.series, findings.maps, findings.orders, findings.change_points),
-        base_model=write_base_model(case.recordings, case.prepared),
+        base_model=write_base_model(case.recordings, case.baseline),
         extended_model=write_extended_model(case.recordings, findings.chosen, case.spring),
         motion=None if proposal is None else proposal.motion,
         detent_order=findings.detent_order,
@@ -96,7 +96,7 @@ def _write_with_samples(findings: Findings, sample: SampleFinding, record: Diagn
     evidence = Evidence(sample.series, map_excess(sample.series, findings.case.seed), sample.orders)
     if sample.lawless:
         return Diagnosis(record, evidence)
-    base = write_base_model(findings.case.recordings, findings.case.prepared)
+    base = write_base_model(findings.case.recordings, findings.case.baseline)
     return Diagnosis(record, evidence, base, sample.extend(base))
 
 

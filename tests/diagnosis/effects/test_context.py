@@ -53,8 +53,8 @@ def test_effects_follow_the_joint_that_was_found_and_not_the_one_without_them() 
     seen = [Observation(zero, there, zero, zero)]
     structure = SimpleNamespace(observe=lambda *_: seen, move_contexts=lambda _: (before,))
     explanation = SimpleNamespace(structure=structure, fit=SimpleNamespace(theta=zero))
-    prepared = SimpleNamespace(problem=SimpleNamespace(tracks=(track,)))
-    (after,) = _rebuild_contexts(cast(Any, prepared), cast(Any, explanation))
+    baseline = SimpleNamespace(problem=SimpleNamespace(tracks=(track,)))
+    (after,) = _rebuild_contexts(cast(Any, baseline), cast(Any, explanation))
     assert np.std((after.position - there)[200:-200]) < 0.1 * step
 
 

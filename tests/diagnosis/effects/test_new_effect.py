@@ -45,7 +45,7 @@ def test_the_search_screens_an_effect_that_is_defined_elsewhere(cubic_drag: str)
     columns = record(ToyJoint(), "rich", 10.0)
     drag = 0.3 * np.gradient(columns["position"], 1e-3) ** 3
     recording = Recording(columns["time"], columns["position"], columns["torque"] + drag)
-    prepared = prepare(build_tracks([recording]), observer=Observer(), nulls=6, seed=0)
-    fit = prepared.fit
-    first = screen(prepared.problem, prepared.structure, fit.theta, fit.residual, fit.jacobian)
+    baseline = prepare(build_tracks([recording]), observer=Observer(), nulls=6, seed=0)
+    fit = baseline.fit
+    first = screen(baseline.problem, baseline.structure, fit.theta, fit.residual, fit.jacobian)
     assert first.columns[0].candidate.name == cubic_drag

@@ -8,7 +8,7 @@ import pytest
 from fricomp.diagnosis.evidence import agreement
 from fricomp.diagnosis.evidence.agreement import hold, prefer_agreeing
 from fricomp.diagnosis.evidence.alias import list_aliases
-from fricomp.diagnosis.evidence.comparison import PLAIN, Doubt
+from fricomp.diagnosis.evidence.comparison import PLAIN, Tolerances
 from fricomp.diagnosis.inputs.rigid import RigidJoint
 from fricomp.diagnosis.joint.solver import Box
 from fricomp.diagnosis.search.explanation import Explanation
@@ -26,8 +26,8 @@ def test_of_two_that_fit_as_well_the_one_that_agrees_is_taken() -> None:
 
 
 def test_one_that_agrees_as_nearly_as_a_law_can_comes_before_one_that_does_not() -> None:
-    def differs(one: Explanation, doubt: Doubt) -> bool:
-        return one is _LOAD or doubt is PLAIN
+    def differs(one: Explanation, tolerances: Tolerances) -> bool:
+        return one is _LOAD or tolerances is PLAIN
 
     assert prefer_agreeing(_BASE, known_search(_LOAD, _SPLIT), None, differs).best is _SPLIT
     assert prefer_agreeing(_BASE, known_search(_SPLIT, _LOAD), None, differs).best is _SPLIT

@@ -82,13 +82,13 @@ def test_an_overtone_is_told_from_a_ripple_of_another_form(overtone: bool) -> No
     )
     second = 0.06 * np.sin(2 * n * q) if overtone else uneven
     recording = Recording(columns["time"], columns["position"], columns["torque"] + 0.12 * np.sin(n * q) + second)
-    prepared = prepare(build_tracks([recording]), observer=Observer(), nulls=12, seed=0)
+    baseline = prepare(build_tracks([recording]), observer=Observer(), nulls=12, seed=0)
     wave, other = (
         Candidate("cogging", (("order", n),)),
         Candidate("kinematic_error", (("order", 2 * n), ("load_share", 0.6))),
     )
-    tried = fit_from(prepared, [(c, prepared.fit.theta) for c in ((wave,), (wave, other))], prepared.box)
-    found = is_explained_by_overtone(prepared, tried, tried[1], "kinematic_error", "cogging", 2 * n)
+    tried = fit_from(baseline, [(c, baseline.fit.theta) for c in ((wave,), (wave, other))], baseline.box)
+    found = is_explained_by_overtone(baseline, tried, tried[1], "kinematic_error", "cogging", 2 * n)
     assert found == overtone
 
 

@@ -19,36 +19,36 @@ from ..toy_joint import ToyJoint, recording
 
 
 @pytest.fixture(scope="module")
-def prepared() -> Baseline:
+def baseline() -> Baseline:
     stiff = ToyJoint(sigma_0=2e6, torque_noise=0.02)
     tracks = build_tracks([recording(stiff, "fourier", 12.0, seed=4)], [None])
     return prepare(tracks, observer=Observer(), nulls=8, seed=0)
 
 
-def _run_away(prepared: Baseline) -> Fit:
+def _run_away(baseline: Baseline) -> Fit:
     """The fit from a soft bristle that is damped as much as it may be, held there."""
-    box, theta = prepared.box, prepared.fit.theta.copy()
+    box, theta = baseline.box, baseline.fit.theta.copy()
     held = [BASE_NAMES.index(name) for name in ("log_breakaway", "damping_time")]
     theta[held] = np.log(JOINT.softest_bristle), box.upper[held[1]]
-    evaluate = prepared.problem.build_residual(prepared.problem.add_nothing, len(BASE_NAMES))
+    evaluate = baseline.problem.build_residual(baseline.problem.add_nothing, len(BASE_NAMES))
     lower, upper = box.lower.copy(), box.upper.copy()
     lower[held], upper[held] = theta[held] - 1e-12, theta[held]
     return minimise(evaluate, theta, replace(box, lower=lower, upper=upper))
 
 
-def test_a_fit_that_ran_away_is_brought_back(prepared: Baseline) -> None:
-    away = _run_away(prepared)
-    assert away.cost > 1.5 * prepared.fit.cost
-    back = try_other_bristle(prepared.problem, away, prepared.box)
-    assert back.cost < 1.1 * prepared.fit.cost
+def test_a_fit_that_ran_away_is_brought_back(baseline: Baseline) -> None:
+    away = _run_away(baseline)
+    assert away.cost > 1.5 * baseline.fit.cost
+    back = try_other_bristle(baseline.problem, away, baseline.box)
+    assert back.cost < 1.1 * baseline.fit.cost
     travel = np.exp(back.theta[BASE_NAMES.index("log_breakaway")])
     assert travel < 0.1 * JOINT.softest_bristle
 
 
-def test_a_quiet_fit_stays(prepared: Baseline) -> None:
-    assert try_other_bristle(prepared.problem, prepared.fit, prepared.box) is prepared.fit
+def test_a_quiet_fit_stays(baseline: Baseline) -> None:
+    assert try_other_bristle(baseline.problem, baseline.fit, baseline.box) is baseline.fit
 
 
-def test_a_loud_fit_with_little_damping_stays(prepared: Baseline) -> None:
-    loud = replace(prepared.fit, residual=5.0 * prepared.fit.residual)
-    assert try_other_bristle(prepared.problem, loud, prepared.box) is loud
+def test_a_loud_fit_with_little_damping_stays(baseline: Baseline) -> None:
+    loud = replace(baseline.fit, residual=5.0 * baseline.fit.residual)
+    assert try_other_bristle(baseline.problem, loud, baseline.box) is loud

@@ -63,13 +63,13 @@ def test_a_prompt_drive_and_one_whose_command_is_unknown_are_not_late() -> None:
 
 
 def test_a_joint_that_obeys_no_law_of_its_own_motion_is_judged_by_its_drive_alone() -> None:
-    command, prepared = _command(), known_baseline()
+    command, baseline = _command(), known_baseline()
     late = _follow(_lag(command, 0.012), command)
     named = EffectEvidence(EFFECTS["cogging"], {}, 1.0, {}, ())
-    held = known_findings(prepared).held
+    held = known_findings(baseline).held
     lawless = known_findings(
-        prepared,
-        known_case(prepared, recordings=(late,)),
+        baseline,
+        known_case(baseline, recordings=(late,)),
         effects=(named,),
         held=type(held)(float(np.std(late.torque)), 1.0, 1.0, (0.0, 0.0), 0.0),
     )

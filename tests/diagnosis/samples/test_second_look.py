@@ -61,14 +61,14 @@ _BRAKE = _base(1.0, (9000.0, 500.0, 0.02, 4000.0), 5e-6)
 
 def _findings(recording: Recording, explained: float | None, base: dict[str, Quantity], **more: Any) -> Findings:
     """What the rows show; `explained` is by a named measurement, None where nothing was named."""
-    prepared = _BASELINE
-    case = known_case(prepared, recordings=(recording,))
+    baseline = _BASELINE
+    case = known_case(baseline, recordings=(recording,))
     held = Confirmation(900.0, 60.0 if explained else 900.0, 50.0, (0.0, 0.0), explained or 0.0)
     named = EffectEvidence(EFFECTS["encoder_eccentricity"], {}, 1.0, {}, ())
-    chosen = known_fit(prepared, ("encoder_eccentricity",), 100.0)
+    chosen = known_fit(baseline, ("encoder_eccentricity",), 100.0)
     if explained is not None:
         more = {"trial": Trial(chosen=chosen, held=held), "effects": (named,)} | more
-    return known_findings(prepared, case, base=base, held=held, **more)
+    return known_findings(baseline, case, base=base, held=held, **more)
 
 
 def test_a_bristle_is_found_where_something_unknown_was_left() -> None:

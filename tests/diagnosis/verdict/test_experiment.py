@@ -24,45 +24,45 @@ _JOINT = ToyJoint(load_coulomb=0.01)
 
 
 @pytest.fixture(scope="module")
-def prepared() -> Baseline:
+def baseline() -> Baseline:
     tracks = build_tracks([recording(_JOINT, "slow", 15.0)])
     return prepare(tracks, observer=Observer(), nulls=12, seed=0)
 
 
 @pytest.fixture(scope="module")
-def fitted(prepared: Baseline) -> list[Explanation]:
+def fitted(baseline: Baseline) -> list[Explanation]:
     """Friction under load, friction that differs between driving and braking, and a drive that saturates."""
     driving = Candidate("load_quadratic", (("split", 1.0),))
     candidates = (Candidate("load_coulomb", ()), driving, Candidate("torque_saturation", ()))
-    return fit_from(prepared, [([candidate], prepared.fit.theta) for candidate in candidates], prepared.box)
+    return fit_from(baseline, [([candidate], baseline.fit.theta) for candidate in candidates], baseline.box)
 
 
 def test_no_motion_tells_driving_and_braking_from_friction_under_load_and_another_gravity(
-    prepared: Baseline, fitted: list[Explanation]
+    baseline: Baseline, fitted: list[Explanation]
 ) -> None:
     linear, driving, _ = fitted
     assert driving.gain == pytest.approx(linear.gain, abs=1.0)
-    assert propose_motion(prepared, linear, [driving], prepared.box) is None
+    assert propose_motion(baseline, linear, [driving], baseline.box) is None
 
 
-def test_a_faster_motion_tells_what_a_slow_one_cannot(prepared: Baseline, fitted: list[Explanation]) -> None:
+def test_a_faster_motion_tells_what_a_slow_one_cannot(baseline: Baseline, fitted: list[Explanation]) -> None:
     linear, driving, saturating = fitted
     assert saturating.gain == pytest.approx(linear.gain, abs=3.0)  # half of what one more parameter costs
-    proposal = propose_motion(prepared, linear, [driving, saturating], prepared.box)
+    proposal = propose_motion(baseline, linear, [driving, saturating], baseline.box)
     assert proposal is not None
     assert proposal.separates == ("load_coulomb", "torque_saturation")
     assert 0.0 < proposal.difference < 1.0
-    track = prepared.problem.tracks[0]
+    track = baseline.problem.tracks[0]
     wanted = proposal.motion["position_reference"]
     assert track.position.min() < wanted.min() < wanted.max() < track.position.max()
     assert np.ptp(np.diff(proposal.motion["time"])) < 1e-9
 
 
 def test_a_rival_at_the_edge_of_its_domain_is_not_simulated_beyond_it(
-    prepared: Baseline, fitted: list[Explanation], monkeypatch: pytest.MonkeyPatch
+    baseline: Baseline, fitted: list[Explanation], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     linear, driving, _ = fitted
-    box = prepared.box.join(driving.structure.build_box())
+    box = baseline.box.join(driving.structure.build_box())
     late = np.arange(box.upper.size) == BASE_NAMES.index("delay")
     at_edge = replace(driving, fit=replace(driving.fit, theta=np.where(late, box.upper, driving.fit.theta)))
     simulated: list[FloatArray] = []
@@ -73,13 +73,13 @@ def test_a_rival_at_the_edge_of_its_domain_is_not_simulated_beyond_it(
         return rows(motion, explanation, points)
 
     monkeypatch.setattr(_Motion, "predict_rows", watched)
-    propose_motion(prepared, linear, [at_edge], prepared.box)
+    propose_motion(baseline, linear, [at_edge], baseline.box)
     assert len(simulated) > box.upper.size
     assert np.all(np.array(simulated) <= box.upper)
 
 
 def test_a_rival_that_does_not_simulate_on_a_motion_is_not_told_by_it(
-    prepared: Baseline, fitted: list[Explanation], monkeypatch: pytest.MonkeyPatch
+    baseline: Baseline, fitted: list[Explanation], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     linear, driving, saturating = fitted
     rows = _Motion.predict_rows
@@ -90,7 +90,7 @@ def test_a_rival_that_does_not_simulate_on_a_motion_is_not_told_by_it(
         return result
 
     monkeypatch.setattr(_Motion, "predict_rows", runs_away)
-    assert propose_motion(prepared, linear, [driving, saturating], prepared.box) is None
+    assert propose_motion(baseline, linear, [driving, saturating], baseline.box) is None
 
 
 def test_two_rivals_told_apart_are_worth_more_than_one_told_clearly() -> None:

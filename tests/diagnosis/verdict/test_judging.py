@@ -37,21 +37,21 @@ def test_the_gravest_effect_gives_the_verdict(
 
 
 def test_rivals_say_what_speaks_against_them() -> None:
-    prepared = known_baseline()
-    chosen, failed = (known_fit(prepared, (name,), 400.0) for name in ("cogging", "end_stop"))
+    baseline = known_baseline()
+    chosen, failed = (known_fit(baseline, (name,), 400.0) for name in ("cogging", "end_stop"))
     others = (
-        known_fit(prepared, ("backlash",), 300.0, refused="it would push"),
-        known_fit(prepared, ("load_coulomb",), 20.0),
+        known_fit(baseline, ("backlash",), 300.0, refused="it would push"),
+        known_fit(baseline, ("load_coulomb",), 20.0),
     )
-    case = known_case(prepared, known_search(chosen, failed, *others))
+    case = known_case(baseline, known_search(chosen, failed, *others))
     trial = Trial(chosen=chosen)
-    assert [one.refused for one in judge(known_findings(prepared, case, trial=trial)).rivals] == [
+    assert [one.refused for one in judge(known_findings(baseline, case, trial=trial)).rivals] == [
         "",
         "another explanation is better or simpler",
         "it would push",
         "does not exceed what a recording with nothing missing gives",
     ]
-    refused = judge(known_findings(prepared, case, trial=Trial(failed=failed))).rivals
+    refused = judge(known_findings(baseline, case, trial=Trial(failed=failed))).rivals
     assert refused[0].refused == "leaves too much unexplained"
     assert refused[1].refused == "does not make the held-out error fall for sure"
 
@@ -64,9 +64,9 @@ def test_errors_are_those_of_the_base_as_given_where_only_parameters_are_off() -
 
 def test_sentences_stand_in_one_order_and_remarks_come_last() -> None:
     effect = EffectEvidence(EFFECTS["cogging"], {}, 1.0, {}, ("kinematic_error",))
-    prepared = known_baseline()
-    trial = Trial(chosen=known_fit(prepared, ("cogging",), 50.0))
-    findings = known_findings(prepared, trial=trial, effects=(effect,))
+    baseline = known_baseline()
+    trial = Trial(chosen=known_fit(baseline, ("cogging",), 50.0))
+    findings = known_findings(baseline, trial=trial, effects=(effect,))
     record = write_diagnosis(findings, judge(findings), forward=_FORWARD, remarks=("noticed",)).record
     assert record.sentences[0].startswith("The simulation leaves out physics")
     assert record.sentences[-3] == NO_MOTION
@@ -80,9 +80,9 @@ def test_sentences_stand_in_one_order_and_remarks_come_last() -> None:
 
 def test_what_the_simulation_shows_as_well_is_not_missing() -> None:
     effect = EffectEvidence(EFFECTS["cogging"], {}, 1.0, {}, ("kinematic_error",))
-    prepared = known_baseline()
-    trial = Trial(chosen=known_fit(prepared, ("cogging",), 50.0))
-    findings = known_findings(prepared, trial=trial, effects=(effect,))
+    baseline = known_baseline()
+    trial = Trial(chosen=known_fit(baseline, ("cogging",), 50.0))
+    findings = known_findings(baseline, trial=trial, effects=(effect,))
     own = SimulationEffects((NamedEffect(name="cogging", kind="physics", parameters={}),), remarks=("last",))
     record = write_diagnosis(findings, judge(findings, simulated=own), remarks=("noticed",)).record
     assert (record.verdict, record.effects) == ("consistent", ())

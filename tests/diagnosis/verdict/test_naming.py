@@ -24,9 +24,9 @@ def _measure(name: str, energy: float, overtone: Overtone | None = None) -> Effe
 
 
 def test_inertia_and_gravity_alone_are_told_beside_effects_that_explain_as_much() -> None:
-    prepared = known_baseline()
-    case = known_case(prepared, instead=("frictional_lag",))
-    findings = known_findings(prepared, case, comparison=Comparison((_LOAD, _OFFSET)), parts=(0.25, 0.75))
+    baseline = known_baseline()
+    case = known_case(baseline, instead=("frictional_lag",))
+    findings = known_findings(baseline, case, comparison=Comparison((_LOAD, _OFFSET)), parts=(0.25, 0.75))
     named = name_effects(findings, 0.8)
     assert [one.name for one in named] == ["torque_offset", "payload_error"]  # the larger share first
     assert [one.share for one in named] == pytest.approx([0.6, 0.2])
@@ -61,10 +61,10 @@ def test_a_payload_that_the_search_and_the_comparison_name_is_named_once() -> No
 
 
 def test_beside_an_effect_that_scales_the_torque_no_gain_is_named() -> None:
-    prepared, heating = known_baseline(), (_measure("torque_constant_heating", 1.0),)
-    named = name_effects(known_findings(prepared, effects=heating, comparison=Comparison((_GAIN, _OFFSET))), 0.8)
+    baseline, heating = known_baseline(), (_measure("torque_constant_heating", 1.0),)
+    named = name_effects(known_findings(baseline, effects=heating, comparison=Comparison((_GAIN, _OFFSET))), 0.8)
     assert [one.name for one in named] == ["torque_constant_heating", "torque_offset"]
-    alone = name_effects(known_findings(prepared, comparison=Comparison((_GAIN,))), 0.0)
+    alone = name_effects(known_findings(baseline, comparison=Comparison((_GAIN,))), 0.0)
     assert [one.name for one in alone] == ["torque_gain_error"]
 
 
