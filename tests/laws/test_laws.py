@@ -28,6 +28,14 @@ REVERSE = StribeckCurve(0.20, 0.70, 0.05, 0.03)
 STRIBECK = FrictionLaw((BidirectionalStribeck(FORWARD, REVERSE),))
 
 
+def test_a_curve_is_equation_2_of_the_paper() -> None:
+    speed = np.array([0.0, 0.05, 0.5, 4.0])
+    falling = np.array([1.0, np.exp(-1.0), np.exp(-100.0), 0.0])
+    np.testing.assert_allclose(FORWARD.level(speed), 0.15 + 0.45 * falling + 0.02 * speed)
+    cubic = StribeckCurve(0.15, 0.60, 0.05, 0.02, stribeck_exponent=3.0)
+    np.testing.assert_allclose(cubic.level(np.array([0.1])), 0.15 + 0.45 * np.exp(-8.0) + 0.002)
+
+
 def test_bidirectional_stribeck_is_equation_3_of_the_paper() -> None:
     v = np.array([-1.0, -0.05, 0.03, 0.5])
     expected = [

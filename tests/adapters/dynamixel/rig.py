@@ -10,6 +10,7 @@ from dynamixel_sdk import Protocol2PacketHandler
 from fricomp.adapters.configuration import convert
 from fricomp.adapters.dynamixel import DynamixelAdapter
 from fricomp.adapters.dynamixel.configuration import DynamixelConfiguration
+from fricomp.sim_bench.stand_in import StandIn, default_joint
 from fricomp.sim_bench.studies.adapters.hand_held import HandHeldAxis, SerialBus
 from fricomp.sim_bench.twins.dynamixel import DynamixelServo, DynamixelSettings, DynamixelTwin
 from fricomp.sim_bench.twins.dynamixel_packet import PacketReader
@@ -56,7 +57,7 @@ class DynamixelRig(AdapterRig):
         settings = [DynamixelSettings(identifier, torque_constant=1.0, velocity_limit=1023) for identifier in (1, 2)]
         self.servos = [Servo(cast(Any, axis), setting) for axis, setting in zip(self.axes, settings, strict=True)]
         bus = SerialBus()
-        bus.twin = DynamixelTwin(cast(Any, bus), cast(Any, None), self.servos)
+        bus.twin = DynamixelTwin(cast(Any, bus), StandIn(default_joint()), self.servos)
         self.clock.follow(self._tick)
         self.link = FaultyLink(line(bus, self.clock) if line is not None else bus)
         made = convert(configuration(**changes), DynamixelConfiguration)

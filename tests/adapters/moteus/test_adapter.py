@@ -18,6 +18,7 @@ from fricomp.adapters.moteus.codec import decode_state, encode_command
 from fricomp.adapters.moteus.fdcanusb import LineBuffer, decode_line
 from fricomp.errors import AdapterConfigurationError, AdapterValueError
 from fricomp.joint import JointCommand, JointFeedback
+from fricomp.sim_bench.stand_in import StandIn, default_joint
 from fricomp.sim_bench.studies.adapters.hand_held import HandHeldAxis, SerialBus
 from fricomp.sim_bench.twins.moteus import MoteusController, MoteusSettings, MoteusTwin
 from fricomp.sim_bench.twins.moteus_frame import StreamWrite, Write, parse_frame
@@ -60,7 +61,7 @@ class MoteusRig(AdapterRig):
             Controller(cast(Any, axis), setting) for axis, setting in zip(self.axes, settings, strict=True)
         ]
         bus = SerialBus()
-        bus.twin = MoteusTwin(bus, cast(Any, None), self.controllers)  # type: ignore[arg-type]
+        bus.twin = MoteusTwin(bus, StandIn(default_joint()), self.controllers)  # type: ignore[arg-type]
         self.clock.follow(self._tick)
         self.link = FaultyLink(bus)
         made = convert(configuration(**changes), MoteusConfiguration)

@@ -14,11 +14,13 @@ def _line(count: int) -> FloatArray:
 
 
 def test_independent_errors_have_the_deviations_of_least_squares() -> None:
-    columns, rng = _line(4000), np.random.default_rng(0)
-    fit = solve_correlated(columns, rng.normal(size=4000), np.arange(4000), _REACH)
+    columns, target = _line(4000), np.random.default_rng(0).normal(size=4000)
+    fit = solve_correlated(columns, target, np.arange(4000), _REACH)
     plain = np.sqrt(np.diag(np.linalg.inv(columns.T @ columns)))
     np.testing.assert_allclose(np.sqrt(np.diag(fit.covariance)), plain, rtol=0.15)
-    np.testing.assert_allclose(fit.solution, np.linalg.lstsq(columns, columns @ fit.solution)[0])
+    best = np.linalg.lstsq(columns, target)[0]
+    np.testing.assert_allclose(fit.solution, best)
+    np.testing.assert_allclose(fit.error, target - columns @ best, atol=1e-12)
     assert fit.rank == 2
 
 
