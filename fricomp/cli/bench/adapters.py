@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fricomp.cli.out_folder import Overwrite
+
 if TYPE_CHECKING:
     from fricomp.sim_bench.studies.adapters.calibration import CalibrationComparison
     from fricomp.sim_bench.studies.adapters.page import AdapterFigures
@@ -27,6 +29,7 @@ def adapters(
     commands: Annotated[int, typer.Option(help="Random commands a protocol against its peer.")] = 10_000,
     ticks: Annotated[int, typer.Option(help="Cycles of the soak a protocol; 0 for the size's own.")] = 0,
     only: Annotated[str, typer.Option(help="One protocol alone for calibration, fuzz, soak and cost.")] = "",
+    overwrite: Overwrite = False,
 ) -> None:
     """Every adapter against an independent encoder, through its twin, under garbage, in time; and slcan in chunks.
 
@@ -40,15 +43,18 @@ def adapters(
     from fricomp.cli.terminal import console
     from fricomp.extras import REPORT, require
     from fricomp.report import write_report
+    from fricomp.results import require_free_file
     from fricomp.sim_bench.studies.adapters.page import adapter_page, adapter_tables
     from fricomp.sim_bench.studies.adapters.peers import PEER_MODULES
+    from fricomp.whole_file import write_whole
+
+    require_free_file(out / "figures.json", overwrite=overwrite)
 
     require(*PEER_MODULES, extra="dev")
     require(*REPORT, "serial")
-    out.mkdir(parents=True, exist_ok=True)
     full = 20_000 if quick else 1_000_000
     figures = _measure(commands, frames or full, ticks or full, only, quick)
-    (out / "figures.json").write_bytes(msgspec.json.format(msgspec.json.encode(figures)))
+    write_whole(out / "figures.json", msgspec.json.format(msgspec.json.encode(figures)))
     write_report(adapter_page(figures), out / "report.html")
     screen = console()
     for title, table in adapter_tables(figures):

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from fricomp.cli.out_folder import Overwrite
+
 app = typer.Typer(add_completion=False)
 
 
@@ -16,12 +18,16 @@ def calibrate(
     seeds: Annotated[int, typer.Option(min=1, help="Number of seeds.")] = 10,
     first_seed: Annotated[int, typer.Option(help="First seed.")] = 0,
     quick: Annotated[bool, typer.Option("--quick", help="Two seeds.")] = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Calibrate the default stand-in joint once a seed: error, error in standard deviations, coverage."""
     from fricomp.calibration.sweep.benchmark import study_seeds
     from fricomp.cli.bench.seed_table import save_scores, seed_table
     from fricomp.cli.terminal import console, progress
+    from fricomp.results import require_free_file
     from fricomp.sim_bench.stand_in import DEFAULT_LAW, SimulatedJointAdapter, default_joint
+
+    require_free_file(out / "bench-calibrate.json", overwrite=overwrite)
 
     with progress() as bar:
         task = bar.add_task("starting", total=1.0)

@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from fricomp.cli.out_folder import Overwrite
+
 app = typer.Typer(add_completion=False)
 
 
@@ -22,13 +24,17 @@ def fleet(
     single: Annotated[int, typer.Option(min=1, help="Identified one by one beside it.")] = 100,
     device: Annotated[str, typer.Option(help="Of torch: cpu, cuda.")] = "cpu",
     seed: Annotated[int, typer.Option(help="Of the fleet.")] = 0,
+    overwrite: Overwrite = False,
 ) -> None:
     """Identify a fleet of joints in one call and one by one; rates, their ratio, and that both agree."""
     from fricomp.calibration.batch.throughput import measure_throughput
     from fricomp.cli.terminal import console
+    from fricomp.results import require_free_file
+    from fricomp.whole_file import write_whole
+
+    require_free_file(out / "throughput.json", overwrite=overwrite)
 
     found = measure_throughput(joints or (500 if quick else 5000), single=single, seed=seed, device=device)
-    out.mkdir(parents=True, exist_ok=True)
     figures = asdict(found) | {"ratio": found.ratio}
-    (out / "throughput.json").write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+    write_whole(out / "throughput.json", json.dumps(figures, indent=1) + "\n")
     console().print(str(found), soft_wrap=True)

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fricomp.cli.out_folder import Overwrite
+
 if TYPE_CHECKING:
     from fricomp.control import LoopResult
     from fricomp.sim_bench.studies.latency.compensator import Cost
@@ -21,6 +23,7 @@ def latency(
     out: Annotated[Path, typer.Option(help="Folder for figures.json and the plots.")] = Path("runs/bench_latency"),
     quick: Annotated[bool, typer.Option(help="Fewer calls and ticks.")] = False,
     priority: Annotated[int, typer.Option(help="FIFO priority of the real-time run; 0 for none.")] = 80,
+    overwrite: Overwrite = False,
 ) -> None:
     """Costs in units of a bare Stribeck curve in pure math, memory growth, and the timing of a 1 kHz loop."""
     import tempfile
@@ -31,6 +34,7 @@ def latency(
     from fricomp.cli.terminal import console, progress
     from fricomp.control import RealTimeOptions
     from fricomp.report import draw_png
+    from fricomp.results import require_free_file
     from fricomp.sim_bench.studies.latency.compensator import (
         measure_c,
         measure_costs,
@@ -39,8 +43,10 @@ def latency(
         measure_network,
     )
     from fricomp.sim_bench.studies.latency.loop_timing import run_loop
+    from fricomp.whole_file import write_whole
 
-    out.mkdir(parents=True, exist_ok=True)
+    require_free_file(out / "figures.json", overwrite=overwrite)
+
     with progress() as bar:
         task = bar.add_task("latency", total=5)
         costs = measure_costs(1_000 if quick else 5_000)
@@ -66,7 +72,7 @@ def latency(
         "memory_blocks_left": {"ticks": ticks, "blocks": growth},
         "loop": {"virtual": _timing(virtual), "real": _timing(real)},
     }
-    (out / "figures.json").write_bytes(msgspec.json.format(msgspec.json.encode(figures)))
+    write_whole(out / "figures.json", msgspec.json.format(msgspec.json.encode(figures)))
     _print(costs, (ticks, growth), virtual, real)
     console().print(f"`import fricomp` takes {figures['import_over_numpy']:.2f} times `import numpy` (at most 2).")
     console().print(f"Figures and plots in {out}")

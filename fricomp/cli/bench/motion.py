@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from fricomp.cli.out_folder import Overwrite
+
 app = typer.Typer(add_completion=False)
 
 
@@ -16,6 +18,7 @@ def motion(
     seeds: Annotated[int, typer.Option(min=1, help="Number of joints.")] = 40,
     first_seed: Annotated[int, typer.Option(help="First seed.")] = 0,
     quick: Annotated[bool, typer.Option("--quick", help="Two joints.")] = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Identify joints drawn at random from a recorded motion: error, error in standard deviations, coverage.
 
@@ -27,6 +30,9 @@ def motion(
     from fricomp.cli.bench.seed_table import save_scores, seed_table
     from fricomp.cli.out_folder import make_folder
     from fricomp.cli.terminal import console, progress
+    from fricomp.results import require_free_file
+
+    require_free_file(out / "bench-motion.json", overwrite=overwrite)
 
     make_folder(out)
     with progress() as bar:

@@ -11,6 +11,7 @@ from rich.table import Table
 
 from fricomp.calibration.seed_study import SeedStudy
 from fricomp.report import Chart, draw_png
+from fricomp.whole_file import write_whole
 
 __all__ = ["save_scores", "seed_table"]
 
@@ -44,5 +45,5 @@ def seed_table(study: SeedStudy, title: str, *, profiles: bool = False) -> Table
 def save_scores(record: dict[str, Any], chart: Chart, path: Path) -> None:
     """Write `path`.json, with the machine that made it, and `path`.png."""
     record = record | {"machine": platform.platform(), "python": platform.python_version()}
-    path.with_suffix(".json").write_bytes(msgspec.json.format(msgspec.json.encode(record), indent=2))
+    write_whole(path.with_suffix(".json"), msgspec.json.format(msgspec.json.encode(record), indent=2))
     draw_png(chart, path.with_suffix(".png"))

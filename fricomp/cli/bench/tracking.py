@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fricomp.cli.out_folder import Overwrite
+
 if TYPE_CHECKING:
     from rich.progress import Progress
 
@@ -37,6 +39,7 @@ def tracking(
     out: Annotated[Path, typer.Option(help="Folder for figures.json and the plots.")] = Path("runs/bench_tracking"),
     quick: Annotated[bool, typer.Option(help="One amplitude and bandwidth, a coarse map.")] = False,
     only: Annotated[list[Part] | None, typer.Option(help="Only this part; may be repeated.")] = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """Tracking on the stand-in, with and without compensation, and where it wins and loses.
 
@@ -47,8 +50,11 @@ def tracking(
 
     from fricomp.cli.terminal import console, progress
     from fricomp.report import draw_png
+    from fricomp.results import require_free_file
+    from fricomp.whole_file import write_whole
 
-    out.mkdir(parents=True, exist_ok=True)
+    require_free_file(out / "figures.json", overwrite=overwrite)
+
     parts = only or list(Part)
     amplitudes, bandwidths = ((0.2,), (5.0,)) if quick else ((0.2, 0.5), (5.0, 10.0))
     figures: dict[str, Any] = {}
@@ -64,7 +70,7 @@ def tracking(
             figures["close_loop"] = _close_loop(bar, charts, bandwidths, out / "close_loop")
     for number, chart in enumerate(charts):
         draw_png(chart, out / f"{number:02d}-{chart.name}.png")
-    (out / "figures.json").write_bytes(msgspec.json.format(msgspec.json.encode(figures)))
+    write_whole(out / "figures.json", msgspec.json.format(msgspec.json.encode(figures)))
     console().print(f"Figures and {len(charts)} plots in {out}")
 
 
