@@ -1,4 +1,4 @@
-"""Ripples in the rhythm of a stronger one: they complete its form, which is no sine, and are no effects of their own."""
+"""Ripples in the rhythm of a stronger one: they complete its form and are no effects of their own."""
 
 from __future__ import annotations
 
