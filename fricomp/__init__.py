@@ -17,6 +17,7 @@ from fricomp.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from fricomp.api.calibrate import calibrate
+    from fricomp.api.diagnose import diagnose
     from fricomp.api.identify import identify
     from fricomp.calibration import identify_dynamic
     from fricomp.calibration.sweep import CalibrationOptions, SweepSettings
@@ -38,6 +39,7 @@ __all__ = [
     "SweepSettings",
     "calibrate",
     "check_loop",
+    "diagnose",
     "identify",
     "identify_dynamic",
     "load_model",
@@ -58,6 +60,7 @@ _HOMES = {
     "SweepSettings": (_SWEEP, "calibrate"),
     "calibrate": ("fricomp.api.calibrate", "calibrate"),
     "check_loop": (_CONTROL, ""),
+    "diagnose": ("fricomp.api.diagnose", "diagnose"),
     "identify": ("fricomp.api.identify", "calibrate"),
     "identify_dynamic": ("fricomp.calibration", "calibrate"),
     "read_recording": (_RECORDING, ""),

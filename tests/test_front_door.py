@@ -27,7 +27,9 @@ def test_dir_shows_the_public_names_and_nothing_else() -> None:
     assert "TYPE_CHECKING" not in dir(fricomp)
 
 
-@pytest.mark.parametrize("name", ["calibrate", "read_recording", "load_model", "Compensator", "ControlLoop"])
+@pytest.mark.parametrize(
+    "name", ["calibrate", "identify", "diagnose", "read_recording", "load_model", "Compensator", "ControlLoop"]
+)
 def test_a_newcomers_names_are_there_and_say_what_they_do(name: str) -> None:
     assert name in fricomp.__all__
     assert (getattr(fricomp, name).__doc__ or "").strip()
@@ -42,7 +44,10 @@ def test_every_lazy_name_is_declared_for_type_checkers_where_it_lives() -> None:
     assert set(fricomp._HOMES) <= set(fricomp.__all__)
 
 
-@pytest.mark.parametrize(("name", "package", "extra"), [("calibrate", "scipy", "calibrate")])
+@pytest.mark.parametrize(
+    ("name", "package", "extra"),
+    [("calibrate", "scipy", "calibrate"), ("identify", "scipy", "calibrate"), ("diagnose", "numba", "diagnose")],
+)
 def test_a_name_whose_packages_are_missing_says_which_extra_brings_them(name: str, package: str, extra: str) -> None:
     code = f"import sys; sys.modules[{package!r}] = None; import fricomp; fricomp.{name}"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)

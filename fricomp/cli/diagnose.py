@@ -21,10 +21,6 @@ if TYPE_CHECKING:
 
 app = typer.Typer(add_completion=False)
 
-SHORTEST_RECORDING = 5.0
-"""Below it a diagnosis fails, or finds unknown physics in a joint with nothing missing: blocks that can be held out,
-slow and fast motion and reversals do not fit into it [s]."""
-
 EXIT_BAD_DATA = 1
 """Exit status where everything was written, and the verdict is that the data cannot be diagnosed."""
 
@@ -225,6 +221,7 @@ def run_diagnosis(
     """
     from time import perf_counter
 
+    from fricomp.api.diagnose import read_long_recording
     from fricomp.cli.diagnosis_folder import require_own
     from fricomp.cli.diagnosis_warnings import diagnosis_warnings, distinct_names
     from fricomp.cli.terminal import progress
@@ -237,7 +234,7 @@ def run_diagnosis(
     with claimed as claim, progress(quiet=quiet) as bar:
         task = bar.add_task("reading", total=None)
         simulated = [given["simulated"]] if given["simulated"] is not None else []
-        read = {path: _read(path) for path in (*paths, *simulated)}
+        read = {path: read_long_recording(path) for path in (*paths, *simulated)}
         series = [read[path] for path in paths]
 
         def say(what: str) -> None:
@@ -255,25 +252,6 @@ def run_diagnosis(
     return DiagnosisRun(diagnosis, written.files, warnings)
 
 
-def _read(path: Path) -> Recording:
-    """A recording that is long enough to be diagnosed.
-
-    Raises:
-        DiagnosisError: It is not.
-        RecordingError: It cannot be read.
-    """
-    from fricomp.errors import DiagnosisError
-    from fricomp.recording import read_recording
-
-    recording = read_recording(path)
-    if recording.duration < SHORTEST_RECORDING:
-        raise DiagnosisError(
-            f"the recording {path} lasts {recording.duration:.3g} s, and a diagnosis needs at least "
-            f"{SHORTEST_RECORDING:g} s of each: record a longer motion, of half a minute and more"
-        )
-    return recording
-
-
 def _diagnose(
     read: Mapping[Path, Recording],
     series: Sequence[Recording],
@@ -282,20 +260,15 @@ def _diagnose(
     say: Callable[[str], None],
 ) -> Diagnosis:
     """Compare with the simulation that was given as a file, as its own recording, or not at all."""
-    from fricomp.diagnosis import diagnose as diagnose_joint
-    from fricomp.diagnosis import diagnose_against, read_controller
+    from fricomp.api.diagnose import diagnose as diagnose_joint
     from fricomp.errors import DiagnosisError
-    from fricomp.model import load_model
 
-    settings: dict[str, Any] = {**options, "progress": say}
-    settings["controller"] = read_controller(given["controller"]) if given["controller"] is not None else None
-    simulation = settings.pop("simulation")
-    if given["simulated"] is None:
-        friction = load_model(given["friction"]) if given["friction"] is not None else None
-        return diagnose_joint(series, simulation, friction=friction, **settings)
-    if simulation is not None or given["friction"] is not None:
-        raise DiagnosisError("--simulated is the simulation: leave out --simulation and --friction")
-    return diagnose_against(series, read[given["simulated"]], **settings)
+    files: dict[str, Any] = dict(given)
+    if files["simulated"] is not None:
+        if options["simulation"] is not None or files["friction"] is not None:
+            raise DiagnosisError("--simulated is the simulation: leave out --simulation and --friction")
+        files["simulated"] = read[files["simulated"]]
+    return diagnose_joint(series, **options, **files, progress=say)
 
 
 def _facts(

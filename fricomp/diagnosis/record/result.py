@@ -10,6 +10,7 @@ import msgspec
 from fricomp.model import FrictionModel
 
 from ..inputs.track import FloatArray
+from .overview import DiagnosisOverview
 
 __all__ = [
     "DIAGNOSIS_SCHEMA",
@@ -246,8 +247,8 @@ class Evidence:
     change_points: tuple[tuple[float, ...], ...] = ()
 
 
-@dataclass(frozen=True)
-class Diagnosis:
+@dataclass(frozen=True, repr=False)
+class Diagnosis(DiagnosisOverview):
     """The answer of `diagnose`.
 
     Attributes:

@@ -1,0 +1,141 @@
+"""`fricomp.diagnose`: what physics a simulation leaves out, from recordings or their files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from fricomp.diagnosis import Controller, Diagnosis, RigidJoint, diagnose_against, read_controller
+from fricomp.diagnosis import diagnose as diagnose_joint
+from fricomp.errors import DiagnosisError
+from fricomp.extras import require
+from fricomp.model import FrictionModel, load_model
+from fricomp.recording import Recording, read_recording
+from fricomp.results import DIAGNOSIS, claim_folder
+
+__all__ = ["SHORTEST_RECORDING", "diagnose", "read_long_recording"]
+
+SHORTEST_RECORDING = 5.0
+"""Below it a diagnosis fails, or finds unknown physics in a joint with nothing missing: blocks that can be held out,
+slow and fast motion and reversals do not fit into it [s]."""
+
+Source = Recording | str | os.PathLike[str]
+
+
+def diagnose(
+    recordings: Source | Sequence[Source],
+    simulation: RigidJoint | str | os.PathLike[str] | None = None,
+    *,
+    joint: str | None = None,
+    friction: FrictionModel | str | os.PathLike[str] | None = None,
+    simulated: Source | None = None,
+    controller: Controller | str | os.PathLike[str] | None = None,
+    thorough: bool = False,
+    seed: int = 0,
+    names: Sequence[str] | None = None,
+    out: str | os.PathLike[str] | None = None,
+    overwrite: bool = False,
+    progress: Callable[[str], None] | None = None,
+) -> Diagnosis:
+    """Say what physics a simulation of a joint leaves out, with its parameters, from recordings of the real joint.
+
+    The simulation's joint obeys
+
+        tau = J a + g_c cos(q) + g_s sin(q) + tau_0 + tau_friction(v) + w(q, v, a, t, ...),
+
+    with w = 0. Its parameters are refitted first, so that what is missing is not taken for wrong parameters. Then each
+    effect of the catalogue is tried for w; one is named where it explains the residual on data that took no part better
+    than chance, as simulated joints with nothing missing show it, and where no other effect does as well.
+
+    Args:
+        recordings: One or several recordings of one joint, or their files: half a minute or more, with slow and fast
+            motion and reversals. Two payloads or two speeds tell more effects apart than twice the same motion.
+        simulation: MJCF or URDF file whose inertia and gravity are compared. Without it they are identified, and only
+            physics is looked for.
+        joint: Name of the joint in the simulation and in the recordings; needed where there are several.
+        friction: Friction model of the simulation, or its file. Without it friction is identified.
+        simulated: What your simulator recorded under the same commands, in place of `simulation` and `friction`: for
+            simulators that write no MJCF or URDF.
+        controller: The loop that moved the joint, or its file. It is estimated where the reference was recorded; give
+            it where the reference was not.
+        thorough: Take more nulls for the thresholds: for an answer near one of them. It takes longer.
+        seed: Of nulls and bootstraps; the same seed gives the same answer.
+        names: What each recording is called in the answer; the names of their files if None.
+        out: Folder for the report, the record and the models, as the command writes it; nothing is written if None.
+        overwrite: Replace the diagnosis that `out` holds already.
+        progress: Called with a few words before each step.
+
+    Raises:
+        DiagnosisError: A recording is too short, the simulation cannot be read, or the recordings do not belong
+            together.
+        RecordingError: A file cannot be read.
+        OutputError: `out` holds something that is not to be replaced.
+        MissingExtraError: A package is not installed; the message names the extra that brings it.
+    """
+    require("ruptures", extra="diagnose")
+    given = [recordings] if isinstance(recordings, Recording | str | os.PathLike) else list(recordings)
+    settings: dict[str, Any] = {
+        "joint": joint, "thorough": thorough, "seed": seed, "progress": progress,
+        "controller": read_controller(Path(controller)) if isinstance(controller, str | os.PathLike) else controller,
+        "names": names or [_name_of(one, number) for number, one in enumerate(given, 1)],
+    }  # fmt: skip
+    if out is None:
+        return _diagnose([_load(one) for one in given], simulation, friction, simulated, settings)
+    from fricomp.diagnosis.report import write_diagnosis
+
+    paths = [simulation, friction, simulated, controller, *given]
+    inputs = [Path(one) for one in paths if isinstance(one, str | os.PathLike)]
+    with claim_folder(Path(out), DIAGNOSIS, overwrite=overwrite, inputs=inputs) as claim:
+        found = _diagnose([_load(one) for one in given], simulation, friction, simulated, settings)
+        claim.clear()
+        into = Path(simulation) if isinstance(simulation, str | os.PathLike) else None
+        write_diagnosis(found, out, simulation=into, joint=joint)
+    return found
+
+
+def read_long_recording(path: str | os.PathLike[str]) -> Recording:
+    """A recording that is long enough to be diagnosed.
+
+    Raises:
+        DiagnosisError: It is not.
+        RecordingError: It cannot be read.
+    """
+    return _require_long(read_recording(Path(path)), f"the recording {os.fspath(path)}")
+
+
+def _diagnose(
+    series: Sequence[Recording],
+    simulation: RigidJoint | str | os.PathLike[str] | None,
+    friction: FrictionModel | str | os.PathLike[str] | None,
+    simulated: Source | None,
+    settings: dict[str, Any],
+) -> Diagnosis:
+    """Compare with the simulation that was given as a file, as its own recording, or not at all."""
+    if simulated is not None:
+        if simulation is not None or friction is not None:
+            raise DiagnosisError("simulated is the simulation: leave out simulation and friction")
+        return diagnose_against(series, _load(simulated), **settings)
+    model = load_model(friction) if isinstance(friction, str | os.PathLike) else friction
+    joint = Path(simulation) if isinstance(simulation, str | os.PathLike) else simulation
+    return diagnose_joint(series, joint, friction=model, **settings)
+
+
+def _load(source: Source) -> Recording:
+    if isinstance(source, Recording):
+        return _require_long(source, f"the recording of joint {source.metadata.joint!r}")
+    return read_long_recording(source)
+
+
+def _require_long(recording: Recording, name: str) -> Recording:
+    if recording.duration < SHORTEST_RECORDING:
+        raise DiagnosisError(
+            f"{name} lasts {recording.duration:.3g} s, and a diagnosis needs at least {SHORTEST_RECORDING:g} s of "
+            "each: record a longer motion, of half a minute and more"
+        )
+    return recording
+
+
+def _name_of(source: Source, number: int) -> str:
+    return f"recording {number}" if isinstance(source, Recording) else Path(source).stem
