@@ -1,0 +1,129 @@
+"""A recording of an arm: all joints on one clock, in parts between gaps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fricomp.errors import RecordingError
+from fricomp.laws import FloatArray
+from fricomp.recording import Recording, RecordingMetadata
+
+__all__ = ["ArmPart", "ArmRecording", "join_joints"]
+
+_GAP_SAMPLES, _GAP_TIME = 5.0, 0.05
+"""A pause of more samples than this, and longer than this [s], ends a part: a spline across it would be a guess."""
+
+_SHORTEST = 2.0
+"""[s] of a part: below, the filters see more of its ends than of the motion."""
+
+
+@dataclass(frozen=True)
+class ArmPart:
+    """A stretch without gaps, at equal steps.
+
+    Attributes:
+        time: [s]. Shape (n,).
+        position: [rad] or [m]. Shape (n, n_joints).
+        torque: [N·m] or [N]. Shape (n, n_joints).
+    """
+
+    time: FloatArray
+    position: FloatArray
+    torque: FloatArray
+
+    @property
+    def period(self) -> float:
+        """Time between samples [s]."""
+        return float(self.time[1] - self.time[0])
+
+
+@dataclass(frozen=True)
+class ArmRecording:
+    """All joints of an arm.
+
+    Attributes:
+        joints: Names, in the order of the columns.
+        parts: Stretches without gaps.
+        left_out: Share of the time that lies in no part.
+        recordings: What each joint was read from, in the same order.
+    """
+
+    joints: tuple[str, ...]
+    parts: tuple[ArmPart, ...]
+    left_out: float
+    recordings: tuple[Recording, ...]
+
+    @property
+    def metadata(self) -> tuple[RecordingMetadata, ...]:
+        """Of each joint."""
+        return tuple(one.metadata for one in self.recordings)
+
+    @property
+    def duration(self) -> float:
+        """Time in all parts [s]."""
+        return float(sum(part.time[-1] - part.time[0] for part in self.parts))
+
+    @property
+    def period(self) -> float:
+        """Time between samples [s]."""
+        return self.parts[0].period
+
+
+def join_joints(recordings: Sequence[Recording]) -> ArmRecording:
+    """Bring the recordings of all joints of an arm onto one clock.
+
+    Args:
+        recordings: One of each joint, from the same time.
+
+    Raises:
+        RecordingError: A joint comes twice, a torque is neither in N·m nor in N, the recordings share no time, or no
+            stretch of them is long enough.
+    """
+    series = [one.on_joint_side() for one in recordings]
+    names = [one.metadata.joint for one in series]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise RecordingError(f"joint {twice[0]!r} comes twice: an arm is made of one recording of each joint")
+    for one in series:
+        if one.metadata.torque_unit not in ("N·m", "N"):
+            raise RecordingError(
+                f"the torque of {one.metadata.joint!r} is in {one.metadata.torque_unit}: an arm's dynamics need N·m; "
+                "state the torque constant and the gear ratio in the mapping of fricomp convert"
+            )
+    period = float(np.median([one.sample_period for one in series]))
+    first, last = max(one.time[0] for one in series), min(one.time[-1] for one in series)
+    if last - first < _SHORTEST:
+        raise RecordingError(f"the recordings of {', '.join(names)} share {max(last - first, 0.0):.3g} s: too little")
+    edges = _find_edges(series, first, last, max(_GAP_SAMPLES * period, _GAP_TIME))
+    parts = tuple(_sample(series, *edge, period) for edge in edges if edge[1] - edge[0] >= _SHORTEST)
+    if not parts:
+        raise RecordingError(f"no stretch without a gap is as long as {_SHORTEST:g} s: record at an even rate")
+    kept = sum(part.time[-1] - part.time[0] for part in parts)
+    return ArmRecording(tuple(names), parts, max(0.0, 1.0 - kept / (last - first)), tuple(series))
+
+
+def _find_edges(series: Sequence[Recording], first: float, last: float, gap: float) -> list[tuple[float, float]]:
+    """Stretches of time in which no joint has a gap [s]."""
+    breaks: list[tuple[float, float]] = []
+    for one in series:
+        time = np.asarray(one.time)
+        at = np.flatnonzero(np.diff(time) > gap)
+        breaks += [(float(time[i]), float(time[i + 1])) for i in at]
+    edges, start = [], first
+    for begin, end in sorted(breaks):
+        if begin > start:
+            edges.append((start, min(begin, last)))
+        start = max(start, end)
+    return [*edges, (start, last)] if start < last else edges
+
+
+def _sample(series: Sequence[Recording], first: float, last: float, period: float) -> ArmPart:
+    grid = np.arange(first, last, period)
+    columns = {
+        name: np.stack([np.interp(grid, one.time, getattr(one, name)) for one in series], axis=1)
+        for name in ("position", "torque")
+    }
+    return ArmPart(grid, columns["position"], columns["torque"])

@@ -1,0 +1,177 @@
+"""What one recording of a moving arm says about its links, its rotors and the friction of all its joints.
+
+The bandwidth first, since structure that rings is no friction; then the time by which all torques are late, because a
+wrong delay turns into friction; then one thing more at a time, as long as it makes the recording more probable: friction
+that follows the load or falls with speed in a joint, a link that is further off than files usually are, a gain of all
+torques.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fricomp.errors import IdentificationError
+from .arm_recording import ArmRecording
+from .equations import ArmEquations, build_equations
+from .fit import ArmFit, ArmModel, fit_arm
+from .friction import STRIBECK, FrictionForm
+from .prior import ArmPrior
+from .rows import ArmRows, build_rows
+from .simulated_arm import SimulatedArm
+
+__all__ = ["ArmIdentification", "identify_arm"]
+
+Progress = Callable[[str], None]
+
+_CUTOFFS = (1.25, 2.5, 5.0, 10.0, 20.0)
+"""[Hz] that are tried; the one at which the recording fixes the parameters best is taken."""
+
+_MOST_OF_RATE = 0.2
+"""Highest cutoff, as part of the sample rate."""
+
+_DELAY_ROUNDS, _PASSES, _REWEIGHTINGS = 4, 2, 3
+"""Of the search for a delay, of delay and model in turn, and of rows by what a fit leaves of them."""
+
+_SURE = 2.0
+"""Standard deviations that a delay must have to be allowed for."""
+
+_EVIDENCE = 6.0
+"""Logarithm of the least Bayes factor by which something is taken in: a probability of 0.998 at even odds."""
+
+@dataclass(frozen=True)
+class ArmIdentification:
+    """The answer.
+
+    Attributes:
+        recording: What it is of.
+        rows: The equations, with the delay taken off.
+        equations: Their sums.
+        fit: Values and covariance, and what was taken in.
+        delay: By how much the torques are late [s], with its standard deviation.
+        prior: How far the simulation was trusted.
+        trials: What was tried, with the logarithm of its Bayes factor when it was last weighed.
+    """
+
+    recording: ArmRecording
+    rows: ArmRows
+    equations: ArmEquations
+    fit: ArmFit
+    delay: tuple[float, float]
+    prior: ArmPrior
+    trials: dict[str, float]
+
+
+def identify_arm(
+    arm: SimulatedArm, recording: ArmRecording, prior: ArmPrior | None = None, progress: Progress | None = None
+) -> ArmIdentification:
+    """Identify links, rotors and friction of a whole arm.
+
+    Args:
+        arm: The simulation, with the joints of the recording in its order.
+        recording: All joints, moving.
+        prior: How far the simulation is trusted.
+        progress: Called with a few words before each step.
+
+    Raises:
+        IdentificationError: No joint moves, or the recording is too short.
+    """
+    say, prior = progress or (lambda _: None), prior or ArmPrior()
+    if not any(np.ptp(part.position) > 0.0 for part in recording.parts):
+        raise IdentificationError("no joint moves in this recording")
+    model = ArmModel(tuple(FrictionForm() for _ in arm.joints))
+    say("choosing the bandwidth")
+    rows = _choose_rows(arm, recording, model, prior)
+    trials: dict[str, float] = {}
+    delay, deviation = 0.0, 0.0
+    for _ in range(_PASSES):
+        say("finding the delay of the torques")
+        rows, delay, deviation = _take_off_delay(arm, recording, rows, model, prior, delay)
+        say("weighing what the simulation may have wrong")
+        before = model
+        model, fit, equations = _take_in(arm, rows, before, prior, trials)
+        if model == before:
+            break
+    return ArmIdentification(recording, rows, equations, fit, (delay, deviation), prior, trials)
+
+
+def _fit_robustly(
+    arm: SimulatedArm, rows: ArmRows, model: ArmModel, prior: ArmPrior
+) -> tuple[ArmFit, ArmEquations]:
+    """A fit in which rows count by what it leaves of them, and friction follows the load that it finds."""
+    load, fit, equations = rows.links @ arm.inertia.ravel(), None, None
+    for _ in range(_REWEIGHTINGS):
+        fresh = build_equations(arm, rows, load)
+        equations = fresh if fit is None else fresh.with_residuals(fit.residuals(fresh), rows)
+        fit = fit_arm(arm, equations, model, prior, fit)
+        load = fit.rigid_torque(rows)
+    assert fit is not None and equations is not None
+    return fit, equations
+
+
+def _choose_rows(arm: SimulatedArm, recording: ArmRecording, model: ArmModel, prior: ArmPrior) -> ArmRows:
+    """Rows at the cutoff at which the parameters' covariance has the least volume."""
+    best: tuple[float, ArmRows] | None = None
+    for cutoff in _CUTOFFS:
+        if best is not None and cutoff > _MOST_OF_RATE / recording.period:
+            break
+        rows = build_rows(arm, recording, cutoff)
+        if len(rows) < 3 * len(arm.joints):
+            continue
+        fit, _ = _fit_robustly(arm, rows, model, prior)
+        size = np.sqrt(np.diag(fit.covariance))
+        volume = float(np.linalg.slogdet(fit.covariance / np.outer(size, size))[1]) + 2.0 * float(np.sum(np.log(size)))
+        if best is None or volume < best[0]:
+            best = volume, rows
+    if best is None:
+        raise IdentificationError(f"the recording of {recording.duration:.3g} s is too short for an arm")
+    return best[1]
+
+
+def _take_off_delay(
+    arm: SimulatedArm, recording: ArmRecording, rows: ArmRows, model: ArmModel, prior: ArmPrior, start: float
+) -> tuple[ArmRows, float, float]:
+    """Rows in which the torques are as early as the positions, the delay that was taken off [s], and its deviation."""
+    total, deviation = start, 0.0
+    for _ in range(_DELAY_ROUNDS):
+        fit, _ = _fit_robustly(arm, rows, model, prior)
+        more, deviation = fit.delay
+        if abs(more) < (0.5 if total else _SURE) * deviation:
+            break
+        total += more
+        rows = build_rows(arm, recording, rows.cutoff, total)
+    return rows, total, deviation
+
+
+def _take_in(
+    arm: SimulatedArm, rows: ArmRows, model: ArmModel, prior: ArmPrior, trials: dict[str, float]
+) -> tuple[ArmModel, ArmFit, ArmEquations]:
+    """Take in one thing at a time, the most probable first, until none makes the recording much more probable."""
+    fit, equations = _fit_robustly(arm, rows, model, prior)
+    while True:
+        tried = [(name, fit_arm(arm, equations, other, prior, fit)) for name, other in _propose(arm, model)]
+        gains = [one.log_evidence - fit.log_evidence for _, one in tried]
+        trials |= {name: gain for (name, _), gain in zip(tried, gains, strict=True)}
+        if not gains or max(gains) < _EVIDENCE:
+            return model, fit, equations
+        model = tried[int(np.argmax(gains))][1].model
+        fit, equations = _fit_robustly(arm, rows, model, prior)
+
+
+def _propose(arm: SimulatedArm, model: ArmModel) -> Iterator[tuple[str, ArmModel]]:
+    for j, (joint, form) in enumerate(zip(arm.joints, model.forms, strict=True)):
+        if not form.follows_load:
+            yield f"{joint}: friction follows the load", _with_form(model, j, replace(form, follows_load=True))
+        for k in range(len(STRIBECK)) if form.stribeck is None else ():
+            yield f"{joint}: friction falls with speed ({k})", _with_form(model, j, replace(form, stribeck=k))
+    for i, link in enumerate(arm.links):
+        if i not in model.opened:
+            yield f"{link} is off", replace(model, opened=model.opened | {i})
+    if not model.gain:
+        yield "all torques have a gain", replace(model, gain=True)
+
+
+def _with_form(model: ArmModel, joint: int, form: FrictionForm) -> ArmModel:
+    return replace(model, forms=(*model.forms[:joint], form, *model.forms[joint + 1 :]))

@@ -1,0 +1,111 @@
+"""What a link weighs: ten numbers, and coordinates in which every value is a body that can exist.
+
+    J = L_0 U(p) U(p)ᵀ L_0ᵀ,  L_0 L_0ᵀ = J_0,  U = upper triangular, exp(p_1..4) on its diagonal
+
+J is the 4 × 4 pseudo-inertia of a link, J_0 that of the simulation. It is positive definite for every p, which is what
+makes mass, first moments and moments of inertia those of matter [wensing2018]; p = 0 is the simulation, and p_i = 0.1
+everywhere is a link some tenths off in mass, size and place, whatever the link is. So one number says how far a
+simulation is trusted [rucker2022].
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fricomp.laws import FloatArray
+
+__all__ = ["N_INERTIA", "LinkCoordinates", "combine_inertia", "to_centre"]
+
+N_INERTIA = 10
+_PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+_UPPER = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
+_LEAST = 1e-3
+"""Least axis of a pseudo-inertia, as part of its largest: a file may hold a link that cannot exist or has no extent."""
+
+_LEAST_MASS, _LEAST_SIZE = 1e-3, 1e-2
+"""[kg] and [m] of a link that the file gives no mass."""
+
+
+def combine_inertia(mass: float, centre: FloatArray, about_centre: FloatArray) -> FloatArray:
+    """Ten numbers of a body about an origin, from its mass [kg], centre [m] and inertia about that [kg·m²].
+
+    Returns:
+        m, h (3), I_xx, I_xy, I_xz, I_yy, I_yz, I_zz. Shape (10,).
+    """
+    about_origin = about_centre + mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
+    return np.array([mass, *(mass * centre), *(about_origin[i, j] for i, j in _PAIRS)])
+
+
+def to_centre(inertia: FloatArray) -> tuple[float, FloatArray]:
+    """Mass [kg] and centre of mass [m] of ten numbers."""
+    mass = float(inertia[0])
+    return mass, inertia[1:4] / max(mass, 1e-12)
+
+
+class LinkCoordinates:
+    """Coordinates of one link about its simulated inertia.
+
+    Args:
+        simulated: Ten numbers. Shape (10,).
+    """
+
+    def __init__(self, simulated: FloatArray) -> None:
+        self._root = _find_root(_to_pseudo(simulated))
+        self._slopes = [self._root @ _direction(i) for i in range(N_INERTIA)]
+
+    def inertia(self, p: FloatArray) -> FloatArray:
+        """Ten numbers at p. Shape (10,)."""
+        root = self._root @ _to_factor(p)
+        return _from_pseudo(root @ root.T)
+
+    def jacobian(self, p: FloatArray) -> FloatArray:
+        """Their derivatives by p. Shape (10, 10)."""
+        factor = _to_factor(p)
+        root = self._root @ factor
+        columns = []
+        for i in range(N_INERTIA):
+            slope = self._slopes[i] * (np.exp(p[i]) if i < 4 else 1.0)
+            columns.append(_from_pseudo(slope @ root.T + root @ slope.T))
+        return np.stack(columns, axis=1)
+
+
+def _direction(i: int) -> FloatArray:
+    result = np.zeros((4, 4))
+    result[(i, i) if i < 4 else _UPPER[i - 4]] = 1.0
+    return result
+
+
+def _to_factor(p: FloatArray) -> FloatArray:
+    factor = np.diag(np.exp(p[:4]))
+    for value, place in zip(p[4:], _UPPER, strict=True):
+        factor[place] = value
+    return factor
+
+
+def _to_pseudo(inertia: FloatArray) -> FloatArray:
+    """[[Σ, h], [hᵀ, m]] with Σ = ½ tr(I) 1 - I, the second moments of the mass."""
+    about = np.zeros((3, 3))
+    for value, (i, j) in zip(inertia[4:], _PAIRS, strict=True):
+        about[i, j] = about[j, i] = value
+    result = np.zeros((4, 4))
+    result[:3, :3] = 0.5 * np.trace(about) * np.eye(3) - about
+    result[:3, 3] = result[3, :3] = inertia[1:4]
+    result[3, 3] = inertia[0]
+    return result
+
+
+def _from_pseudo(pseudo: FloatArray) -> FloatArray:
+    about = np.trace(pseudo[:3, :3]) * np.eye(3) - pseudo[:3, :3]
+    return np.array([pseudo[3, 3], *pseudo[:3, 3], *(about[i, j] for i, j in _PAIRS)])
+
+
+def _find_root(pseudo: FloatArray) -> FloatArray:
+    """A root of the nearest pseudo-inertia that matter can have: mass kept, second moments about the centre raised."""
+    mass = max(float(pseudo[3, 3]), _LEAST_MASS)
+    centre = pseudo[:3, 3] / mass
+    values, axes = np.linalg.eigh(pseudo[:3, :3] - mass * np.outer(centre, centre))
+    least = max(_LEAST * float(values[-1]), mass * _LEAST_SIZE**2)
+    root = np.zeros((4, 4))
+    root[:3, :3] = axes * np.sqrt(np.maximum(values, least))
+    root[:3, 3], root[3, 3] = np.sqrt(mass) * centre, np.sqrt(mass)
+    return root

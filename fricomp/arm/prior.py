@@ -1,0 +1,32 @@
+"""How far the simulation of an arm, and the friction of its joints, are trusted before anything was recorded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["ArmPrior"]
+
+
+@dataclass(frozen=True)
+class ArmPrior:
+    """Standard deviations before the recording. They decide where a motion says little, and nothing where it says much.
+
+    Attributes:
+        links: Of each coordinate of a link's inertia, relative: 0.1 is a mass, and a size, that are right to some
+            20 %. Make it larger where the links' masses are guessed, smaller where they were weighed.
+        rotors: Of a rotor's inertia, as part of the joint's own mean inertia: files seldom know it.
+        friction: Of each friction torque, as part of the joint's typical torque. Wide, since nobody knows friction.
+        load_friction: Of friction per transmitted torque [N·m/N·m]; gears have 0.04 to 0.29 [bittencourt2010].
+        delay: Of the time by which all torques are late behind the positions [s].
+        gain: Of the factor on all torques, relative to 1, where the recording is found to ask for one. A gain and the
+            masses of all links are nearly the same.
+        opened: As `links`, of a link that the recording shows to be off: a payload is several links.
+    """
+
+    links: float = 0.1
+    rotors: float = 0.2
+    friction: float = 3.0
+    load_friction: float = 0.3
+    delay: float = 0.01
+    gain: float = 0.1
+    opened: float = 1.0

@@ -1,0 +1,63 @@
+"""Joint torques of an arm are linear in what its links weigh.
+
+    f = m a + α × h + ω × (ω × h),  n = I α + ω × I ω + h × a,  τ = Σ_links (Jᵥᵀ f + J_ωᵀ n)
+
+in the frame of each link, a being the acceleration of its origin less that of gravity [hollerbach2016].
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fricomp.laws import FloatArray
+
+from .inertia import N_INERTIA
+from .simulated_arm import LinkMotion, SimulatedArm
+
+__all__ = ["compute_regressor"]
+
+
+def compute_regressor(
+    arm: SimulatedArm, position: FloatArray, velocity: FloatArray, acceleration: FloatArray
+) -> FloatArray:
+    """Torque of every joint for one unit of each inertial number of each link.
+
+    Args:
+        arm: Kinematics.
+        position: [rad] or [m]. Shape (n, n_joints), like the others.
+        velocity: [rad/s] or [m/s].
+        acceleration: [rad/s²] or [m/s²].
+
+    Returns:
+        Shape (n, n_joints, 10 n_links); times `arm.inertia.ravel()` it is the torque [N·m] or [N], rotors left out.
+    """
+    links = arm.follow(position, velocity, acceleration)
+    return np.concatenate([_weigh_torque(link) for link in links], axis=2)
+
+
+def _weigh_torque(link: LinkMotion) -> FloatArray:
+    """Shape (n, n_joints, 10)."""
+    w, alpha, a = link.angular_velocity, link.angular_acceleration, link.acceleration
+    n = len(w)
+    force, moment = np.zeros((n, 3, N_INERTIA)), np.zeros((n, 3, N_INERTIA))
+    turning = _cross(w)
+    force[:, :, 0] = a
+    force[:, :, 1:4] = _cross(alpha) + turning @ turning
+    moment[:, :, 1:4] = -_cross(a)
+    moment[:, :, 4:] = _multiply_inertia(alpha) + turning @ _multiply_inertia(w)
+    back = np.swapaxes(link.translation, 1, 2) @ force + np.swapaxes(link.rotation, 1, 2) @ moment
+    return np.asarray(back)
+
+
+def _cross(v: FloatArray) -> FloatArray:
+    """Matrices that take the cross product with v from the left. Shape (n, 3, 3)."""
+    result = np.zeros((len(v), 3, 3))
+    result[:, 0, 1], result[:, 0, 2], result[:, 1, 2] = -v[:, 2], v[:, 1], -v[:, 0]
+    return result - np.swapaxes(result, 1, 2)
+
+
+def _multiply_inertia(v: FloatArray) -> FloatArray:
+    """Matrices that take (I_xx, I_xy, I_xz, I_yy, I_yz, I_zz) to I v. Shape (n, 3, 6)."""
+    x, y, z = v.T
+    o = np.zeros_like(x)
+    return np.stack([np.stack(row, axis=1) for row in ((x, y, z, o, o, o), (o, x, o, y, z, o), (o, o, x, o, y, z))], axis=1)
