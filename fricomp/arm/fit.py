@@ -9,13 +9,14 @@ friction's place and extrapolate to torques above those recorded.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from fricomp.laws import FloatArray
 
 from .equations import ArmEquations
-from .friction import FrictionForm, friction_names
+from .friction import JointForm, column_names
 from .inertia import N_INERTIA, LinkCoordinates
 from .prior import ArmPrior
 from .rows import ArmRows
@@ -23,7 +24,6 @@ from .simulated_arm import SimulatedArm
 
 __all__ = ["ArmFit", "ArmModel", "fit_arm"]
 
-_ROUNDS = 40
 _CONVERGED = 1e-8
 """Fall of the objective in a step, as part of it, below which the fit stands still."""
 
@@ -41,7 +41,7 @@ class ArmModel:
         gain: Whether all torques may have a common gain.
     """
 
-    forms: tuple[FrictionForm, ...]
+    forms: tuple[JointForm, ...]
     opened: frozenset[int] = frozenset()
     gain: bool = False
 
@@ -92,7 +92,7 @@ class ArmFit:
 
     def find_friction(self, joint: int) -> tuple[slice, tuple[str, ...]]:
         """Place and names of a joint's friction parameters in x."""
-        names = [form.names for form in self.model.forms]
+        names = [form.columns for form in self.model.forms]
         start = N_INERTIA * len(self.arm.links) + len(self.arm.joints) + sum(map(len, names[:joint]))
         return slice(start, start + len(names[joint])), names[joint]
 
@@ -125,6 +125,8 @@ def fit_arm(
     model: ArmModel,
     prior: ArmPrior,
     start: ArmFit | None = None,
+    *,
+    steps: int = 40,
 ) -> ArmFit:
     """Fit links, rotors and friction together.
 
@@ -134,11 +136,12 @@ def fit_arm(
         model: What is fitted.
         prior: How far the simulation is trusted.
         start: A fit of another model to begin with.
+        steps: Most Gauss-Newton steps; two tell how good a model is that differs from `start` by one term.
     """
     coordinates = _Coordinates(arm, model)
     mean, deviation = coordinates.place_prior(equations, prior)
     x = mean.copy() if start is None else coordinates.take_over(start, mean)
-    x = _descend(coordinates, equations, x, mean, deviation)
+    x = _descend(coordinates, equations, x, mean, deviation, steps)
     H, _, cost = _linearise(coordinates, equations, x)
     scaled = H * np.outer(deviation, deviation) + np.eye(x.size)
     weights = equations.weights
@@ -156,17 +159,22 @@ def fit_arm(
 
 
 def _descend(
-    coordinates: _Coordinates, equations: ArmEquations, x: FloatArray, mean: FloatArray, deviation: FloatArray
+    coordinates: _Coordinates,
+    equations: ArmEquations,
+    x: FloatArray,
+    mean: FloatArray,
+    deviation: FloatArray,
+    steps: int,
 ) -> FloatArray:
     def judge(there: FloatArray) -> float:
         return _cost(coordinates, equations, there) + float(np.sum(((there - mean) / deviation) ** 2))
 
     value = judge(x)
-    for _ in range(_ROUNDS):
+    for _ in range(steps):
         H, g, _ = _linearise(coordinates, equations, x)
         scaled = H * np.outer(deviation, deviation) + np.eye(x.size)
         step = deviation * np.linalg.solve(scaled, deviation * g - (x - mean) / deviation)
-        there, best = min(((x + part * step) for part in _PARTS[:1]), key=judge), value
+        there, best = x, value
         for part in _PARTS:
             there = x + part * step
             best = judge(there)
@@ -207,11 +215,11 @@ class _Coordinates:
         self.arm, self.model = arm, model
         self.links = [LinkCoordinates(one) for one in arm.inertia]
         self.n_inertial = N_INERTIA * len(arm.links)
-        every = {name: k for k, name in enumerate(friction_names())}
+        every = {name: k for k, name in enumerate(column_names())}
         first = self.n_inertial + 1
-        self.columns = [np.array([first + every[name] for name in form.names]) for form in model.forms]
+        self.columns = [np.array([first + every[name] for name in form.columns]) for form in model.forms]
         sizes = np.cumsum([self.n_inertial + len(arm.joints), *(len(c) for c in self.columns)])
-        self.places = [slice(int(a), int(b)) for a, b in zip(sizes[:-1], sizes[1:], strict=True)]
+        self.places = [slice(int(a), int(b)) for a, b in pairwise(sizes)]
         self.size, self.width = int(sizes[-1]) + 2, first + len(every) + 2
 
     def expand(self, x: FloatArray) -> FloatArray:
@@ -252,7 +260,7 @@ class _Coordinates:
         x[:rigid], x[-2:] = fit.x[:rigid], fit.x[-2:]
         for j, place in enumerate(self.places):
             before = fit.friction(j)
-            x[place] = [before.get(name, 0.0) for name in self.model.forms[j].names]
+            x[place] = [before.get(name, 0.0) for name in self.model.forms[j].columns]
         return x
 
     def place_prior(self, equations: ArmEquations, prior: ArmPrior) -> tuple[FloatArray, FloatArray]:
@@ -266,9 +274,18 @@ class _Coordinates:
             own = abs(float(sums[self.n_inertial, : self.n_inertial] @ arm.inertia.ravel()))
             own /= max(float(sums[self.n_inertial, self.n_inertial]), 1e-12)
             deviation[self.n_inertial + j] = prior.rotors * max(own + arm.armature[j], 1e-9)
-            typical = prior.friction * np.sqrt(max(float(sums[-1, -1]) / max(float(sums[self.n_inertial + 2, self.n_inertial + 2]), 1.0), 1e-18))
+            ones = max(float(sums[self.n_inertial + 2, self.n_inertial + 2]), 1.0)  # of the column of the offset
+            typical = prior.friction * np.sqrt(max(float(sums[-1, -1]) / ones, 1e-18))
             speed = float(equations.top_speed[j])
-            own_sizes = {"viscous": typical / speed, "viscous_difference": typical / speed, "load": prior.load_friction}
-            deviation[place] = [own_sizes.get(name, typical) for name in self.model.forms[j].names]
+            deviation[place] = [_size_column(name, typical, speed, prior) for name in self.model.forms[j].columns]
         deviation[-2], deviation[-1] = prior.delay, prior.gain if self.model.gain else 1e-9
         return mean, deviation
+
+
+def _size_column(name: str, torque: float, speed: float, prior: ArmPrior) -> float:
+    """Prior deviation of a friction parameter, from a typical torque [N·m] and the joint's top speed [rad/s]."""
+    if name.startswith("load_"):
+        return prior.load_friction
+    if name.startswith("viscous"):
+        return torque / speed
+    return torque / speed**2 if name.startswith("quadratic_drag") else torque

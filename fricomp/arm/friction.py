@@ -1,8 +1,13 @@
-"""Friction of one joint of an arm as columns of its equations, linear in all parameters.
+"""What may act in one joint of an arm, as columns of its equations: linear in all parameters.
 
-    F_c s + b + F_v v + D |v| + (E + D_e s) s exp(-(v/v_s)²) + c |τ_l| s,  s = sign v
+    F_c s + b + F_v v + D |v|                        every joint
+    (E + D_e s) s exp(-(v/v_s)²)                     Stribeck effect
+    P (z - s),  z' = v (1 - z s) / d                 presliding: what is missing until a bristle has turned [dahl1968]
+    c |τ_l| s,  c_d |τ_l| s [τ_l v > 0]              friction that follows the load, and driving alone
+    (A cos q + B sin q) s,  k (q - q_0)              friction over position, a spring
+    C v |v|,  W (|v|/v_top)ⁿ s                       drag, and viscous friction that falls behind the speed
 
-with a few Stribeck velocities v_s to choose from, and τ_l the torque that the joint transmits.
+with s = sign v, and τ_l the torque that the joint transmits.
 """
 
 from __future__ import annotations
@@ -15,39 +20,87 @@ from fricomp.laws import FloatArray
 
 from .rows import ArmRows
 
-__all__ = ["PLAIN", "STRIBECK", "FrictionForm", "friction_columns", "friction_names"]
+__all__ = ["PLAIN", "TERMS", "JointForm", "JointTerm", "column_names", "friction_columns"]
 
 PLAIN = ("coulomb", "offset", "viscous", "viscous_difference")
 """Parameters that every joint has."""
 
-STRIBECK = (0.02, 0.04, 0.08, 0.15, 0.3)
-"""Stribeck velocities to choose from, as parts of a joint's top speed. Curves between two of them differ by less than
+_STRIBECK = (0.02, 0.04, 0.08, 0.15, 0.3)
+"""Stribeck velocities to choose from, as parts of a joint's top speed: curves between two of them differ by less than
 the noise of a recording in which all joints move."""
+
+_BREAKAWAY = (0.5e-3, 1e-3, 2e-3, 4e-3, 8e-3, 16e-3)
+"""Breakaway distances to choose from [rad] or [m]."""
+
+_EXPONENTS = (0.5, 0.7)
+"""Of viscous friction to choose from; the catalogue has 0.5 to 0.9."""
 
 
 @dataclass(frozen=True)
-class FrictionForm:
-    """What of a joint's friction is fitted beside `PLAIN`.
+class JointTerm:
+    """Something that may act in a joint.
 
     Attributes:
-        stribeck: Number of the Stribeck velocity in `STRIBECK`; None for a joint without a Stribeck effect.
-        follows_load: Whether friction grows with the transmitted torque.
+        name: In the catalogue of effects; "stribeck" for what every friction law has.
+        columns: Its parameters.
+        values: Of the variants to choose from; one that has none is None.
+        follows_load: Whether its columns need the transmitted torque.
     """
 
-    stribeck: int | None = None
+    name: str
+    columns: tuple[str, ...]
+    values: tuple[float | None, ...] = (None,)
     follows_load: bool = False
 
+    def names(self, variant: int) -> tuple[str, ...]:
+        """Names of its columns in one variant."""
+        return tuple(f"{self.name}.{column}.{variant}" for column in self.columns)
+
+
+TERMS = {
+    term.name: term
+    for term in (
+        JointTerm("stribeck", ("excess", "excess_difference"), _STRIBECK),
+        JointTerm("presliding_hysteresis", ("level",), _BREAKAWAY),
+        JointTerm("position_coulomb", ("cosine", "sine")),
+        JointTerm("quadratic_drag", ("coefficient",)),
+        JointTerm("power_law_viscous", ("torque_at_top_speed",), _EXPONENTS),
+        JointTerm("spring_torque", ("stiffness",)),
+        JointTerm("load_coulomb", ("coefficient",), follows_load=True),
+        JointTerm("load_quadratic", ("driving",), follows_load=True),
+    )
+}
+"""What is tried in every joint."""
+
+
+@dataclass(frozen=True)
+class JointForm:
+    """What acts in a joint beside `PLAIN`.
+
+    Attributes:
+        terms: Names of `TERMS`, each with the number of its variant.
+    """
+
+    terms: tuple[tuple[str, int], ...] = ()
+
     @property
-    def names(self) -> tuple[str, ...]:
+    def columns(self) -> tuple[str, ...]:
         """Parameters."""
-        falls = () if self.stribeck is None else (f"excess {self.stribeck}", f"excess_difference {self.stribeck}")
-        return (*PLAIN, *falls, *(("load",) if self.follows_load else ()))
+        return (*PLAIN, *(name for term, variant in self.terms for name in TERMS[term].names(variant)))
+
+    def with_term(self, name: str, variant: int) -> JointForm:
+        """This form with one term more."""
+        return JointForm((*self.terms, (name, variant)))
+
+    def without_term(self, name: str) -> JointForm:
+        """This form with one term less."""
+        return JointForm(tuple(term for term in self.terms if term[0] != name))
 
 
-def friction_names() -> tuple[str, ...]:
-    """All columns of a joint, in order; the load comes last."""
-    falls = [f"{name} {k}" for k in range(len(STRIBECK)) for name in ("excess", "excess_difference")]
-    return (*PLAIN, *falls, "load")
+def column_names() -> tuple[str, ...]:
+    """All columns of a joint, in order; those that follow the load come last."""
+    terms = sorted(TERMS.values(), key=lambda term: term.follows_load)
+    return (*PLAIN, *(name for term in terms for k in range(len(term.values)) for name in term.names(k)))
 
 
 def friction_columns(rows: ArmRows, joint: int, top_speed: float, load: FloatArray) -> FloatArray:
@@ -60,16 +113,35 @@ def friction_columns(rows: ArmRows, joint: int, top_speed: float, load: FloatArr
         load: Torque that the joint transmits, at the rows [N·m] or [N]. Shape (n,).
 
     Returns:
-        Shape (n, len(friction_names())).
+        Shape (n, len(column_names())).
     """
+    middle = float(np.mean(np.concatenate([q[:, joint] for q, _, _ in rows.motion])))
 
-    def build(_: FloatArray, velocity: FloatArray, __: FloatArray) -> FloatArray:
-        v = velocity[:, joint]
-        sign, columns = np.sign(v), []
-        for part in STRIBECK:
+    def build(position: FloatArray, velocity: FloatArray, _: FloatArray) -> FloatArray:
+        q, v = position[:, joint], velocity[:, joint]
+        s, columns = np.sign(v), []
+        for part in _STRIBECK:
             fall = np.exp(-((v / (part * top_speed)) ** 2))
-            columns += [sign * fall, fall]
-        return np.stack([sign, np.ones_like(v), v, np.abs(v), *columns], axis=1)
+            columns += [s * fall, fall]
+        columns += [turn_bristle(q, distance) - s for distance in _BREAKAWAY]
+        columns += [np.cos(q) * s, np.sin(q) * s, v * np.abs(v)]
+        columns += [s * (np.abs(v) / top_speed) ** n for n in _EXPONENTS]
+        columns += [q - middle]
+        return np.stack([s, np.ones_like(v), v, np.abs(v), *columns], axis=1)
 
     columns = rows.compare(build)
-    return np.column_stack([columns, np.abs(load) * columns[:, 0]])
+    s = columns[:, 0]
+    driving = load * s > 0.0
+    return np.column_stack([columns, np.abs(load) * s, np.abs(load) * s * driving])
+
+
+def turn_bristle(position: FloatArray, distance: float) -> FloatArray:
+    """Part of its level that a bristle holds along a path, from -1 to 1, by Dahl's law [dahl1968]. Shape (n,)."""
+    steps = np.diff(position, prepend=position[0])
+    z, result = 0.0, np.empty_like(position)
+    for k, (step, decay) in enumerate(
+        zip(np.sign(steps).tolist(), np.exp(-np.abs(steps) / distance).tolist(), strict=True)
+    ):
+        z = step + (z - step) * decay if step else z
+        result[k] = z
+    return result

@@ -1,9 +1,9 @@
 """What one recording of a moving arm says about its links, its rotors and the friction of all its joints.
 
 The bandwidth first, since structure that rings is no friction; then the time by which all torques are late, because a
-wrong delay turns into friction; then one thing more at a time, as long as it makes the recording more probable: friction
-that follows the load or falls with speed in a joint, a link that is further off than files usually are, a gain of all
-torques.
+wrong delay turns into friction; then one thing more at a time, as long as it makes the recording more probable: a term
+of friction in a joint, a link that is further off than files usually are, a gain of all torques. What was taken in and
+does not come again in halves of the recording, or changes next to nothing on data that took no part, is left out again.
 """
 
 from __future__ import annotations
@@ -14,10 +14,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fricomp.errors import IdentificationError
+
 from .arm_recording import ArmRecording
 from .equations import ArmEquations, build_equations
 from .fit import ArmFit, ArmModel, fit_arm
-from .friction import STRIBECK, FrictionForm
+from .friction import TERMS, JointForm
+from .physics import is_physical
 from .prior import ArmPrior
 from .rows import ArmRows, build_rows
 from .simulated_arm import SimulatedArm
@@ -32,14 +34,18 @@ _CUTOFFS = (1.25, 2.5, 5.0, 10.0, 20.0)
 _MOST_OF_RATE = 0.2
 """Highest cutoff, as part of the sample rate."""
 
-_DELAY_ROUNDS, _PASSES, _REWEIGHTINGS = 4, 2, 3
-"""Of the search for a delay, of delay and model in turn, and of rows by what a fit leaves of them."""
+_DELAY_ROUNDS, _PASSES, _REWEIGHTINGS = 4, 2, 2
+"""Of the search for a delay, of delay and model in turn, and of weighing rows by what a fit leaves of them."""
+
+_GLANCE, _LOOK = 2, 15
+"""Gauss-Newton steps in which a term is weighed, and a link that may be far off, which is not linear."""
 
 _SURE = 2.0
 """Standard deviations that a delay must have to be allowed for."""
 
 _EVIDENCE = 6.0
 """Logarithm of the least Bayes factor by which something is taken in: a probability of 0.998 at even odds."""
+
 
 @dataclass(frozen=True)
 class ArmIdentification:
@@ -81,7 +87,7 @@ def identify_arm(
     say, prior = progress or (lambda _: None), prior or ArmPrior()
     if not any(np.ptp(part.position) > 0.0 for part in recording.parts):
         raise IdentificationError("no joint moves in this recording")
-    model = ArmModel(tuple(FrictionForm() for _ in arm.joints))
+    model = ArmModel(tuple(JointForm() for _ in arm.joints))
     say("choosing the bandwidth")
     rows = _choose_rows(arm, recording, model, prior)
     trials: dict[str, float] = {}
@@ -98,16 +104,15 @@ def identify_arm(
 
 
 def _fit_robustly(
-    arm: SimulatedArm, rows: ArmRows, model: ArmModel, prior: ArmPrior
+    arm: SimulatedArm, rows: ArmRows, model: ArmModel, prior: ArmPrior, start: ArmFit | None = None
 ) -> tuple[ArmFit, ArmEquations]:
     """A fit in which rows count by what it leaves of them, and friction follows the load that it finds."""
-    load, fit, equations = rows.links @ arm.inertia.ravel(), None, None
+    equations = build_equations(arm, rows, rows.links @ arm.inertia.ravel())
+    fit = fit_arm(arm, equations, model, prior, start)
     for _ in range(_REWEIGHTINGS):
-        fresh = build_equations(arm, rows, load)
-        equations = fresh if fit is None else fresh.with_residuals(fit.residuals(fresh), rows)
+        fresh = build_equations(arm, rows, fit.rigid_torque(rows))
+        equations = fresh.with_residuals(fit.residuals(fresh), rows)
         fit = fit_arm(arm, equations, model, prior, fit)
-        load = fit.rigid_torque(rows)
-    assert fit is not None and equations is not None
     return fit, equations
 
 
@@ -151,21 +156,25 @@ def _take_in(
     """Take in one thing at a time, the most probable first, until none makes the recording much more probable."""
     fit, equations = _fit_robustly(arm, rows, model, prior)
     while True:
-        tried = [(name, fit_arm(arm, equations, other, prior, fit)) for name, other in _propose(arm, model)]
+        tried = [
+            (name, fit_arm(arm, equations, other, prior, fit, steps=_GLANCE if other.opened == model.opened else _LOOK))
+            for name, other in _propose(arm, model)
+        ]
+        tried = [(name, one) for name, one in tried if is_physical(one)]
         gains = [one.log_evidence - fit.log_evidence for _, one in tried]
-        trials |= {name: gain for (name, _), gain in zip(tried, gains, strict=True)}
+        for (name, _), gain in sorted(zip(tried, gains, strict=True), key=lambda one: one[1]):
+            trials[name] = float(gain)  # of its best variant
         if not gains or max(gains) < _EVIDENCE:
             return model, fit, equations
         model = tried[int(np.argmax(gains))][1].model
-        fit, equations = _fit_robustly(arm, rows, model, prior)
+        fit, equations = _fit_robustly(arm, rows, model, prior, tried[int(np.argmax(gains))][1])
 
 
 def _propose(arm: SimulatedArm, model: ArmModel) -> Iterator[tuple[str, ArmModel]]:
     for j, (joint, form) in enumerate(zip(arm.joints, model.forms, strict=True)):
-        if not form.follows_load:
-            yield f"{joint}: friction follows the load", _with_form(model, j, replace(form, follows_load=True))
-        for k in range(len(STRIBECK)) if form.stribeck is None else ():
-            yield f"{joint}: friction falls with speed ({k})", _with_form(model, j, replace(form, stribeck=k))
+        for term in TERMS.values() if arm.rotary[j] else ():
+            for variant in range(len(term.values)) if term.name not in dict(form.terms) else ():
+                yield f"{joint}: {term.name}", _with_form(model, j, form.with_term(term.name, variant))
     for i, link in enumerate(arm.links):
         if i not in model.opened:
             yield f"{link} is off", replace(model, opened=model.opened | {i})
@@ -173,5 +182,5 @@ def _propose(arm: SimulatedArm, model: ArmModel) -> Iterator[tuple[str, ArmModel
         yield "all torques have a gain", replace(model, gain=True)
 
 
-def _with_form(model: ArmModel, joint: int, form: FrictionForm) -> ArmModel:
+def _with_form(model: ArmModel, joint: int, form: JointForm) -> ArmModel:
     return replace(model, forms=(*model.forms[:joint], form, *model.forms[joint + 1 :]))

@@ -60,4 +60,6 @@ def _multiply_inertia(v: FloatArray) -> FloatArray:
     """Matrices that take (I_xx, I_xy, I_xz, I_yy, I_yz, I_zz) to I v. Shape (n, 3, 6)."""
     x, y, z = v.T
     o = np.zeros_like(x)
-    return np.stack([np.stack(row, axis=1) for row in ((x, y, z, o, o, o), (o, x, o, y, z, o), (o, o, x, o, y, z))], axis=1)
+    return np.stack(
+        [np.stack(row, axis=1) for row in ((x, y, z, o, o, o), (o, x, o, y, z, o), (o, o, x, o, y, z))], axis=1
+    )

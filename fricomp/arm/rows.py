@@ -46,6 +46,8 @@ class ArmRows:
         part: Number of the part that a row is of. Shape (n,).
         motion: Smoothed position [rad], velocity [rad/s] and acceleration [rad/s²] of each part, dense. Shapes
             (n_dense, n_joints).
+        dense_time: Of each part [s]. Shapes (n_dense,).
+        dense_torque: Of each part, as late as the positions [N·m] or [N]. Shapes (n_dense, n_joints).
         torque: Of the rows [N·m] or [N]. Shape (n, n_joints).
         torque_rate: Its derivative [N·m/s] or [N/s]. Shape (n, n_joints).
         links: Columns of the links. Shape (n, n_joints, 10 n_links).
@@ -55,6 +57,8 @@ class ArmRows:
     time: FloatArray
     part: np.ndarray
     motion: tuple[tuple[FloatArray, FloatArray, FloatArray], ...]
+    dense_time: tuple[FloatArray, ...]
+    dense_torque: tuple[FloatArray, ...]
     torque: FloatArray
     torque_rate: FloatArray
     links: FloatArray
@@ -105,8 +109,12 @@ def build_rows(arm: SimulatedArm, recording: ArmRecording, cutoff: float, delay:
     motion = tuple((q, v, a) for _, q, v, a, _ in dense)
     return ArmRows(
         time=np.concatenate([one[0][f.kept] for one, f in zip(dense, filters, strict=True)]),
-        part=np.concatenate([np.full(len(one[0][f.kept]), i) for i, (one, f) in enumerate(zip(dense, filters, strict=True))]),
+        part=np.concatenate(
+            [np.full(len(one[0][f.kept]), i) for i, (one, f) in enumerate(zip(dense, filters, strict=True))]
+        ),
         motion=motion,
+        dense_time=tuple(one[0] for one in dense),
+        dense_torque=tuple(one[4] for one in dense),
         torque=np.concatenate([f(one[4]) for one, f in zip(dense, filters, strict=True)]),
         torque_rate=np.concatenate([f(_differentiate(one)) for one, f in zip(dense, filters, strict=True)]),
         links=np.concatenate([f(compute_regressor(arm, *m)) for m, f in zip(motion, filters, strict=True)]),
@@ -115,7 +123,9 @@ def build_rows(arm: SimulatedArm, recording: ArmRecording, cutoff: float, delay:
     )
 
 
-def _smooth(part: ArmPart, cutoff: float, delay: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+def _smooth(
+    part: ArmPart, cutoff: float, delay: float
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
     """Time, position, velocity, acceleration and torque at the dense rate."""
     rate = 1.0 / part.period
     smoothing = min(_SMOOTHING * cutoff, _NYQUIST_SHARE * rate)

@@ -89,7 +89,9 @@ class SimulatedArm:
                 mujoco.mj_jacBody(model, data, full[:3], full[3:], body)
                 turn = data.xmat[body].reshape(3, 3)
                 columns[i, k, :3], columns[i, k, 3:] = turn.T @ full[:3, dofs], turn.T @ full[3:, dofs]
-        return [LinkMotion(m[:, :3], m[:, 6:9], m[:, 9:], c[:, :3], c[:, 3:]) for m, c in zip(motion, columns, strict=True)]
+        return [
+            LinkMotion(m[:, :3], m[:, 6:9], m[:, 9:], c[:, :3], c[:, 3:]) for m, c in zip(motion, columns, strict=True)
+        ]
 
     def _addresses(self) -> tuple[list[int], list[int]]:
         ids = [self._model.joint(name).id for name in self.joints]

@@ -1,0 +1,101 @@
+"""Whether what was taken in comes again: in halves of the recording, and on data that took no part in the fit.
+
+A term that one half of the blocks of a recording asks for and the other half does not is chance. The share of halves
+in which it comes again is kept with it; drawn in complementary pairs, it bounds how many false ones there are
+[shah2013].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fricomp.laws import FloatArray
+
+from .equations import ArmEquations
+from .fit import ArmFit, ArmModel, fit_arm
+from .prior import ArmPrior
+from .rows import ArmRows
+from .simulated_arm import SimulatedArm
+
+__all__ = ["HeldOutErrors", "measure_held_out", "measure_stability", "without_term"]
+
+_PAIRS = 5
+_BLOCKS = 20
+"""Blocks that a recording is cut into; a half are ten of them, so that each half meets all of the motion."""
+
+_FOLDS = 4
+
+
+@dataclass(frozen=True)
+class HeldOutErrors:
+    """Root mean square errors of each joint on rows that took no part in the fit [N·m] or [N]. Shapes (n_joints,).
+
+    Attributes:
+        simulation: Of the simulation's inverse dynamics, with a Coulomb, a viscous and a constant torque fitted.
+        plain: Of links, rotors and such friction fitted together.
+        model: Of the whole model.
+    """
+
+    simulation: FloatArray
+    plain: FloatArray
+    model: FloatArray
+
+
+def without_term(model: ArmModel, joint: int, term: str) -> ArmModel:
+    """The model without one term of a joint."""
+    forms = list(model.forms)
+    forms[joint] = forms[joint].without_term(term)
+    return replace(model, forms=tuple(forms))
+
+
+def measure_stability(
+    arm: SimulatedArm, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, rows: ArmRows, seed: int = 0
+) -> dict[tuple[int, str], float]:
+    """Share of halves of the recording in which each term of each joint makes it more probable."""
+    rng, block = np.random.default_rng(seed), _number_blocks(rows, _BLOCKS)
+    votes: dict[tuple[int, str], list[bool]] = {
+        (j, name): [] for j, form in enumerate(fit.model.forms) for name, _ in form.terms
+    }
+    for _ in range(_PAIRS) if votes else ():
+        first = rng.permutation(_BLOCKS) % 2 == 0
+        for half in (first[block], ~first[block]):
+            part = equations.with_rows(half)
+            whole = fit_arm(arm, part, fit.model, prior, fit, steps=3)
+            for (j, name), seen in votes.items():
+                less = fit_arm(arm, part, without_term(fit.model, j, name), prior, whole, steps=3)
+                seen.append(whole.log_evidence > less.log_evidence)
+    return {key: float(np.mean(seen)) for key, seen in votes.items()}
+
+
+def measure_held_out(
+    arm: SimulatedArm, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, rows: ArmRows
+) -> HeldOutErrors:
+    """Errors of the simulation, of a plain model and of the whole model, each fitted to the other blocks."""
+    block = _number_blocks(rows, _BLOCKS) % _FOLDS
+    plain = replace(fit.model, forms=tuple(form.__class__() for form in fit.model.forms))
+    used = equations.weights.rows > 0.0
+    squares = np.zeros((3, len(arm.joints)))
+    for fold in range(_FOLDS):
+        part, test = equations.with_rows(block != fold), used & (block == fold)[:, None]
+        tried = [fit_arm(arm, part, model, prior, fit, steps=5) for model in (plain, fit.model)]
+        left = [_simulate_plainly(arm, equations, block != fold), *(one.residuals(equations) for one in tried)]
+        squares += [np.sum(np.where(test, one, 0.0) ** 2, axis=0) for one in left]
+    return HeldOutErrors(*np.sqrt(squares / np.maximum(np.sum(used, axis=0), 1)))
+
+
+def _simulate_plainly(arm: SimulatedArm, equations: ArmEquations, trained: FloatArray) -> FloatArray:
+    """What inverse dynamics leave, with a Coulomb, a viscous and a constant torque of each joint. Shape (n, n_joints)."""
+    first = arm.inertia.size
+    left = []
+    for j, columns in enumerate(equations.columns):
+        torque = columns[:, -1] - columns[:, :first] @ arm.inertia.ravel() - arm.armature[j] * columns[:, first]
+        friction = columns[:, first + 1 : first + 4]
+        kept = trained & (equations.weights.rows[:, j] > 0.0)
+        left.append(torque - friction @ np.linalg.lstsq(friction[kept], torque[kept], rcond=None)[0])
+    return np.stack(left, axis=1)
+
+
+def _number_blocks(rows: ArmRows, blocks: int) -> np.ndarray:
+    return np.arange(len(rows)) * blocks // len(rows)
