@@ -86,7 +86,7 @@ def measure_held_out(
 
 
 def _simulate_plainly(arm: SimulatedArm, equations: ArmEquations, trained: FloatArray) -> FloatArray:
-    """What inverse dynamics leave, with a Coulomb, a viscous and a constant torque of each joint. Shape (n, n_joints)."""
+    """What inverse dynamics leave, with Coulomb, viscous and constant torques fitted. Shape (n, n_joints)."""
     first = arm.inertia.size
     left = []
     for j, columns in enumerate(equations.columns):

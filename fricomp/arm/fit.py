@@ -284,8 +284,10 @@ class _Coordinates:
 
 def _size_column(name: str, torque: float, speed: float, prior: ArmPrior) -> float:
     """Prior deviation of a friction parameter, from a typical torque [N·m] and the joint's top speed [rad/s]."""
-    if name.startswith("load_"):
+    if name.startswith("load_coulomb"):
         return prior.load_friction
+    if name.startswith("load_quadratic"):
+        return prior.load_friction / max(torque / prior.friction, 1e-9)
     if name.startswith("viscous"):
         return torque / speed
     return torque / speed**2 if name.startswith("quadratic_drag") else torque

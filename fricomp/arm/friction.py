@@ -3,7 +3,7 @@
     F_c s + b + F_v v + D |v|                        every joint
     (E + D_e s) s exp(-(v/v_s)²)                     Stribeck effect
     P (z - s),  z' = v (1 - z s) / d                 presliding: what is missing until a bristle has turned [dahl1968]
-    c |τ_l| s,  c_d |τ_l| s [τ_l v > 0]              friction that follows the load, and driving alone
+    c |τ_l| s,  c_q τ_l² s                           friction that follows the load
     (A cos q + B sin q) s,  k (q - q_0)              friction over position, a spring
     C v |v|,  W (|v|/v_top)ⁿ s                       drag, and viscous friction that falls behind the speed
 
@@ -67,7 +67,7 @@ TERMS = {
         JointTerm("power_law_viscous", ("torque_at_top_speed",), _EXPONENTS),
         JointTerm("spring_torque", ("stiffness",)),
         JointTerm("load_coulomb", ("coefficient",), follows_load=True),
-        JointTerm("load_quadratic", ("driving",), follows_load=True),
+        JointTerm("load_quadratic", ("coefficient",), follows_load=True),
     )
 }
 """What is tried in every joint."""
@@ -131,8 +131,7 @@ def friction_columns(rows: ArmRows, joint: int, top_speed: float, load: FloatArr
 
     columns = rows.compare(build)
     s = columns[:, 0]
-    driving = load * s > 0.0
-    return np.column_stack([columns, np.abs(load) * s, np.abs(load) * s * driving])
+    return np.column_stack([columns, np.abs(load) * s, load**2 * s])
 
 
 def turn_bristle(position: FloatArray, distance: float) -> FloatArray:

@@ -8,7 +8,7 @@ does not come again in halves of the recording, or changes next to nothing on da
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,7 +24,7 @@ from .prior import ArmPrior
 from .rows import ArmRows, build_rows
 from .simulated_arm import SimulatedArm
 
-__all__ = ["ArmIdentification", "identify_arm"]
+__all__ = ["ArmIdentification", "fit_robustly", "identify_arm"]
 
 Progress = Callable[[str], None]
 
@@ -36,6 +36,9 @@ _MOST_OF_RATE = 0.2
 
 _DELAY_ROUNDS, _PASSES, _REWEIGHTINGS = 4, 2, 2
 """Of the search for a delay, of delay and model in turn, and of weighing rows by what a fit leaves of them."""
+
+_ALIKE = 3.0
+"""Difference of such logarithms below which two explanations are said to do as well: odds of twenty to one."""
 
 _GLANCE, _LOOK = 2, 15
 """Gauss-Newton steps in which a term is weighed, and a link that may be far off, which is not linear."""
@@ -59,6 +62,7 @@ class ArmIdentification:
         delay: By how much the torques are late [s], with its standard deviation.
         prior: How far the simulation was trusted.
         trials: What was tried, with the logarithm of its Bayes factor when it was last weighed.
+        rivals: Of each thing that was taken in, what would have done nearly as well in the same joint.
     """
 
     recording: ArmRecording
@@ -68,6 +72,7 @@ class ArmIdentification:
     delay: tuple[float, float]
     prior: ArmPrior
     trials: dict[str, float]
+    rivals: dict[str, tuple[str, ...]]
 
 
 def identify_arm(
@@ -91,19 +96,20 @@ def identify_arm(
     say("choosing the bandwidth")
     rows = _choose_rows(arm, recording, model, prior)
     trials: dict[str, float] = {}
+    rivals: dict[str, tuple[str, ...]] = {}
     delay, deviation = 0.0, 0.0
     for _ in range(_PASSES):
         say("finding the delay of the torques")
         rows, delay, deviation = _take_off_delay(arm, recording, rows, model, prior, delay)
         say("weighing what the simulation may have wrong")
         before = model
-        model, fit, equations = _take_in(arm, rows, before, prior, trials)
+        model, fit, equations = _take_in(arm, rows, before, prior, trials, rivals)
         if model == before:
             break
-    return ArmIdentification(recording, rows, equations, fit, (delay, deviation), prior, trials)
+    return ArmIdentification(recording, rows, equations, fit, (delay, deviation), prior, trials, rivals)
 
 
-def _fit_robustly(
+def fit_robustly(
     arm: SimulatedArm, rows: ArmRows, model: ArmModel, prior: ArmPrior, start: ArmFit | None = None
 ) -> tuple[ArmFit, ArmEquations]:
     """A fit in which rows count by what it leaves of them, and friction follows the load that it finds."""
@@ -125,7 +131,7 @@ def _choose_rows(arm: SimulatedArm, recording: ArmRecording, model: ArmModel, pr
         rows = build_rows(arm, recording, cutoff)
         if len(rows) < 3 * len(arm.joints):
             continue
-        fit, _ = _fit_robustly(arm, rows, model, prior)
+        fit, _ = fit_robustly(arm, rows, model, prior)
         size = np.sqrt(np.diag(fit.covariance))
         volume = float(np.linalg.slogdet(fit.covariance / np.outer(size, size))[1]) + 2.0 * float(np.sum(np.log(size)))
         if best is None or volume < best[0]:
@@ -141,7 +147,7 @@ def _take_off_delay(
     """Rows in which the torques are as early as the positions, the delay that was taken off [s], and its deviation."""
     total, deviation = start, 0.0
     for _ in range(_DELAY_ROUNDS):
-        fit, _ = _fit_robustly(arm, rows, model, prior)
+        fit, _ = fit_robustly(arm, rows, model, prior)
         more, deviation = fit.delay
         if abs(more) < (0.5 if total else _SURE) * deviation:
             break
@@ -151,23 +157,45 @@ def _take_off_delay(
 
 
 def _take_in(
-    arm: SimulatedArm, rows: ArmRows, model: ArmModel, prior: ArmPrior, trials: dict[str, float]
+    arm: SimulatedArm,
+    rows: ArmRows,
+    model: ArmModel,
+    prior: ArmPrior,
+    trials: dict[str, float],
+    rivals: dict[str, tuple[str, ...]],
 ) -> tuple[ArmModel, ArmFit, ArmEquations]:
     """Take in one thing at a time, the most probable first, until none makes the recording much more probable."""
-    fit, equations = _fit_robustly(arm, rows, model, prior)
+    fit, equations = fit_robustly(arm, rows, model, prior)
     while True:
         tried = [
             (name, fit_arm(arm, equations, other, prior, fit, steps=_GLANCE if other.opened == model.opened else _LOOK))
             for name, other in _propose(arm, model)
         ]
         tried = [(name, one) for name, one in tried if is_physical(one)]
-        gains = [one.log_evidence - fit.log_evidence for _, one in tried]
-        for (name, _), gain in sorted(zip(tried, gains, strict=True), key=lambda one: one[1]):
-            trials[name] = float(gain)  # of its best variant
-        if not gains or max(gains) < _EVIDENCE:
+        gains = {name: one.log_evidence - fit.log_evidence for name, one in sorted(tried, key=_evidence_of)}
+        trials |= gains  # of the best variant of each
+        best = max(gains, key=lambda name: gains[name], default=None)
+        if best is None or gains[best] < _EVIDENCE:
             return model, fit, equations
-        model = tried[int(np.argmax(gains))][1].model
-        fit, equations = _fit_robustly(arm, rows, model, prior, tried[int(np.argmax(gains))][1])
+        alike = [name for name in _order(tried) if _is_rival(name, best) and gains[name] > gains[best] - _ALIKE]
+        rivals[alike[0]] = tuple(alike[1:])
+        chosen = max((one for name, one in tried if name == alike[0]), key=lambda one: one.log_evidence)
+        model = chosen.model
+        fit, equations = fit_robustly(arm, rows, model, prior, chosen)
+
+
+def _evidence_of(tried: tuple[str, ArmFit]) -> float:
+    return tried[1].log_evidence
+
+
+def _order(tried: Sequence[tuple[str, ArmFit]]) -> list[str]:
+    """Names in the order in which they are proposed: simpler ones come first."""
+    return list(dict.fromkeys(name for name, _ in tried))
+
+
+def _is_rival(name: str, other: str) -> bool:
+    """Whether two things are of the same joint or the same kind, so that one may stand for the other."""
+    return name.split(": ", maxsplit=1)[0] == other.split(": ", maxsplit=1)[0]
 
 
 def _propose(arm: SimulatedArm, model: ArmModel) -> Iterator[tuple[str, ArmModel]]:

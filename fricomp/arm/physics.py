@@ -34,7 +34,7 @@ def _can_exist(fit: ArmFit, joint: int) -> bool:
     return (
         is_positive(coulomb=1.0)
         and is_positive(load_coulomb__coefficient=1.0)
-        and is_positive(load_coulomb__coefficient=1.0, load_quadratic__driving=1.0)
+        and is_positive(load_quadratic__coefficient=1.0)
         and is_positive(presliding_hysteresis__level=1.0)
         and is_positive(coulomb=1.0, presliding_hysteresis__level=-1.0)
         and is_positive(quadratic_drag__coefficient=1.0)

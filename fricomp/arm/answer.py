@@ -1,0 +1,102 @@
+"""From a fit of an arm to what is said of it: terms that come again and matter, links that are off, friction models."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .confirmation import HeldOutErrors, measure_held_out, measure_stability, without_term
+from .equations import ArmEquations
+from .fit import ArmFit, ArmModel
+from .identification import ArmIdentification, fit_robustly
+
+__all__ = ["ArmAnswer", "TermEvidence", "confirm_terms"]
+
+_RECURRENCE = 0.9
+"""Least share of halves that must ask for a term: the probability of a name that is printed."""
+
+_LEAST_FALL = 0.1
+"""Least part by which a named term lowers its joint's held-out error. On real arms further terms gain up to a tenth
+whatever they are."""
+
+
+@dataclass(frozen=True)
+class TermEvidence:
+    """What speaks for a term of a joint.
+
+    Attributes:
+        recurrence: Share of halves that ask for it.
+        log_bayes_factor: By how much it makes the recording more probable.
+        fall: Part by which the joint's held-out error falls with it.
+    """
+
+    recurrence: float
+    log_bayes_factor: float
+    fall: float
+
+
+@dataclass(frozen=True)
+class ArmAnswer:
+    """The confirmed fit.
+
+    Attributes:
+        identification: With the model that was confirmed.
+        evidence: Of each joint's terms that are effects, by number of the joint and name.
+        errors: On data that took no part.
+    """
+
+    identification: ArmIdentification
+    evidence: dict[tuple[int, str], TermEvidence]
+    errors: HeldOutErrors
+
+
+def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
+    """Keep the terms that come again in halves of the recording and matter on data that took no part.
+
+    Args:
+        found: The identified arm.
+        seed: Of the halves.
+    """
+    arm, rows, prior = found.fit.arm, found.rows, found.prior
+    fit, equations = found.fit, found.equations
+    while True:
+        recurrence = measure_stability(arm, equations, fit, prior, rows, seed)
+        errors = measure_held_out(arm, equations, fit, prior, rows)
+        evidence = {
+            (j, name): TermEvidence(
+                share,
+                found.trials.get(f"{arm.joints[j]}: {name}", 0.0),
+                _measure_fall(found, equations, fit, errors, (j, name)),
+            )
+            for (j, name), share in recurrence.items()
+        }
+        weak = {key: one for key, one in evidence.items() if not _is_confirmed(key[1], one)}
+        if not weak:
+            return ArmAnswer(replace(found, fit=fit, equations=equations), evidence, errors)
+        weakest = min(weak, key=lambda key: (weak[key].recurrence, weak[key].fall))
+        fit, equations = fit_robustly(arm, rows, without_term(fit.model, *weakest), prior)
+
+
+def _is_confirmed(name: str, evidence: TermEvidence) -> bool:
+    """A Stribeck effect is part of every friction law and need not matter much; an effect is named, and must."""
+    return evidence.recurrence >= _RECURRENCE and (name == "stribeck" or evidence.fall >= _LEAST_FALL)
+
+
+def _measure_fall(
+    found: ArmIdentification, equations: ArmEquations, fit: ArmFit, errors: HeldOutErrors, term: tuple[int, str]
+) -> float:
+    """Part by which a joint's held-out error falls with a term."""
+    less: ArmModel = without_term(fit.model, *term)
+    before = measure_held_out(fit.arm, equations, replace(fit, model=less, x=_drop(fit, less)), found.prior, found.rows)
+    return 1.0 - float(errors.model[term[0]] / max(before.model[term[0]], 1e-300))
+
+
+def _drop(fit: ArmFit, model: ArmModel) -> np.ndarray:
+    """Parameters of a fit without those that a smaller model lacks."""
+    kept, start = [fit.x[: fit.find_friction(0)[0].start]], 0
+    for j, form in enumerate(model.forms):
+        values = fit.friction(j)
+        kept.append(np.array([values[name] for name in form.columns]))
+        start += len(values)
+    return np.concatenate([*kept, fit.x[-2:]])

@@ -1,0 +1,240 @@
+"""The answer on an arm as a record, and in words."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fricomp.diagnosis.effects import EFFECTS
+from fricomp.diagnosis.record.result import Quantity
+from fricomp.laws import FloatArray
+
+from .answer import ArmAnswer, TermEvidence
+from .friction import TERMS
+from .inertia import LinkCoordinates
+from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord, LinkRecord, LinkState
+
+__all__ = ["write_record"]
+
+_Z95 = 1.96
+_DETERMINED = 0.5
+"""A link's mass counts as determined where the recording at least halves what was uncertain before."""
+
+_AXES = ("x", "y", "z")
+
+
+def write_record(answer: ArmAnswer) -> ArmRecord:
+    """Everything that is said of an arm, in one value."""
+    found, arm = answer.identification, answer.identification.fit.arm
+    joints = tuple(_describe_joint(answer, j) for j in range(len(arm.joints)))
+    links = tuple(_describe_link(answer, i) for i in range(len(arm.links)))
+    delay, spread = found.delay
+    gain, gain_spread = found.fit.gain
+    record = ArmRecord(
+        schema=ARM_SCHEMA,
+        sentences=(),
+        joints=joints,
+        links=links,
+        delay=_quantity(delay, spread, "s"),
+        gain=_quantity(gain, gain_spread, "1") if found.fit.model.gain else None,
+        cutoff=found.rows.cutoff,
+        duration=found.recording.duration,
+        left_out=found.recording.left_out,
+        held_joints=arm.held,
+    )
+    from msgspec.structs import replace
+
+    return replace(record, sentences=_write_sentences(record))
+
+
+def _quantity(value: float, deviation: float, unit: str) -> Quantity:
+    return Quantity(float(value), unit, (float(value - _Z95 * deviation), float(value + _Z95 * deviation)))
+
+
+def _describe_joint(answer: ArmAnswer, joint: int) -> JointRecord:
+    found = answer.identification
+    fit, metadata = found.fit, found.recording.metadata[joint]
+    torque, position = metadata.torque_unit, metadata.position_unit
+    place, names = fit.find_friction(joint)
+    spread = np.sqrt(np.diag(fit.covariance)[place])
+    values = {
+        name: _quantity(value, one, _unit_of(name, torque, position))
+        for name, value, one in zip(names, fit.x[place], spread, strict=True)
+    }
+    effects = [
+        _describe_effect(answer, joint, term, variant, values)
+        for term, variant in fit.model.forms[joint].terms
+        if _is_effect(term, variant)
+    ]
+    named = {name for term, k in fit.model.forms[joint].terms if _is_effect(term, k) for name in TERMS[term].names(k)}
+    first = 10 * len(fit.arm.links) + joint
+    rotor = float(np.sqrt(fit.covariance[first, first]))
+    inertia = f"{torque}·s²/{position}" if metadata.motion == "linear" else "kg·m²"
+    return JointRecord(
+        name=fit.arm.joints[joint],
+        unit=torque,
+        friction={name: value for name, value in values.items() if name not in named},
+        effects=tuple(sorted(effects, key=lambda one: -one.fall)),
+        rotor_inertia=_quantity(float(fit.armature[joint]), rotor, inertia),
+        error_simulation=float(answer.errors.simulation[joint]),
+        error_plain=float(answer.errors.plain[joint]),
+        error_model=float(answer.errors.model[joint]),
+    )
+
+
+def _is_effect(term: str, variant: int) -> bool:
+    """Whether a term is physics that is named. A bristle at either end of what was tried is no distance that was seen."""
+    ends = (0, len(TERMS[term].values) - 1)
+    return term in EFFECTS and not (term == "presliding_hysteresis" and variant in ends)
+
+
+def _describe_effect(
+    answer: ArmAnswer, joint: int, term: str, variant: int, values: dict[str, Quantity]
+) -> JointEffect:
+    evidence: TermEvidence = answer.evidence[joint, term]
+    found = answer.identification
+    name = f"{found.fit.arm.joints[joint]}: {term}"
+    columns = zip(TERMS[term].columns, TERMS[term].names(variant), strict=True)
+    parameters = {short: values[long] for short, long in columns}
+    value = TERMS[term].values[variant]
+    if value is not None:
+        unit = found.recording.metadata[joint].position_unit if term == "presliding_hysteresis" else "1"
+        label = "breakaway_distance" if term == "presliding_hysteresis" else "exponent"
+        steps = [one for one in TERMS[term].values if one is not None]
+        below, above = _neighbours(steps, value)
+        parameters[label] = Quantity(value, unit, (below, above))
+    return JointEffect(
+        name=term,
+        parameters=parameters,
+        recurrence=evidence.recurrence,
+        log_bayes_factor=evidence.log_bayes_factor,
+        fall=evidence.fall,
+        equation=EFFECTS[term].equation,
+        indistinguishable_from=tuple(one.split(": ")[1] for one in found.rivals.get(name, ())),
+    )
+
+
+def _neighbours(steps: list[float], value: float) -> tuple[float, float]:
+    """The values that were tried beside one, between which it lies."""
+    at = steps.index(value)
+    return steps[max(at - 1, 0)], steps[min(at + 1, len(steps) - 1)]
+
+
+def _unit_of(name: str, torque: str, position: str) -> str:
+    if name.startswith("viscous"):
+        return f"{torque}·s/{position}"
+    if name.startswith("quadratic_drag"):
+        return f"{torque}·s²/{position}²"
+    if name.startswith("spring_torque"):
+        return f"{torque}/{position}"
+    if name.startswith("load_coulomb"):
+        return "1"
+    return f"1/{torque}" if name.startswith("load_quadratic") else torque
+
+
+def _describe_link(answer: ArmAnswer, link: int) -> LinkRecord:
+    fit = answer.identification.fit
+    at = slice(10 * link, 10 * (link + 1))
+    slope = LinkCoordinates(fit.arm.inertia[link]).jacobian(fit.x[at])
+    spread = np.sqrt(np.diag(slope @ fit.covariance[at, at] @ slope.T))
+    before = np.sqrt(np.diag(slope @ np.diag(fit.prior_deviation[at] ** 2) @ slope.T))
+    value, simulated = fit.inertia[link], fit.arm.inertia[link]
+    mass = _quantity(value[0], spread[0], "kg")
+    return LinkRecord(
+        name=fit.arm.links[link],
+        simulated_mass=float(simulated[0]),
+        mass=mass,
+        first_moment={axis: _quantity(value[1 + k], spread[1 + k], "kg·m") for k, axis in enumerate(_AXES)},
+        state=_judge_link(value[:4], spread[:4], before[:4], simulated[:4], link in fit.model.opened),
+    )
+
+
+def _judge_link(
+    value: FloatArray, spread: FloatArray, before: FloatArray, simulated: FloatArray, opened: bool
+) -> LinkState:
+    determined = spread < _DETERMINED * before
+    off = determined & (np.abs(value - simulated) > _Z95 * spread)
+    if opened or np.any(off):
+        return "off"
+    return "as_simulated" if np.any(determined) else "not_determined"
+
+
+def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
+    named = [(joint.name, effect) for joint in record.joints for effect in joint.effects]
+    off = [link for link in record.links if link.state == "off"]
+    opening = (
+        "The simulation leaves out physics in " + ", ".join(f"{joint} ({effect.name})" for joint, effect in named) + "."
+        if named
+        else "Only the masses of links are off; no physics is missing in any joint."
+        if off
+        else "Nothing is missing: links and joints are as simulated, with plain friction."
+    )
+    return (
+        opening,
+        *(_say_joint(joint) for joint in record.joints),
+        *(_say_link(link) for link in record.links if link.state == "off"),
+        *_say_undetermined(record),
+        *_say_signal(record),
+    )
+
+
+def _say_joint(joint: JointRecord) -> str:
+    errors = (
+        f"{joint.name}: held-out torque error {joint.error_simulation:.3g} {joint.unit} by the simulation with Coulomb "
+        f"and viscous friction, {joint.error_model:.3g} {joint.unit} by this model"
+    )
+    effects = "; ".join(_say_effect(effect) for effect in joint.effects)
+    return f"{errors}. There, {effects}." if effects else f"{errors}."
+
+
+def _say_effect(effect: JointEffect) -> str:
+    numbers = ", ".join(
+        f"{name.replace('_', ' ')} {one.value:.3g}{'' if one.unit == '1' else f' {one.unit}'} ({one.ci95[0]:.3g} to {one.ci95[1]:.3g})"
+        for name, one in effect.parameters.items()
+    )
+    alike = f", or {' or '.join(effect.indistinguishable_from)}" if effect.indistinguishable_from else ""
+    return (
+        f"{effect.name}{alike}: {EFFECTS[effect.name].says} [{effect.equation}]; {numbers}; it lowers the error by "
+        f"{effect.fall:.0%} and comes again in {effect.recurrence:.0%} of the halves of the recording"
+    )
+
+
+def _say_link(link: LinkRecord) -> str:
+    gap = link.mass.value - link.simulated_mass
+    low, high = (end - link.simulated_mass for end in link.mass.ci95)
+    if low <= 0.0 <= high:
+        moved = ", ".join(f"{axis} {one.value:.3g} {one.unit}" for axis, one in link.first_moment.items())
+        return f"{link.name} has its mass elsewhere than in the simulation: first moments {moved}."
+    way = "heavier" if gap > 0.0 else "lighter"
+    low, high = sorted((abs(low), abs(high)))
+    return f"{link.name} is {abs(gap):.3g} kg {way} than in the simulation (95 %: {low:.3g} to {high:.3g} kg)."
+
+
+def _say_undetermined(record: ArmRecord) -> tuple[str, ...]:
+    names = [link.name for link in record.links if link.state == "not_determined"]
+    if not names:
+        return ()
+    return (f"This motion does not determine the mass of {', '.join(names)}: the simulation's values are kept.",)
+
+
+def _say_signal(record: ArmRecord) -> tuple[str, ...]:
+    lines = []
+    low, high = record.delay.ci95
+    if record.delay.value and (low > 0.0 or high < 0.0):
+        way = "late behind" if record.delay.value > 0.0 else "ahead of"
+        lines.append(
+            f"All torques are {1e3 * abs(record.delay.value):.3g} ms {way} the positions "
+            f"({1e3 * low:.3g} to {1e3 * high:.3g} ms); this was taken off."
+        )
+    if record.gain is not None:
+        lines.append(f"All torques are {record.gain.value:.3g} times those that the simulation asks for.")
+    lines.append(
+        f"Compared up to {record.cutoff:g} Hz, over {record.duration:.4g} s; above, structure that rings would be "
+        "taken for friction."
+    )
+    if record.left_out > 0.005:
+        lines.append(f"{record.left_out:.0%} of the time was left out: gaps, and stretches too short between them.")
+    if record.held_joints:
+        lines.append(
+            f"Held where the simulation has them, since nothing was recorded: {', '.join(record.held_joints)}."
+        )
+    return tuple(lines)

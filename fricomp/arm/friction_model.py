@@ -1,0 +1,110 @@
+"""Friction of one joint of an arm as a model file like any other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fricomp.laws import (
+    BidirectionalStribeck,
+    FrictionLaw,
+    LoadCoulomb,
+    LoadQuadratic,
+    LuGre,
+    PositionCoulomb,
+    PowerLawViscous,
+    QuadraticDrag,
+    SpringTorque,
+    StribeckCurve,
+    Term,
+)
+from fricomp.model import FrictionModel, Provenance, Validity
+
+from .friction import TERMS
+from .identification import ArmIdentification
+
+__all__ = ["build_friction_model"]
+
+_LEAST_PART = 1e-3
+"""Of the mean Coulomb level, below which a level of one direction is not taken: a law has positive levels only."""
+
+
+def build_friction_model(found: ArmIdentification, joint: int) -> FrictionModel:
+    """The friction law of a joint, with the range of the motion in which it was seen.
+
+    Args:
+        found: The identified arm.
+        joint: Number of the joint.
+    """
+    values, form = found.fit.friction(joint), dict(found.fit.model.forms[joint].terms)
+    curves = _build_curves(found, joint, values, form)
+    core: Term = BidirectionalStribeck(*curves)
+    if "presliding_hysteresis" in form:
+        distance = _value_of("presliding_hysteresis", form)
+        core = LuGre(*curves, curves[0].coulomb_torque / distance, 0.0)
+    terms = [core, *_build_terms(found, joint, values, form)]
+    metadata, motion = found.recording.metadata[joint], found.rows.motion
+    rigid = found.fit.rigid_torque(found.rows)[:, joint]
+    return FrictionModel(
+        law=FrictionLaw(tuple(terms)),
+        joint=metadata.joint,
+        motion=metadata.motion,
+        torque_unit=metadata.torque_unit,
+        validity=Validity(
+            velocity=_range(np.concatenate([v[:, joint] for _, v, _ in motion])),
+            position=_range(np.concatenate([q[:, joint] for q, _, _ in motion])),
+            load_torque=_range(rigid),
+        ),
+        provenance=Provenance(method="arm", data_sha256=found.recording.recordings[joint].content_hash),
+    )
+
+
+def _build_curves(
+    found: ArmIdentification, joint: int, values: dict[str, float], form: dict[str, int]
+) -> tuple[StribeckCurve, StribeckCurve]:
+    """Forward and reverse curve, the constant torque in them as far as their levels stay positive."""
+    level = max(values["coulomb"], 1e-9)
+    shift = float(np.clip(values["offset"], -(1.0 - _LEAST_PART) * level, (1.0 - _LEAST_PART) * level))
+    speed, excess, difference = 1.0, 0.0, 0.0
+    if "stribeck" in form:
+        names = TERMS["stribeck"].names(form["stribeck"])
+        excess, difference = values[names[0]], values[names[1]]
+        speed = _value_of("stribeck", form) * float(found.equations.top_speed[joint])
+    curves = []
+    for sign in (1.0, -1.0):
+        coulomb = level + sign * shift
+        static = max(coulomb + excess + sign * difference, _LEAST_PART * level)
+        viscous = max(values["viscous"] + sign * values["viscous_difference"], 0.0)
+        curves.append(StribeckCurve(coulomb, static, speed, viscous))
+    return curves[0], curves[1]
+
+
+def _build_terms(found: ArmIdentification, joint: int, values: dict[str, float], form: dict[str, int]) -> list[Term]:
+    def parameters(name: str) -> list[float]:
+        return [values[column] for column in TERMS[name].names(form[name])]
+
+    terms: list[Term] = []
+    if "load_coulomb" in form:
+        terms.append(LoadCoulomb(max(parameters("load_coulomb")[0], 0.0)))
+    if "load_quadratic" in form:
+        terms.append(LoadQuadratic(max(parameters("load_quadratic")[0], 0.0)))
+    if "position_coulomb" in form:
+        cosine, sine = parameters("position_coulomb")
+        terms.append(PositionCoulomb(sine, cosine, 1.0))
+    if "quadratic_drag" in form:
+        terms.append(QuadraticDrag(max(parameters("quadratic_drag")[0], 0.0)))
+    if "power_law_viscous" in form:
+        exponent, top = _value_of("power_law_viscous", form), float(found.equations.top_speed[joint])
+        terms.append(PowerLawViscous(max(parameters("power_law_viscous")[0], 0.0) / top**exponent, exponent))
+    if "spring_torque" in form:
+        middle = float(np.mean(np.concatenate([q[:, joint] for q, _, _ in found.rows.motion])))
+        terms.append(SpringTorque(max(parameters("spring_torque")[0], 0.0), middle))
+    return terms
+
+
+def _value_of(name: str, form: dict[str, int]) -> float:
+    value = TERMS[name].values[form[name]]
+    return 0.0 if value is None else value
+
+
+def _range(values: np.ndarray) -> tuple[float, float]:
+    return float(np.min(values)), float(np.max(values))

@@ -1,0 +1,139 @@
+"""What is said of an arm: the record that `arm.json` holds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+
+from fricomp.diagnosis.record.result import Quantity
+from fricomp.errors import DiagnosisError
+from fricomp.whole_file import whole_file
+
+__all__ = [
+    "ARM_SCHEMA",
+    "ArmRecord",
+    "JointEffect",
+    "JointRecord",
+    "LinkRecord",
+    "load_arm_record",
+    "save_arm_record",
+]
+
+ARM_SCHEMA = "fricomp.arm/1"
+
+LinkState = Literal["as_simulated", "off", "not_determined"]
+
+
+class JointEffect(msgspec.Struct, frozen=True, kw_only=True):
+    """Physics that the simulation leaves out in one joint.
+
+    Attributes:
+        name: Name in the catalogue.
+        parameters: Its numbers.
+        recurrence: Share of the halves of the recording that ask for it, from 0 to 1.
+        log_bayes_factor: By how much it makes the recording more probable.
+        fall: Part by which the joint's held-out error falls with it.
+        equation: Its equation.
+        indistinguishable_from: Other names that explain this recording as well.
+    """
+
+    name: str
+    parameters: dict[str, Quantity]
+    recurrence: float
+    log_bayes_factor: float
+    fall: float
+    equation: str
+    indistinguishable_from: tuple[str, ...] = ()
+
+
+class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
+    """One joint.
+
+    Attributes:
+        name: Of the joint.
+        unit: Of its torques and errors.
+        friction: Parameters of its friction beside what is in `effects`.
+        effects: What the simulation leaves out, strongest first.
+        rotor_inertia: Behind the gear, seen from the joint.
+        error_simulation: Held-out RMS error of the simulation's inverse dynamics, Coulomb and viscous friction fitted.
+        error_plain: The same with links and rotors fitted as well.
+        error_model: Of the whole model.
+    """
+
+    name: str
+    unit: str
+    friction: dict[str, Quantity]
+    effects: tuple[JointEffect, ...]
+    rotor_inertia: Quantity
+    error_simulation: float
+    error_plain: float
+    error_model: float
+
+
+class LinkRecord(msgspec.Struct, frozen=True, kw_only=True):
+    """One link.
+
+    Attributes:
+        name: Of the link.
+        simulated_mass: In the simulation [kg].
+        mass: As the recording has it, the simulation being trusted where the recording says little.
+        first_moment: Mass times place of its centre, in the frame of the link: x, y, z.
+        state: Whether it is as simulated, off, or not determined by this motion.
+    """
+
+    name: str
+    simulated_mass: float
+    mass: Quantity
+    first_moment: dict[str, Quantity]
+    state: LinkState
+
+
+class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
+    """The content of `arm.json`.
+
+    Attributes:
+        schema: "fricomp.arm/1".
+        sentences: The answer in plain words, most important first.
+        joints: Each joint.
+        links: Each link.
+        delay: By which all torques are later than the positions.
+        gain: Factor that all torques were measured with; None where nothing asks for one.
+        cutoff: Highest frequency that was compared [Hz].
+        duration: Time that was used [s].
+        left_out: Part of the recording's time that was not used: gaps, and stretches too short between them.
+        held_joints: Joints of the simulation that nothing was recorded of.
+    """
+
+    schema: str
+    sentences: tuple[str, ...]
+    joints: tuple[JointRecord, ...]
+    links: tuple[LinkRecord, ...]
+    delay: Quantity
+    gain: Quantity | None
+    cutoff: float
+    duration: float
+    left_out: float
+    held_joints: tuple[str, ...] = ()
+
+
+def save_arm_record(record: ArmRecord, path: Path) -> None:
+    """Write `arm.json`, whole or not at all."""
+    with whole_file(path, DiagnosisError) as part:
+        part.write_bytes(msgspec.json.format(msgspec.json.encode(record), indent=2) + b"\n")
+
+
+def load_arm_record(path: Path) -> ArmRecord:
+    """Read `arm.json`.
+
+    Raises:
+        DiagnosisError: The file cannot be read, or is no record of an arm.
+    """
+    try:
+        record = msgspec.json.decode(path.read_bytes(), type=ArmRecord)
+    except (OSError, msgspec.DecodeError) as error:
+        raise DiagnosisError(f"cannot read {path} as the record of an arm: {error}") from error
+    if record.schema != ARM_SCHEMA:
+        raise DiagnosisError(f"{path} has the schema {record.schema!r}; this version reads {ARM_SCHEMA!r}")
+    return record
