@@ -24,6 +24,7 @@ from fricomp.folder_lock import FolderLock
 from fricomp.whole_file import remove_abandoned_parts
 
 __all__ = [
+    "ARM",
     "CALIBRATION",
     "CASE",
     "DIAGNOSIS",
@@ -97,13 +98,17 @@ IDENTIFICATION = Results(
 RUN = Results(
     "a run", ("without_compensation_*.csv", "with_compensation_*.csv", "run-*.png", "timing.png", "figures.json"),
 )  # fmt: skip
+ARM = Results(
+    "an arm", ("arm.json", "arm.xml", "report.html", "errors.png", "residuals.png", "joints"),
+    "arm.json", "fricomp.arm/",
+)  # fmt: skip
 CASE = Results("a case", ("recording.parquet", "joint.xml", "loop.toml", "friction.json"))
 FLEET = Results("a fleet of joints", ("fleet.json", "fleet.parquet", "fleet.html", "rows"), "fleet.json")
 TORQUE_CONSTANT = Results(
     "a torque constant", ("torque_constant.json", "bare-*.csv", "loaded-*.csv", "bare.xml", "loaded.xml"),
     "torque_constant.json",
 )  # fmt: skip
-_RECORDED = (CALIBRATION, DIAGNOSIS, FLEET, TORQUE_CONSTANT)
+_RECORDED = (ARM, CALIBRATION, DIAGNOSIS, FLEET, TORQUE_CONSTANT)
 
 
 def require_folder(folder: Path) -> None:

@@ -7,7 +7,7 @@ from typing import Any
 
 from fricomp.errors import MissingExtraError, SimulationFileError
 
-__all__ = ["compile_simulation"]
+__all__ = ["compile_simulation", "read_specification"]
 
 
 def compile_simulation(path: str | Path, extra: str = "diagnose") -> Any:
@@ -27,6 +27,19 @@ def compile_simulation(path: str | Path, extra: str = "diagnose") -> Any:
         SimulationFileError: The file is not there, is no simulation, or a body has no mass but that of a mesh.
         MissingExtraError: MuJoCo is not installed.
     """
+    spec = read_specification(path, extra)
+    try:
+        return spec.compile()
+    except ValueError as error:
+        raise SimulationFileError(f"cannot read the simulation {path}: {error}") from error
+
+
+def read_specification(path: str | Path, extra: str = "diagnose") -> Any:
+    """Read an MJCF or URDF file without what has its shape or look from a file; see `compile_simulation`.
+
+    Returns:
+        MuJoCo's `MjSpec`, which can be changed before it is compiled.
+    """
     try:
         import mujoco
     except ImportError as error:
@@ -35,10 +48,10 @@ def compile_simulation(path: str | Path, extra: str = "diagnose") -> Any:
         raise SimulationFileError(f"there is no simulation {path}: give an MJCF or URDF file")
     try:
         spec: Any = mujoco.MjSpec.from_file(str(path))
-        _remove_shapes(mujoco, spec, Path(path))
-        return spec.compile()
     except ValueError as error:
         raise SimulationFileError(f"cannot read the simulation {path}: {error}") from error
+    _remove_shapes(mujoco, spec, Path(path))
+    return spec
 
 
 def _remove_shapes(mujoco: Any, spec: Any, path: Path) -> None:

@@ -102,7 +102,8 @@ def join_joints(recordings: Sequence[Recording]) -> ArmRecording:
     if not parts:
         raise RecordingError(f"no stretch without a gap is as long as {_SHORTEST:g} s: record at an even rate")
     kept = sum(part.time[-1] - part.time[0] for part in parts)
-    return ArmRecording(tuple(names), parts, max(0.0, 1.0 - kept / (last - first)), tuple(series))
+    left_out = max(0.0, 1.0 - float(kept) / float(last - first))
+    return ArmRecording(tuple(names), parts, left_out, tuple(series))
 
 
 def _find_edges(series: Sequence[Recording], first: float, last: float, gap: float) -> list[tuple[float, float]]:

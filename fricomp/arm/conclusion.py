@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from msgspec.structs import replace
 
 from fricomp.diagnosis.effects import EFFECTS
 from fricomp.diagnosis.record.result import Quantity
@@ -10,7 +11,7 @@ from fricomp.laws import FloatArray
 
 from .answer import ArmAnswer, TermEvidence
 from .friction import TERMS
-from .inertia import LinkCoordinates
+from .inertia import N_INERTIA, LinkCoordinates
 from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord, LinkRecord, LinkState
 
 __all__ = ["write_record"]
@@ -18,6 +19,10 @@ __all__ = ["write_record"]
 _Z95 = 1.96
 _DETERMINED = 0.5
 """A link's mass counts as determined where the recording at least halves what was uncertain before."""
+
+_Z_OFF = 3.5
+"""Standard deviations by which a link must be off: with four numbers of each of seven links, one in a hundred healthy
+arms reaches them."""
 
 _AXES = ("x", "y", "z")
 
@@ -41,8 +46,6 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
         left_out=found.recording.left_out,
         held_joints=arm.held,
     )
-    from msgspec.structs import replace
-
     return replace(record, sentences=_write_sentences(record))
 
 
@@ -66,7 +69,7 @@ def _describe_joint(answer: ArmAnswer, joint: int) -> JointRecord:
         if _is_effect(term, variant)
     ]
     named = {name for term, k in fit.model.forms[joint].terms if _is_effect(term, k) for name in TERMS[term].names(k)}
-    first = 10 * len(fit.arm.links) + joint
+    first = N_INERTIA * len(fit.arm.links) + joint
     rotor = float(np.sqrt(fit.covariance[first, first]))
     inertia = f"{torque}·s²/{position}" if metadata.motion == "linear" else "kg·m²"
     return JointRecord(
@@ -82,7 +85,7 @@ def _describe_joint(answer: ArmAnswer, joint: int) -> JointRecord:
 
 
 def _is_effect(term: str, variant: int) -> bool:
-    """Whether a term is physics that is named. A bristle at either end of what was tried is no distance that was seen."""
+    """Whether a term is physics that is named. A bristle at either end of what was tried has no distance."""
     ends = (0, len(TERMS[term].values) - 1)
     return term in EFFECTS and not (term == "presliding_hysteresis" and variant in ends)
 
@@ -133,7 +136,7 @@ def _unit_of(name: str, torque: str, position: str) -> str:
 
 def _describe_link(answer: ArmAnswer, link: int) -> LinkRecord:
     fit = answer.identification.fit
-    at = slice(10 * link, 10 * (link + 1))
+    at = slice(N_INERTIA * link, N_INERTIA * (link + 1))
     slope = LinkCoordinates(fit.arm.inertia[link]).jacobian(fit.x[at])
     spread = np.sqrt(np.diag(slope @ fit.covariance[at, at] @ slope.T))
     before = np.sqrt(np.diag(slope @ np.diag(fit.prior_deviation[at] ** 2) @ slope.T))
@@ -152,7 +155,7 @@ def _judge_link(
     value: FloatArray, spread: FloatArray, before: FloatArray, simulated: FloatArray, opened: bool
 ) -> LinkState:
     determined = spread < _DETERMINED * before
-    off = determined & (np.abs(value - simulated) > _Z95 * spread)
+    off = determined & (np.abs(value - simulated) > _Z_OFF * spread)
     if opened or np.any(off):
         return "off"
     return "as_simulated" if np.any(determined) else "not_determined"
@@ -187,15 +190,17 @@ def _say_joint(joint: JointRecord) -> str:
 
 
 def _say_effect(effect: JointEffect) -> str:
-    numbers = ", ".join(
-        f"{name.replace('_', ' ')} {one.value:.3g}{'' if one.unit == '1' else f' {one.unit}'} ({one.ci95[0]:.3g} to {one.ci95[1]:.3g})"
-        for name, one in effect.parameters.items()
-    )
+    numbers = ", ".join(f"{name.replace('_', ' ')} {_show(one)}" for name, one in effect.parameters.items())
     alike = f", or {' or '.join(effect.indistinguishable_from)}" if effect.indistinguishable_from else ""
     return (
         f"{effect.name}{alike}: {EFFECTS[effect.name].says} [{effect.equation}]; {numbers}; it lowers the error by "
         f"{effect.fall:.0%} and comes again in {effect.recurrence:.0%} of the halves of the recording"
     )
+
+
+def _show(quantity: Quantity) -> str:
+    unit = "" if quantity.unit == "1" else f" {quantity.unit}"
+    return f"{quantity.value:.3g}{unit} ({quantity.ci95[0]:.3g} to {quantity.ci95[1]:.3g})"
 
 
 def _say_link(link: LinkRecord) -> str:

@@ -10,10 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fricomp.laws import FloatArray
 
-from .equations import ArmEquations
+from .equations import ArmEquations, BoolArray
 from .fit import ArmFit, ArmModel, fit_arm
 from .prior import ArmPrior
 from .rows import ArmRows
@@ -75,7 +76,7 @@ def measure_held_out(
     """Errors of the simulation, of a plain model and of the whole model, each fitted to the other blocks."""
     block = _number_blocks(rows, _BLOCKS) % _FOLDS
     plain = replace(fit.model, forms=tuple(form.__class__() for form in fit.model.forms))
-    used = equations.weights.rows > 0.0
+    used = equations.moving
     squares = np.zeros((3, len(arm.joints)))
     for fold in range(_FOLDS):
         part, test = equations.with_rows(block != fold), used & (block == fold)[:, None]
@@ -85,7 +86,7 @@ def measure_held_out(
     return HeldOutErrors(*np.sqrt(squares / np.maximum(np.sum(used, axis=0), 1)))
 
 
-def _simulate_plainly(arm: SimulatedArm, equations: ArmEquations, trained: FloatArray) -> FloatArray:
+def _simulate_plainly(arm: SimulatedArm, equations: ArmEquations, trained: BoolArray) -> FloatArray:
     """What inverse dynamics leave, with Coulomb, viscous and constant torques fitted. Shape (n, n_joints)."""
     first = arm.inertia.size
     left = []
@@ -97,5 +98,5 @@ def _simulate_plainly(arm: SimulatedArm, equations: ArmEquations, trained: Float
     return np.stack(left, axis=1)
 
 
-def _number_blocks(rows: ArmRows, blocks: int) -> np.ndarray:
+def _number_blocks(rows: ArmRows, blocks: int) -> NDArray[np.intp]:
     return np.arange(len(rows)) * blocks // len(rows)

@@ -10,14 +10,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fricomp.laws import FloatArray
 
-from .friction import friction_columns
+from .friction import column_names, friction_columns, load_columns
 from .rows import ArmRows
 from .simulated_arm import SimulatedArm
 
-__all__ = ["ArmEquations", "Weights", "build_equations"]
+BoolArray = NDArray[np.bool_]
+
+__all__ = ["ArmEquations", "BoolArray", "Weights", "build_equations"]
 
 _SLOW = 0.02
 """Speeds below this part of a joint's top speed leave its sign to noise; such rows of that joint are not compared."""
@@ -62,14 +65,38 @@ class ArmEquations:
     weights: Weights
     top_speed: FloatArray
 
-    def with_rows(self, kept: FloatArray) -> ArmEquations:
+    def with_rows(self, kept: BoolArray) -> ArmEquations:
         """The same over some of the rows. Shape (n,), bool."""
         weights = Weights(self.weights.rows * kept[:, None], self.weights.noise, self.weights.inflation)
         return _sum_up(self.columns, weights, self.top_speed)
 
-    def with_residuals(self, residuals: FloatArray, rows: ArmRows) -> ArmEquations:
-        """The same with weights and noise as the residuals of a fit have them [N·m]. Shape (n, n_joints)."""
-        return _sum_up(self.columns, _weigh(residuals, self.weights.rows > 0.0, rows), self.top_speed)
+    def with_load(self, load: FloatArray) -> ArmEquations:
+        """The same with friction that follows this load [N·m] or [N]. Shape (n, n_joints)."""
+        columns = self.columns.copy()
+        for j, one in enumerate(columns):
+            one[:, -4:-2] = load_columns(load[:, j], one[:, self._sign_place])
+        return _sum_up(columns, self.weights, self.top_speed)
+
+    def with_residuals(self, residuals: FloatArray, rows: ArmRows, *, robust: bool = True) -> ArmEquations:
+        """The same with weights and noise as the residuals of a fit have them.
+
+        Args:
+            residuals: [N·m] or [N]. Shape (n, n_joints).
+            rows: Their times.
+            robust: Hold outliers down; otherwise all rows count alike, and what few of them leave counts as noise.
+        """
+        most = _HUBER if robust else np.inf
+        return _sum_up(self.columns, _weigh(residuals, self.moving, rows, most), self.top_speed)
+
+    @property
+    def moving(self) -> BoolArray:
+        """Rows that are compared. Shape (n, n_joints)."""
+        return np.asarray(self.weights.rows > 0.0)
+
+    @property
+    def _sign_place(self) -> int:
+        """Number of the column of the sign of the velocity: the first of friction's."""
+        return int(self.columns.shape[2]) - 2 - len(column_names())
 
 
 def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray) -> ArmEquations:
@@ -83,13 +110,15 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray) -> ArmEq
     acceleration = rows.compare(lambda _, __, a: a)
     speed = np.abs(rows.compare(lambda _, v, __: v))
     top = np.maximum(np.quantile(speed, 0.99, axis=0), 1e-9)
+    signs = rows.compare(lambda _, v, __: np.sign(v))
     columns = np.stack(
         [
             np.column_stack(
                 [
                     rows.links[:, j],
                     acceleration[:, j],
-                    friction_columns(rows, j, float(top[j]), load[:, j]),
+                    friction_columns(rows, j, float(top[j])),
+                    load_columns(load[:, j], signs[:, j]),
                     rows.torque_rate[:, j],
                     rows.torque[:, j],
                 ]
@@ -107,20 +136,20 @@ def _sum_up(columns: FloatArray, weights: Weights, top_speed: FloatArray) -> Arm
     return ArmEquations(columns, sums, np.sum(weights.rows > 0.0, axis=0), weights, top_speed)
 
 
-def _weigh(residuals: FloatArray, used: FloatArray, rows: ArmRows) -> Weights:
+def _weigh(residuals: FloatArray, used: BoolArray, rows: ArmRows, most: float) -> Weights:
     """Weights that hold outliers down [huber1964], and how much rows err together."""
-    noise = np.array([_measure_spread(r[u]) for r, u in zip(residuals.T, used.T, strict=True)])
-    weights = used * np.minimum(1.0, _HUBER * noise / np.maximum(np.abs(residuals), 1e-300))
+    noise = np.array([_measure_spread(r[u], most) for r, u in zip(residuals.T, used.T, strict=True)])
+    weights = np.where(used, np.minimum(1.0, most * noise / np.maximum(np.abs(residuals), 1e-300)), 0.0)
     scores = weights * residuals / noise
     return Weights(weights, noise, np.array([_measure_inflation(score, rows) for score in scores.T]))
 
 
-def _measure_spread(values: FloatArray) -> float:
+def _measure_spread(values: FloatArray, most: float) -> float:
     """Standard deviation of most rows, whatever the others are."""
     if values.size == 0:
         return 1.0
-    robust = float(np.median(np.abs(values))) / 0.6745
-    return max(float(np.sqrt(np.mean(np.minimum(np.abs(values), _HUBER * robust) ** 2))), 1e-12)
+    robust = max(float(np.median(np.abs(values))) / 0.6745, 1e-300)
+    return max(float(np.sqrt(np.mean(np.minimum(np.abs(values), most * robust) ** 2))), 1e-12)
 
 
 def _measure_inflation(score: FloatArray, rows: ArmRows) -> float:

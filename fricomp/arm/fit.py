@@ -153,7 +153,7 @@ def fit_arm(
         x=x,
         covariance=np.linalg.inv(scaled) * np.outer(deviation, deviation),
         prior_deviation=deviation,
-        log_evidence=-0.5 * (cost + noise + penalty + float(np.linalg.slogdet(scaled)[1])),
+        log_evidence=-0.5 * float(cost + noise + penalty + np.linalg.slogdet(scaled)[1]),
         cost=cost,
     )
 

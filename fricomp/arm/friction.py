@@ -20,7 +20,16 @@ from fricomp.laws import FloatArray
 
 from .rows import ArmRows
 
-__all__ = ["PLAIN", "TERMS", "JointForm", "JointTerm", "column_names", "friction_columns"]
+__all__ = [
+    "PLAIN",
+    "TERMS",
+    "JointForm",
+    "JointTerm",
+    "column_names",
+    "friction_columns",
+    "load_columns",
+    "turn_bristle",
+]
 
 PLAIN = ("coulomb", "offset", "viscous", "viscous_difference")
 """Parameters that every joint has."""
@@ -103,17 +112,16 @@ def column_names() -> tuple[str, ...]:
     return (*PLAIN, *(name for term in terms for k in range(len(term.values)) for name in term.names(k)))
 
 
-def friction_columns(rows: ArmRows, joint: int, top_speed: float, load: FloatArray) -> FloatArray:
-    """All columns of one joint.
+def friction_columns(rows: ArmRows, joint: int, top_speed: float) -> FloatArray:
+    """Columns of one joint, but for those that follow the load.
 
     Args:
         rows: The equations.
         joint: Number of the joint.
         top_speed: Of the joint [rad/s] or [m/s].
-        load: Torque that the joint transmits, at the rows [N·m] or [N]. Shape (n,).
 
     Returns:
-        Shape (n, len(column_names())).
+        Shape (n, len(column_names()) - 2).
     """
     middle = float(np.mean(np.concatenate([q[:, joint] for q, _, _ in rows.motion])))
 
@@ -129,9 +137,12 @@ def friction_columns(rows: ArmRows, joint: int, top_speed: float, load: FloatArr
         columns += [q - middle]
         return np.stack([s, np.ones_like(v), v, np.abs(v), *columns], axis=1)
 
-    columns = rows.compare(build)
-    s = columns[:, 0]
-    return np.column_stack([columns, np.abs(load) * s, load**2 * s])
+    return rows.compare(build)
+
+
+def load_columns(load: FloatArray, sign: FloatArray) -> FloatArray:
+    """Columns that follow the transmitted torque [N·m] or [N], in the order of `column_names`. Shape (n, 2)."""
+    return np.column_stack([np.abs(load) * sign, load**2 * sign])
 
 
 def turn_bristle(position: FloatArray, distance: float) -> FloatArray:

@@ -116,14 +116,14 @@ def fit_robustly(
     equations = build_equations(arm, rows, rows.links @ arm.inertia.ravel())
     fit = fit_arm(arm, equations, model, prior, start)
     for _ in range(_REWEIGHTINGS):
-        fresh = build_equations(arm, rows, fit.rigid_torque(rows))
+        fresh = equations.with_load(fit.rigid_torque(rows))
         equations = fresh.with_residuals(fit.residuals(fresh), rows)
         fit = fit_arm(arm, equations, model, prior, fit)
     return fit, equations
 
 
 def _choose_rows(arm: SimulatedArm, recording: ArmRecording, model: ArmModel, prior: ArmPrior) -> ArmRows:
-    """Rows at the cutoff at which the parameters' covariance has the least volume."""
+    """Rows at the cutoff at which the parameters' covariance has the least volume, all that is left being noise."""
     best: tuple[float, ArmRows] | None = None
     for cutoff in _CUTOFFS:
         if best is not None and cutoff > _MOST_OF_RATE / recording.period:
@@ -131,7 +131,9 @@ def _choose_rows(arm: SimulatedArm, recording: ArmRecording, model: ArmModel, pr
         rows = build_rows(arm, recording, cutoff)
         if len(rows) < 3 * len(arm.joints):
             continue
-        fit, _ = fit_robustly(arm, rows, model, prior)
+        fit, equations = fit_robustly(arm, rows, model, prior)
+        whole = equations.with_residuals(fit.residuals(equations), rows, robust=False)
+        fit = fit_arm(arm, whole, model, prior, fit)
         size = np.sqrt(np.diag(fit.covariance))
         volume = float(np.linalg.slogdet(fit.covariance / np.outer(size, size))[1]) + 2.0 * float(np.sum(np.log(size)))
         if best is None or volume < best[0]:

@@ -51,7 +51,7 @@ class LinkCoordinates:
 
     def __init__(self, simulated: FloatArray) -> None:
         self._root = _find_root(_to_pseudo(simulated))
-        self._slopes = [self._root @ _direction(i) for i in range(N_INERTIA)]
+        self._slopes = np.stack([self._root @ _direction(i) for i in range(N_INERTIA)])
 
     def inertia(self, p: FloatArray) -> FloatArray:
         """Ten numbers at p. Shape (10,)."""
@@ -62,11 +62,10 @@ class LinkCoordinates:
         """Their derivatives by p. Shape (10, 10)."""
         factor = _to_factor(p)
         root = self._root @ factor
-        columns = []
-        for i in range(N_INERTIA):
-            slope = self._slopes[i] * (np.exp(p[i]) if i < 4 else 1.0)
-            columns.append(_from_pseudo(slope @ root.T + root @ slope.T))
-        return np.stack(columns, axis=1)
+        scale = np.ones(N_INERTIA)
+        scale[:4] = np.exp(p[:4])
+        half = (self._slopes * scale[:, None, None]) @ root.T
+        return _FROM_PSEUDO @ (half + np.swapaxes(half, 1, 2)).reshape(N_INERTIA, 16).T
 
 
 def _direction(i: int) -> FloatArray:
@@ -95,8 +94,21 @@ def _to_pseudo(inertia: FloatArray) -> FloatArray:
 
 
 def _from_pseudo(pseudo: FloatArray) -> FloatArray:
-    about = np.trace(pseudo[:3, :3]) * np.eye(3) - pseudo[:3, :3]
-    return np.array([pseudo[3, 3], *pseudo[:3, 3], *(about[i, j] for i, j in _PAIRS)])
+    return _FROM_PSEUDO @ pseudo.ravel()
+
+
+def _tabulate() -> FloatArray:
+    """The ten numbers as sums of the sixteen of a pseudo-inertia: I = tr(Σ) 1 - Σ. Shape (10, 16)."""
+    table = np.zeros((N_INERTIA, 4, 4))
+    table[0, 3, 3] = table[1, 3, 0] = table[2, 3, 1] = table[3, 3, 2] = 1.0
+    for row, (i, j) in enumerate(_PAIRS, start=4):
+        table[row, i, j] -= 1.0
+        for k in range(3) if i == j else ():
+            table[row, k, k] += 1.0
+    return table.reshape(N_INERTIA, 16)
+
+
+_FROM_PSEUDO = _tabulate()
 
 
 def _find_root(pseudo: FloatArray) -> FloatArray:

@@ -33,6 +33,7 @@ def _can_exist(fit: ArmFit, joint: int) -> bool:
 
     return (
         is_positive(coulomb=1.0)
+        and is_positive(stribeck__excess=1.0)
         and is_positive(load_coulomb__coefficient=1.0)
         and is_positive(load_quadratic__coefficient=1.0)
         and is_positive(presliding_hysteresis__level=1.0)

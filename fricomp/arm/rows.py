@@ -1,15 +1,17 @@
 """Equations of an arm: torques beside the columns of links, rotors and friction, all through the same filter.
 
 Position is smoothed first, since acceleration is not recorded; then columns and torques pass one low-pass more, so
-that what the smoothing did to the motion is small where they are compared.
+that what the smoothing did to the motion is small where they are compared. Friction is a column of the samples, as the
+torque is: a reversal lies between two of them wherever the rows are.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.signal import butter, sosfiltfilt
 
 from fricomp.laws import FloatArray
@@ -37,17 +39,18 @@ _SETTLING = 1.0
 """Left out at both ends of a part, in periods of the cutoff: there a filter that runs both ways has no neighbours."""
 
 
+Motion = tuple[FloatArray, FloatArray, FloatArray]
+"""Position [rad] or [m], velocity and acceleration of all joints. Shapes (n, n_joints)."""
+
+
 @dataclass(frozen=True)
 class ArmRows:
-    """Equations of all parts, one after the other. Motions are dense, at the rate of the columns; rows are fewer.
+    """Equations of all parts, one after the other.
 
     Attributes:
         time: Of the rows [s]. Shape (n,).
         part: Number of the part that a row is of. Shape (n,).
-        motion: Smoothed position [rad], velocity [rad/s] and acceleration [rad/s²] of each part, dense. Shapes
-            (n_dense, n_joints).
-        dense_time: Of each part [s]. Shapes (n_dense,).
-        dense_torque: Of each part, as late as the positions [N·m] or [N]. Shapes (n_dense, n_joints).
+        motion: Smoothed motion of each part, sample by sample.
         torque: Of the rows [N·m] or [N]. Shape (n, n_joints).
         torque_rate: Its derivative [N·m/s] or [N/s]. Shape (n, n_joints).
         links: Columns of the links. Shape (n, n_joints, 10 n_links).
@@ -55,44 +58,61 @@ class ArmRows:
     """
 
     time: FloatArray
-    part: np.ndarray
-    motion: tuple[tuple[FloatArray, FloatArray, FloatArray], ...]
-    dense_time: tuple[FloatArray, ...]
-    dense_torque: tuple[FloatArray, ...]
+    part: NDArray[np.intp]
+    motion: tuple[Motion, ...]
     torque: FloatArray
     torque_rate: FloatArray
     links: FloatArray
     cutoff: float
-    _low_passes: tuple[_LowPass, ...]
+    _ways: tuple[_Way, ...]
 
     def __len__(self) -> int:
         """Number of rows."""
         return len(self.time)
 
     def compare(self, column: Callable[[FloatArray, FloatArray, FloatArray], FloatArray]) -> FloatArray:
-        """A column of the dense motion, through the filter of the rows.
+        """A column of the motion, through all filters that the torques pass.
 
         Args:
-            column: Takes position, velocity and acceleration of a part; gives shape (n_dense, ...).
+            column: Takes position, velocity and acceleration of a part, sample by sample; gives shape (n_samples, ...).
 
         Returns:
             Shape (n, ...).
         """
-        return np.concatenate([f(column(*m)) for f, m in zip(self._low_passes, self.motion, strict=True)])
+        return np.concatenate([way.take(column(*m)) for way, m in zip(self._ways, self.motion, strict=True)])
 
 
 @dataclass(frozen=True)
-class _LowPass:
-    """From the dense rate of a part to its rows."""
+class _Way:
+    """From the samples of a part to its rows: smoothing, thinning, the low-pass, the rows that are kept."""
 
     rate: float
+    smoothing: float
+    step: int
     cutoff: float
     kept: slice
 
-    def __call__(self, columns: FloatArray) -> FloatArray:
-        if self.cutoff < _NYQUIST_SHARE * self.rate:
-            columns = _filter(columns, self.cutoff, self.rate)
-        return columns[self.kept]
+    @classmethod
+    def plan(cls, part: ArmPart, cutoff: float) -> _Way:
+        rate = 1.0 / part.period
+        step = max(1, int(rate / (_COLUMN_RATE * cutoff)))
+        size, dense = -(-len(part.time) // step), rate / step
+        edge = min(int(_SETTLING * dense / cutoff), size // 4)
+        kept = slice(edge, size - edge, max(1, int(dense / (_ROW_RATE * cutoff))))
+        return cls(rate, min(_SMOOTHING * cutoff, _NYQUIST_SHARE * rate), step, cutoff, kept)
+
+    def smooth(self, columns: FloatArray) -> FloatArray:
+        """Samples without what is faster than a position can be trusted."""
+        return _filter(columns, self.smoothing, self.rate)
+
+    def compare(self, dense: FloatArray) -> FloatArray:
+        """Rows of what is at the rate of the columns."""
+        rate = self.rate / self.step
+        return (_filter(dense, self.cutoff, rate) if self.cutoff < _NYQUIST_SHARE * rate else dense)[self.kept]
+
+    def take(self, columns: FloatArray) -> FloatArray:
+        """Rows of what is sampled as the torque is."""
+        return self.compare(self.smooth(columns)[:: self.step])
 
 
 def build_rows(arm: SimulatedArm, recording: ArmRecording, cutoff: float, delay: float = 0.0) -> ArmRows:
@@ -104,49 +124,39 @@ def build_rows(arm: SimulatedArm, recording: ArmRecording, cutoff: float, delay:
         cutoff: Highest frequency that is compared [Hz].
         delay: By how much the torques are late behind the positions [s].
     """
-    dense = [_smooth(part, cutoff, delay) for part in recording.parts]
-    filters = tuple(_low_pass(time, cutoff) for time, *_ in dense)
-    motion = tuple((q, v, a) for _, q, v, a, _ in dense)
+    ways = tuple(_Way.plan(part, cutoff) for part in recording.parts)
+    motions = tuple(_differentiate(way.smooth(part.position), part.period) for way, part in _pair(ways, recording))
+    torques = [_advance(part, delay) for part in recording.parts]
+    rates = [np.gradient(torque, part.period, axis=0) for torque, part in zip(torques, recording.parts, strict=True)]
+    times = [part.time[:: way.step][way.kept] for way, part in _pair(ways, recording)]
+    links = [
+        way.compare(compute_regressor(arm, *(column[:: way.step] for column in motion)))
+        for way, motion in zip(ways, motions, strict=True)
+    ]
     return ArmRows(
-        time=np.concatenate([one[0][f.kept] for one, f in zip(dense, filters, strict=True)]),
-        part=np.concatenate(
-            [np.full(len(one[0][f.kept]), i) for i, (one, f) in enumerate(zip(dense, filters, strict=True))]
-        ),
-        motion=motion,
-        dense_time=tuple(one[0] for one in dense),
-        dense_torque=tuple(one[4] for one in dense),
-        torque=np.concatenate([f(one[4]) for one, f in zip(dense, filters, strict=True)]),
-        torque_rate=np.concatenate([f(_differentiate(one)) for one, f in zip(dense, filters, strict=True)]),
-        links=np.concatenate([f(compute_regressor(arm, *m)) for m, f in zip(motion, filters, strict=True)]),
+        time=np.concatenate(times),
+        part=np.concatenate([np.full(len(time), i) for i, time in enumerate(times)]),
+        motion=motions,
+        torque=np.concatenate([way.take(one) for way, one in zip(ways, torques, strict=True)]),
+        torque_rate=np.concatenate([way.take(one) for way, one in zip(ways, rates, strict=True)]),
+        links=np.concatenate(links),
         cutoff=cutoff,
-        _low_passes=filters,
+        _ways=ways,
     )
 
 
-def _smooth(
-    part: ArmPart, cutoff: float, delay: float
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Time, position, velocity, acceleration and torque at the dense rate."""
-    rate = 1.0 / part.period
-    smoothing = min(_SMOOTHING * cutoff, _NYQUIST_SHARE * rate)
-    position, torque = (_filter(column, smoothing, rate) for column in (part.position, part.torque))
-    velocity = np.gradient(position, part.period, axis=0)
-    acceleration = np.gradient(velocity, part.period, axis=0)
-    step = max(1, int(rate / (_COLUMN_RATE * cutoff)))
-    time = part.time[::step]
-    late = np.stack([np.interp(time + delay, part.time, one) for one in torque.T], axis=1)
-    return time, position[::step], velocity[::step], acceleration[::step], late
+def _pair(ways: Sequence[_Way], recording: ArmRecording) -> list[tuple[_Way, ArmPart]]:
+    return list(zip(ways, recording.parts, strict=True))
 
 
-def _differentiate(dense: tuple[FloatArray, ...]) -> FloatArray:
-    time, torque = dense[0], dense[-1]
-    return np.asarray(np.gradient(torque, float(time[1] - time[0]), axis=0))
+def _differentiate(position: FloatArray, period: float) -> Motion:
+    velocity = np.asarray(np.gradient(position, period, axis=0))
+    return position, velocity, np.asarray(np.gradient(velocity, period, axis=0))
 
 
-def _low_pass(time: FloatArray, cutoff: float) -> _LowPass:
-    rate = 1.0 / float(time[1] - time[0])
-    edge = min(int(_SETTLING * rate / cutoff), len(time) // 4)
-    return _LowPass(rate, cutoff, slice(edge, len(time) - edge, max(1, int(rate / (_ROW_RATE * cutoff)))))
+def _advance(part: ArmPart, delay: float) -> FloatArray:
+    """Torques as early as the positions [N·m] or [N]. Shape (n, n_joints)."""
+    return np.stack([np.interp(part.time + delay, part.time, one) for one in part.torque.T], axis=1)
 
 
 def _filter(columns: FloatArray, cutoff: float, rate: float) -> FloatArray:

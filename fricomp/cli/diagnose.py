@@ -32,6 +32,8 @@ fricomp diagnose light.csv heavy.csv --out runs/payloads
 
 fricomp diagnose real.csv --simulated from_my_simulator.csv --out runs/why
 
+fricomp diagnose arm_log/ --simulation arm.urdf --out runs/arm
+
 fricomp diagnose 'fleet/*.parquet' --each --out runs/fleet
 
 fricomp diagnose joints.toml --executor dask://scheduler:8786 --resume --out runs/fleet
@@ -110,6 +112,12 @@ def diagnose(
         bool, typer.Option("--resume", rich_help_panel="Of a fleet", help="Of a fleet: go on with the one in --out.")
     ] = False,
     overwrite: Overwrite = False,
+    match: Annotated[
+        list[str] | None,
+        typer.Option(
+            rich_help_panel="Of an arm", help="RECORDED=SIMULATED, where the names of a joint differ; once a joint."
+        ),
+    ] = None,
     seed: Annotated[
         int,
         typer.Option(
@@ -129,8 +137,9 @@ def diagnose(
 ) -> None:
     """Say where simulation and recording differ, which physics is missing, and how much the fit improves.
 
-    Plain sentences come first, here and in report.html. Several recordings are taken as one joint's, such as with
-    two payloads; --each takes them as different joints, and so does a table of joints: CSV or TOML with recording,
+    Plain sentences come first, here and in report.html. Recordings of different joints from the same time, with the
+    simulation of their arm, are examined together. Several recordings of one joint are taken as one joint's, such as
+    with two payloads; --each takes them as different joints, and so does a table of joints: CSV or TOML with recording,
     and where wanted name, simulation, joint and friction.
     """
     from fricomp.cli.out_folder import require_folder
@@ -148,11 +157,33 @@ def diagnose(
         _diagnose_fleet(recordings, out, options, given, fleet)
         return
     _refuse_fleet_options(fleet)
+    paths = find_recordings(recordings)
+    if (
+        joint is None
+        and simulation is not None
+        and len(paths) > 1
+        and _examine_as_arm(paths, simulation, out, match or [], seed=seed, overwrite=overwrite)
+    ):
+        return
     with _interruptible(out):
-        run = run_diagnosis(find_recordings(recordings), out, options, given, overwrite=overwrite)
+        run = run_diagnosis(paths, out, options, given, overwrite=overwrite)
     _print_diagnosis(run, out)
     if run.diagnosis.verdict == "bad_data":
         raise typer.Exit(EXIT_BAD_DATA)
+
+
+def _examine_as_arm(
+    paths: Sequence[Path], simulation: Path, out: Path, match: Sequence[str], *, seed: int, overwrite: bool
+) -> bool:
+    """Examine an arm, where the recordings are of different joints from the same time; False where they are not."""
+    from fricomp.cli.arm import is_arm, parse_names, run_arm
+    from fricomp.recording import read_recording
+
+    recordings = [read_recording(path) for path in paths]
+    if not is_arm(recordings):
+        return False
+    run_arm(paths, recordings, simulation, out, parse_names(match), seed=seed, overwrite=overwrite)
+    return True
 
 
 def _refuse_fleet_options(run: FleetRun) -> None:

@@ -1,0 +1,83 @@
+"""The simulation with what was found: inertia of the links, rotors, and the friction that MuJoCo can hold."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fricomp.errors import FricompError
+from fricomp.export import apply_to_mjcf, export_mjcf
+from fricomp.laws import FloatArray
+from fricomp.simulation_file import read_specification
+
+from .answer import ArmAnswer
+from .friction_model import build_friction_model
+from .inertia import to_centre
+
+__all__ = ["correct_simulation"]
+
+_LIGHT = 1e-9
+"""[kg] and [kg·m²] of bodies that are fixed to a link, once the link weighs what all of them do."""
+
+
+def correct_simulation(answer: ArmAnswer, simulation: str | Path) -> tuple[str, list[str]]:
+    """MJCF of the corrected arm, and what it loses, a line a joint.
+
+    Meshes are left out, as in all that is read for its dynamics.
+
+    Args:
+        answer: On the arm.
+        simulation: The file that was compared.
+    """
+    fit = answer.identification.fit
+    spec: Any = read_specification(simulation)
+    for name, inertia in zip(fit.arm.links, fit.inertia, strict=True):
+        _weigh_link(spec, name, inertia, set(fit.arm.joints))
+    for name, rotor in zip(fit.arm.joints, fit.armature, strict=True):
+        spec.joint(name).armature = max(float(rotor), 0.0)
+    spec.compile()
+    text, lost = spec.to_xml(), []
+    for j, name in enumerate(fit.arm.joints):
+        try:
+            export = export_mjcf(build_friction_model(answer.identification, j))
+        except FricompError as error:
+            lost.append(f"{name}: no friction is written: {error}")
+            continue
+        text = apply_to_mjcf(export, text, name)
+        lost.append(f"{name}: {export.fidelity}")
+    return text, lost
+
+
+def _weigh_link(spec: Any, name: str, inertia: FloatArray, joints: set[str]) -> None:
+    body = spec.body(name)
+    mass, centre = to_centre(inertia)
+    xx, xy, xz, yy, yz, zz = inertia[4:]
+    about_origin = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    about = about_origin - mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
+    _set_inertia(body, mass, centre, about)
+    for child in _list_fixed(body, joints):
+        _set_inertia(child, _LIGHT, np.zeros(3), _LIGHT * np.eye(3))
+
+
+def _set_inertia(body: Any, mass: float, centre: FloatArray, about: FloatArray) -> None:
+    """Give a body this mass [kg], centre [m] and inertia about it [kg·m²], along its principal axes."""
+    import mujoco
+
+    principal, axes = np.linalg.eigh(about)
+    if np.linalg.det(axes) < 0.0:
+        axes[:, 0] *= -1.0
+    turn = np.zeros(4)
+    mujoco.mju_mat2Quat(turn, axes.ravel())
+    body.explicitinertial = True
+    body.mass, body.ipos, body.iquat, body.inertia = mass, centre, turn, np.maximum(principal, _LIGHT)
+
+
+def _list_fixed(body: Any, joints: set[str]) -> list[Any]:
+    """Bodies below one that no recorded joint moves: they are part of its link."""
+    fixed = []
+    for child in body.bodies:
+        if not any(joint.name in joints for joint in child.joints):
+            fixed += [child, *_list_fixed(child, joints)]
+    return fixed

@@ -1,0 +1,105 @@
+"""The page on an arm: joint by joint, link by link, and how the errors fall."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from fricomp.report import Bars, Chart, Line, Panel, ReportPage, Section, Table
+
+from .examination import ArmExamination
+from .record import ArmRecord
+
+__all__ = ["build_arm_page", "build_joint_table", "build_link_table", "draw_arm_charts"]
+
+_STATES = {"as_simulated": "as simulated", "off": "off", "not_determined": "not determined"}
+_MOST_JOINTS = 8
+"""Joints whose torques are drawn: more would be too small to look into."""
+
+
+def build_joint_table(record: ArmRecord) -> Table:
+    """One joint a row."""
+    rows = []
+    for joint in record.joints:
+        names = ", ".join(effect.name for effect in joint.effects) or "–"
+        fall = 1.0 - joint.error_model / max(joint.error_simulation, 1e-300)
+        errors = (f"{value:.3g}" for value in (joint.error_simulation, joint.error_plain, joint.error_model))
+        coulomb, viscous = (joint.friction[name] for name in ("coulomb", "viscous"))
+        rows.append((joint.name, names, *errors, joint.unit, f"{fall:.0%}", _show(coulomb), _show(viscous)))
+    heads = ("joint", "left out", "simulation", "refitted", "this model", "unit", "fall", "Coulomb", "viscous")
+    return Table(
+        heads, tuple(rows), "Held-out RMS torque errors, and the friction that was fitted with 95 % intervals."
+    )
+
+
+def build_link_table(record: ArmRecord) -> Table:
+    """One link a row."""
+    rows = tuple(
+        (link.name, f"{link.simulated_mass:.4g}", f"{link.mass.value:.4g}", _range(link.mass), _STATES[link.state])
+        for link in record.links
+    )
+    return Table(("link", "simulated [kg]", "found [kg]", "95 %", "state"), rows, "What the links weigh.")
+
+
+def draw_arm_charts(examination: ArmExamination) -> dict[str, Chart]:
+    """Errors by joint, and what each joint's torque leaves over time."""
+    return {"errors": _draw_errors(examination.record), "residuals": _draw_residuals(examination)}
+
+
+def build_arm_page(examination: ArmExamination, charts: Mapping[str, Chart], notes: tuple[str, ...]) -> ReportPage:
+    """The page."""
+    record = examination.record
+    sections = [
+        Section("Joint by joint", (build_joint_table(record), charts["errors"])),
+        Section("Link by link", (build_link_table(record),)),
+        Section("Before and after", (charts["residuals"],)),
+        Section("Files", notes),
+    ]
+    named = sum(len(joint.effects) for joint in record.joints)
+    title = "Physics is missing" if named else "No physics is missing"
+    return ReportPage(
+        title=f"Arm of {len(record.joints)} joints: {title.lower()}",
+        subtitle=f"Compared up to {record.cutoff:g} Hz over {record.duration:.4g} s",
+        summary=record.sentences,
+        sections=tuple(sections),
+        facts={"joints": str(len(record.joints)), "effects named": str(named), "delay": _show(record.delay)},
+    )
+
+
+def _draw_errors(record: ArmRecord) -> Chart:
+    names = tuple(joint.name for joint in record.joints)
+    base = np.array([max(joint.error_simulation, 1e-300) for joint in record.joints])
+    plain = np.array([joint.error_plain for joint in record.joints]) / base
+    model = np.array([joint.error_model for joint in record.joints]) / base
+    marks = (
+        Bars(names, np.ones(len(names)), "simulation, Coulomb and viscous friction"),
+        Bars(names, plain, "links and rotors fitted as well"),
+        Bars(names, model, "this model"),
+    )
+    panel = Panel(marks, x_label="joint", y_label="held-out error, in that of the simulation")
+    return Chart("errors", "Held-out torque errors", (panel,), caption="Of data that took no part; lower is better.")
+
+
+def _draw_residuals(examination: ArmExamination) -> Chart:
+    found = examination.answer.identification
+    after, time = found.fit.residuals(found.equations), found.rows.time
+    rigid, _ = found.fit.predict(found.equations)
+    panels = []
+    for j, name in enumerate(found.fit.arm.joints[:_MOST_JOINTS]):
+        unit = found.recording.metadata[j].torque_unit
+        marks = (
+            Line(time, found.rows.torque[:, j] - rigid[:, j], "without friction"),
+            Line(time, after[:, j], "with this model"),
+        )
+        panels.append(Panel(marks, title=name, x_label="time [s]", y_label=f"missing torque [{unit}]"))
+    caption = "What links and rotors leave is friction; what the model leaves should look like noise."
+    return Chart("residuals", "Missing torque over time", tuple(panels), caption=caption, share_x=True)
+
+
+def _show(value) -> str:  # type: ignore[no-untyped-def]
+    return f"{value.value:.3g} ({_range(value)}) {value.unit}"
+
+
+def _range(value) -> str:  # type: ignore[no-untyped-def]
+    return f"{value.ci95[0]:.3g} to {value.ci95[1]:.3g}"

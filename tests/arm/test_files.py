@@ -1,0 +1,67 @@
+"""The folder of an arm: what is written can be read, and is what was found."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fricomp.arm import load_arm_record
+from fricomp.cli.main import app
+from fricomp.errors import DiagnosisError
+from fricomp.model import load_model
+from fricomp.recording import write_recording
+
+from .moving_arm import MASSES, record_arm, write_arm
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What `fricomp diagnose` writes of an arm whose hand is heavier than in the simulation."""
+    root = tmp_path_factory.mktemp("arm")
+    truth = write_arm(root, (MASSES[0], MASSES[1], MASSES[2] + 1.0))
+    (root / "log").mkdir()
+    for one in record_arm(truth):
+        write_recording(one, root / "log" / f"{one.metadata.joint}.csv")
+    command = ["diagnose", str(root / "log"), "--simulation", str(write_arm(root)), "--out", str(root / "out")]
+    done = CliRunner().invoke(app, command)
+    assert done.exit_code == 0, done.output
+    assert "hand is" in done.output
+    return root / "out"
+
+
+def test_the_record_can_be_read_again(folder: Path) -> None:
+    record = load_arm_record(folder / "arm.json")
+    assert [joint.name for joint in record.joints] == ["elbow", "shoulder", "wrist"]
+    assert record.held_joints == ("grip",)
+
+
+def test_every_joint_has_a_model_that_loads(folder: Path) -> None:
+    levels = {"shoulder": 1.2, "elbow": 0.8, "wrist": 0.3}
+    for name, level in levels.items():
+        model = load_model(folder / "joints" / name / "friction.json")
+        assert model.joint == name
+        assert model.law.torque(1e-6) == pytest.approx(level, abs=0.06)
+
+
+def test_the_corrected_simulation_weighs_what_was_found(folder: Path) -> None:
+    record, model = load_arm_record(folder / "arm.json"), mujoco.MjModel.from_xml_path(str(folder / "arm.xml"))
+    for link in record.links:
+        assert model.body(link.name).mass[0] == pytest.approx(link.mass.value, rel=1e-4)
+    assert np.all(np.isfinite(model.body_inertia))
+    assert model.body("finger").mass[0] < 1e-6
+
+
+def test_the_page_names_every_joint(folder: Path) -> None:
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert all(name in page for name in ("shoulder", "elbow", "wrist"))
+    assert (folder / "errors.png").stat().st_size > 1000
+
+
+def test_a_damaged_record_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "arm.json").write_text("{}")
+    with pytest.raises(DiagnosisError, match="record of an arm"):
+        load_arm_record(tmp_path / "arm.json")
