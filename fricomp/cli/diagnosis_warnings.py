@@ -37,11 +37,12 @@ def diagnosis_warnings(read: Mapping[Path, Recording], record: DiagnosisRecord) 
         record: The answer.
     """
     from fricomp.recording import check_recording
+    from fricomp.recording.parts import find_usable_parts
 
     said, found = " ".join(record.sentences), []
     for name, recording in zip(distinct_names(list(read)), read.values(), strict=True):
         where = f"{name}: " if len(read) > 1 else ""
-        for finding in check_recording(recording):
+        for finding in check_recording(find_usable_parts(recording).kept):
             told = finding.code in _TOLD or finding.message in said
             if finding.severity != "note" and not told:
                 found.append(where + finding.caution)

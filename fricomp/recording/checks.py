@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from fricomp.recording.file import read_content
 from fricomp.recording.finding import Finding
+from fricomp.recording.motion_kind import find_hand_motion, find_held_output, find_one_way
 from fricomp.recording.recording import Recording
 from fricomp.recording.signal_checks import find_rest, find_spikes, find_stuck, find_wraps
 from fricomp.recording.timing_checks import (
@@ -48,6 +49,9 @@ _OF_UNWRAPPED: tuple[_Check, ...] = (  # a wrap would look like many other thing
     find_velocity_mismatch,
     find_flipped_torque,
     find_flipped_reference,
+    find_one_way,
+    find_held_output,
+    find_hand_motion,
 )
 _ORDER = {"error": 0, "warning": 1, "note": 2}
 

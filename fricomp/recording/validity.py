@@ -110,7 +110,8 @@ def _find_backward_time(time: Samples) -> tuple[Finding, ...]:
     if step[row - 1] == 0:
         message = f"time {time[row]:.6g} s is stamped twice ({bad.size} rows do not advance)"
         rate = find_row_rate(time) if bad.size > _MANY_REPEATED * time.size else None
-        advice = "remove the repeated rows (fricomp convert --skip-bad-rows keeps the first of each)"
+        advice = "remove the repeated rows (fricomp convert --skip-bad-rows keeps the first of each), "
+        advice += "or write spread = true for time in a mapping, where the rows were taken evenly"
         if rate is not None:
             advice = (
                 f"give the rate of the rows, which is some {rate:.5g} Hz: fricomp convert --row-rate {rate:.5g}, or "

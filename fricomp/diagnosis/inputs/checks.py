@@ -26,7 +26,7 @@ __all__ = [
 PART_OF = "part_of"
 """Key of a part's metadata for the number of the recording that it is of, counted from 0."""
 
-_FATAL_WARNINGS = frozenset({"no_sliding"})
+_FATAL_WARNINGS = frozenset({"no_sliding", "one_way", "held_output", "hand_motion"})
 _LEAST = 2.0  # [s] of a part; shorter ones hold no stretch that can be held out
 _MOST_PARTS = 12  # of one recording: the longest; the kernel runs sixteen joints a call
 _OTHER_JOINT = 15.0  # times a simulation's inertia that no payload explains; the base goes up to 20
