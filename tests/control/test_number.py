@@ -19,7 +19,7 @@ from fricomp.control.settings import CompensationSettings, DriveLimits, LoopDyna
 from fricomp.errors import FricompError
 from fricomp.sim_bench.stand_in.backend import SimulatedJointAdapter
 
-WRONG: tuple[Any, ...] = (True, "x", b"x", float("nan"), 1e300, -1e300, 1j, [1.0], object())
+WRONG: tuple[Any, ...] = (True, "x", b"x", float("nan"), 1e300, -1e300, 1j, [1.0], ...)
 LIMITS: dict[str, Any] = {"torque": 5.0, "torque_rate": 100.0, "velocity": 10.0}
 LOOP = {"inertia": 0.1, "stiffness": 1.0, "damping": 1.0}
 SETTINGS = {
@@ -73,7 +73,7 @@ def test_a_value_that_is_no_sane_number_is_refused_in_our_own_words(case: str, v
         CASES[case](value)
 
 
-@pytest.mark.parametrize("value", [True, "x", b"x", float("nan"), 1j, [1.0], object()], ids=repr)
+@pytest.mark.parametrize("value", [True, "x", b"x", float("nan"), 1j, [1.0], ...], ids=repr)
 @pytest.mark.parametrize("name", ["torque", "torque_rate"])
 def test_a_drive_without_limits_is_said_by_infinity_alone(name: str, value: Any) -> None:
     assert DriveLimits(**{name: float("inf")}) == DriveLimits()

@@ -31,7 +31,8 @@ class ThermalFriction(Effect):
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         viscous = max(max(c.plant.forward[3], c.plant.reverse[3]) for c in contexts)
-        largest = max(float(np.max(np.abs(compute_heat(c, 30.0)))) for c in contexts)
+        heat = max(float(np.max(np.abs(compute_heat(c, 30.0)))) for c in contexts)
+        largest = heat if heat > 0.0 else 1.0  # without heating the columns are zero, whatever their scale
         recorded = _is_recorded(contexts)
         per_kelvin = "/K" if recorded else ""
         slope = 0.05 * (viscous + 0.1 * contexts[0].scale) / largest
