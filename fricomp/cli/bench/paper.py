@@ -25,7 +25,7 @@ class _Sizes:
     noise_free: int
     pinn: int
     outliers: int
-    searches: tuple[int, int, int, int] | None
+    searches: tuple[int, int] | None
     adam: tuple[int, int]
     departure: int
     loads: int
@@ -33,7 +33,7 @@ class _Sizes:
     lugre: int
 
 
-_QUICK = _Sizes(5, 20, 5, (0, 2, 0, 0), (2, 500), 1, 1, 20, 1)
+_QUICK = _Sizes(5, 20, 5, (0, 2), (2, 500), 1, 1, 20, 1)
 _FULL = _Sizes(100, 2000, 200, None, (20, 50_000), 5, 3, 300, 5)
 
 
@@ -87,4 +87,3 @@ def _run(ledger: RowStore, sizes: _Sizes, report: Callable[[str], None]) -> None
     study.run_extras(ledger, sizes.sweeps, sizes.lugre, report)
     study.run_loads(ledger, sizes.loads, report)
     rivals.run_searches(ledger, searches, report)
-    rivals.run_pymoo_study(ledger, searches, report)

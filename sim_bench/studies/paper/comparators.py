@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -14,10 +13,7 @@ from fricomp.laws import FloatArray
 
 from .problem import UPPER_BOUNDS, Draw
 
-__all__ = ["Comparison", "population_likelihood", "run_cma", "run_genetic", "run_particle_swarm", "run_robust_nls"]
-
-_POPULATION = 100
-"""Section IV of [luo2024pinn], for PSO and GA."""
+__all__ = ["Comparison", "population_likelihood", "run_cma", "run_robust_nls"]
 
 
 @dataclass(frozen=True)
@@ -70,48 +66,6 @@ def _curves(population: FloatArray, points: Observations) -> FloatArray:
         falling = np.exp(-((speed / np.maximum(stribeck, 1e-9)) ** 2))
         curves[:, rows] = coulomb + (static - coulomb) * falling + viscous * speed
     return curves
-
-
-def run_particle_swarm(draw: Draw, iterations: int, seed: int) -> Comparison:
-    """PSO of pymoo, population 100, learning factors 1 as in the paper."""
-    from pymoo.algorithms.soo.nonconvex.pso import PSO
-
-    return _run_pymoo("PSO (pymoo)", PSO(pop_size=_POPULATION, c1=1.0, c2=1.0, adaptive=False), draw, iterations, seed)
-
-
-def run_genetic(draw: Draw, iterations: int, seed: int) -> Comparison:
-    """GA of pymoo, population 100, its defaults for the rest, which the paper does not give."""
-    from pymoo.algorithms.soo.nonconvex.ga import GA
-
-    return _run_pymoo("GA (pymoo)", GA(pop_size=_POPULATION, eliminate_duplicates=False), draw, iterations, seed)
-
-
-def _run_pymoo(method: str, algorithm: Any, draw: Draw, iterations: int, seed: int) -> Comparison:
-    from pymoo.core.problem import Problem
-    from pymoo.termination import get_termination
-
-    likelihood = population_likelihood(draw)
-
-    class Search(Problem):  # type: ignore[misc]
-        def __init__(self) -> None:
-            super().__init__(n_var=8, n_obj=1, xl=np.zeros(8), xu=UPPER_BOUNDS)
-
-        def _evaluate(self, x: FloatArray, out: dict[str, FloatArray], *args: object, **kwargs: object) -> None:
-            out["F"] = likelihood(x)[:, None]
-
-    begun = time.perf_counter()
-    algorithm.setup(Search(), termination=get_termination("n_gen", iterations), seed=seed, verbose=False)
-    fitness, course = [], []
-    every = max(1, iterations // 200)
-    for k in range(iterations):
-        if not algorithm.has_next():
-            break
-        algorithm.next()
-        if k % every == 0:
-            fitness.append((k, float(algorithm.opt[0].F[0])))
-            course.append(np.array(algorithm.opt[0].X))
-    best = algorithm.opt[0]
-    return _comparison(method, draw, np.array(best.X), begun, (fitness, course))
 
 
 def run_cma(draw: Draw, evaluations: int, seed: int) -> Comparison:

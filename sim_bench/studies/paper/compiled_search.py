@@ -1,6 +1,6 @@
 """PSO and GA compiled, so that the paper's 100 x 50,000 evaluations can be repeated on many draws.
 
-Both follow the textbook rules that pymoo implements too: PSO with inertia falling from 0.9 to 0.4 [shi1998inertia],
+Both follow the textbook rules: PSO with inertia falling from 0.9 to 0.4 [shi1998inertia],
 learning factors 1 as in the paper, velocity within a fifth of the range; GA with binary tournament, simulated binary
 crossover and polynomial mutation [deb1995sbx] and survival of the best of parents and children.
 """

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..kit.store import RowStore
-from .comparators import Comparison, run_cma, run_genetic, run_particle_swarm, run_robust_nls
+from .comparators import Comparison, run_cma, run_robust_nls
 from .problem import NOISE_READINGS, Draw, PaperProblem
 from .study import SPREADS, random_values
 
@@ -19,7 +19,6 @@ __all__ = [
     "PAPER_LENGTH",
     "SearchSizes",
     "run_adam_study",
-    "run_pymoo_study",
     "run_searches",
 ]
 
@@ -38,17 +37,13 @@ class SearchSizes:
     Attributes:
         full: At the paper's length.
         tenth: At a tenth of it.
-        pymoo_full: With pymoo's own code at the paper's length, which is some thirty times slower.
-        pymoo_tenth: The same at a tenth.
     """
 
     full: int
     tenth: int
-    pymoo_full: int
-    pymoo_tenth: int
 
 
-FULL_SIZES = SearchSizes(full=20, tenth=200, pymoo_full=1, pymoo_tenth=3)
+FULL_SIZES = SearchSizes(full=20, tenth=200)
 """Of a run that is not cut short."""
 
 
@@ -80,15 +75,6 @@ def _interleaved(sizes: SearchSizes) -> list[tuple[int, int]]:
         plan += full[:1] + short[:10]
         full, short = full[1:], short[10:]
     return plan
-
-
-def run_pymoo_study(ledger: RowStore, sizes: SearchSizes, progress: Progress) -> None:
-    """The same searches as pymoo runs them, on a few draws, to hold the compiled ones against."""
-    for count, iterations in ((sizes.pymoo_tenth, _TENTH), (sizes.pymoo_full, PAPER_LENGTH)):
-        for seed in range(count):
-            for reading in NOISE_READINGS:
-                for method in ("PSO (pymoo)", "GA (pymoo)"):
-                    _compare(ledger, PaperProblem().draw(reading, seed), (method, iterations), progress)
 
 
 def run_adam_study(ledger: RowStore, starts: int, steps: int, progress: Progress) -> None:
@@ -131,8 +117,6 @@ def _search(method: str) -> Callable[[Draw, int, int], Comparison]:
     searches: Mapping[str, Callable[[Draw, int, int], Comparison]] = {
         "PSO": lambda draw, iterations, seed: run_compiled("PSO", draw, iterations, seed),
         "GA": lambda draw, iterations, seed: run_compiled("GA", draw, iterations, seed),
-        "PSO (pymoo)": run_particle_swarm,
-        "GA (pymoo)": run_genetic,
         "CMA-ES": run_cma,
         "robust NLS": lambda draw, _, seed: run_robust_nls(draw, seed),
     }

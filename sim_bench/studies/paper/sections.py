@@ -76,7 +76,6 @@ def _ours(ledger: RowStore, reading: Reading) -> list[tuple[str, Sequence[float]
     noise = "" if reading == "none" else f", {reading} noise"
     found = [(f"fricomp{noise}", row["values"]) for row in ledger.rows(study=study, seed=0, **wanted)]
     rows = ledger.rows(study="search", reading=reading, seed=0, iterations=PAPER_LENGTH)
-    rows = [row for row in rows if "pymoo" not in row["method"]]
     rows += best_adam(ledger, reading)
     return found + [(f"{name_of(row)}, {row['iterations']:,}{noise}", row["values"]) for row in rows]
 

@@ -44,7 +44,7 @@ def test_the_diagnosis_does_not_import_the_generator(graph: grimp.ImportGraph) -
     assert not [name for name in downstream if name.startswith("fricomp.diagnosis")]
 
 
-def test_the_generator_imports_of_the_library_only_its_errors() -> None:
+def test_the_generator_imports_of_the_library_only_its_errors_and_how_files_are_written() -> None:
     folder = Path(cases.__file__).parent
     imported = set()
     for path in folder.rglob("*.py"):
@@ -53,7 +53,7 @@ def test_the_generator_imports_of_the_library_only_its_errors() -> None:
                 imported.add(node.module)
             if isinstance(node, ast.Import):
                 imported |= {alias.name for alias in node.names if alias.name.startswith("fricomp")}
-    assert imported == {"fricomp.errors"}
+    assert imported == {"fricomp.errors", "fricomp.whole_file"}
 
 
 @pytest.mark.parametrize("module", _MAKING)

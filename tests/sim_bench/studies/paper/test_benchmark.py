@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fricomp.sim_bench.studies.kit.page import fill_template
 from fricomp.sim_bench.studies.kit.store import RowStore
 from fricomp.sim_bench.studies.paper.oracle import find_optimum
-from fricomp.sim_bench.studies.paper.page import CLOSING
 from fricomp.sim_bench.studies.paper.printed import NOISE_FREE, NOISY
 from fricomp.sim_bench.studies.paper.problem import NOISE_READINGS, PaperProblem
 from fricomp.sim_bench.studies.paper.rival_summary import summarise_noise_free
@@ -130,4 +130,4 @@ def test_swarm_ends_at_the_oracle_and_never_below_it() -> None:
 
 def test_what_the_page_says_beside_its_figures_is_what_its_source_says() -> None:
     page = Path(__file__).parents[4] / "docs" / "identification.md"
-    assert page.read_text(encoding="utf-8").endswith(CLOSING)
+    assert page.read_text(encoding="utf-8").endswith(fill_template("paper/closing.md"))
