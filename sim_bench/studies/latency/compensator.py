@@ -20,7 +20,7 @@ from fricomp.control import ArmCompensator, Compensator, JointLimits, SafetyGate
 from fricomp.control.network import NetworkCompensator
 from fricomp.export import render_c_header
 from fricomp.joint import JointFeedback
-from fricomp.laws import Cogging, FrictionLaw, LoadCoulomb
+from fricomp.laws import BidirectionalStribeck, Cogging, FrictionLaw, LoadCoulomb, LuGre
 from fricomp.model import FrictionModel, Validity
 
 from ...stand_in import DEFAULT_LAW
@@ -91,14 +91,20 @@ def measure_costs(calls: int = 20_000) -> list[Cost]:
     law = FrictionLaw((*DEFAULT_LAW.terms, LoadCoulomb(0.1), Cogging(0.05, 0.02, 11.0)))
     more = Compensator(replace(bench_model(), law=law)).torque
 
+    curve = DEFAULT_LAW.terms[0]
+    assert isinstance(curve, BidirectionalStribeck)
+    bristle = replace(bench_model(), law=FrictionLaw((LuGre(curve.forward, curve.reverse, 6000.0, 5.0),)))
+    bent = Compensator(bristle, source="reference").torque
+
     def extended() -> float:
         return more(0.03, 0.029, position=0.3, load_torque=2.0)
 
     return [
         _cost("bare Stribeck", _unit, calls, None),
-        _cost("compensator, reference only", lambda: plain(0.03), calls, None),
+        _cost("compensator, reference only", lambda: plain(0.03), calls, 2.6),
         _cost("compensator, every feature", lambda: full(0.03, 0.029, 0.002, 1.2), calls, 5.0),
-        _cost("compensator, load and cogging beside the curve", extended, calls, None),
+        _cost("compensator, load and cogging beside the curve", extended, calls, 6.0),
+        _cost("compensator, LuGre", lambda: bent(0.03), calls, 6.0),
         _cost("seven joints as chosen by default, safety gate", _seven_with_gate(False), calls // 5, 50.0),
         _cost("seven joints, every feature, safety gate", _seven_with_gate(True), calls // 5, 50.0),
     ]
