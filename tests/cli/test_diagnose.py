@@ -17,6 +17,7 @@ from fricomp.cli.diagnosis_warnings import diagnosis_warnings, distinct_names
 from fricomp.cli.main import app
 from fricomp.diagnosis import DIAGNOSIS_SCHEMA, DiagnosisRecord, Quantity, diagnosis_json_schema
 from fricomp.diagnosis.inputs import given
+from fricomp.diagnosis.inputs.checks import Usable
 from fricomp.diagnosis.record.result import Change
 from fricomp.errors import DiagnosisError, FricompError, RecordingError
 from fricomp.fleet import find_recordings
@@ -77,8 +78,6 @@ def _changed(name: str) -> dict[str, np.ndarray]:
         ("degrees", {}, "degrees"),
         ("sign flipped", {}, "torque"),
         ("motor side", {"torque_side": "motor"}, "motor side"),
-        ("standstill", {}, "stands still"),
-        ("two sample rates", {}, "rate"),
         ("wrong joint", {"joint": "wrist"}, "'wrist'"),
     ],
 )
@@ -98,6 +97,19 @@ def test_bad_input_is_bad_data_and_never_a_name(
     assert says in result.stdout.replace("\n", " ")
     assert (out / "report.html").exists()
     assert not (out / "friction.json").exists()
+
+
+@pytest.mark.parametrize(
+    ("case", "says"),
+    [("standstill", "12998 rows of long rests"), ("two sample rates", "it changes from 500 to 125 Hz")],
+)
+def test_what_is_left_of_a_log_is_diagnosed_and_told(case: str, says: str, tmp_path: Path) -> None:
+    path, out = _save(tmp_path, _changed(case)), tmp_path / "out"
+    (tmp_path / "joint.xml").write_text(_JOINT)
+    options = ["--simulation", str(tmp_path / "joint.xml"), "--joint", "elbow", "--out", str(out)]
+    result = CliRunner().invoke(app, ["diagnose", str(path), *options])
+    assert result.exit_code == 0, result.output
+    assert says in " ".join(json.loads((out / "diagnosis.json").read_text())["sentences"])
 
 
 def _run(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -146,7 +158,7 @@ def test_a_short_recording_is_refused_with_its_length(seconds: float, tmp_path: 
 
 def _answer_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Diagnose as if the data were bad, which takes no time and names nothing."""
-    monkeypatch.setattr(given, "reasons_against", lambda *_: ["a stub"])
+    monkeypatch.setattr(given, "take_usable", lambda *_: Usable([], [], ["a stub"]))
 
 
 def test_what_the_checks_warn_of_stands_above_the_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -274,7 +286,7 @@ def test_an_interrupted_diagnosis_says_what_is_left(tmp_path: Path, monkeypatch:
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(given, "reasons_against", interrupted)
+    monkeypatch.setattr(given, "take_usable", interrupted)
     out = tmp_path / "out"
     result = CliRunner().invoke(app, ["diagnose", str(_save(tmp_path, _columns())), "--out", str(out)])
     assert result.exit_code == 130

@@ -58,4 +58,5 @@ def _find_strongest(rows: FloatArray, above: float) -> tuple[float, float, float
     frequency, energy = periodogram(clipped, 1.0, detrend="constant")
     best = int(np.argmax(np.where(frequency > above, energy, 0.0)))
     excess = max(float(clipped @ clipped) - rows.size, float(energy[best]))
-    return float(energy[best]), float(frequency[best]), float(energy[best]) / excess
+    share = float(energy[best]) / excess if excess > 0.0 else 0.0  # rows without any noise have no line either
+    return float(energy[best]), float(frequency[best]), share
