@@ -54,6 +54,8 @@ class MitAdapter(CanAdapter):
         self._joints_of: dict[int, list[int]] = {}
         for joint, motor in enumerate(self._motors):
             self._joints_of.setdefault(motor.answer_key, []).append(joint)
+        for joints in self._joints_of.values():
+            self._refuse_shared_answers(joints)
         self._gains = tuple(
             loop_gains(joint.stiffness, joint.damping, motor, joint.name)
             for joint, motor in zip(configuration.joints, self._motors, strict=True)
@@ -69,6 +71,20 @@ class MitAdapter(CanAdapter):
         self._running = False
         self._watchdog: Watchdog | None = None
         self.watchdog_faults = frozenset(motor.lost for motor in self._motors if motor.lost is not None)
+
+    def _refuse_shared_answers(self, joints: Sequence[int]) -> None:
+        """Motors that may answer under identifiers of their own must: two that answer at once destroy both frames.
+
+        Raises:
+            AdapterConfigurationError: Two of them share one.
+        """
+        sharing = [joint for joint in joints if self._motors[joint].has_own_feedback_id]
+        if len(sharing) > 1:
+            names = ", ".join(repr(self._configuration.joints[joint].name) for joint in sharing)
+            raise AdapterConfigurationError(
+                f"joints {names} have one feedback_id, {self._motors[sharing[0]].feedback_id:#x}: give each motor its "
+                f"own master id (register 7), and the same number here"
+            )
 
     @classmethod
     def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:

@@ -52,12 +52,13 @@ class Motor(ABC):
         answer_key: Lower 16 bits of the identifiers of its answers.
         tells_when_asked: Whether `poll_frame` is a mere request. Where not, only a command is answered, and the one
             that is harmless at rest is to de-energise.
+        has_own_feedback_id: Whether the identifier of its answers can be set for each motor.
         lost: Fault code of a motor that nothing but its own watchdog has stopped; None where it has none.
     """
 
     quanta: tuple[float, float, float]
     gain_codes = CODES_12
-    tells_when_asked = False
+    tells_when_asked = has_own_feedback_id = False
     lost: int | None = None
 
     def __init__(self, address: int, feedback_id: int, ranges: MitRanges, registers: Registers) -> None:
@@ -122,7 +123,7 @@ class Motor(ABC):
 class DamiaoMotor(Motor):
     """Damiao: status in the upper half of the first byte, registers behind identifier 0x7FF [damiao2024]."""
 
-    tells_when_asked = True
+    tells_when_asked = has_own_feedback_id = True
     lost = 0xD
     SERVICE_ID = 0x7FF
     READ, WRITE, REFRESH = 0x33, 0x55, 0xCC

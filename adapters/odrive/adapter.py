@@ -37,7 +37,7 @@ FAULT_OF_PART = 0x1_0000_0002  # firmware 0.5: motor, encoder or controller repo
 FEEDING_PERIOD_NS = 5_000_000
 SLOW_PERIOD_NS = 100_000_000  # temperatures
 SLOWEST_HEARTBEAT = 0.5
-ONLY_IN_06 = (Command.TEMPERATURE, Command.ENDPOINT_ANSWER, Command.VERSION)  # 0.5 has other reports at these numbers
+ONLY_IN_06 = (Command.TEMPERATURE, Command.ENDPOINT_ANSWER)  # 0.5 has other reports at these numbers
 
 
 class OdriveAdapter(ParameterAdapter):
@@ -156,8 +156,8 @@ class OdriveAdapter(ParameterAdapter):
         self._watchdog = None
         self._heartbeats = [None] * len(self._nodes)
         self._connect()
-        self._poll_all()
         self._check_version()
+        self._poll_all()
         joints = tuple(map(self._declare, range(len(self._nodes))))
         return Capabilities(joints, self._modes(), self._highest_rate(), self._watchdog)
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from math import inf, isclose, isnan
 from typing import TypeVar
 
-from fricomp.errors import AdapterConfigurationError
+from fricomp.errors import AdapterConfigurationError, AdapterTimeout
 from fricomp.joint import Clock, CommandMode
 
 from ..can_adapter import CanAdapter
@@ -86,19 +86,35 @@ class ParameterAdapter(CanAdapter):
         return self._ask(joint, request, endpoint.decode)
 
     def _check_version(self) -> None:
-        """The numbers of endpoints hold for one firmware only: another would be written somewhere else."""
-        if not self._endpoints:
-            return
+        """What the nodes say must be the firmware that is configured: its heartbeats and reports differ.
+
+        The numbers of endpoints hold for one version only: another would be written somewhere else.
+
+        Raises:
+            AdapterConfigurationError: A node runs another firmware.
+        """
         for joint, node in enumerate(self._nodes):
-            answer = self._ask(
-                joint, request_frame(node, Command.VERSION), lambda data: data if len(data) == 8 else None
-            )
-            found = ".".join(str(part) for part in answer[4:7])
-            if found != self._version.lstrip("v").partition("-")[0]:
+            found = self._find_version(joint)
+            generation = "0.6" if found else "0.5"  # which has no such answer
+            if generation != self._configuration.firmware:
+                says = f"says that it runs firmware {found}" if found else "does not tell its version, as 0.5 does not"
+                raise AdapterConfigurationError(
+                    f'node {node} {says}: write firmware = "{generation}" into the configuration'
+                )
+            if self._endpoints and found != self._version.lstrip("v").partition("-")[0]:
                 raise AdapterConfigurationError(
                     f"node {node} runs firmware {found}, {self._configuration.endpoints} is of {self._version}: "
                     f"get the file of the node's own firmware"
                 )
+
+    def _find_version(self, joint: int) -> str:
+        """The version of a node's firmware; empty where it does not tell."""
+        request = request_frame(self._nodes[joint], Command.VERSION)
+        try:
+            answer = self._ask(joint, request, lambda data: data if len(data) == 8 else None)
+        except AdapterTimeout:
+            return ""
+        return ".".join(str(part) for part in answer[4:7])
 
     @property
     def _is_bounded(self) -> bool:

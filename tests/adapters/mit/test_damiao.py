@@ -95,6 +95,14 @@ def test_a_motor_that_is_not_there_is_named() -> None:
         rig.adapter.open()
 
 
+def test_two_motors_on_one_feedback_id_are_refused_by_name() -> None:
+    table = configuration()
+    for joint in table["joints"]:
+        joint["feedback_id"] = 0x11
+    with pytest.raises(AdapterConfigurationError, match="joints 'joint 0', 'joint 1' have one feedback_id, 0x11"):
+        MitAdapter(convert(table, MitConfiguration))
+
+
 def test_the_watchdog_is_written_in_counts_of_50_microseconds() -> None:
     rig = opened_rig(watchdog=0.04)
     rig.adapter.configure("torque", 0.002)

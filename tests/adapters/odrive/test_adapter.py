@@ -95,6 +95,15 @@ def test_endpoints_of_another_firmware_are_refused(tmp_path: Path) -> None:
         OdriveRig("0.6", path).adapter.open()
 
 
+@pytest.mark.parametrize(("runs", "configured"), [("0.5", "0.6"), ("0.6", "0.5")])
+def test_a_node_of_another_generation_than_configured_is_refused(runs: str, configured: str) -> None:
+    rig = OdriveRig(configured, None)
+    for axis in rig.axes:
+        axis.firmware, axis.dbc = runs, DBC[runs]
+    with pytest.raises(AdapterConfigurationError, match=f'node 1 .* write firmware = "{runs}"'):
+        rig.adapter.open()
+
+
 def test_a_file_that_is_no_endpoint_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "flat_endpoints.json"
     path.write_text("{}")
