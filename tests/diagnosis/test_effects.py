@@ -233,7 +233,7 @@ def test_a_stop_is_at_an_end_of_the_range_however_seldom_the_joint_is_there(cont
 
 
 def test_a_ripple_has_a_phase_of_its_own_in_each_recording(context: Context) -> None:
-    effect, second = EFFECTS["cogging"], replace(context, index=1)
+    effect, second = EFFECTS["cogging"], replace(context, index=1, source=1)
     names = [parameter.name for parameter in effect.list_parameters([context, second])]
     assert names == ["sine", "cosine", "order", "sine_2", "cosine_2"]
     values = {"sine": 1.0, "cosine": 0.0, "order": 20.0, "sine_2": 0.0, "cosine_2": 2.0}
@@ -334,7 +334,7 @@ def test_joints_of_two_temperatures_differ_though_each_of_them_stays_at_its_own(
 
 
 def test_load_is_that_of_the_joint_that_was_found_and_of_what_it_carries(context: Context) -> None:
-    second = replace(context, index=1)
+    second = replace(context, index=1, source=1)
     values = {"gravity_cos_2": 0.5, "gravity_sin_2": 2.0, "inertia_2": 0.1}
     structure = Structure((context, second), (Candidate("payload_error", tuple(values.items())),))
     plant = replace(context.plant, gravity=(0.0, 3.0))
