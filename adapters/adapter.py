@@ -251,9 +251,15 @@ class JointAdapter(HeldDriver):
             AdapterError: The stop did not get through.
         """
         with self._lock:
+            was_enabled = self._enabled
             if self._gate is not None:
                 self._gate.disarm()
             self._pay_stop()
+            if was_enabled:
+                try:
+                    self._end_motion()
+                except BaseException as error:
+                    raise_own(error)
 
     @final
     def clear_faults(self) -> None:

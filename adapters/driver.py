@@ -67,6 +67,10 @@ class Driver(ABC):
     def _close(self) -> None:
         """Let go of the bus."""
 
+    def _end_motion(self) -> None:
+        """What drives need that were stopped in the ordinary way and are read at rest now; most need nothing."""
+        return
+
     def _take_over(self) -> None:
         """Zero torque and de-energise drives that somebody else has energised, and may have set up in any way."""
         self._stop()

@@ -7,7 +7,13 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, Self
 
-from fricomp.errors import AdapterConnectionError, AdapterError, AdapterTimeout, DriveFault
+from fricomp.errors import (
+    AdapterConfigurationError,
+    AdapterConnectionError,
+    AdapterError,
+    AdapterTimeout,
+    DriveFault,
+)
 from fricomp.joint import Capabilities, Clock, CommandMode, JointCommand, Watchdog
 
 from ..can_adapter import CanAdapter
@@ -29,9 +35,10 @@ __all__ = ["CanOpenAdapter"]
 
 SYNC = CanFrame(0x080)
 NMT_START, NMT_PRE_OPERATIONAL = 0x01, 0x80
+STOPPED = 4  # state of a node in its heartbeat
 
 # Frames that a node sends, by their identifier without the node number.
-EMERGENCY, MOTION_PDO, CONDITION_PDO, SDO_ANSWER, HEARTBEAT = 0x080, 0x180, 0x280, 0x580, 0x700
+EMERGENCY, SDO_ANSWER, HEARTBEAT = 0x080, 0x580, 0x700
 
 HEARTBEATS_MISSED = 3
 STEP = 0.002  # between the commands that lead a drive through its states [s]
@@ -80,18 +87,28 @@ class CanOpenAdapter(CanAdapter):
     def _make_routes(self) -> dict[int, Callable[[bytes], None]]:
         """What to do with the frames of each identifier, states aside."""
         routes: dict[int, Callable[[bytes], None]] = {}
-        for drive in self._drives:
+        for joint, drive in enumerate(self._drives):
             node = drive.node_id
             routes[SDO_ANSWER + node] = drive.service.on_answer
-            routes[EMERGENCY + node] = drive.take_emergency
+            routes[EMERGENCY + node] = partial(self._take_emergency, joint)
             routes[HEARTBEAT + node] = partial(self._take_heartbeat, drive)
         return routes
 
     def _route_states(self) -> None:
         """Take states from now on: before, neither their scaling is known nor what the drives have mapped into them."""
+        self._routes = self._make_routes()
+        used = [SYNC.identifier, *self._routes]
         for joint, drive in enumerate(self._drives):
-            self._routes[MOTION_PDO + drive.node_id] = partial(self._take_motion, joint)
-            self._routes[CONDITION_PDO + drive.node_id] = partial(self._take_condition, joint)
+            command, (motion, condition) = drive.identifiers
+            for identifier in (command, motion, condition):
+                if identifier in used:
+                    raise AdapterConfigurationError(
+                        f"node {drive.node_id} has its process data on identifier {identifier:#05x}, which is in use: "
+                        f"give it another one (1400 to 1403, 1800 to 1803)"
+                    )
+                used.append(identifier)
+            self._routes[motion] = partial(self._take_motion, joint)
+            self._routes[condition] = partial(self._take_condition, joint)
 
     def _on_frame(self, frame: CanFrame) -> None:
         route = None if frame.extended else self._routes.get(frame.identifier)
@@ -100,6 +117,16 @@ class CanOpenAdapter(CanAdapter):
 
     def _take_heartbeat(self, drive: CanOpenDrive, data: bytes) -> None:
         drive.take_heartbeat(data, self.clock.now_ns())
+
+    def _take_emergency(self, joint: int, data: bytes) -> None:
+        """An error counts as a state: a node that has left operational sends no other (1029)."""
+        drive = self._drives[joint]
+        drive.take_emergency(data)
+        if drive.emergency:
+            self._reported.fault[joint] = drive.emergency
+            self._arrivals.mark(2 * joint)
+            self._arrivals.mark(2 * joint + 1)
+            self._taken_ns = -1  # whatever was asked for, and taken already
 
     def _take_motion(self, joint: int, data: bytes) -> None:
         if len(data) != MOTION.size:
@@ -133,12 +160,31 @@ class CanOpenAdapter(CanAdapter):
         torque: list[float] = []
         for number, (joint, drive) in enumerate(zip(self._configuration.joints, self._drives, strict=True)):
             try:
+                self._wake(drive)
                 modes &= find_modes(drive)
                 drive.scaling = read_scaling(drive.service, joint.counts_per_revolution, joint.velocity_count)
                 torque.append(find_most_torque(drive, self._torques_at_drives()[number]))
             except AdapterError as error:
                 raise type(error)(f"joint {joint.name!r}: {error}") from error
         return declare(self._configuration, self._drives, modes, torque)
+
+    def _wake(self, drive: CanOpenDrive) -> None:
+        """A node that NMT has stopped answers no SDO: it is led to pre-operational if its user wants to take over.
+
+        Raises:
+            AdapterError: It is stopped, and nobody has said so.
+        """
+        try:
+            drive.service.read(objects.DEVICE_TYPE)
+        except AdapterTimeout as error:
+            if drive.nmt_state != STOPPED:
+                raise
+            if not self._may_take_over:
+                hint = self._command_line("clear", "--take-over")
+                raise AdapterError(
+                    f"node {drive.node_id} is stopped by NMT and answers nothing: {hint} leads it to pre-operational"
+                ) from error
+            self._send([_nmt(NMT_PRE_OPERATIONAL, drive)])
 
     def _find_energised(self) -> Sequence[bool | None]:
         for drive in self._drives:
@@ -181,7 +227,7 @@ class CanOpenAdapter(CanAdapter):
         drive = self._drives[number]
         self._send([_nmt(NMT_PRE_OPERATIONAL, drive)])
         drive.restarted = False
-        map_process_data(drive.service, drive.node_id, mode)
+        drive.identifiers = map_process_data(drive.service, drive.node_id, mode)
         clear_targets(drive, mode)
         set_torque_limit(drive, self._torques_at_drives()[number], mode)
         set_mode(drive, mode, self._wait_for_answer)
@@ -307,6 +353,10 @@ class CanOpenAdapter(CanAdapter):
         for drive in self._drives:
             drive.emergency = 0
         self._send([*(drive.resting_command(DISABLE_VOLTAGE) for drive in self._drives), SYNC])
+        self._restart_watchdogs()
+
+    def _end_motion(self) -> None:
+        """A drive that went on watching us would miss a heartbeat, complain, and leave operational (1029)."""
         self._restart_watchdogs()
 
     def _restart_watchdogs(self) -> None:

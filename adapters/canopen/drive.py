@@ -8,7 +8,7 @@ from fricomp.errors import AdapterValueError
 from fricomp.joint import CommandMode
 
 from ..link import CanFrame
-from .process_data import STATE_PACKERS, command_packer
+from .process_data import STATE_PACKERS, Identifiers, command_packer
 from .scaling import DriveScaling
 from .service import ServiceChannel
 from .state_machine import DISABLE_VOLTAGE, STATE_OF_BITS, DriveState, decode_state
@@ -41,6 +41,7 @@ class CanOpenDrive:
     def __init__(self, node_id: int, service: ServiceChannel) -> None:
         self.node_id = node_id
         self.service = service
+        self.identifiers = Identifiers(0x200 + node_id, (0x180 + node_id, 0x280 + node_id))
         self.scaling: DriveScaling
         self.state = DriveState.NOT_READY
         self.position_count = self.velocity_count = self.torque_count = 0
@@ -118,7 +119,7 @@ class CanOpenDrive:
         return self._frame(controlword, 0 if self._mode == "velocity" else self.position_count, 0)
 
     def _frame(self, controlword: int, *counts: int) -> CanFrame:
-        return CanFrame(0x200 + self.node_id, self._packer.pack(controlword, *counts))
+        return CanFrame(self.identifiers.command, self._packer.pack(controlword, *counts))
 
     def disable_frame(self) -> CanFrame:
         """Write the controlword through SDO without waiting: works when no SYNC gets through to a PDO any more."""

@@ -24,6 +24,8 @@ TARGETS = (
     objects.TARGET_TORQUE,
     objects.TARGET_VELOCITY,
 )
+QUICK_STOP, FIRST_THAT_HOLDS = 3, 5
+"""Of object 6007 the answer by a quick stop; of 605A the first value with which one ends energised [cia402]."""
 STANDSTILL = 0.01 * tau
 """How far a target position may lie from where a limp motor was just now [rad]: drives let it follow the encoder."""
 
@@ -100,12 +102,28 @@ def set_period(drive: CanOpenDrive, period: float) -> None:
 def set_watchdog(drive: CanOpenDrive, configuration: CanOpenConfiguration) -> bool:
     """Let the drive watch our heartbeat, and us watch its; whether it kept what was written."""
     service = drive.service
+    if configuration.abort_option == QUICK_STOP:
+        _refuse_holding(drive)
     service.write_confirmed(objects.PRODUCER_HEARTBEAT, round(configuration.heartbeat * 1e3))
     return (
         restart_watchdog(drive, configuration)
         and service.try_write(objects.ABORT_CONNECTION_OPTION, configuration.abort_option)
         and service.read(objects.ABORT_CONNECTION_OPTION) == configuration.abort_option
     )
+
+
+def _refuse_holding(drive: CanOpenDrive) -> None:
+    """A quick stop must end limp where it is to be the answer to our silence.
+
+    Raises:
+        AdapterConfigurationError: The drive would stay energised.
+    """
+    option = drive.service.read_if_present(objects.QUICK_STOP_OPTION)
+    if option is not None and option >= FIRST_THAT_HOLDS:
+        raise AdapterConfigurationError(
+            f"node {drive.node_id} stays energised after a quick stop (605A is {option}), which abort_option = 3 asks "
+            f"for when we fall silent: set 605A to 1 or 2, or abort_option to 1"
+        )
 
 
 def restart_watchdog(drive: CanOpenDrive, configuration: CanOpenConfiguration) -> bool:

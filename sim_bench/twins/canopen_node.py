@@ -19,10 +19,11 @@ __all__ = ["CanopenNode", "SdoAbortedError"]
 
 EDS = Path(__file__).parent / "cia402_drive.eds"
 INVALID, SYNC_ID, NMT_ID = 0x80000000, 0x080, 0x000
-OPERATIONAL, PRE_OPERATIONAL = 5, 127
+STOPPED, OPERATIONAL, PRE_OPERATIONAL = 4, 5, 127
 RESET_NODE, RESET_COMMUNICATION = 0x81, 0x82
 PDO_COUNT = 4
 NOT_MAPPABLE, TOO_LONG, WRONG_STATE, UNKNOWN_COMMAND = 0x06040041, 0x06040042, 0x08000022, 0x05040001
+INVALID_VALUE, KEPT_BITS = 0x06090030, 0x60000000
 
 
 class CanopenNode(CanDevice):
@@ -104,11 +105,18 @@ class CanopenNode(CanDevice):
             if self._heartbeat_left_ns <= 0:
                 self.emergency(0x8130, 0x11)
                 self.on_connection_lost(0x8130)
+                self._leave_operational()
         if self.is_operational:
             for pdo in self._transmit:
                 if pdo.transmission >= 254 and pdo.event_period_ns and now_ns >= pdo.due_ns:
                     pdo.due_ns = now_ns + pdo.event_period_ns
                     self._send_process_data(pdo)
+
+    def _leave_operational(self) -> None:
+        """What 1029 says of an error in communication: pre-operational (0), no change (1) or stopped (2)."""
+        behaviour = self.stored(0x1029, 1)
+        if self.is_operational and behaviour in (0, 2):
+            self._node.nmt._state = PRE_OPERATIONAL if behaviour == 0 else STOPPED
 
     def power_cycle(self) -> None:
         """Switch off and on: everything as delivered, a boot-up message, pre-operational."""
@@ -149,16 +157,29 @@ class CanopenNode(CanDevice):
             return
         value = _decode(data, od)
         if 0x1400 <= index < 0x1C00:
+            self._check_cob_id(index, subindex, value)
             self._check_mapping(index, subindex, value)
         self.on_object_written(index, subindex, value)
         if index == 0x1016:
             self._heartbeat_left_ns = 0
+
+    def _check_cob_id(self, index: int, subindex: int, value: int) -> None:
+        """Bits 29 and 30 stay as they are, and the identifier while the PDO is valid [cia301]."""
+        if index & 0x200 or subindex != 1:
+            return
+        kept = self.stored(index, 1)
+        if (value ^ kept) & KEPT_BITS:
+            raise SdoAbortedError(INVALID_VALUE)
+        if not (kept | value) & INVALID and (value ^ kept) & 0x7FF:
+            raise SdoAbortedError(INVALID_VALUE)
 
     def _check_mapping(self, index: int, subindex: int, value: int) -> None:
         """A PDO is mapped while it is invalid, its count is zero, and with what exists."""
         is_mapping = bool(index & 0x200)
         if not is_mapping:
             return
+        if self.is_operational:  # an enabled drive is
+            raise SdoAbortedError(WRONG_STATE)
         if not self.stored(index - 0x200, 1) & INVALID:
             raise SdoAbortedError(WRONG_STATE)
         if subindex and self.stored(index, 0):
@@ -182,7 +203,7 @@ class CanopenNode(CanDevice):
 
     def _serve_object(self, data: bytes) -> None:
         """SDO; the package's server fails on a segment without a transfer, which is answered with an abort here."""
-        if len(data) != 8:
+        if len(data) != 8 or self._node.nmt._state == STOPPED:
             return
         try:
             self._network.notify(0x600 + self.node_id, bytearray(data), 0.0)

@@ -115,7 +115,7 @@ class Cia402Drive(CanopenNode):
         if index == MODE_DISPLAY:
             return self.mode
         if index == 0x6064:
-            return _clamp(round(axis.position * self._increments), 32)
+            return _wrap(round(axis.position * self._increments))
         if index == 0x606C:
             return _clamp(round(axis.velocity * self._increments), 32)
         if index in (0x6077, 0x6078):
@@ -205,3 +205,8 @@ class Cia402Drive(CanopenNode):
 def _clamp(value: int, bits: int) -> int:
     highest = (1 << bits - 1) - 1
     return max(-highest - 1, min(highest, value))
+
+
+def _wrap(value: int) -> int:
+    """A position goes on at the other end of its 32 bits, as the counters of drives do."""
+    return (value + (1 << 31)) % (1 << 32) - (1 << 31)
