@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from .confirmation import HeldOutErrors, measure_held_out, measure_stability, without_term
+from .confirmation import HeldOutErrors, measure_held_out, measure_model, measure_stability, without_term
 from .equations import ArmEquations
-from .fit import ArmFit, ArmModel
+from .fit import ArmFit
 from .identification import ArmIdentification, fit_robustly
 
 __all__ = ["ArmAnswer", "TermEvidence", "confirm_terms"]
@@ -87,16 +85,6 @@ def _measure_fall(
     found: ArmIdentification, equations: ArmEquations, fit: ArmFit, errors: HeldOutErrors, term: tuple[int, str]
 ) -> float:
     """Part by which a joint's held-out error falls with a term."""
-    less: ArmModel = without_term(fit.model, *term)
-    before = measure_held_out(fit.arm, equations, replace(fit, model=less, x=_drop(fit, less)), found.prior, found.rows)
-    return 1.0 - float(errors.model[term[0]] / max(before.model[term[0]], 1e-300))
-
-
-def _drop(fit: ArmFit, model: ArmModel) -> np.ndarray:
-    """Parameters of a fit without those that a smaller model lacks."""
-    kept, start = [fit.x[: fit.find_friction(0)[0].start]], 0
-    for j, form in enumerate(model.forms):
-        values = fit.friction(j)
-        kept.append(np.array([values[name] for name in form.columns]))
-        start += len(values)
-    return np.concatenate([*kept, fit.x[-2:]])
+    less = without_term(fit.model, *term)
+    before = measure_model(fit.arm, equations, less, fit, found.prior, found.rows)
+    return 1.0 - float(errors.model[term[0]] / max(before[term[0]], 1e-300))

@@ -7,6 +7,7 @@ in which it comes again is kept with it; drawn in complementary pairs, it bounds
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,11 +17,12 @@ from fricomp.laws import FloatArray
 
 from .equations import ArmEquations, BoolArray
 from .fit import ArmFit, ArmModel, fit_arm
+from .friction import JointForm
 from .prior import ArmPrior
 from .rows import ArmRows
 from .simulated_arm import SimulatedArm
 
-__all__ = ["HeldOutErrors", "measure_held_out", "measure_stability", "without_term"]
+__all__ = ["HeldOutErrors", "measure_held_out", "measure_model", "measure_stability", "without_term"]
 
 _PAIRS = 5
 _BLOCKS = 20
@@ -75,15 +77,31 @@ def measure_held_out(
 ) -> HeldOutErrors:
     """Errors of the simulation, of a plain model and of the whole model, each fitted to the other blocks."""
     block = _number_blocks(rows, _BLOCKS) % _FOLDS
-    plain = replace(fit.model, forms=tuple(form.__class__() for form in fit.model.forms))
+    plain = replace(fit.model, forms=tuple(JointForm() for _ in fit.model.forms))
+    simulated = [_simulate_plainly(arm, equations, block != fold) for fold in range(_FOLDS)]
+    return HeldOutErrors(
+        simulation=_join_folds(equations, block, simulated),
+        plain=measure_model(arm, equations, plain, fit, prior, rows),
+        model=measure_model(arm, equations, fit.model, fit, prior, rows),
+    )
+
+
+def measure_model(
+    arm: SimulatedArm, equations: ArmEquations, model: ArmModel, start: ArmFit, prior: ArmPrior, rows: ArmRows
+) -> FloatArray:
+    """Held-out error of one model, fitted from `start` to the other blocks [N·m] or [N]. Shape (n_joints,)."""
+    block = _number_blocks(rows, _BLOCKS) % _FOLDS
+    fits = [fit_arm(arm, equations.with_rows(block != fold), model, prior, start, steps=5) for fold in range(_FOLDS)]
+    return _join_folds(equations, block, [one.residuals(equations) for one in fits])
+
+
+def _join_folds(equations: ArmEquations, block: NDArray[np.intp], left: Sequence[FloatArray]) -> FloatArray:
+    """RMS of what each fold leaves of the rows that it was not fitted to. Shape (n_joints,)."""
     used = equations.moving
-    squares = np.zeros((3, len(arm.joints)))
-    for fold in range(_FOLDS):
-        part, test = equations.with_rows(block != fold), used & (block == fold)[:, None]
-        tried = [fit_arm(arm, part, model, prior, fit, steps=5) for model in (plain, fit.model)]
-        left = [_simulate_plainly(arm, equations, block != fold), *(one.residuals(equations) for one in tried)]
-        squares += [np.sum(np.where(test, one, 0.0) ** 2, axis=0) for one in left]
-    return HeldOutErrors(*np.sqrt(squares / np.maximum(np.sum(used, axis=0), 1)))
+    squares = sum(
+        np.sum(np.where(used & (block == fold)[:, None], one, 0.0) ** 2, axis=0) for fold, one in enumerate(left)
+    )
+    return np.asarray(np.sqrt(squares / np.maximum(np.sum(used, axis=0), 1)))
 
 
 def _simulate_plainly(arm: SimulatedArm, equations: ArmEquations, trained: BoolArray) -> FloatArray:
@@ -93,7 +111,7 @@ def _simulate_plainly(arm: SimulatedArm, equations: ArmEquations, trained: BoolA
     for j, columns in enumerate(equations.columns):
         torque = columns[:, -1] - columns[:, :first] @ arm.inertia.ravel() - arm.armature[j] * columns[:, first]
         friction = columns[:, first + 1 : first + 4]
-        kept = trained & (equations.weights.rows[:, j] > 0.0)
+        kept = trained & equations.moving[:, j]
         left.append(torque - friction @ np.linalg.lstsq(friction[kept], torque[kept], rcond=None)[0])
     return np.stack(left, axis=1)
 

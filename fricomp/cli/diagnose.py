@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from fricomp.cli.fleet import FleetRun, rich_table, run_joints, show_fleet
+from fricomp.cli.fleet import Executor, FleetRun, Resume, Workers, rich_table, run_joints, show_fleet
 from fricomp.cli.out_folder import Overwrite
 from fricomp.extras import REPORT, require
 
@@ -102,15 +102,9 @@ def diagnose(
             "--each", rich_help_panel="Of a fleet", help="Every recording on its own, each into a subfolder of --out."
         ),
     ] = False,
-    executor: Annotated[
-        str, typer.Option(rich_help_panel="Of a fleet", help="Of a fleet: processes, serial or dask://host:port.")
-    ] = "processes",
-    workers: Annotated[
-        int | None, typer.Option(min=1, rich_help_panel="Of a fleet", help="Of a fleet; one a core by default.")
-    ] = None,
-    resume: Annotated[
-        bool, typer.Option("--resume", rich_help_panel="Of a fleet", help="Of a fleet: go on with the one in --out.")
-    ] = False,
+    executor: Executor = "processes",
+    workers: Workers = None,
+    resume: Resume = False,
     overwrite: Overwrite = False,
     match: Annotated[
         list[str] | None,

@@ -5,13 +5,25 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 if TYPE_CHECKING:
     from fricomp.fleet import FleetJoint, FleetRow, Work
     from fricomp.report import Table
 
-__all__ = ["FleetRun", "rich_table", "run_joints", "show_fleet"]
+__all__ = ["Executor", "FleetRun", "Resume", "Workers", "rich_table", "run_joints", "show_fleet"]
+
+Executor = Annotated[
+    str, typer.Option(rich_help_panel="Of a fleet", help="Of a fleet: processes, serial or dask://host:port.")
+]
+Workers = Annotated[
+    int | None, typer.Option(min=1, rich_help_panel="Of a fleet", help="Of a fleet; one a core by default.")
+]
+Resume = Annotated[
+    bool, typer.Option("--resume", rich_help_panel="Of a fleet", help="Of a fleet: go on with the one in --out.")
+]
 
 
 @dataclass(frozen=True)

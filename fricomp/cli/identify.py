@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from fricomp.cli.fleet import FleetRun, run_joints, show_fleet
+from fricomp.cli.fleet import Executor, FleetRun, Resume, Workers, run_joints, show_fleet
 from fricomp.cli.out_folder import Overwrite
 from fricomp.extras import REPORT, require
 
@@ -87,15 +87,9 @@ def identify(
     device: Annotated[
         str, typer.Option(rich_help_panel="Of a fleet", help="Of torch, for --batch: cpu, cuda.")
     ] = "cpu",
-    executor: Annotated[
-        str, typer.Option(rich_help_panel="Of a fleet", help="Of a fleet: processes, serial or dask://host:port.")
-    ] = "processes",
-    workers: Annotated[
-        int | None, typer.Option(min=1, rich_help_panel="Of a fleet", help="Of a fleet; one a core by default.")
-    ] = None,
-    resume: Annotated[
-        bool, typer.Option("--resume", rich_help_panel="Of a fleet", help="Of a fleet: go on with the one in --out.")
-    ] = False,
+    executor: Executor = "processes",
+    workers: Workers = None,
+    resume: Resume = False,
     overwrite: Overwrite = False,
 ) -> None:
     """Identify friction; with a recording, inertia, gravity and offset first."""
