@@ -2,7 +2,7 @@
 
 The stages, each a module: `arm_recording` (all joints on one clock) → `rows` (filtered equations, `regressor`) →
 `equations` (their sums) → `fit` (links, rotors and friction together) → `identification` (bandwidth, delay, what is
-taken in) → `confirmation` and `answer` (what comes again) → `conclusion` (`record`, in words) → `files`, `page`.
+selected) → `confirmation` and `answer` (held-out checks) → `conclusion` (`record` and sentences) → `files`, `page`.
 """
 
 from .examination import ArmExamination, examine_arm

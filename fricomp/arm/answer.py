@@ -1,4 +1,4 @@
-"""From a fit of an arm to what is said of it: terms that come again and matter, links that are off, friction models."""
+"""Confirm the terms of a fitted arm: keep those that recur in halves of the recording and lower the held-out error."""
 
 from __future__ import annotations
 
