@@ -53,13 +53,13 @@ def test_workers_end_with_a_command_that_is_killed(tmp_path: Path) -> None:
     script = (
         "from pathlib import Path\n"
         "from fricomp.fleet import open_executor\n"
-        "from tests.sim_bench.fleet.working import tell_and_wait\n"
+        "from tests.fleet.working import tell_and_wait\n"
         "if __name__ == '__main__':\n"
         "    with open_executor('processes://1') as (pool, _):\n"
         f"        pool.submit(tell_and_wait, Path({str(begun)!r})).result()\n"
     )
     (tmp_path / "fleet.py").write_text(script)
-    root = str(Path(__file__).parents[3])
+    root = str(Path(__file__).parents[2])
     command = subprocess.Popen([sys.executable, str(tmp_path / "fleet.py")], env={**os.environ, "PYTHONPATH": root})
     wait_for_a_file(None, begun)
     worker = os.pidfd_open(int(begun.read_text()))

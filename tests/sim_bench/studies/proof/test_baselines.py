@@ -1,5 +1,6 @@
 """Other methods on concealed cases: what they are given, and that none of it holds the answer."""
 
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -39,17 +40,26 @@ def test_the_right_term_closes_the_gap_of_its_effect(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_all_methods_answer_and_their_table_is_written(tmp_path: Path) -> None:
+def test_all_methods_answer_and_their_table_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     planned = [
         PlannedCase("null", CaseSpec(5, excitation="fourier", duration=12.0, family="harmonic")),
         PlannedCase("single", CaseSpec(6, ("load_coulomb",), "5", "fourier", 12.0, family="harmonic")),
     ]
     scores = compare_baselines(planned[:1], tmp_path, (SerialExecutor(), 1))
-    (first,) = tmp_path.iterdir()
-    written = first.stat().st_mtime_ns
+    (store,) = tmp_path.iterdir()
+    written, compared = store.read_bytes(), list[PlannedCase]()
+    module = import_module("fricomp.sim_bench.studies.proof.baselines.compare")
+    compare = module._compare_case
+
+    def count(planned: PlannedCase) -> object:
+        compared.append(planned)
+        return compare(planned)
+
+    monkeypatch.setattr(module, "_compare_case", count)
     scores = compare_baselines(planned, tmp_path, (SerialExecutor(), 1))
     assert len(scores) == 2 * len(METHODS)
-    assert first.stat().st_mtime_ns == written  # what is compared is not compared again
+    assert store.read_bytes().startswith(written)
+    assert compared == planned[1:]  # what is compared is not compared again
     table = format_table(scores, [], "Measured on a day.")
     assert "Measured on a day." in table
     shared = format_table(scores, [score_of(case=scores[0].case), score_of(case="another")], "")
