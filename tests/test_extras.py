@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from fricomp import extras
-from fricomp.calibration.sweep.motion import MotionRunner
+from fricomp.calibration.sweep.motion.motion import MotionRunner
 from fricomp.cli.main import app
 from fricomp.control import ControlLoop
 from fricomp.errors import MissingExtraError

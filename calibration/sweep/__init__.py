@@ -1,21 +1,21 @@
 """The bidirectional sweep: plan, motion, plateaus, breakaway, friction points, and the model identified from them."""
 
-from .accuracy import Assumption, assume_friction, expected_deviations
-from .analysis import SweepAnalysis, analyse_sweep
-from .block import SweepData, load_sweep
+from .analysis.analysis import SweepAnalysis, analyse_sweep
+from .analysis.block import SweepData, load_sweep
 from .calibrate import Calibration, calibrate, channels_of, identify_recorded, mean_relative_deviation
-from .context import SweepContext, loop_period
 from .estimate import Estimate, IdentificationSettings, estimate_friction
 from .feasibility import check_feasible
+from .motion.context import SweepContext, loop_period
 from .motion_file import MotionFile, at_rows_rate, fit_into, read_motion, record_motion, travel_now
 from .opening import open_joint
-from .plan import SweepPlan, default_speeds, plan_plateaus, travel_of
+from .planning.accuracy import Assumption, assume_friction, expected_deviations
+from .planning.plan import SweepPlan, default_speeds, plan_plateaus, travel_of
+from .planning.settings import SweepSettings
+from .report.written_run import WrittenRun, write_run
 from .request import CalibrationOptions, CalibrationRequest
 from .rigid_body import RigidBody
 from .run_folder import RunFolder
-from .settings import SweepSettings
 from .sweep import Sweep
-from .written_run import WrittenRun, write_run
 
 __all__ = [
     "Assumption",

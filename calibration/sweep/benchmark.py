@@ -10,10 +10,10 @@ from fricomp.laws import FrictionLaw
 
 from ..seed_study import Score, SeedStudy, score
 from .calibrate import calibrate
-from .context import SweepContext
+from .motion.context import SweepContext
+from .planning.settings import SweepSettings
 from .request import CalibrationRequest
 from .run_folder import RunFolder
-from .settings import SweepSettings
 
 __all__ = ["study_seeds"]
 

@@ -16,17 +16,17 @@ from fricomp.report import draw_figure
 
 from ..identification import IdentificationResult, identify
 from ..identification.design import plan_informative_speeds
-from .analysis import HALF_DIFFERENCE, SweepAnalysis, analyse_sweep
-from .block import SweepData
-from .context import SweepContext
-from .curve import friction_curve
+from .analysis.analysis import HALF_DIFFERENCE, SweepAnalysis, analyse_sweep
+from .analysis.block import SweepData
+from .analysis.curve import friction_curve
 from .estimate import Estimate, IdentificationSettings, estimate_friction
 from .feasibility import check_feasible
-from .plan import SweepPlan, first_again, plan_plateaus, plan_velocities, top_speed
+from .motion.context import SweepContext
+from .motion.sign_check import SignCheck
+from .planning.plan import SweepPlan, first_again, plan_plateaus, plan_velocities, top_speed
+from .planning.speed import FALLING_BRANCH, dense_around
 from .request import CalibrationOptions
 from .run_folder import RunFolder
-from .sign_check import SignCheck
-from .speed import FALLING_BRANCH, dense_around
 from .sweep import Progress, Sweep
 
 if TYPE_CHECKING:

@@ -25,9 +25,9 @@ from fricomp.laws import FloatArray
 from ..identification import IdentificationOptions, IdentificationResult, identify
 from ..identification.doubt import with_covariance
 from ..identification.identify import Method
-from .analysis import HALF_DIFFERENCE, SweepAnalysis
-from .point import FrictionPoint
-from .steadiness import CURES, REASONS
+from .analysis.analysis import HALF_DIFFERENCE, SweepAnalysis
+from .analysis.point import FrictionPoint
+from .analysis.steadiness import CURES, REASONS
 from .sweep import CREEP_RATIO
 
 __all__ = ["FEWEST_POINTS", "Estimate", "IdentificationSettings", "estimate_friction"]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from fricomp.errors import ParameterError
 
-from .context import SweepContext, loop_period
 from .estimate import FEWEST_POINTS
-from .plan import SweepPlan, default_speeds, plan_plateaus
+from .motion.context import SweepContext, loop_period
+from .planning.plan import SweepPlan, default_speeds, plan_plateaus
 from .request import CalibrationOptions
 
 __all__ = ["check_feasible"]

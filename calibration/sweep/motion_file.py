@@ -13,11 +13,11 @@ import numpy as np
 from fricomp.errors import AdapterError, ParameterError
 from fricomp.laws import FloatArray
 
-from .block import BlockLabel
-from .context import HOST_RATE, SweepContext, loop_period
-from .log import CycleLog
-from .motion import MotionRunner
-from .plan import Travel, move_speed
+from .analysis.block import BlockLabel
+from .motion.context import HOST_RATE, SweepContext, loop_period
+from .motion.log import CycleLog
+from .motion.motion import MotionRunner
+from .planning.plan import Travel, move_speed
 from .sweep import Sweep
 
 __all__ = ["MotionFile", "at_rows_rate", "fit_into", "read_motion", "record_motion", "travel_now"]

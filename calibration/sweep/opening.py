@@ -10,7 +10,7 @@ from fricomp.control.ending import require_stopped, stopping_on_error
 from fricomp.control.interruption import interrupting_on_ending_signals
 from fricomp.errors import ParameterError
 
-from .context import SweepContext
+from .motion.context import SweepContext
 from .request import CalibrationRequest
 from .rigid_body import RigidBody
 

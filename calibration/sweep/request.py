@@ -8,9 +8,9 @@ from typing import Any
 
 from fricomp.errors import ParameterError
 
-from .analysis import parse_load
+from .analysis.analysis import parse_load
 from .estimate import IdentificationSettings
-from .settings import SweepSettings
+from .planning.settings import SweepSettings
 
 __all__ = ["CalibrationOptions", "CalibrationRequest"]
 

@@ -20,7 +20,7 @@ from fricomp.untrusted import parse_json
 from fricomp.version import __version__
 from fricomp.whole_file import remove_abandoned_parts, write_whole
 
-from .block import SweepData, load_sweep
+from .analysis.block import SweepData, load_sweep
 from .request import CalibrationRequest
 
 __all__ = ["MOTION_ALONE", "RECORDING", "RunFolder"]

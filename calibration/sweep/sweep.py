@@ -9,15 +9,15 @@ import numpy as np
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording, RecordingWriter
 
-from .block import BlockLabel, SweepData
-from .context import SweepContext, loop_period
-from .log import CycleLog
-from .motion import MotionRunner
-from .plan import Plateau, SweepPlan, Travel, default_speeds, move_speed, plan_plateaus
-from .push import push_joint
+from .analysis.block import BlockLabel, SweepData
+from .motion.context import SweepContext, loop_period
+from .motion.log import CycleLog
+from .motion.motion import MotionRunner
+from .motion.push import push_joint
+from .motion.sign_check import SignCheck
+from .motion.visit import PlateauVisit
+from .planning.plan import Plateau, SweepPlan, Travel, default_speeds, move_speed, plan_plateaus
 from .rigid_body import derivatives
-from .sign_check import SignCheck
-from .visit import PlateauVisit
 
 __all__ = ["Progress", "Sweep"]
 

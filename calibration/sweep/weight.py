@@ -22,12 +22,12 @@ from fricomp.errors import IdentificationError, ParameterError, SweepAborted
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 
-from .context import SweepContext, loop_period
-from .log import CycleLog
-from .motion import MotionRunner
-from .plan import Travel, move_speed, possible_speeds, top_speed
-from .profile import move_profile
-from .push import await_rest, push_joint
+from .motion.context import SweepContext, loop_period
+from .motion.log import CycleLog
+from .motion.motion import MotionRunner
+from .motion.push import await_rest, push_joint
+from .planning.plan import Travel, move_speed, possible_speeds, top_speed
+from .planning.profile import move_profile
 from .sweep import Progress
 
 __all__ = [

@@ -19,8 +19,8 @@ from fricomp.calibration.sweep import (
     read_motion,
     travel_now,
 )
-from fricomp.calibration.sweep.plan import Travel, move_speed
-from fricomp.calibration.sweep.profile import move_profile
+from fricomp.calibration.sweep.planning.plan import Travel, move_speed
+from fricomp.calibration.sweep.planning.profile import move_profile
 from fricomp.calibration.sweep.weight import HungWeight, plan_passes
 from fricomp.cli.terminal import console
 from fricomp.cli.torque_constant import N_PASSES

@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from fricomp.calibration.sweep import CalibrationRequest, MotionFile, RunFolder, load_sweep
-from fricomp.calibration.sweep.motion import MotionRunner
+from fricomp.calibration.sweep.motion.motion import MotionRunner
 from fricomp.calibration.sweep.weight import HungWeight
 from fricomp.cli import torque_constant
 from fricomp.cli.main import app

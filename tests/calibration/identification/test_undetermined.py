@@ -21,7 +21,7 @@ from fricomp.calibration.identification.observation import observe
 from fricomp.calibration.identification.optimum import fit_likelihood, optimum_at
 from fricomp.calibration.identification.verdict import covariance_of, judge
 from fricomp.calibration.sweep import SweepSettings, assume_friction, expected_deviations, plan_plateaus
-from fricomp.calibration.sweep.plan import Travel
+from fricomp.calibration.sweep.planning.plan import Travel
 from fricomp.control import Compensator
 from fricomp.control.choice import choose_settings
 from fricomp.control.trust import LARGEST_EXTRAPOLATION, find_doubt_in_status

@@ -17,7 +17,7 @@ from fricomp.calibration.sweep import (
     SweepSettings,
     calibrate,
 )
-from fricomp.calibration.sweep.check import compensation_check
+from fricomp.calibration.sweep.report.check import compensation_check
 from fricomp.sim_bench.stand_in import SimulatedJointAdapter
 
 SETTINGS = SweepSettings(

@@ -18,8 +18,8 @@ from fricomp.calibration.sweep import (
     SweepSettings,
     load_sweep,
 )
-from fricomp.calibration.sweep.motion import MotionRunner
-from fricomp.calibration.sweep.velocity_loop import DriveLoop
+from fricomp.calibration.sweep.motion.motion import MotionRunner
+from fricomp.calibration.sweep.motion.velocity_loop import DriveLoop
 from fricomp.cli.calibration import record_file, start_run
 from fricomp.errors import AdapterError, FricompError
 from fricomp.joint import JointCommand

@@ -13,8 +13,8 @@ from fricomp.adapters import open_adapter
 from fricomp.calibration.sweep import RunFolder, Sweep, SweepContext, SweepData
 from fricomp.calibration.sweep.calibrate import channels_of
 from fricomp.calibration.sweep.feasibility import check_feasible
-from fricomp.calibration.sweep.motion import MotionRunner
-from fricomp.calibration.sweep.velocity_loop import DriveLoop
+from fricomp.calibration.sweep.motion.motion import MotionRunner
+from fricomp.calibration.sweep.motion.velocity_loop import DriveLoop
 from fricomp.errors import AdapterError, ParameterError, RecordingError, SweepAborted
 from fricomp.joint import JointCommand
 from fricomp.recording import RecordingWriter
@@ -138,7 +138,7 @@ def test_the_sign_check_ends_at_zero_torque_before_anything_else(
         raise SweepAborted("wrong sign")
 
     slow_disk(monkeypatch, lambda label: written.append((label, adapter.enabled)))
-    monkeypatch.setattr("fricomp.calibration.sweep.push.check_signs", judged)
+    monkeypatch.setattr("fricomp.calibration.sweep.motion.push.check_signs", judged)
     with folder.open_writer(context.metadata(), channels_of(context)) as writer:
         sweep = Sweep(context, writer, SweepData())
         with pytest.raises(SweepAborted, match="wrong sign"):

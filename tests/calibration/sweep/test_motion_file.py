@@ -21,7 +21,7 @@ from fricomp.calibration.sweep import (
     record_motion,
     travel_now,
 )
-from fricomp.calibration.sweep.plan import Travel
+from fricomp.calibration.sweep.planning.plan import Travel
 from fricomp.errors import ParameterError
 from fricomp.recording import Recording
 from fricomp.sim_bench.stand_in import SimulatedJointAdapter, default_joint, packaged_model

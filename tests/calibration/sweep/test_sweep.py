@@ -24,11 +24,11 @@ from fricomp.calibration.sweep import (
     read_motion,
     record_motion,
 )
-from fricomp.calibration.sweep.block import BlockLabel
+from fricomp.calibration.sweep.analysis.block import BlockLabel
 from fricomp.calibration.sweep.calibrate import channels_of
-from fricomp.calibration.sweep.check import calibration_checks, compensation_check
-from fricomp.calibration.sweep.log import CycleLog
-from fricomp.calibration.sweep.report import write_calibration_report
+from fricomp.calibration.sweep.motion.log import CycleLog
+from fricomp.calibration.sweep.report.check import calibration_checks, compensation_check
+from fricomp.calibration.sweep.report.report import write_calibration_report
 from fricomp.calibration.sweep.sweep import Progress
 from fricomp.control import JointLimits
 from fricomp.errors import OutputError, ParameterError, SafetyTrip, SweepAborted

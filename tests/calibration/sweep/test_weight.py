@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 
 from fricomp.adapters import Transmission, open_adapter
 from fricomp.calibration.sweep import SweepContext, SweepSettings
-from fricomp.calibration.sweep.log import CycleLog
-from fricomp.calibration.sweep.motion import MotionRunner
+from fricomp.calibration.sweep.motion.log import CycleLog
+from fricomp.calibration.sweep.motion.motion import MotionRunner
 from fricomp.calibration.sweep.weight import HungWeight, identify_torque_constant, record_passes
 from fricomp.cli.main import app
 from fricomp.errors import IdentificationError, ParameterError, SweepAborted

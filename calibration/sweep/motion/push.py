@@ -9,10 +9,10 @@ import numpy as np
 from fricomp.errors import SweepAborted
 from fricomp.recording import RecordingMetadata
 
+from ..planning.plan import Travel
 from .context import SweepContext
 from .log import CycleLog
 from .motion import MotionRunner
-from .plan import Travel
 from .sign_check import SignCheck, check_signs
 
 __all__ = ["Push", "await_rest", "push_joint"]

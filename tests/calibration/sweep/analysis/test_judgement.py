@@ -8,18 +8,18 @@ from numpy.typing import ArrayLike
 from scipy.stats import t as student
 
 from fricomp.calibration.identification import Status
-from fricomp.calibration.sweep.analysis import HALF_DIFFERENCE, SweepAnalysis, TorqueSource, measure_offset
-from fricomp.calibration.sweep.block import BlockLabel, SweepData
-from fricomp.calibration.sweep.breakaway import Breakaway, half_differences_at_rest, measure_breakaway
+from fricomp.calibration.sweep.analysis.analysis import HALF_DIFFERENCE, SweepAnalysis, TorqueSource, measure_offset
+from fricomp.calibration.sweep.analysis.block import BlockLabel, SweepData
+from fricomp.calibration.sweep.analysis.breakaway import Breakaway, half_differences_at_rest, measure_breakaway
+from fricomp.calibration.sweep.analysis.gravity_fit import LAG_PRIOR, fit_gravity
+from fricomp.calibration.sweep.analysis.point import FrictionPoint, SettledPart, half_differences
+from fricomp.calibration.sweep.analysis.rigid_body_fit import RigidBodyFit, fit_rigid_body
+from fricomp.calibration.sweep.analysis.steadiness import Mean, Verdict, find_transient, judge_plateau, mean_of
 from fricomp.calibration.sweep.calibrate import Calibration
-from fricomp.calibration.sweep.check import calibration_checks
 from fricomp.calibration.sweep.estimate import IdentificationSettings, estimate_friction
-from fricomp.calibration.sweep.gravity_fit import LAG_PRIOR, fit_gravity
-from fricomp.calibration.sweep.point import FrictionPoint, SettledPart, half_differences
-from fricomp.calibration.sweep.rigid_body_fit import RigidBodyFit, fit_rigid_body
-from fricomp.calibration.sweep.settling import SettleDetector, longest_settling
-from fricomp.calibration.sweep.sign_check import check_signs
-from fricomp.calibration.sweep.steadiness import Mean, Verdict, find_transient, judge_plateau, mean_of
+from fricomp.calibration.sweep.motion.sign_check import check_signs
+from fricomp.calibration.sweep.planning.settling import SettleDetector, longest_settling
+from fricomp.calibration.sweep.report.check import calibration_checks
 from fricomp.errors import IdentificationError, SweepAborted
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording, RecordingMetadata

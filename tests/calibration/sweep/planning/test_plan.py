@@ -6,9 +6,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fricomp.calibration.sweep import SweepSettings, plan_plateaus
-from fricomp.calibration.sweep.plan import Travel, default_speeds, first_again, plan_velocities, top_speed, travel_of
-from fricomp.calibration.sweep.profile import move_profile
-from fricomp.calibration.sweep.speed import dense_around, parse_speeds
+from fricomp.calibration.sweep.planning.plan import (
+    Travel,
+    default_speeds,
+    first_again,
+    plan_velocities,
+    top_speed,
+    travel_of,
+)
+from fricomp.calibration.sweep.planning.profile import move_profile
+from fricomp.calibration.sweep.planning.speed import dense_around, parse_speeds
 from fricomp.errors import ParameterError
 from fricomp.joint import JointCapabilities
 

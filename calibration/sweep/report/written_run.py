@@ -7,11 +7,11 @@ from pathlib import Path
 
 from fricomp.report import Check
 
-from ..identification import save_identification
-from .calibrate import Calibration
+from ...identification import save_identification
+from ..calibrate import Calibration
+from ..run_folder import RunFolder
 from .check import calibration_checks
 from .report import write_calibration_report
-from .run_folder import RunFolder
 
 __all__ = ["WrittenRun", "write_run"]
 

@@ -10,9 +10,9 @@ from fricomp.errors import AdapterConfigurationError, ParameterError
 from fricomp.joint import CommandMode
 from fricomp.recording import RecordingMetadata
 
-from .plan import Travel, travel_of
-from .rigid_body import RigidBody
-from .settings import SweepSettings
+from ..planning.plan import Travel, travel_of
+from ..planning.settings import SweepSettings
+from ..rigid_body import RigidBody
 from .velocity_loop import DriveLoop, HostLoop, LimpLoop, VelocityLoop
 
 __all__ = ["HOST_RATE", "SweepContext", "loop_period"]

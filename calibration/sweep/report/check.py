@@ -9,12 +9,12 @@ import numpy as np
 from fricomp.control.trust import find_doubt_in_status
 from fricomp.report import Check, Outcome
 
-from ..identification import Status
-from ..identification.chart import REACH
-from .analysis import HALF_DIFFERENCE, SweepAnalysis
-from .calibrate import Calibration
-from .sign_check import SignCheck
-from .steadiness import REASONS
+from ...identification import Status
+from ...identification.chart import REACH
+from ..analysis.analysis import HALF_DIFFERENCE, SweepAnalysis
+from ..analysis.steadiness import REASONS
+from ..calibrate import Calibration
+from ..motion.sign_check import SignCheck
 
 __all__ = ["calibration_checks", "compensation_check"]
 

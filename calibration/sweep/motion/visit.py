@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import inf, isfinite
 
-from .plan import Plateau
-from .settling import SettleDetector
+from ..planning.plan import Plateau
+from ..planning.settling import SettleDetector
 
 __all__ = ["PlateauVisit"]
 

@@ -9,9 +9,9 @@ from fricomp.adapters import JointAdapter
 from fricomp.errors import AdapterError, SweepAborted
 from fricomp.joint import JointCommand, JointFeedback, await_feedback, stands_still
 
+from ..planning.profile import move_profile
 from .background import in_background
 from .log import CycleLog
-from .profile import move_profile
 from .velocity_loop import VelocityLoop
 
 __all__ = ["MotionRunner"]

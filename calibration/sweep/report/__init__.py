@@ -1,0 +1,1 @@
+"""What a calibration shows of itself: checks, charts, the page, and the files of its folder."""
