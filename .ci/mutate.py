@@ -40,8 +40,10 @@ class Target(NamedTuple):
 
 
 TARGETS = {
-    "gate": Target("fricomp/control/gate.py", ("tests/control/test_gate.py",)),
-    "limits": Target("fricomp/control/limits.py", ("tests/control/test_gate.py", "tests/control/test_loop_check.py")),
+    "gate": Target("fricomp/control/gate/gate.py", ("tests/control/gate/test_gate.py",)),
+    "limits": Target(
+        "fricomp/control/gate/limits.py", ("tests/control/gate/test_gate.py", "tests/control/loop/test_loop_check.py")
+    ),
     "laws": Target("fricomp/laws/stribeck.py", ("tests/laws",)),
     "likelihood": Target(
         "calibration/identification/likelihood.py",

@@ -6,7 +6,7 @@ import threading
 from typing import final
 
 from fricomp.control import SafetyGate
-from fricomp.control.gate import TripReason, TripRecord
+from fricomp.control.gate.gate import TripReason, TripRecord
 from fricomp.errors import AdapterError, DriveFault
 from fricomp.joint import Clock, MonotonicClock
 

@@ -22,7 +22,7 @@ from fricomp.adapters.configuration import read_table
 from fricomp.adapters.odrive.endpoint import read_endpoints
 from fricomp.cli.main import app
 from fricomp.cli.terminal import console, plain
-from fricomp.control.network_file import open_network
+from fricomp.control.compensation.network_file import open_network
 from fricomp.diagnosis import read_controller
 from fricomp.diagnosis.record.record_file import load_diagnosis
 from fricomp.errors import FricompError

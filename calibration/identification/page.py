@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fricomp.control.trust import find_doubt_in_status
+from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.report import (
     Chart,
     Check,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.stats import t as student
 
-from fricomp.control.trust import bound_friction
+from fricomp.control.compensation.trust import bound_friction
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fricomp.control.trust import find_doubt_in_status
+from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, StribeckCurve
 from fricomp.recording import Recording
 

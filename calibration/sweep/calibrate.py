@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fricomp.control.ending import stopping_on_error
+from fricomp.control.loop.ending import stopping_on_error
 from fricomp.errors import IdentificationError
 from fricomp.model import FrictionModel
 from fricomp.overview import Overview, Shown, format_range

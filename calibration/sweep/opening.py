@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from fricomp.adapters import JointAdapter, open_adapter
-from fricomp.control.ending import require_stopped, stopping_on_error
-from fricomp.control.interruption import interrupting_on_ending_signals
+from fricomp.control.loop.ending import require_stopped, stopping_on_error
+from fricomp.control.loop.interruption import interrupting_on_ending_signals
 from fricomp.errors import ParameterError
 
 from .motion.context import SweepContext

@@ -17,7 +17,7 @@ from functools import partial
 
 import numpy as np
 
-from fricomp.control.ending import stopping_on_error
+from fricomp.control.loop.ending import stopping_on_error
 from fricomp.errors import IdentificationError, ParameterError, SweepAborted
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording

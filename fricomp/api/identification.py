@@ -16,7 +16,7 @@ from fricomp.calibration.identification import (
     save_identification,
 )
 from fricomp.calibration.motion.rigid_body import MotionIdentification
-from fricomp.control.trust import find_doubt_in_status
+from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.model import FrictionModel
 from fricomp.overview import Overview, Shown
 from fricomp.results import IDENTIFICATION, claim_folder

@@ -45,7 +45,7 @@ def check(
     from fricomp.adapters.configuration import read_configuration
     from fricomp.adapters.trial import TrialSettings, try_drive
     from fricomp.cli.terminal import console
-    from fricomp.control.interruption import interrupt_on_ending_signals
+    from fricomp.control.loop.interruption import interrupt_on_ending_signals
     from fricomp.errors import ParameterError
 
     if not rate > 0.0:

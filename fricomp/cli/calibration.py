@@ -33,7 +33,7 @@ from fricomp.calibration.sweep.sweep import Progress
 from fricomp.cli.parameter_table import parameter_table
 from fricomp.cli.resume import changes, refuse_other
 from fricomp.cli.terminal import console, progress
-from fricomp.control.ending import stopping_on_error
+from fricomp.control.loop.ending import stopping_on_error
 from fricomp.errors import AdapterError, SweepAborted
 from fricomp.recording import write_recording
 

@@ -13,7 +13,7 @@ from fricomp.cli.run import DELAY, VELOCITY_FILTER
 
 if TYPE_CHECKING:
     from fricomp.control import DriveLimits, LoopDynamics
-    from fricomp.control.loop_check import LoopCheck
+    from fricomp.control.loop.loop_check import LoopCheck
 
 __all__ = ["app"]
 
@@ -62,7 +62,7 @@ def check_loop(
     from fricomp.cli.terminal import console
     from fricomp.control import DriveLimits, LoopDynamics, PositionController
     from fricomp.control import check_loop as check
-    from fricomp.control.choice import choose_settings
+    from fricomp.control.compensation.choice import choose_settings
     from fricomp.errors import ParameterError
     from fricomp.model import load_model
     from fricomp.results import require_free_file
@@ -122,8 +122,8 @@ def _travels(
     loop: LoopDynamics, drive: DriveLimits, velocity: float, period: float, unit: str
 ) -> Iterator[tuple[str, str]]:
     """How far the joint comes before the gate stops it, with each failure; the gate's limits are needed for that."""
-    from fricomp.control.failure_travel import FAILURES, bound_travel
-    from fricomp.control.limits import JointLimits
+    from fricomp.control.gate.failure_travel import FAILURES, bound_travel
+    from fricomp.control.gate.limits import JointLimits
 
     if drive.torque == float("inf"):
         yield "travel until the gate stops it", "not bounded: give --torque-limit"

@@ -62,7 +62,7 @@ def compare(
 
 def _find_doubts(before: FrictionModel, after: FrictionModel) -> list[str]:
     """Why the answer may mislead: a model that is not usable, or two joints."""
-    from fricomp.control.trust import find_doubt
+    from fricomp.control.compensation.trust import find_doubt
 
     found = [(name, find_doubt(model)) for name, model in (("old", before), ("new", after))]
     doubts = [f"the {name} model is not usable ({doubt.rstrip('.')})" for name, doubt in found if doubt is not None]

@@ -213,7 +213,7 @@ def _print(found: Identification, written: Sequence[Path]) -> None:
     from fricomp.calibration.identification import Status
     from fricomp.cli.parameter_table import parameter_table
     from fricomp.cli.terminal import console, plain
-    from fricomp.control.trust import find_doubt_in_status
+    from fricomp.control.compensation.trust import find_doubt_in_status
 
     result, screen = found.result, console()
     screen.print(parameter_table(result))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fricomp.control import LoopLog
-from fricomp.control.loop_check import LoopCheck
+from fricomp.control.loop.loop_check import LoopCheck
 from fricomp.report import Band, Bars, Chart, HeatMap, Line, Panel, Rule
 
 if TYPE_CHECKING:

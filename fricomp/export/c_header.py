@@ -12,11 +12,11 @@ import numpy as np
 
 import fricomp.export.c_template as template
 from fricomp.control import CompensationSettings
-from fricomp.control.bristle import FALLING_SHARE_WITHOUT_VELOCITY, deepest_bend
-from fricomp.control.choice import choose_settings
-from fricomp.control.curve import FrictionCurves
-from fricomp.control.extra_terms import trace_extra
-from fricomp.control.trust import require_usable, trusted_curves
+from fricomp.control.compensation.bristle import FALLING_SHARE_WITHOUT_VELOCITY, deepest_bend
+from fricomp.control.compensation.choice import choose_settings
+from fricomp.control.compensation.curve import FrictionCurves
+from fricomp.control.compensation.extra_terms import trace_extra
+from fricomp.control.compensation.trust import require_usable, trusted_curves
 from fricomp.errors import ExportError, ParameterError
 from fricomp.export.c_source import C
 from fricomp.export.c_terms import EXTRA_CHECKS, EXTRA_FIELDS, render_extra

@@ -1,4 +1,4 @@
-"""Terms that fit no curve as C, by the formulas of `fricomp.control.extra_terms`."""
+"""Terms that fit no curve as C, by the formulas of `fricomp.control.compensation.extra_terms`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from string import Template
 
 from fricomp.control import CompensationSettings
-from fricomp.control.extra_terms import TURNS_FORWARD, ExtraFormulas, find_bounds
+from fricomp.control.compensation.extra_terms import TURNS_FORWARD, ExtraFormulas, find_bounds
 from fricomp.export.c_source import C
 
 __all__ = ["EXTRA_CHECKS", "EXTRA_FIELDS", "render_extra"]

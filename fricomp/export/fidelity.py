@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fricomp.control.choice import choose_settings
+from fricomp.control.compensation.choice import choose_settings
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from fricomp.control.network_file import read_largest_torques, read_loads, read_velocity_range
-from fricomp.control.trust import find_doubt_in_status
+from fricomp.control.compensation.network_file import read_largest_torques, read_loads, read_velocity_range
+from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.errors import ExportError
 
 __all__ = ["join_facts"]

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from fricomp.control.curve import FrictionCurves
-from fricomp.control.trust import compute_torque_cap, find_doubt_in_status, require_usable, trusted_curves
+from fricomp.control.compensation.curve import FrictionCurves
+from fricomp.control.compensation.trust import compute_torque_cap, find_doubt_in_status, require_usable, trusted_curves
 from fricomp.errors import ExportError, MissingExtraError
 from fricomp.export.joined_facts import join_facts
 from fricomp.export.onnx_nodes import NodeWriter

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fricomp.control.curve import FrictionCurves
+from fricomp.control.compensation.curve import FrictionCurves
 from fricomp.export.onnx_nodes import make_column, merge_joints
 from fricomp.laws import Parts, Term, TracedPoint, trace_parts
 from fricomp.laws.expression import Call, Expression, Symbol

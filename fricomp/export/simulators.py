@@ -10,8 +10,8 @@ from typing import Literal
 
 import numpy as np
 
-from fricomp.control.curve import FrictionCurves, split_law
-from fricomp.control.trust import bound_friction, require_usable, trusted_curves
+from fricomp.control.compensation.curve import FrictionCurves, split_law
+from fricomp.control.compensation.trust import bound_friction, require_usable, trusted_curves
 from fricomp.errors import ExportError
 from fricomp.export.default_class import joint_type
 from fricomp.export.fidelity import Fidelity, compute_fidelity, fit_levels, sample_friction

@@ -13,8 +13,8 @@ import pytest
 from fricomp.adapters import Transmission
 from fricomp.adapters.trial import TrialSettings
 from fricomp.control import JointLimits, SafetyGate
+from fricomp.control.loop.real_time import RealTimeOptions
 from fricomp.control.number import is_number
-from fricomp.control.real_time import RealTimeOptions
 from fricomp.control.settings import CompensationSettings, DriveLimits, LoopDynamics
 from fricomp.errors import FricompError
 from fricomp.sim_bench.stand_in.backend import SimulatedJointAdapter

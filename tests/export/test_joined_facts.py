@@ -2,7 +2,7 @@
 
 import pytest
 
-from fricomp.control.network_file import Loads, read_loads
+from fricomp.control.compensation.network_file import Loads, read_loads
 from fricomp.errors import ModelFileError
 from fricomp.export.joined_facts import join_facts
 

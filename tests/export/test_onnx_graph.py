@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from fricomp.control import Compensator, NetworkCompensator
-from fricomp.control.trust import LARGEST_EXTRAPOLATION
+from fricomp.control.compensation.trust import LARGEST_EXTRAPOLATION
 from fricomp.errors import ExportError, MissingExtraError, ParameterError
 from fricomp.export import closed_form_graph, save_graph, stack_networks, state_columns
 from fricomp.laws import (

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from fricomp.control import Compensator
-from fricomp.control.curve import split_law
+from fricomp.control.compensation.curve import split_law
 from fricomp.errors import ParameterError
 from fricomp.export import closed_form_graph, render_c_header, save_graph, state_columns
 from fricomp.export.c_source import C

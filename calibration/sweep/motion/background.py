@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import TypeVar
 
-from fricomp.control.ending import undisturbed
+from fricomp.control.loop.ending import undisturbed
 
 __all__ = ["in_background"]
 

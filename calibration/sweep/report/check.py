@@ -6,7 +6,7 @@ from collections import Counter
 
 import numpy as np
 
-from fricomp.control.trust import find_doubt_in_status
+from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.report import Check, Outcome
 
 from ...identification import Status

@@ -13,7 +13,7 @@ from fricomp.cli.out_folder import Overwrite
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-    from fricomp.control.loop_check import LoopCheck
+    from fricomp.control.loop.loop_check import LoopCheck
     from fricomp.report import Chart
     from fricomp.sim_bench.studies.tracking import RobustnessMap, StudyRow, TrackedJoint
     from fricomp.sim_bench.studies.tracking.close_loop import CloseLoopResult

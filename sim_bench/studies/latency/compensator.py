@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from fricomp.control import ArmCompensator, Compensator, JointLimits, SafetyGate
-from fricomp.control.network import NetworkCompensator
+from fricomp.control.compensation.network import NetworkCompensator
 from fricomp.export import render_c_header
 from fricomp.joint import JointFeedback
 from fricomp.laws import BidirectionalStribeck, Cogging, FrictionLaw, LoadCoulomb, LuGre

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from fricomp.control import Compensator, ControlLoop, LoopResult, PositionController, RealTimeOptions, SineReference
-from fricomp.control.choice import choose_settings
+from fricomp.control.compensation.choice import choose_settings
 
 from ...stand_in import DEFAULT_LAW, JointSettings, SimulatedJointAdapter, StandIn, StandInSettings, sensors_for
 from .compensator import N_JOINTS, bench_model

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fricomp.control import DriveLimits, check_loop
-from fricomp.control.loop_check import LoopCheck
+from fricomp.control.loop.loop_check import LoopCheck
 
 from ...stand_in import SensorSettings, StandIn, default_joint, default_limits
 from .joint import TrackedJoint, loop_of

@@ -23,7 +23,7 @@ from fricomp.calibration.sweep import (
     calibrate,
 )
 from fricomp.control import Compensator, ControlLoop, LoopLog, ReferenceState, SineReference
-from fricomp.control.position_loop import Reference
+from fricomp.control.loop.position_loop import Reference
 from fricomp.diagnosis import Diagnosis, diagnose, save_diagnosis
 from fricomp.errors import DiagnosisError
 from fricomp.joint import JointFeedback

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fricomp.control import CompensationSettings, LoopDynamics
-from fricomp.control.choice import choose_settings
-from fricomp.control.curve import split_law
-from fricomp.control.loop_simulation import LoopCases, simulate_loop
+from fricomp.control.compensation.choice import choose_settings
+from fricomp.control.compensation.curve import split_law
+from fricomp.control.loop.loop_simulation import LoopCases, simulate_loop
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel
 

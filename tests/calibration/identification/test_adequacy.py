@@ -7,7 +7,7 @@ import pytest
 
 from fricomp.calibration.identification import IdentificationOptions, IdentificationResult, Status, identify
 from fricomp.calibration.identification.page import parameter_rows
-from fricomp.control.trust import find_doubt
+from fricomp.control.compensation.trust import find_doubt
 from fricomp.laws import FloatArray
 from fricomp.sim_bench.studies.paper.study import contaminate
 

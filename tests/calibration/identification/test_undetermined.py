@@ -23,8 +23,8 @@ from fricomp.calibration.identification.verdict import covariance_of, judge
 from fricomp.calibration.sweep import SweepSettings, assume_friction, expected_deviations, plan_plateaus
 from fricomp.calibration.sweep.planning.plan import Travel
 from fricomp.control import Compensator
-from fricomp.control.choice import choose_settings
-from fricomp.control.trust import LARGEST_EXTRAPOLATION, find_doubt_in_status
+from fricomp.control.compensation.choice import choose_settings
+from fricomp.control.compensation.trust import LARGEST_EXTRAPOLATION, find_doubt_in_status
 from fricomp.errors import IdentificationError, ParameterError
 from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel, load_model

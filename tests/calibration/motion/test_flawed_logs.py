@@ -11,7 +11,7 @@ import pytest
 from fricomp.calibration.motion.joint_samples import choose_settings, sample_joint
 from fricomp.calibration.motion.parts import read_motion_recording
 from fricomp.calibration.motion.rigid_body import MotionIdentification, identify_motion
-from fricomp.control.trust import find_doubt_in_status
+from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.errors import FricompError
 from fricomp.recording import Recording
 from tests.recording.joint_log import COULOMB, INERTIA, VISCOUS, joint_log

@@ -1,0 +1,1 @@
+"""From a friction model to a torque: the curve, the choice of settings, the hot path, networks and adaptation."""
