@@ -11,11 +11,11 @@ import msgspec
 import numpy as np
 
 from fricomp.recording import Finding, Recording, check_recording, raise_errors, read_blocks
+from fricomp.recording.checks.timing_checks import locate_gaps
+from fricomp.recording.checks.torque_causes import find_delay
 from fricomp.recording.csv_file import FileContent
 from fricomp.recording.file import read_content
-from fricomp.recording.parts import find_usable_parts
-from fricomp.recording.timing_checks import locate_gaps
-from fricomp.recording.torque_causes import find_delay
+from fricomp.recording.parts.parts import find_usable_parts
 from fricomp.untrusted import parse_json
 
 __all__ = ["MotionParts", "MotionRecording", "read_motion_recording", "split_motion"]

@@ -22,7 +22,7 @@ from fricomp.calibration.motion.rigid_body import MotionIdentification, identify
 from fricomp.calibration.table import is_friction_table, read_friction_table
 from fricomp.errors import IdentificationError
 from fricomp.recording import Recording
-from fricomp.recording.unit_checks import suspect_degrees_per_second
+from fricomp.recording.checks.unit_checks import suspect_degrees_per_second
 
 from .identification import Identification
 

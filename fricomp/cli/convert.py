@@ -74,7 +74,7 @@ def _split(named: NamedRecording) -> list[NamedRecording]:
     from dataclasses import replace
 
     from fricomp.recording import Finding
-    from fricomp.recording.parts import find_usable_parts
+    from fricomp.recording.parts.parts import find_usable_parts
 
     usable = find_usable_parts(named.recording)
     several = len(usable.parts) > 1
@@ -91,7 +91,7 @@ def _with_note(named: NamedRecording) -> NamedRecording:
     from dataclasses import replace
 
     from fricomp.recording import Finding
-    from fricomp.recording.parts import find_usable_parts
+    from fricomp.recording.parts.parts import find_usable_parts
 
     advice = "identify and diagnose do so by themselves; --split writes what they use"
     said = find_usable_parts(named.recording).sentences

@@ -37,7 +37,7 @@ def diagnosis_warnings(read: Mapping[Path, Recording], record: DiagnosisRecord) 
         record: The answer.
     """
     from fricomp.recording import check_recording
-    from fricomp.recording.parts import find_usable_parts
+    from fricomp.recording.parts.parts import find_usable_parts
 
     said, found = " ".join(record.sentences), []
     for name, recording in zip(distinct_names(list(read)), read.values(), strict=True):

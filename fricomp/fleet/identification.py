@@ -21,7 +21,7 @@ from fricomp.calibration.table import FrictionTable, read_friction_table
 from fricomp.errors import FricompError, IdentificationError, MissingExtraError
 from fricomp.folder_lock import FolderLock
 from fricomp.model import Covariance, FrictionModel, Validity, encode_model
-from fricomp.recording.unit_checks import suspect_degrees_per_second
+from fricomp.recording.checks.unit_checks import suspect_degrees_per_second
 from fricomp.report import Chart, Panel, Points, ReportPage, Section, Table, write_report
 from fricomp.results import FLEET, make_folder
 

@@ -1,6 +1,6 @@
 """One joint's time series: its files, its checks, and the ways other formats come in."""
 
-from fricomp.recording.checks import CheckedRecording, check_recording, read_checked
+from fricomp.recording.checks.checks import CheckedRecording, check_recording, read_checked
 from fricomp.recording.conversion import NamedRecording, convert
 from fricomp.recording.file import read_recording, write_recording
 from fricomp.recording.finding import Finding, RecordingWarning, raise_errors

@@ -11,8 +11,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from fricomp.recording.checks.timing_checks import GAP_PERIODS
 from fricomp.recording.recording import Recording
-from fricomp.recording.timing_checks import GAP_PERIODS
 
 __all__ = ["Clock", "mend_clock"]
 

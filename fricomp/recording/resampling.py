@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.errors import RecordingError
-from fricomp.recording.checks import CheckedRecording, check_recording
+from fricomp.recording.checks.checks import CheckedRecording, check_recording
+from fricomp.recording.checks.timing_checks import GAP_PERIODS, locate_gaps
 from fricomp.recording.recording import Recording
-from fricomp.recording.timing_checks import GAP_PERIODS, locate_gaps
 
 Samples = NDArray[np.float64]
 

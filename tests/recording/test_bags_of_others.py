@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fricomp.recording import convert, load_mapping
-from fricomp.recording.parts import find_usable_parts
+from fricomp.recording.parts.parts import find_usable_parts
 
 from .joint_log import joint_log
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fricomp.recording import Finding, Recording, check_recording, resample
-from fricomp.recording.parts import find_usable_parts
+from fricomp.recording.parts.parts import find_usable_parts
 
 from .track import FloatArray
 

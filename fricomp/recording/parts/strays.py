@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fricomp.recording.quantum import measure_quantum
+from fricomp.recording.checks.quantum import measure_quantum
 from fricomp.recording.recording import Recording
 
 __all__ = ["Continuity", "Wrap", "find_period", "follow_motion", "unwrap_position"]

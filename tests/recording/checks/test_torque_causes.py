@@ -6,7 +6,7 @@ import pytest
 from fricomp.recording import Recording, check_recording
 from fricomp.recording.finding import Finding
 
-from .joint_log import joint_log
+from ..joint_log import joint_log
 
 
 def _energy(recording: Recording) -> Finding:

@@ -8,19 +8,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from fricomp.recording.file import read_content
-from fricomp.recording.finding import Finding
-from fricomp.recording.motion_kind import find_hand_motion, find_held_output, find_one_way
-from fricomp.recording.recording import Recording
-from fricomp.recording.signal_checks import find_rest, find_spikes, find_stuck, find_wraps
-from fricomp.recording.timing_checks import (
+from fricomp.recording.checks.motion_kind import find_hand_motion, find_held_output, find_one_way
+from fricomp.recording.checks.signal_checks import find_rest, find_spikes, find_stuck, find_wraps
+from fricomp.recording.checks.timing_checks import (
     find_gaps,
     find_jitter,
     find_low_rate,
     find_rate_change,
     find_wrong_time_unit,
 )
-from fricomp.recording.unit_checks import (
+from fricomp.recording.checks.unit_checks import (
     find_degrees,
     find_flipped_reference,
     find_flipped_torque,
@@ -28,6 +25,9 @@ from fricomp.recording.unit_checks import (
     find_velocity_mismatch,
     find_wrong_temperature,
 )
+from fricomp.recording.file import read_content
+from fricomp.recording.finding import Finding
+from fricomp.recording.recording import Recording
 
 _Check = Callable[[Recording], tuple[Finding, ...]]
 

@@ -5,10 +5,10 @@ from math import log2, pi
 import numpy as np
 from numpy.typing import NDArray
 
+from fricomp.recording.checks.signal_checks import find_position_step
+from fricomp.recording.checks.torque_causes import explain_energy
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
-from fricomp.recording.signal_checks import find_position_step
-from fricomp.recording.torque_causes import explain_energy
 
 Samples = NDArray[np.float64]
 

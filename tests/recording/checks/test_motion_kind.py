@@ -5,7 +5,7 @@ import pytest
 
 from fricomp.recording import Recording, check_recording
 
-from .joint_log import joint_log
+from ..joint_log import joint_log
 
 _CODES = {"one_way", "held_output", "hand_motion"}
 

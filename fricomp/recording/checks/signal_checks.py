@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from fricomp.recording.checks.quantum import measure_quantum, read_at_rest
 from fricomp.recording.finding import Finding
-from fricomp.recording.quantum import measure_quantum, read_at_rest
 from fricomp.recording.recording import Recording
 
 Samples = NDArray[np.float64]

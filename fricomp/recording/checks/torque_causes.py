@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from fricomp.recording.checks.quantum import measure_quantum
 from fricomp.recording.finding import Finding
-from fricomp.recording.quantum import measure_quantum
 from fricomp.recording.recording import Recording
 
 __all__ = ["JointFit", "explain_energy", "find_delay", "find_signed_bits", "fit_joint", "read_signed"]

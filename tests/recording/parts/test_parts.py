@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from fricomp.recording import Recording, concatenate
-from fricomp.recording.parts import find_usable_parts
+from fricomp.recording.parts.parts import find_usable_parts
 
-from .joint_log import joint_log
+from ..joint_log import joint_log
 
 RNG = np.random.default_rng(7)
 

@@ -11,14 +11,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from fricomp.recording.checks.signal_checks import find_stuck_rows
+from fricomp.recording.checks.timing_checks import GAP_PERIODS, locate_rate_change
 from fricomp.recording.clock import Clock, mend_clock
-from fricomp.recording.holds import thin_held_rows
+from fricomp.recording.parts.holds import thin_held_rows
+from fricomp.recording.parts.rests import find_rests
+from fricomp.recording.parts.strays import follow_motion, unwrap_position
 from fricomp.recording.recording import Recording
 from fricomp.recording.resampling import resample
-from fricomp.recording.rests import find_rests
-from fricomp.recording.signal_checks import find_stuck_rows
-from fricomp.recording.strays import follow_motion, unwrap_position
-from fricomp.recording.timing_checks import GAP_PERIODS, locate_rate_change
 
 __all__ = ["SHORTEST_PART", "LeftOut", "UsableParts", "find_usable_parts"]
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from fricomp.recording.quantum import measure_quantum
+from fricomp.recording.checks.quantum import measure_quantum
 from fricomp.recording.recording import Recording
 
 __all__ = ["find_rests", "locate_rests"]

@@ -6,9 +6,9 @@ Each of them shows something, and none of them shows the friction of both direct
 import numpy as np
 from numpy.typing import NDArray
 
+from fricomp.recording.checks.torque_causes import fit_joint
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
-from fricomp.recording.torque_causes import fit_joint
 
 __all__ = ["find_hand_motion", "find_held_output", "find_one_way"]
 
