@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from fricomp.cli.resume import flags
+from fricomp.cli.calibration.resume import flags
 from fricomp.cli.settings_file import use_settings, write_settings
 from fricomp.errors import ParameterError
 from fricomp.extras import REPORT, require
@@ -191,7 +191,7 @@ def calibrate(
     from fricomp.api.calibrate import adapter_configuration
     from fricomp.calibration.sweep import CalibrationOptions, CalibrationRequest, IdentificationSettings, SweepSettings
     from fricomp.calibration.sweep.weight import HungWeight
-    from fricomp.cli.calibration import resume_run
+    from fricomp.cli.calibration.start import resume_run
 
     given = _given(context)
     if write is not None:
@@ -225,7 +225,7 @@ def calibrate(
 
 def _print_plan(request: CalibrationRequest, hung: HungWeight | None) -> None:
     """What each mode would do; nothing moves."""
-    from fricomp.cli.calibration_plan import print_motion_plan, print_sweep_plan, print_torque_constant_plan
+    from fricomp.cli.calibration.plan import print_motion_plan, print_sweep_plan, print_torque_constant_plan
 
     if hung is not None:
         print_torque_constant_plan(request, hung)
@@ -237,8 +237,8 @@ def _print_plan(request: CalibrationRequest, hung: HungWeight | None) -> None:
 
 def _move(request: CalibrationRequest, hung: HungWeight | None, out: Path, *, overwrite: bool) -> None:
     """From here on the joint moves."""
-    from fricomp.cli.calibration import record_file, start_run
-    from fricomp.cli.torque_constant import measure_torque_constant
+    from fricomp.cli.calibration.start import record_file, start_run
+    from fricomp.cli.calibration.torque_constant import measure_torque_constant
 
     if hung is not None:
         measure_torque_constant(request, hung, out, overwrite=overwrite)

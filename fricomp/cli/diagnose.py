@@ -170,7 +170,7 @@ def _examine_as_arm(
     paths: Sequence[Path], simulation: Path, out: Path, match: Sequence[str], *, seed: int, overwrite: bool
 ) -> bool:
     """Examine an arm, where the recordings are of different joints from the same time; False where they are not."""
-    from fricomp.cli.arm import is_arm, parse_names, run_arm
+    from fricomp.cli.diagnosis.arm import is_arm, parse_names, run_arm
     from fricomp.recording import read_recording
 
     recordings = [read_recording(path) for path in paths]
@@ -195,7 +195,7 @@ def _refuse_fleet_options(run: FleetRun) -> None:
 @contextmanager
 def _interruptible(out: Path) -> Iterator[None]:
     """One joint's diagnosis: on Ctrl-C it says what is left in its folder."""
-    from fricomp.cli.diagnosis_folder import RECORD
+    from fricomp.cli.diagnosis.folder import RECORD
 
     before = _changed_at(out / RECORD)
     try:
@@ -247,8 +247,8 @@ def run_diagnosis(
     from time import perf_counter
 
     from fricomp.api.diagnose import read_long_recording
-    from fricomp.cli.diagnosis_folder import require_own
-    from fricomp.cli.diagnosis_warnings import diagnosis_warnings, distinct_names
+    from fricomp.cli.diagnosis.folder import require_own
+    from fricomp.cli.diagnosis.warnings import diagnosis_warnings, distinct_names
     from fricomp.cli.terminal import progress
     from fricomp.diagnosis.report import write_diagnosis
     from fricomp.results import DIAGNOSIS, claim_folder
@@ -343,7 +343,7 @@ def _diagnose_fleet(
     """Every joint into a folder of its own, and a page on all of them."""
     from functools import partial
 
-    from fricomp.cli.diagnosis_folder import check_folder
+    from fricomp.cli.diagnosis.folder import check_folder
     from fricomp.diagnosis.report import build_fleet_table, write_fleet
     from fricomp.fleet import FleetJoint, list_joints
 

@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 from fricomp.cli.diagnose import EXIT_BAD_DATA
-from fricomp.cli.diagnosis_warnings import diagnosis_warnings, distinct_names
+from fricomp.cli.diagnosis.warnings import diagnosis_warnings, distinct_names
 from fricomp.cli.main import app
 from fricomp.diagnosis import DIAGNOSIS_SCHEMA, DiagnosisRecord, Quantity, diagnosis_json_schema
 from fricomp.diagnosis.inputs import given

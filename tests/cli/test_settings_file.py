@@ -22,7 +22,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[CalibrationRequest]:
     def noted(request: CalibrationRequest, out: Path, **_: Any) -> None:
         requests.append(request)
 
-    monkeypatch.setattr("fricomp.cli.calibration.start_run", noted)
+    monkeypatch.setattr("fricomp.cli.calibration.start.start_run", noted)
     return requests
 
 

@@ -20,7 +20,7 @@ from fricomp.calibration.sweep import (
 )
 from fricomp.calibration.sweep.motion.motion import MotionRunner
 from fricomp.calibration.sweep.motion.velocity_loop import DriveLoop
-from fricomp.cli.calibration import record_file, start_run
+from fricomp.cli.calibration.start import record_file, start_run
 from fricomp.errors import AdapterError, FricompError
 from fricomp.joint import JointCommand
 from fricomp.recording import RecordingWriter

@@ -22,8 +22,8 @@ from fricomp.calibration.sweep import (
 from fricomp.calibration.sweep.planning.plan import Travel, move_speed
 from fricomp.calibration.sweep.planning.profile import move_profile
 from fricomp.calibration.sweep.weight import HungWeight, plan_passes
+from fricomp.cli.calibration.torque_constant import N_PASSES
 from fricomp.cli.terminal import console
-from fricomp.cli.torque_constant import N_PASSES
 
 __all__ = ["print_motion_plan", "print_sweep_plan", "print_torque_constant_plan"]
 

@@ -30,8 +30,8 @@ from fricomp.calibration.sweep import (
 )
 from fricomp.calibration.sweep.run_folder import MOTION_ALONE, RECORDING
 from fricomp.calibration.sweep.sweep import Progress
+from fricomp.cli.calibration.resume import changes, refuse_other
 from fricomp.cli.parameter_table import parameter_table
-from fricomp.cli.resume import changes, refuse_other
 from fricomp.cli.terminal import console, progress
 from fricomp.control.loop.ending import stopping_on_error
 from fricomp.errors import AdapterError, SweepAborted

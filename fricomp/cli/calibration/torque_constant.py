@@ -12,7 +12,7 @@ from rich.text import Text
 from fricomp.calibration.identification.chart import REACH
 from fricomp.calibration.sweep import CalibrationRequest, open_joint
 from fricomp.calibration.sweep.weight import HungWeight, TorqueConstant, identify_torque_constant, record_passes
-from fricomp.cli.calibration import follow
+from fricomp.cli.calibration.start import follow
 from fricomp.cli.terminal import console, progress
 from fricomp.recording import Recording, write_recording
 from fricomp.results import TORQUE_CONSTANT, claim_folder

@@ -1,0 +1,1 @@
+"""What `fricomp calibrate` consists of on the terminal: plan, start, resume, torque constant."""

@@ -1,0 +1,1 @@
+"""What `fricomp diagnose` consists of on the terminal: warnings, arms, and the folder that it writes."""
