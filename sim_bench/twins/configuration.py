@@ -121,16 +121,16 @@ def _mit_motor(axis: DriveAxis, stored: dict[str, Any], number: int) -> CanDevic
     """A motor of the dialect its table names: `damiao`, `ak` or `cybergear`."""
     dialect = stored.pop("dialect", "damiao")
     if dialect == "cybergear":
-        from .cybergear import CyberGearMotor, CyberGearSettings
+        from .mit.cybergear import CyberGearMotor, CyberGearSettings
 
         return CyberGearMotor(axis, _settings(CyberGearSettings, {"motor_id": number} | stored))
     if dialect == "ak":
-        from .ak import AkMotor, AkSettings
+        from .mit.ak import AkMotor, AkSettings
 
         return AkMotor(axis, _settings(AkSettings, {"receive_id": number} | stored))
     if dialect != "damiao":
         raise ParameterError(f"no MIT dialect {dialect!r}; there are ak, cybergear, damiao")
-    from .mit import MitMotor, MitSettings
+    from .mit.damiao import MitMotor, MitSettings
 
     return MitMotor(axis, _settings(MitSettings, {"receive_id": number, "feedback_id": 0x10 + number} | stored))
 
@@ -142,7 +142,7 @@ def _odrive_node(axis: DriveAxis, stored: dict[str, Any], number: int) -> CanDev
 
 
 def _cia402_drive(axis: DriveAxis, stored: dict[str, Any], number: int) -> CanDevice:
-    from .cia402 import Cia402Drive, Cia402Settings
+    from .canopen.cia402 import Cia402Drive, Cia402Settings
 
     return Cia402Drive(axis, _settings(Cia402Settings, {"node_id": number} | stored))
 
@@ -152,14 +152,14 @@ def _serial_twin(
 ) -> DriveTwin:
     pairs = list(enumerate(zip(axes, stored, strict=True), 1))
     if protocol == "moteus":
-        from .moteus import MoteusController, MoteusSettings, MoteusTwin
+        from .moteus.bus import MoteusController, MoteusSettings, MoteusTwin
 
         period = stand_in.settings.period
         controllers = [
             MoteusController(a, _settings(MoteusSettings, {"identifier": n} | s), period) for n, (a, s) in pairs
         ]
         return MoteusTwin(port, stand_in, controllers)
-    from .dynamixel import DynamixelServo, DynamixelSettings, DynamixelTwin
+    from .dynamixel.line import DynamixelServo, DynamixelSettings, DynamixelTwin
 
     servos = [DynamixelServo(a, _settings(DynamixelSettings, {"identifier": n} | s)) for n, (a, s) in pairs]
     return DynamixelTwin(port, stand_in, servos)

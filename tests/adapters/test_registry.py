@@ -23,8 +23,8 @@ from fricomp.cli.main import app
 from fricomp.errors import AdapterConfigurationError, AdapterError
 from fricomp.sim_bench.twins.backend import TwinCanOpenAdapter
 from fricomp.sim_bench.twins.can_twin import CanTwin
-from fricomp.sim_bench.twins.cia402 import Cia402Drive
-from fricomp.sim_bench.twins.cia402_state import DriveState
+from fricomp.sim_bench.twins.canopen.cia402 import Cia402Drive
+from fricomp.sim_bench.twins.canopen.cia402_state import DriveState
 
 BUILT_IN = ["canopen", "dynamixel", "mit", "moteus", "odrive"]
 

@@ -31,10 +31,10 @@ from fricomp.sim_bench.studies.adapters.hand_held import SerialBus
 from fricomp.sim_bench.studies.adapters.twin_bus import TwinBus
 from fricomp.sim_bench.twins import DriveAxis, DriveTwin, TwinClock, twin_stand_in
 from fricomp.sim_bench.twins.can_twin import CanDevice, CanTwin
-from fricomp.sim_bench.twins.cia402 import Cia402Drive, Cia402Settings
-from fricomp.sim_bench.twins.dynamixel import DynamixelServo, DynamixelTwin
-from fricomp.sim_bench.twins.mit import MitMotor
-from fricomp.sim_bench.twins.moteus import MoteusController, MoteusTwin
+from fricomp.sim_bench.twins.canopen.cia402 import Cia402Drive, Cia402Settings
+from fricomp.sim_bench.twins.dynamixel.line import DynamixelServo, DynamixelTwin
+from fricomp.sim_bench.twins.mit.damiao import MitMotor
+from fricomp.sim_bench.twins.moteus.bus import MoteusController, MoteusTwin
 from fricomp.sim_bench.twins.odrive import ENDPOINTS, ODriveNode, ODriveSettings
 from tests.adapters.peers.rig import joint_tables
 

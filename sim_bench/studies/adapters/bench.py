@@ -80,7 +80,7 @@ def make_canopen(n_joints: int) -> AdapterBench:
     from fricomp.adapters.canopen import CanOpenAdapter
     from fricomp.adapters.canopen.configuration import CanOpenConfiguration
 
-    from ...twins.cia402 import Cia402Drive, Cia402Settings
+    from ...twins.canopen.cia402 import Cia402Drive, Cia402Settings
 
     made = convert({"bus": {"interface": "virtual"}} | _common(n_joints), CanOpenConfiguration)
     return _can_bench(
@@ -95,7 +95,7 @@ def make_mit(n_joints: int) -> AdapterBench:
     from fricomp.adapters.mit import MitAdapter
     from fricomp.adapters.mit.configuration import MitConfiguration
 
-    from ...twins.mit import MitMotor, MitSettings
+    from ...twins.mit.damiao import MitMotor, MitSettings
 
     table = {"bus": {"interface": "virtual"}} | _common(n_joints, model="damiao/DM4310")
     made = convert(table, MitConfiguration)
@@ -131,7 +131,7 @@ def make_moteus(n_joints: int) -> AdapterBench:
     from fricomp.adapters.moteus import MoteusAdapter
     from fricomp.adapters.moteus.adapter import MoteusConfiguration
 
-    from ...twins.moteus import MoteusController, MoteusSettings, MoteusTwin
+    from ...twins.moteus.bus import MoteusController, MoteusSettings, MoteusTwin
 
     bus, clock, axes = SerialBus(), VirtualClock(), [HandHeldAxis() for _ in range(n_joints)]
     nothing: Any = None
@@ -153,7 +153,7 @@ def make_dynamixel(n_joints: int) -> AdapterBench:
     from fricomp.adapters.dynamixel import DynamixelAdapter
     from fricomp.adapters.dynamixel.configuration import DynamixelConfiguration
 
-    from ...twins.dynamixel import DynamixelServo, DynamixelSettings, DynamixelTwin
+    from ...twins.dynamixel.line import DynamixelServo, DynamixelSettings, DynamixelTwin
 
     bus, clock, axes = SerialBus(), VirtualClock(), [HandHeldAxis() for _ in range(n_joints)]
     nothing: Any = None

@@ -12,8 +12,8 @@ from fricomp.adapters.dynamixel import DynamixelAdapter
 from fricomp.adapters.dynamixel.configuration import DynamixelConfiguration
 from fricomp.sim_bench.stand_in import StandIn, default_joint
 from fricomp.sim_bench.studies.adapters.hand_held import HandHeldAxis, SerialBus
-from fricomp.sim_bench.twins.dynamixel import DynamixelServo, DynamixelSettings, DynamixelTwin
-from fricomp.sim_bench.twins.dynamixel_packet import PacketReader
+from fricomp.sim_bench.twins.dynamixel.line import DynamixelServo, DynamixelSettings, DynamixelTwin
+from fricomp.sim_bench.twins.dynamixel.packet import PacketReader
 from fricomp.testing import AdapterRig, FaultyLink, GoldenCommand, VirtualClock
 from tests.adapters.peers.rig import joint_tables
 

@@ -18,7 +18,7 @@ from fricomp.adapters.dynamixel.packet import (
 from fricomp.adapters.dynamixel.packet_buffer import PacketBuffer
 from fricomp.errors import AdapterConfigurationError, AdapterTimeout, AdapterValueError
 from fricomp.joint import JointFeedback
-from fricomp.sim_bench.twins.dynamixel_packet import PacketReader
+from fricomp.sim_bench.twins.dynamixel.packet import PacketReader
 from fricomp.testing import AdapterRig
 from fricomp.testing.conformance import AdapterConformance
 from fricomp.testing.steps import run, start

@@ -8,7 +8,7 @@ import pytest
 
 from fricomp.errors import AdapterConfigurationError, AdapterError
 from fricomp.joint import CommandMode, JointCommand, JointFeedback
-from fricomp.sim_bench.twins.dynamixel_packet import PacketReader
+from fricomp.sim_bench.twins.dynamixel.packet import PacketReader
 from fricomp.testing.steps import run, start
 from tests.adapters.dynamixel.rig import DynamixelRig
 from tests.adapters.peers.rig import joint_tables

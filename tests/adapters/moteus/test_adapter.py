@@ -20,8 +20,8 @@ from fricomp.errors import AdapterConfigurationError, AdapterValueError
 from fricomp.joint import JointCommand, JointFeedback
 from fricomp.sim_bench.stand_in import StandIn, default_joint
 from fricomp.sim_bench.studies.adapters.hand_held import HandHeldAxis, SerialBus
-from fricomp.sim_bench.twins.moteus import MoteusController, MoteusSettings, MoteusTwin
-from fricomp.sim_bench.twins.moteus_frame import StreamWrite, Write, parse_frame
+from fricomp.sim_bench.twins.moteus.bus import MoteusController, MoteusSettings, MoteusTwin
+from fricomp.sim_bench.twins.moteus.frame import StreamWrite, Write, parse_frame
 from fricomp.testing import AdapterRig, FaultyLink, GoldenCommand, VirtualClock
 from fricomp.testing.conformance import AdapterConformance
 from fricomp.testing.steps import run, start

@@ -11,10 +11,10 @@ from fricomp.sim_bench.stand_in import default_joint
 from fricomp.sim_bench.twins import DriveAxis, DriveTwin, twin_stand_in
 from fricomp.sim_bench.twins.can_twin import CanTwin
 from fricomp.sim_bench.twins.configuration import CAN_PROTOCOLS, make_twin
-from fricomp.sim_bench.twins.moteus import MoteusController, MoteusTwin
+from fricomp.sim_bench.twins.moteus.bus import MoteusController, MoteusTwin
 from fricomp.sim_bench.twins.slcan import SlcanPort
 
-from .test_moteus import Line
+from .moteus.test_moteus import Line
 
 FRAMES = 3000
 

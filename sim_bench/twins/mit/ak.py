@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import ClassVar
 
-from .mit import MitMotor, MitSettings, MitStatus, to_code
+from .damiao import MitMotor, MitSettings, MitStatus, to_code
 
 __all__ = ["AkFault", "AkMotor", "AkSettings"]
 

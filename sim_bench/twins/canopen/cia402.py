@@ -12,10 +12,10 @@ from typing import Any
 
 from fricomp.errors import ParameterError
 
-from ..stand_in.servo import ServoMode
-from .axis import DriveAxis
-from .canopen_node import CanopenNode
+from ...stand_in.servo import ServoMode
+from ..axis import DriveAxis
 from .cia402_state import DriveState, next_state, status_word
+from .node import CanopenNode
 
 __all__ = ["Cia402Drive", "Cia402Settings"]
 

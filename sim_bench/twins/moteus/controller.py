@@ -15,8 +15,8 @@ from typing import Any
 
 from fricomp.errors import ParameterError
 
-from .axis import DriveAxis
-from .moteus_frame import (
+from ..axis import DriveAxis
+from .frame import (
     LONGEST_FRAME,
     Failure,
     Read,

@@ -12,8 +12,8 @@ import can
 import canopen
 from canopen.sdo.exceptions import SdoAbortedError
 
-from .can_twin import CanDevice
-from .canopen_network import ProcessData, SimulatedNetwork
+from ..can_twin import CanDevice
+from .network import ProcessData, SimulatedNetwork
 
 __all__ = ["CanopenNode", "SdoAbortedError"]
 

@@ -17,9 +17,9 @@ import can
 
 from fricomp.errors import ParameterError
 
-from .axis import DriveAxis
-from .can_twin import CanDevice
-from .mit import from_code, to_code
+from ..axis import DriveAxis
+from ..can_twin import CanDevice
+from .damiao import from_code, to_code
 
 __all__ = ["CyberGearMotor", "CyberGearSettings", "Mode"]
 

@@ -10,10 +10,10 @@ import pytest
 
 from fricomp.errors import ParameterError
 from fricomp.sim_bench.twins import DriveAxis, PtyPort, TwinServer, twin_stand_in
-from fricomp.sim_bench.twins.dynamixel import DynamixelServo, DynamixelSettings, DynamixelTwin
-from fricomp.sim_bench.twins.dynamixel_packet import PacketReader, crc16, status_packet
+from fricomp.sim_bench.twins.dynamixel.line import DynamixelServo, DynamixelSettings, DynamixelTwin
+from fricomp.sim_bench.twins.dynamixel.packet import PacketReader, crc16, status_packet
 
-from .rig import ideal_joint
+from ..rig import ideal_joint
 
 MODE, ENABLE, ERROR, WATCHDOG, GOAL_CURRENT, CURRENT, VELOCITY, POSITION = 11, 64, 70, 98, 102, 126, 128, 132
 ACCESS, RANGE, LIMIT = 7, 4, 6

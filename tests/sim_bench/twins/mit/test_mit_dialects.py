@@ -12,12 +12,12 @@ import pytest
 
 from fricomp.errors import AdapterConfigurationError, ParameterError
 from fricomp.joint import JointCommand, JointFeedback
-from fricomp.sim_bench.twins.ak import AkFault, AkMotor, AkSettings
 from fricomp.sim_bench.twins.backend import TwinMitAdapter
-from fricomp.sim_bench.twins.cybergear import CyberGearMotor, CyberGearSettings, Mode
-from fricomp.sim_bench.twins.mit import MitStatus
+from fricomp.sim_bench.twins.mit.ak import AkFault, AkMotor, AkSettings
+from fricomp.sim_bench.twins.mit.cybergear import CyberGearMotor, CyberGearSettings, Mode
+from fricomp.sim_bench.twins.mit.damiao import MitStatus
 
-from .rig import CanRig, can_rig
+from ..rig import CanRig, can_rig
 
 ENABLE = b"\xff" * 7 + b"\xfc"
 HOST = 0xFD

@@ -13,11 +13,11 @@ from canopen.sdo.exceptions import SdoAbortedError
 
 from fricomp.errors import ParameterError
 from fricomp.sim_bench.twins import TwinServer
-from fricomp.sim_bench.twins.canopen_node import EDS
-from fricomp.sim_bench.twins.cia402 import Cia402Drive, Cia402Settings
-from fricomp.sim_bench.twins.cia402_state import DriveState
+from fricomp.sim_bench.twins.canopen.cia402 import Cia402Drive, Cia402Settings
+from fricomp.sim_bench.twins.canopen.cia402_state import DriveState
+from fricomp.sim_bench.twins.canopen.node import EDS
 
-from .rig import CanRig, can_rig, fresh_channel, wait_for
+from ..rig import CanRig, can_rig, fresh_channel, wait_for
 
 INCREMENTS = 2**18 / (2.0 * pi)
 MASTER = 0x7F

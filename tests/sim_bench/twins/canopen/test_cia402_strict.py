@@ -9,7 +9,7 @@ import pytest
 from fricomp.adapters import adapter_class
 from fricomp.errors import AdapterError
 from fricomp.joint import JointCommand, JointFeedback
-from fricomp.sim_bench.twins.cia402 import Cia402Drive
+from fricomp.sim_bench.twins.canopen.cia402 import Cia402Drive
 from tests.sim_bench.twins.rig import CanRig, can_rig
 
 

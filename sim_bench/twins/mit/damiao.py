@@ -16,8 +16,8 @@ import can
 
 from fricomp.errors import ParameterError
 
-from .axis import DriveAxis
-from .can_twin import CanDevice
+from ..axis import DriveAxis
+from ..can_twin import CanDevice
 
 __all__ = ["MitMotor", "MitSettings", "MitStatus", "from_code", "to_code"]
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ..stand_in import StandIn
-from .dynamixel_packet import Instruction, PacketReader, StatusError, status_packet
-from .dynamixel_servo import DynamixelServo, DynamixelSettings
-from .dynamixel_table import STATUS_RETURN_LEVEL
-from .port import BytePort
-from .serial_twin import SerialTwin
+from ...stand_in import StandIn
+from ..port import BytePort
+from ..serial_twin import SerialTwin
+from .packet import Instruction, PacketReader, StatusError, status_packet
+from .servo import DynamixelServo, DynamixelSettings
+from .table import STATUS_RETURN_LEVEL
 
 __all__ = ["DynamixelServo", "DynamixelSettings", "DynamixelTwin"]
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..stand_in import StandIn
-from .moteus_controller import BROADCAST, LONGEST_LINE, MoteusController, MoteusSettings
-from .moteus_frame import LONGEST_FRAME
-from .port import BytePort
-from .serial_twin import SerialTwin
+from ...stand_in import StandIn
+from ..port import BytePort
+from ..serial_twin import SerialTwin
+from .controller import BROADCAST, LONGEST_LINE, MoteusController, MoteusSettings
+from .frame import LONGEST_FRAME
 
 __all__ = ["MoteusController", "MoteusSettings", "MoteusTwin", "crc8"]
 

@@ -11,9 +11,9 @@ import pytest
 from fricomp.errors import ParameterError
 from fricomp.sim_bench.stand_in import StandIn
 from fricomp.sim_bench.twins import DriveAxis, PtyPort, TwinServer, twin_stand_in
-from fricomp.sim_bench.twins.moteus import MoteusController, MoteusSettings, MoteusTwin, crc8
+from fricomp.sim_bench.twins.moteus.bus import MoteusController, MoteusSettings, MoteusTwin, crc8
 
-from .rig import ideal_joint
+from ..rig import ideal_joint
 
 TURN = 2.0 * pi
 

@@ -18,10 +18,10 @@ from typing import Any
 
 from fricomp.errors import ParameterError
 
-from ..stand_in.servo import ServoMode
-from .axis import DriveAxis
-from .dynamixel_packet import StatusError
-from .dynamixel_table import (
+from ...stand_in.servo import ServoMode
+from ..axis import DriveAxis
+from .packet import StatusError
+from .table import (
     CURRENT_LIMIT,
     EEPROM_END,
     GOAL_CURRENT,

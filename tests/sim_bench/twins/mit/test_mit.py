@@ -9,9 +9,9 @@ import pytest
 
 from fricomp.errors import ParameterError
 from fricomp.sim_bench.twins import TwinClock, TwinServer
-from fricomp.sim_bench.twins.mit import MitMotor, MitSettings, MitStatus
+from fricomp.sim_bench.twins.mit.damiao import MitMotor, MitSettings, MitStatus
 
-from .rig import CanRig, can_rig, fresh_channel, wait_for
+from ..rig import CanRig, can_rig, fresh_channel, wait_for
 
 ENABLE, DISABLE, ZERO, CLEAR = (b"\xff" * 7 + bytes([code]) for code in (0xFC, 0xFD, 0xFE, 0xFB))
 # Position, velocity and torque at their middle codes, gains zero.

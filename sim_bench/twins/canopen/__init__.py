@@ -1,0 +1,1 @@
+"""A CANopen node with a CiA 402 drive behind it."""

@@ -1,0 +1,1 @@
+"""Dynamixel servos on one line, protocol 2.0."""

@@ -1,0 +1,1 @@
+"""Motors in MIT mode: Damiao, T-Motor AK, Xiaomi CyberGear."""

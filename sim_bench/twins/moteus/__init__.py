@@ -1,0 +1,1 @@
+"""moteus controllers behind an fdcanusb or on a UART."""
