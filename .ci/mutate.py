@@ -46,9 +46,9 @@ TARGETS = {
     ),
     "laws": Target("fricomp/laws/stribeck.py", ("tests/laws",)),
     "likelihood": Target(
-        "calibration/identification/likelihood.py",
+        "calibration/identification/estimation/likelihood.py",
         (
-            "tests/calibration/identification/test_correlated_fit.py",
+            "tests/calibration/identification/estimation/test_correlated_fit.py",
             "tests/calibration/identification/test_identify.py",
         ),
     ),

@@ -12,7 +12,7 @@ from fricomp.laws import FrictionLaw
 from fricomp.report import Chart, Panel, Points, Rule
 
 from .identification import IdentificationResult
-from .identification.chart import REACH
+from .identification.report.chart import REACH
 
 __all__ = ["Score", "SeedStudy", "score"]
 

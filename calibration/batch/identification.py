@@ -12,13 +12,13 @@ from numpy.typing import ArrayLike
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray, FrictionLaw
 
-from ..identification.form import separable_law
-from ..identification.information import invert_information
-from ..identification.likelihood import Noise, NoiseKind
-from ..identification.observation import Observations
-from ..identification.optimum import optimum_at
+from ..identification.estimation.form import separable_law
+from ..identification.estimation.information import invert_information
+from ..identification.estimation.likelihood import Noise, NoiseKind
+from ..identification.estimation.observation import Observations
+from ..identification.estimation.optimum import optimum_at
+from ..identification.inference.verdict import BASIN_GAP, CLOSE_ENOUGH, Verdict, judge
 from ..identification.status import Status
-from ..identification.verdict import BASIN_GAP, CLOSE_ENOUGH, Verdict, judge
 from .likelihood import (
     BatchNoise,
     Linearised,

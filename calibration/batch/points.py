@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from fricomp.errors import IdentificationError, MissingExtraError
 
-from ..identification.form import LARGEST_DRY
-from ..identification.observation import Observations, observe
+from ..identification.estimation.form import LARGEST_DRY
+from ..identification.estimation.observation import Observations, observe
 
 if TYPE_CHECKING:
     import torch

@@ -5,11 +5,11 @@ from .discrepancy import DiscrepancyNetwork, fit_discrepancy
 from .dynamic import DynamicIdentification, identify_dynamic
 from .files import ModelFiles, save_discrepancy, save_identification
 from .identify import identify
+from .inference.uncertainty import BootstrapSample, Interval, block_bootstrap, profile_interval, profile_likelihood
 from .options import IdentificationOptions
 from .result import IdentificationResult, NoiseEstimate
 from .selection import LawChoice, choose_law
 from .status import Status
-from .uncertainty import BootstrapSample, Interval, block_bootstrap, profile_interval, profile_likelihood
 
 __all__ = [
     "BootstrapSample",

@@ -11,7 +11,7 @@ from fricomp.model import FrictionModel
 from fricomp.report import Band, Chart, Line, Mark, Panel, Points
 
 from ..network import TanhNetwork
-from .observation import Observations
+from .estimation.observation import Observations
 
 __all__ = ["REACH", "friction_curve"]
 

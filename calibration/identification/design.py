@@ -15,9 +15,9 @@ from fricomp.errors import IdentificationError
 from fricomp.laws import BidirectionalStribeck, FloatArray
 from fricomp.model import FrictionModel
 
-from .form import SeparableLaw, separable_law
-from .information import compute_log_deviations, invert_information
-from .observation import Observations
+from .estimation.form import SeparableLaw, separable_law
+from .estimation.information import compute_log_deviations, invert_information
+from .estimation.observation import Observations
 
 __all__ = ["SpeedPlan", "expected_deviation", "plan_informative_speeds"]
 

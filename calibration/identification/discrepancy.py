@@ -17,9 +17,9 @@ from fricomp.laws import FloatArray
 
 from ..network import TanhNetwork
 from ..network.training import TrainingLimits, train_network
-from .likelihood import Noise
-from .observation import Observations
-from .optimum import Optimum, fit_likelihood
+from .estimation.likelihood import Noise
+from .estimation.observation import Observations
+from .estimation.optimum import Optimum, fit_likelihood
 from .result import IdentificationResult
 
 __all__ = ["DATA_DRIVEN", "WEIGHTS", "DiscrepancyNetwork", "fit_discrepancy", "train_towards"]

@@ -9,10 +9,10 @@ import numpy as np
 from fricomp.laws import FloatArray
 from fricomp.model import Covariance
 
-from .information import with_least_variance
+from .estimation.information import with_least_variance
+from .inference.verdict import find_vague, vague_message
 from .result import IdentificationResult
 from .status import Status
-from .verdict import find_vague, vague_message
 
 __all__ = ["doubted", "with_covariance", "with_open_profiles"]
 

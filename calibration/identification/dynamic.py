@@ -14,12 +14,12 @@ from fricomp.errors import IdentificationError
 from fricomp.laws import Dahl, FloatArray, FrictionLaw, LuGre, StribeckCurve
 from fricomp.model import Covariance, FrictionModel, Provenance, Validity
 
-from .correlated_fit import solve_correlated
-from .form import separable_law
-from .information import invert_information, with_least_variance
-from .likelihood import Noise
-from .observation import observe
-from .optimum import fit_likelihood
+from .estimation.correlated_fit import solve_correlated
+from .estimation.form import separable_law
+from .estimation.information import invert_information, with_least_variance
+from .estimation.likelihood import Noise
+from .estimation.observation import observe
+from .estimation.optimum import fit_likelihood
 from .options import DEFAULT_OPTIONS, IdentificationOptions
 from .status import Status
 

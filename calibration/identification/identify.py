@@ -13,17 +13,17 @@ from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray, LoadScaling
 from fricomp.model import Covariance, FrictionModel, Provenance, Validity
 
-from .form import SeparableLaw, separable_law
-from .likelihood import Noise, parse_noise
-from .observation import Observations, observe
-from .optimum import Optimum, fit_likelihood, optimum_at
+from .estimation.form import SeparableLaw, separable_law
+from .estimation.likelihood import Noise, parse_noise
+from .estimation.observation import Observations, observe
+from .estimation.optimum import Optimum, fit_likelihood, optimum_at
+from .estimation.pinn import StartKind, TrainedPinn, train_pinn
+from .estimation.robust import fit_robust
+from .estimation.start import project_start, starting_points
+from .inference.verdict import CLOSE_ENOUGH, covariance_of, judge
 from .options import DEFAULT_OPTIONS, IdentificationOptions
-from .pinn import StartKind, TrainedPinn, train_pinn
 from .provenance import compute_provenance
 from .result import IdentificationResult, NoiseEstimate
-from .robust import fit_robust
-from .start import project_start, starting_points
-from .verdict import CLOSE_ENOUGH, covariance_of, judge
 
 __all__ = ["Loss", "Method", "identify", "refuse_dynamic", "require_choice"]
 

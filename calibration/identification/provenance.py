@@ -10,9 +10,9 @@ import numpy as np
 from fricomp.model import Provenance
 from fricomp.version import __version__
 
-from .observation import Observations
+from .estimation.observation import Observations
+from .inference.verdict import Verdict
 from .result import NoiseEstimate
-from .verdict import Verdict
 
 __all__ = ["compute_provenance"]
 

@@ -19,13 +19,13 @@ from fricomp.report import draw_figure
 from ..network import TanhNetwork
 from ..network.distillation import Distillation, distil
 from .curve import friction_curve
-from .form import SeparableLaw
-from .information import compute_log_deviations
-from .observation import Observations, observe
-from .optimum import Optimum
-from .pinn import Traces
+from .estimation.form import SeparableLaw
+from .estimation.information import compute_log_deviations
+from .estimation.observation import Observations, observe
+from .estimation.optimum import Optimum
+from .estimation.pinn import Traces
+from .inference.uncertainty import BENT, Interval, profile_interval
 from .status import Status
-from .uncertainty import BENT, Interval, profile_interval
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

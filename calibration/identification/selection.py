@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 
-from .form import separable_law, separable_law_names
-from .likelihood import Noise
-from .observation import Observations, observe
-from .optimum import fit_likelihood
+from .estimation.form import separable_law, separable_law_names
+from .estimation.likelihood import Noise
+from .estimation.observation import Observations, observe
+from .estimation.optimum import fit_likelihood
 
 __all__ = ["LawChoice", "choose_law"]
 

@@ -17,9 +17,9 @@ from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 
 from ..identification import IdentificationOptions, IdentificationResult, identify
-from ..identification.correlated_fit import CorrelatedFit, solve_correlated
 from ..identification.doubt import with_covariance, with_open_profiles
-from ..identification.form import separable_law
+from ..identification.estimation.correlated_fit import CorrelatedFit, solve_correlated
+from ..identification.estimation.form import separable_law
 from .joint_samples import FEWEST_SAMPLES, JointSamples, RegressionSettings
 from .torque_lag import TorqueLag, estimate_lag
 from .verdict import refuse_impossible, weigh_rivals, with_lag_note, with_offset_note

@@ -15,7 +15,7 @@ from scipy.ndimage import binary_erosion
 
 from fricomp.laws import FloatArray
 
-from ..identification.correlated_fit import solve_correlated
+from ..identification.estimation.correlated_fit import solve_correlated
 
 __all__ = ["UNKNOWN_LAG", "TorqueLag", "estimate_lag"]
 

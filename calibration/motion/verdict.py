@@ -10,7 +10,7 @@ from fricomp.laws import FloatArray
 
 from ..identification import IdentificationResult, Status
 from ..identification.doubt import doubted
-from ..identification.verdict import RIVAL, nearest_rival
+from ..identification.inference.verdict import RIVAL, nearest_rival
 from .torque_lag import TorqueLag
 
 __all__ = ["refuse_impossible", "weigh_rivals", "with_lag_note", "with_offset_note"]

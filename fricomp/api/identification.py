@@ -105,7 +105,7 @@ def write_identification(found: Identification, folder: Path) -> tuple[Path, ...
     Returns:
         Model, network, report and, where one departs, the network that does.
     """
-    from fricomp.calibration.identification.page import write_identification_report
+    from fricomp.calibration.identification.report.page import write_identification_report
 
     report = write_identification_report(found.result, folder, found.notes, dict(found.facts))
     files = save_identification(found.result, folder)

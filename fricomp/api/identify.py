@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from fricomp.calibration import IdentificationOptions, choose_law
 from fricomp.calibration import identify as identify_points
 from fricomp.calibration.identification import IdentificationResult, fit_discrepancy
-from fricomp.calibration.identification.form import separable_law_names
+from fricomp.calibration.identification.estimation.form import separable_law_names
 from fricomp.calibration.identification.identify import Loss, Method, refuse_dynamic, require_choice
 from fricomp.calibration.motion.joint_samples import RegressionSettings, choose_settings, sample_joint, split_for
 from fricomp.calibration.motion.parts import read_motion_recording

@@ -188,7 +188,7 @@ def _refuse_unknown(law: str) -> None:
     Laws with a state need the friction torque over time, which this command does not take.
     """
     from fricomp.api.identify import require_law
-    from fricomp.calibration.identification.form import separable_law_names
+    from fricomp.calibration.identification.estimation.form import separable_law_names
     from fricomp.errors import IdentificationError
 
     if law in ("lugre", "dahl"):

@@ -12,10 +12,10 @@ import numpy as np
 from fricomp.calibration import IdentificationResult
 from fricomp.calibration.batch import BatchIdentification, identify_batch
 from fricomp.calibration.batch.points import observe_all
-from fricomp.calibration.identification.chart import REACH
+from fricomp.calibration.identification.estimation.observation import observe
 from fricomp.calibration.identification.identify import require_choice
-from fricomp.calibration.identification.observation import observe
 from fricomp.calibration.identification.provenance import compute_provenance
+from fricomp.calibration.identification.report.chart import REACH
 from fricomp.calibration.identification.result import NoiseEstimate
 from fricomp.calibration.table import FrictionTable, read_friction_table
 from fricomp.errors import FricompError, IdentificationError, MissingExtraError

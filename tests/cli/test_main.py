@@ -11,7 +11,7 @@ import typer
 from typer.testing import CliRunner
 
 import fricomp
-from fricomp.calibration.identification.form import separable_law_names
+from fricomp.calibration.identification.estimation.form import separable_law_names
 from fricomp.cli import bench, check_loop, main
 from fricomp.cli import run as run_command
 from fricomp.cli.lazy import lazy_app

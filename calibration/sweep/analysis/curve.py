@@ -9,7 +9,7 @@ import numpy as np
 from fricomp.report import Band, Chart, Line, Mark, Panel, Points, Rule
 
 from ...identification import IdentificationResult
-from ...identification.chart import REACH
+from ...identification.report.chart import REACH
 from .analysis import SweepAnalysis
 from .point import FrictionPoint
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, StribeckCurve
 
-from ...identification.information import compute_log_deviations
+from ...identification.estimation.information import compute_log_deviations
 from .plan import SweepPlan
 
 __all__ = ["Assumption", "assume_friction", "expected_deviations"]

@@ -9,7 +9,7 @@ import numpy as np
 from fricomp.laws import FloatArray
 from fricomp.report import Chart, HeatMap, Line, Panel, Points, Rule
 
-from ...identification.chart import REACH, training_chart, words
+from ...identification.report.chart import REACH, training_chart, words
 from ..analysis.curve import MEASURED, friction_curve
 from ..calibrate import Calibration
 

@@ -10,7 +10,7 @@ from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.report import Check, Outcome
 
 from ...identification import Status
-from ...identification.chart import REACH
+from ...identification.report.chart import REACH
 from ..analysis.analysis import HALF_DIFFERENCE, SweepAnalysis
 from ..analysis.steadiness import REASONS
 from ..calibrate import Calibration

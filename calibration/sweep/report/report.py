@@ -9,7 +9,7 @@ import numpy as np
 
 from fricomp.report import Chart, Check, ReportPage, Section, Table, draw_png, write_report
 
-from ...identification.chart import REACH, network_note, words
+from ...identification.report.chart import REACH, network_note, words
 from ..calibrate import Calibration, mean_relative_deviation
 from .chart import calibration_charts
 

@@ -9,7 +9,7 @@ import msgspec
 import typer
 from rich.text import Text
 
-from fricomp.calibration.identification.chart import REACH
+from fricomp.calibration.identification.report.chart import REACH
 from fricomp.calibration.sweep import CalibrationRequest, open_joint
 from fricomp.calibration.sweep.weight import HungWeight, TorqueConstant, identify_torque_constant, record_passes
 from fricomp.cli.calibration.start import follow

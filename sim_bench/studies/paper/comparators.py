@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fricomp.calibration.identification.observation import Observations
+from fricomp.calibration.identification.estimation.observation import Observations
 from fricomp.laws import FloatArray
 
 from .problem import UPPER_BOUNDS, Draw

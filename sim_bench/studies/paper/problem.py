@@ -7,8 +7,8 @@ from typing import Literal
 
 import numpy as np
 
-from fricomp.calibration.identification.form import SeparableLaw, separable_law
-from fricomp.calibration.identification.observation import Observations, observe
+from fricomp.calibration.identification.estimation.form import SeparableLaw, separable_law
+from fricomp.calibration.identification.estimation.observation import Observations, observe
 from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, LoadScaling, StribeckCurve
 
 __all__ = ["NOISE_READINGS", "PARAMETERS", "UPPER_BOUNDS", "Draw", "PaperProblem", "Reading"]

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from fricomp.calibration.identification import IdentificationOptions, IdentificationResult, identify
-from fricomp.calibration.identification.likelihood import Noise
-from fricomp.calibration.identification.optimum import optimum_at
-from fricomp.calibration.identification.pinn import train_pinn
+from fricomp.calibration.identification.estimation.likelihood import Noise
+from fricomp.calibration.identification.estimation.optimum import optimum_at
+from fricomp.calibration.identification.estimation.pinn import train_pinn
 from fricomp.laws import FloatArray
 
 from ..kit.store import RowStore

@@ -3,7 +3,7 @@ import pytest
 
 from fricomp.calibration import IdentificationOptions, identify
 from fricomp.calibration.identification import Status
-from fricomp.calibration.identification.start import starting_points
+from fricomp.calibration.identification.estimation.start import starting_points
 from fricomp.errors import IdentificationError
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, LoadScaling, StribeckCurve
 from fricomp.sim_bench.studies.paper.oracle import find_optimum
@@ -168,7 +168,7 @@ def test_unusable_input_is_refused_with_a_reason(
 
 @pytest.mark.parametrize("law", ["coulomb", "coulomb_viscous", "tanh", "arctan", "symmetric_stribeck"])
 def test_every_static_law_recovers_itself(law: str) -> None:
-    from fricomp.calibration.identification.form import separable_law
+    from fricomp.calibration.identification.estimation.form import separable_law
 
     form = separable_law(law)
     wanted = {name: 0.05 if name.endswith("_velocity") else 0.3 + 0.1 * k for k, name in enumerate(form.names)}

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from fricomp.calibration.identification import IdentificationOptions, IdentificationResult, Status, identify
-from fricomp.calibration.identification.page import parameter_rows
+from fricomp.calibration.identification.report.page import parameter_rows
 from fricomp.control.compensation.trust import find_doubt
 from fricomp.laws import FloatArray
 from fricomp.sim_bench.studies.paper.study import contaminate
 
-from .paper import PROBLEM, TRUE, noisy
+from ..paper import PROBLEM, TRUE, noisy
 
 PAPER = ((0.15, 0.6, 0.05, 0.02), (0.2, 0.7, 0.05, 0.03))
 FLAT = ((0.3, 0.3, 0.05, 0.1),) * 2

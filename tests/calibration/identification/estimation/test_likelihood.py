@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 from scipy.stats import norm
 
-from fricomp.calibration.identification.likelihood import Noise, NoiseKind, parse_noise
+from fricomp.calibration.identification.estimation.likelihood import Noise, NoiseKind, parse_noise
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 

@@ -12,7 +12,7 @@ from fricomp.calibration.identification import (
 from fricomp.calibration.identification.doubt import with_covariance, with_open_profiles
 from fricomp.errors import IdentificationError
 
-from .paper import PROBLEM, noisy
+from ..paper import PROBLEM, noisy
 
 NAME = "stribeck.forward.stribeck_velocity"
 

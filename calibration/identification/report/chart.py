@@ -6,9 +6,9 @@ import numpy as np
 
 from fricomp.report import PALETTE, Chart, Line, Panel
 
-from .curve import REACH
-from .pinn import Traces
-from .result import IdentificationResult
+from ..curve import REACH
+from ..estimation.pinn import Traces
+from ..result import IdentificationResult
 
 __all__ = ["REACH", "network_note", "training_chart", "words"]
 

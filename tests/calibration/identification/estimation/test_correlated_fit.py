@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fricomp.calibration.identification.correlated_fit import solve_correlated
+from fricomp.calibration.identification.estimation.correlated_fit import solve_correlated
 from fricomp.laws import FloatArray
 
 _REACH = 5

@@ -24,9 +24,9 @@ from scipy.linalg import solve_triangular
 
 from fricomp.laws import FloatArray
 
-from ..network import TanhNetwork, forward, forward_with_jacobian
-from ..network.blas import one_blas_thread
-from ..network.training import Damping, damped_kernel, damped_step, initial_layers, solve_output_layer
+from ...network import TanhNetwork, forward, forward_with_jacobian
+from ...network.blas import one_blas_thread
+from ...network.training import Damping, damped_kernel, damped_step, initial_layers, solve_output_layer
 from .form import SeparableLaw
 from .likelihood import Noise
 from .observation import Observations

@@ -14,7 +14,7 @@ from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 from fricomp.model import load_model
 
-from .paper import PROBLEM, noisy
+from ..paper import PROBLEM, noisy
 
 
 def _network() -> TanhNetwork:

@@ -10,16 +10,16 @@ import pytest
 
 from fricomp.calibration.comparison import compare_models
 from fricomp.calibration.identification import Status, expected_deviation, identify, save_identification
-from fricomp.calibration.identification.form import separable_law
-from fricomp.calibration.identification.information import (
+from fricomp.calibration.identification.estimation.form import separable_law
+from fricomp.calibration.identification.estimation.information import (
     UNDETERMINED,
     compute_log_deviations,
     invert_information,
 )
-from fricomp.calibration.identification.likelihood import Noise
-from fricomp.calibration.identification.observation import observe
-from fricomp.calibration.identification.optimum import fit_likelihood, optimum_at
-from fricomp.calibration.identification.verdict import covariance_of, judge
+from fricomp.calibration.identification.estimation.likelihood import Noise
+from fricomp.calibration.identification.estimation.observation import observe
+from fricomp.calibration.identification.estimation.optimum import fit_likelihood, optimum_at
+from fricomp.calibration.identification.inference.verdict import covariance_of, judge
 from fricomp.calibration.sweep import SweepSettings, assume_friction, expected_deviations, plan_plateaus
 from fricomp.calibration.sweep.planning.plan import Travel
 from fricomp.control import Compensator
@@ -29,7 +29,7 @@ from fricomp.errors import IdentificationError, ParameterError
 from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, StribeckCurve
 from fricomp.model import FrictionModel, load_model
 
-from .paper import noisy
+from ..paper import noisy
 
 
 def _fast(seed: int = 0) -> tuple[FloatArray, FloatArray]:

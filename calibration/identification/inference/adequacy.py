@@ -11,9 +11,9 @@ from scipy.stats import t as student
 
 from fricomp.laws import FloatArray
 
-from .form import SeparableLaw
-from .observation import Observations
-from .optimum import Optimum
+from ..estimation.form import SeparableLaw
+from ..estimation.observation import Observations
+from ..estimation.optimum import Optimum
 
 __all__ = ["OpenBend", "compute_misfit_p_value", "find_driven_directions", "find_open_bends"]
 

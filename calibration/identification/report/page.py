@@ -21,10 +21,10 @@ from fricomp.report import (
     write_report,
 )
 
+from ..curve import friction_curve
+from ..result import IdentificationResult
+from ..status import Status
 from .chart import network_note, training_chart
-from .curve import friction_curve
-from .result import IdentificationResult
-from .status import Status
 
 __all__ = ["identification_charts", "parameter_rows", "write_identification_report"]
 

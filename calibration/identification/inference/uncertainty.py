@@ -12,9 +12,9 @@ from scipy.stats import f as fisher
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 
-from .form import SeparableLaw
-from .observation import Observations
-from .optimum import Optimum, bounded, refine
+from ..estimation.form import SeparableLaw
+from ..estimation.observation import Observations
+from ..estimation.optimum import Optimum, bounded, refine
 from .verdict import covariance_of
 
 __all__ = ["BENT", "BootstrapSample", "Interval", "block_bootstrap", "profile_interval", "profile_likelihood"]

@@ -8,12 +8,12 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
+from ..estimation.form import SeparableLaw
+from ..estimation.information import invert_information
+from ..estimation.observation import Observations
+from ..estimation.optimum import Optimum
+from ..status import Status
 from .adequacy import OpenBend, compute_misfit_p_value, find_driven_directions, find_open_bends
-from .form import SeparableLaw
-from .information import invert_information
-from .observation import Observations
-from .optimum import Optimum
-from .status import Status
 
 __all__ = [
     "BASIN_GAP",

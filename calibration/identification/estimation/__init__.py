@@ -1,0 +1,1 @@
+"""Fits of friction laws to points: separable form, likelihood, start, optimum, network, outliers."""

@@ -1,0 +1,1 @@
+"""An identification for people: its page and its charts."""
