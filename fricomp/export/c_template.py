@@ -1,4 +1,4 @@
-"""The C header's text; `$names` are filled in by `c_header`. The equations are those of `fricomp.control.compensation.hot_path`."""
+"""The C header's text; `$names` are filled in by `c_header`; equations: `fricomp.control.compensation.hot_path`."""
 
 from __future__ import annotations
 

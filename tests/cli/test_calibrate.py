@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from fricomp.calibration.sweep import CalibrationRequest, MotionFile, RunFolder, load_sweep
 from fricomp.calibration.sweep.motion.motion import MotionRunner
 from fricomp.calibration.sweep.weight import HungWeight
-from fricomp.cli import torque_constant
+from fricomp.cli.calibration import torque_constant
 from fricomp.cli.main import app
 from fricomp.errors import FricompError, RecordingError
 from fricomp.folder_lock import LOCK_FILE

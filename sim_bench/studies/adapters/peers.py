@@ -12,7 +12,6 @@ from functools import cache
 from importlib.metadata import version
 from importlib.resources import files
 from math import nan, tau
-from pathlib import Path
 from typing import Any
 
 __all__ = ["PEERS", "PEER_MODULES", "PeerComparison", "compare_with_peer"]
@@ -252,9 +251,9 @@ def _canopen(rng: random.Random, n: int) -> Iterator[Pair]:
     from fricomp.adapters.canopen.process_data import COMMAND_OBJECTS
     from fricomp.adapters.canopen.scaling import DriveScaling
 
-    from ... import twins
+    from ...twins.canopen.node import EDS
 
-    node: Any = canopen.RemoteNode(1, str(Path(str(twins.__file__)).parent / "cia402_drive.eds"))
+    node: Any = canopen.RemoteNode(1, str(EDS))
     nothing: Any = None
     drive = CanOpenDrive(1, nothing)
     drive.scaling = DriveScaling(tau / 65536, tau / 65536, 5e-3, 15.0, 1e3)

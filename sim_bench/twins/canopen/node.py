@@ -15,7 +15,7 @@ from canopen.sdo.exceptions import SdoAbortedError
 from ..can_twin import CanDevice
 from .network import ProcessData, SimulatedNetwork
 
-__all__ = ["CanopenNode", "SdoAbortedError"]
+__all__ = ["EDS", "CanopenNode", "SdoAbortedError"]
 
 EDS = Path(__file__).parent / "cia402_drive.eds"
 INVALID, SYNC_ID, NMT_ID = 0x80000000, 0x080, 0x000
