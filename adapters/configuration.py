@@ -110,7 +110,8 @@ class SerialConfiguration(msgspec.Struct, frozen=True, forbid_unknown_fields=Tru
     """A serial port as pyserial opens it.
 
     Attributes:
-        port: Device or any pyserial address: `/dev/ttyACM0`, `COM3`, `socket://host:port`, ...
+        port: `usb:` and the serial number of its USB device, which finds it again wherever it is plugged in; or a
+            device or any pyserial address: `/dev/ttyACM0`, `COM3`, `socket://host:port`, ...
         baudrate: [baud]; USB devices ignore it.
     """
 

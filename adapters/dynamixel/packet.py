@@ -36,6 +36,7 @@ STATUS = 0x55
 class Instruction(IntEnum):
     """Instructions that the adapter gives."""
 
+    PING = 0x01
     READ = 0x02
     WRITE = 0x03
     REBOOT = 0x08

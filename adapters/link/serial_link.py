@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 from fricomp.errors import AdapterConnectionError, MissingExtraError
 
 from ..configuration import SerialConfiguration
+from ..ports import BY_SERIAL_NUMBER, find_device
 
 if TYPE_CHECKING:
     import serial
@@ -20,6 +21,8 @@ WRITE_TIMEOUT = 0.005
 """How long bytes may wait for a place in the operating system's queue [s]; longer, and the port is taken for dead."""
 
 MOST_BYTES_AT_ONCE = 65536
+
+HOW_TO_FIND = f"; fricomp adapters --scan lists the ports, and one named {BY_SERIAL_NUMBER}NUMBER is found again"
 
 
 class SerialLink(Protocol):
@@ -139,20 +142,20 @@ class PySerialLink:
 
 
 def open_serial_link(configuration: SerialConfiguration) -> PySerialLink:
-    """The port that stands in the configuration.
+    """The port that stands in the configuration; one that is named by its serial number is looked for anew.
 
     Raises:
-        AdapterConnectionError: It cannot be opened.
+        AdapterConnectionError: It cannot be opened, or no port has its serial number.
         MissingExtraError: pyserial is not installed.
     """
     try:
         import serial
     except ImportError as error:
         raise MissingExtraError("pyserial", "serial") from error
+    device = find_device(configuration.port)
     try:
-        port = serial.serial_for_url(
-            configuration.port, baudrate=configuration.baudrate, timeout=0.0, write_timeout=0.0
-        )
+        port = serial.serial_for_url(device, baudrate=configuration.baudrate, timeout=0.0, write_timeout=0.0)
     except Exception as error:
-        raise AdapterConnectionError(f"cannot open serial port {configuration.port!r}: {error}") from error
+        hint = "" if configuration.port.startswith(BY_SERIAL_NUMBER) else HOW_TO_FIND
+        raise AdapterConnectionError(f"cannot open serial port {device!r}: {error}{hint}") from error
     return PySerialLink(port)
