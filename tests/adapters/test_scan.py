@@ -16,9 +16,9 @@ from fricomp.sim_bench.twins import DriveTwin, TwinClock
 from fricomp.sim_bench.twins.adapter_table import drives_of
 from fricomp.sim_bench.twins.can_twin import CanTwin
 from fricomp.sim_bench.twins.configuration import make_twin
-from fricomp.sim_bench.twins.dynamixel_packet import PacketReader
+from fricomp.sim_bench.twins.dynamixel.packet import PacketReader
 from fricomp.sim_bench.twins.memory import MemoryCanLine, MemorySerialLine
-from fricomp.sim_bench.twins.moteus_frame import Write, parse_frame
+from fricomp.sim_bench.twins.moteus.frame import Write, parse_frame
 from fricomp.sim_bench.twins.slcan import SlcanPort
 
 BAUDRATE = 1_000_000
