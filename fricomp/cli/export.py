@@ -1,4 +1,4 @@
-"""`fricomp export`: a model as C, ONNX, MJCF, URDF or JSON, each with what it loses."""
+"""`fricomp export`: a model as C, ONNX, MJCF, URDF, JSON or settings of a training simulator, with what is lost."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ EPILOG = """fricomp export friction.json --to c --out friction.h
 
 fricomp export friction.json --to mjcf --into robot.xml --joint elbow --out robot_with_friction.xml
 
-fricomp export joint1/friction.onnx joint2/friction.onnx --to onnx --out arm.onnx"""
+fricomp export joint1/friction.onnx joint2/friction.onnx --to onnx --out arm.onnx
+
+fricomp export joint1/friction.json joint2/friction.json --to isaaclab --out friction_settings.py"""
 
 
 class Target(str, Enum):  # noqa: UP042 - typer shows the values of a str enum
@@ -32,6 +34,10 @@ class Target(str, Enum):  # noqa: UP042 - typer shows the values of a str enum
     mjcf = "mjcf"
     urdf = "urdf"
     json = "json"
+    isaaclab = "isaaclab"
+    mjlab = "mjlab"
+    newton = "newton"
+    ros2 = "ros2"
 
 
 class Way(str, Enum):  # noqa: UP042
@@ -44,7 +50,7 @@ class Way(str, Enum):  # noqa: UP042
 
 @app.command(epilog=EPILOG)
 def export(
-    models: Annotated[list[Path], typer.Argument(help="Model files; several only for --to onnx.")],
+    models: Annotated[list[Path], typer.Argument(help="Model files; several for --to onnx and settings.")],
     to: Annotated[Target, typer.Option(help="Format.")],
     out: Annotated[Path | None, typer.Option(help="File to write; the terminal for text if left out.")] = None,
     way: Annotated[Way, typer.Option(help="MJCF: passive motor, damping polynomial, or friction loss.")] = Way.dcmotor,
@@ -72,14 +78,43 @@ def export(
             raise ExportError("ONNX is binary: say where with --out")
         note = _export_onnx(models, out, any_status)
     else:
-        if len(models) != 1:
-            raise ExportError(f"{len(models)} models given; --to {to.value} takes one, only --to onnx joins several")
-        text, note = _render(models[0], (to, way, any_status), (into, joint), (period, prefix))
+        text, note = _render_text(models, (to, way, any_status), (into, joint), (period, prefix))
         if out is None:
             print(text, end="")
         else:
             write_whole(out, text, ExportError)
     console(stderr=True).print(note if out is None else f"{out}: {note}", soft_wrap=True)
+
+
+def _render_text(
+    models: list[Path],
+    kind: tuple[Target, Way, bool],
+    target: tuple[Path | None, str | None],
+    c_options: tuple[float, str | None],
+) -> tuple[str, str]:
+    from fricomp.errors import ExportError
+    from fricomp.export import TRAINING_FORMATS
+
+    to, _, any_status = kind
+    if to.value in TRAINING_FORMATS:
+        return _render_settings(models, to, any_status)
+    if len(models) != 1:
+        several = ", ".join(["onnx", *TRAINING_FORMATS])
+        raise ExportError(f"{len(models)} models given; --to {to.value} takes one, several are for --to {several}")
+    return _render(models[0], kind, target, c_options)
+
+
+def _render_settings(paths: list[Path], to: Target, any_status: bool) -> tuple[str, str]:
+    """Settings of a training simulator, and what they lose joint by joint."""
+    from fricomp.errors import ExportError
+    from fricomp.export import fit_friction_levels, render_training
+    from fricomp.model import load_model
+
+    levels = [fit_friction_levels(load_model(path), any_status=any_status) for path in paths]
+    names = [each.joint for each in levels]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise ExportError(f"two models are of joint {', '.join(twice)}: give one a joint")
+    return render_training(levels, to.value), "; ".join(f"{each.joint}: {each.fidelity}" for each in levels)
 
 
 def _export_onnx(paths: list[Path], out: Path, any_status: bool) -> str:

@@ -10,12 +10,13 @@ from typing import Literal
 
 import numpy as np
 
-from fricomp.control.compensation.curve import FrictionCurves, split_law
+from fricomp.control.compensation.curve import FrictionCurves
 from fricomp.control.compensation.trust import bound_friction, require_usable, trusted_curves
 from fricomp.errors import ExportError
 from fricomp.export.default_class import joint_type
 from fricomp.export.fidelity import Fidelity, compute_fidelity, fit_levels, sample_friction
-from fricomp.laws import Cogging, FloatArray, FrictionLaw, SpringTorque, Term, trace_parts
+from fricomp.export.levels import drop_terms, find_held_terms, fit_friction_levels, require_torque
+from fricomp.laws import Cogging, FloatArray, SpringTorque
 from fricomp.model import FrictionModel
 
 __all__ = ["MJCF_WAYS", "MjcfWay", "SimulatorExport", "apply_to_mjcf", "apply_to_urdf", "export_mjcf", "export_urdf"]
@@ -60,15 +61,15 @@ def export_mjcf(model: FrictionModel, way: MjcfWay = "dcmotor", *, any_status: b
     """
     if way not in MJCF_WAYS:
         raise ExportError(f"MJCF way {way!r} is unknown; there are {', '.join(MJCF_WAYS)}")
-    _require_torque(model)
+    require_torque(model)
     if not any_status:
         require_usable(model)
     model = bound_friction(model)
-    held = _held_terms(model)
+    held = find_held_terms(model)
     springs = [term for term in held if isinstance(term, SpringTorque)]
     ripples = [term for term in held if isinstance(term, Cogging)]
     said = (*springs, *(ripples if way == "dcmotor" else ()))
-    sliding = _without(model, held)
+    sliding = drop_terms(model, held)
     curves, lost = trusted_curves(sliding), []
     silent = (*curves.extra, *(term for term in held if term not in said))
     left_out = [term.name for term in model.law.terms if term in silent]
@@ -87,19 +88,6 @@ def export_mjcf(model: FrictionModel, way: MjcfWay = "dcmotor", *, any_status: b
     if ripples and way == "dcmotor":
         export = replace(export, actuator={**export.actuator, "cogging": _cogging(ripples[0])})
     return replace(export, joint={**export.joint, **spring})
-
-
-def _held_terms(model: FrictionModel) -> list[Term]:
-    """Terms that act whatever the direction of motion, and so are no friction."""
-    return [term for term in model.law.terms if trace_parts(term).held is not None]
-
-
-def _without(model: FrictionModel, terms: Sequence[Term]) -> FrictionModel:
-    """The model without terms over position, which another element says."""
-    kept = tuple(term for term in model.law.terms if term not in terms)
-    if not kept:
-        raise ExportError(f"the law of joint {model.joint!r} has no friction, only terms over position")
-    return model.with_law(FrictionLaw(kept))
 
 
 def _lost_lag(curves: FrictionCurves) -> list[str]:
@@ -159,15 +147,6 @@ def _fit_passive(basis: FloatArray, friction: FloatArray) -> FloatArray:
     return np.zeros(basis.shape[1])
 
 
-def _require_torque(model: FrictionModel) -> None:
-    wanted = "N·m" if model.motion == "rotary" else "N"
-    if model.torque_unit != wanted:
-        raise ExportError(
-            f"the model of joint {model.joint!r} is in {model.torque_unit}, a simulator takes {wanted}: calibrate with "
-            "the drive's torque_constant, which 'fricomp calibrate --torque-constant' measures"
-        )
-
-
 def _frictionloss(model: FrictionModel, lost: list[str]) -> SimulatorExport:
     velocity, friction = sample_friction(model)
     level, slope = fit_levels(velocity, friction)
@@ -190,22 +169,9 @@ def export_urdf(model: FrictionModel, *, any_status: bool = False) -> SimulatorE
         ExportError: The model is not in newton metres or newtons.
         ParameterError: The model is not usable.
     """
-    _require_torque(model)
-    if not any_status:
-        require_usable(model)
-    model = bound_friction(model)
-    held = _held_terms(model)
-    model = _without(model, held)
-    curves = split_law(model.law)
-    velocity, friction = sample_friction(model)
-    level, slope = fit_levels(velocity, friction)
-    lost = ["one level for both directions, no Stribeck effect, no load, no presliding", *_lost_lag(curves)]
-    left_out = [term.name for term in (*held, *curves.extra)]
-    if left_out:
-        lost.append(f"left out: {', '.join(left_out)}")
+    levels = fit_friction_levels(model, any_status=any_status)
     return SimulatorExport(
-        joint={"damping": f"{slope:.9g}", "friction": f"{level:.9g}"},
-        fidelity=compute_fidelity(model, velocity, level * np.sign(velocity) + slope * velocity, tuple(lost)),
+        joint={"damping": f"{levels.viscous:.9g}", "friction": f"{levels.sliding:.9g}"}, fidelity=levels.fidelity
     )
 
 
