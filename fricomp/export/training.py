@@ -46,7 +46,7 @@ def _render_isaaclab(levels: Sequence[FrictionLevels]) -> str:
 def _render_mjlab(levels: Sequence[FrictionLevels]) -> str:
     groups = [
         {
-            "target_names_expr": (_name_exactly(each),),
+            "target_names_expr": (re.escape(each.joint),),  # matches this joint alone
             "frictionloss": _round(each.sliding),
             "viscous_damping": _round(each.viscous),
         }

@@ -56,6 +56,17 @@ def test_export_writes_into_a_robot_and_states_the_loss(model: Path, tmp_path: P
     assert element.attrib["joint"] == "knee"
 
 
+def test_export_joins_the_settings_of_several_joints_and_refuses_one_joint_twice(model: Path, tmp_path: Path) -> None:
+    other = tmp_path / "wrist.json"
+    other.write_text(model.read_text().replace('"joint": "', '"joint": "wrist_', 1))
+    done = fricomp("export", model, other, "--to", "isaaclab")
+    assert done.returncode == 0, done.stderr
+    assert "wrist_" in done.stdout
+    twice = fricomp("export", model, model, "--to", "isaaclab")
+    assert twice.returncode == 2
+    assert "give one a joint" in twice.stderr
+
+
 def test_export_to_json_is_the_model(model: Path, tmp_path: Path) -> None:
     assert fricomp("export", model, "--to", "json", "--out", tmp_path / "copy.json").returncode == 0
     assert load_model(tmp_path / "copy.json").law == load_model(model).law
