@@ -16,7 +16,9 @@ app = typer.Typer(
 )
 _NAMES = "`fricomp cases list` has the names"
 
-_MAKE = "fricomp cases make --effect cogging --strength 1 --excitation fourier --out runs/cases"
+_MAKE = """fricomp cases make --effect cogging --strength 1 --excitation fourier --out runs/cases
+
+fricomp cases make --arm --effect shoulder:load_coulomb --out runs/arms"""
 
 
 @app.command(epilog=_MAKE)
@@ -42,9 +44,15 @@ def make(
     shifted: Annotated[bool, typer.Option("--shifted", help="Believed inertia and gravity are off.")] = False,
     hidden: Annotated[bool, typer.Option("--hidden", help="Load and temperature are not logged.")] = False,
     fault: Annotated[str | None, typer.Option(help=f"Fault of the signal; {_NAMES}; none by default.")] = None,
+    arm: Annotated[
+        bool, typer.Option("--arm", help="Six joints that move at once; an effect is JOINT:NAME, drawn by default.")
+    ] = False,
     overwrite: Overwrite = False,
 ) -> None:
     """Write recording, simulation and controller of a joint that has more physics than its simulation."""
+    if arm:
+        _make_arm(out, effect, seed, duration, overwrite=overwrite)
+        return
     from fricomp.cli.terminal import console
     from fricomp.errors import DiagnosisError
     from fricomp.sim_bench.cases import CaseSpec, case_id, generate, write_answer, write_case
@@ -78,6 +86,40 @@ def make(
         f"try: fricomp diagnose {folder}/recording.parquet --simulation {folder}/joint.xml "
         f"--controller {folder}/loop.toml {given} --out {folder}/diagnosis".replace("  ", " "),
         soft_wrap=True,
+    )
+
+
+def _make_arm(out: Path, effects: list[str] | None, seed: int, duration: float, *, overwrite: bool) -> None:
+    """Write recordings and simulation of an arm, and its answer.
+
+    Raises:
+        DiagnosisError: An effect is not JOINT:NAME, or there is no such joint or effect.
+    """
+    from dataclasses import replace
+
+    from fricomp.cli.terminal import console
+    from fricomp.sim_bench.cases.arm import (
+        arm_id,
+        draw_spec,
+        generate_arm,
+        parse_effect,
+        write_arm_answer,
+        write_arm_case,
+    )
+
+    spec = draw_spec(seed, duration)
+    if effects:
+        spec = replace(spec, effects=tuple(map(parse_effect, effects)))
+    answers = _make_folders(out)
+    _require_free_case(out, answers, arm_id(spec), overwrite=overwrite)
+    case = generate_arm(spec)
+    folder = write_arm_case(case, out)
+    answer, digest = write_arm_answer(case, answers)
+    show = console()
+    show.print(f"{folder}: six joints, {duration:g} s at {1.0 / (case.time[1] - case.time[0]):.0f} Hz", soft_wrap=True)
+    show.print(f"answer {answer}, SHA-256 {digest}", soft_wrap=True)
+    show.print(
+        f"try: fricomp diagnose {folder}/log --simulation {folder}/arm.xml --out {folder}/diagnosis", soft_wrap=True
     )
 
 
@@ -153,7 +195,10 @@ def list_names() -> None:
     table = Table("effect", "kind", "forms")
     for effect in EFFECTS.values():
         table.add_row(effect.name, effect.kind, ", ".join(form.name for form in effect.forms))
+    from fricomp.sim_bench.cases.arm import ARM_EFFECTS, JOINTS
+
     show = console()
     show.print(table)
+    show.print(f"--arm: joints {', '.join(JOINTS)}; effects {', '.join(ARM_EFFECTS)}", soft_wrap=True)
     for option, names in CHOICES.items():
         show.print(f"--{option}: {', '.join(names)}", soft_wrap=True)

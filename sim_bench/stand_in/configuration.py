@@ -15,7 +15,15 @@ from fricomp.laws import FrictionLaw
 from fricomp.model import load_model
 
 from .disturbance import Disturbance, Sinusoid
-from .packaged import DEFAULT_LAW, PACKAGED_MODELS, default_joint, packaged_model, sensors_for, two_link_arm
+from .packaged import (
+    DEFAULT_LAW,
+    PACKAGED_MODELS,
+    default_joint,
+    packaged_model,
+    sensors_for,
+    six_joint_arm,
+    two_link_arm,
+)
 from .plant import NormalLoad, ThermalSettings
 from .sensor import SensorSettings
 from .servo import ServoSettings
@@ -58,7 +66,7 @@ class StandInTable(msgspec.Struct, forbid_unknown_fields=True):
     """The whole table.
 
     Attributes:
-        model: `default_joint`, `two_link_arm`, or the path of an MJCF file.
+        model: `default_joint`, `two_link_arm`, `six_joint_arm`, or the path of an MJCF file.
         joints: Joints to drive; may be left out for the packaged models.
         seed: Of the sensor noise.
         period: Servo, sensor and simulation period [s].
@@ -99,6 +107,8 @@ def _base(table: StandInTable) -> tuple[JointSettings, ...]:
         return default_joint().joints
     if table.model == "two_link_arm":
         return two_link_arm().joints
+    if table.model == "six_joint_arm":
+        return six_joint_arm().joints
     if not table.joints:
         raise ParameterError(f"name the joints of {table.model!r} that are to be driven, under [[joints]]")
     return ()

@@ -1,4 +1,4 @@
-"""The models that come with the package: the default joint and the paper's two-link arm."""
+"""The models that come with the package: the default joint, the paper's two-link arm, and an arm of six joints."""
 
 from __future__ import annotations
 
@@ -20,10 +20,11 @@ __all__ = [
     "default_joint",
     "packaged_model",
     "sensors_for",
+    "six_joint_arm",
     "two_link_arm",
 ]
 
-PACKAGED_MODELS = ("default_joint", "two_link_arm")
+PACKAGED_MODELS = ("default_joint", "two_link_arm", "six_joint_arm")
 
 # Table I of [luo2024pinn].
 DEFAULT_LAW = FrictionLaw(
@@ -97,3 +98,33 @@ def two_link_arm(
         for name, law, disturbance in zip(("shoulder", "elbow"), laws, disturbances, strict=True)
     )
     return StandInSettings(packaged_model("two_link_arm"), joints, seed=seed)
+
+
+# Levels [N·m], static over sliding, Stribeck velocities [rad/s] and viscous coefficients [N·m·s/rad] of an arm with
+# gears of 100 in its first three joints and of 50 in its wrist; of the size that arms of this reach have.
+_SIX_JOINTS = {
+    "base": (9.0, 1.2, 0.08, 9.0),
+    "shoulder": (10.0, 1.25, 0.08, 9.0),
+    "elbow": (6.0, 1.2, 0.1, 6.0),
+    "wrist_1": (2.2, 1.15, 0.15, 1.8),
+    "wrist_2": (2.0, 1.15, 0.15, 1.6),
+    "wrist_3": (1.6, 1.15, 0.15, 1.3),
+}
+
+
+def six_joint_arm(*, laws: Sequence[FrictionLaw] | None = None, seed: int = 0) -> StandInSettings:
+    """An arm of our own with 1 m of reach, standing straight up at zero; gravity acts on five of its six joints.
+
+    Args:
+        laws: Friction from the base to the last joint of the wrist; None for that of geared joints of this size.
+        seed: Of the sensor noise.
+    """
+    laws = laws or [
+        FrictionLaw((BidirectionalStribeck(*(StribeckCurve(level, level * rise, slow, viscous),) * 2),))
+        for level, rise, slow, viscous in _SIX_JOINTS.values()
+    ]
+    servo = ServoSettings(torque_limit=200.0)
+    joints = tuple(
+        JointSettings(name, law, sensors_for(law), servo) for name, law in zip(_SIX_JOINTS, laws, strict=True)
+    )
+    return StandInSettings(packaged_model("six_joint_arm"), joints, seed=seed)

@@ -12,7 +12,11 @@ from ..stand_in import PACKAGED_MODELS, packaged_model
 
 __all__ = ["hang_weight"]
 
-PACKAGED_JOINTS = {"default_joint": ["joint"], "two_link_arm": ["shoulder", "elbow"]}
+PACKAGED_JOINTS = {
+    "default_joint": ["joint"],
+    "two_link_arm": ["shoulder", "elbow"],
+    "six_joint_arm": ["base", "shoulder", "elbow", "wrist_1", "wrist_2", "wrist_3"],
+}
 
 
 def hang_weight(
