@@ -1,5 +1,6 @@
 """The model file: a friction law with its units, covariance, range of validity and provenance."""
 
+from fricomp.model.dynamics import JointDynamics
 from fricomp.model.file import (
     MODEL_SCHEMA,
     decode_model,
@@ -14,6 +15,7 @@ __all__ = [
     "MODEL_SCHEMA",
     "Covariance",
     "FrictionModel",
+    "JointDynamics",
     "Motion",
     "Provenance",
     "Validity",

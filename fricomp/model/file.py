@@ -14,6 +14,7 @@ import numpy as np
 
 from fricomp.errors import FricompError, ModelFileError
 from fricomp.laws import FrictionLaw, Term, term_class
+from fricomp.model.dynamics import JointDynamics
 from fricomp.model.model import Covariance, FrictionModel, Motion, Provenance, Validity
 from fricomp.untrusted import parse_json
 from fricomp.whole_file import write_whole
@@ -52,6 +53,7 @@ class _ModelRecord(msgspec.Struct, forbid_unknown_fields=True):
     validity: Validity
     provenance: Provenance
     covariance: _CovarianceRecord | None = None
+    dynamics: dict[str, _Quantity] | msgspec.UnsetType = msgspec.UNSET
 
 
 class _Header(msgspec.Struct):
@@ -116,8 +118,16 @@ def encode_model(model: FrictionModel) -> bytes:
         covariance=None
         if covariance is None
         else _CovarianceRecord(covariance.names, covariance.matrix.tolist(), covariance.degrees_of_freedom),
+        dynamics=_dynamics_record(model),
     )
     return msgspec.json.format(msgspec.json.encode(record), indent=2) + b"\n"
+
+
+def _dynamics_record(model: FrictionModel) -> dict[str, _Quantity] | msgspec.UnsetType:
+    if model.dynamics is None:
+        return msgspec.UNSET
+    units = model.dynamics.units(model.torque_unit, model.position_unit)
+    return {name: _Quantity(value, units[name]) for name, value in vars(model.dynamics).items()}
 
 
 def decode_model(data: bytes, source: str = "the model") -> FrictionModel:
@@ -140,16 +150,20 @@ def decode_model(data: bytes, source: str = "the model") -> FrictionModel:
         model = _model(record)
     except (msgspec.DecodeError, FricompError, TypeError) as error:
         raise ModelFileError(f"{source} is damaged: {error}") from error
-    _require_units(record, model.units(), source)
+    _require_units(record, model, source)
     return model
 
 
-def _require_units(record: _ModelRecord, units: Mapping[str, str], source: str) -> None:
+def _require_units(record: _ModelRecord, model: FrictionModel, source: str) -> None:
     """Refuse a value in another unit than the model writes: it would count as if it were in that one.
 
     A reference load may name any unit, because a model does not know the one of its loads.
     """
+    units: Mapping[str, str] = model.units()
     stated = {f"{t.term}.{name}": quantity.unit for t in record.law for name, quantity in t.parameters.items()}
+    if model.dynamics is not None and record.dynamics is not msgspec.UNSET:
+        units = {**units, **model.dynamics.units(model.torque_unit, model.position_unit)}
+        stated |= {name: quantity.unit for name, quantity in record.dynamics.items()}
     for name, unit in stated.items():
         if unit != units[name] != _UNIT_OF_LOADS:
             raise ModelFileError(
@@ -170,7 +184,13 @@ def _model(record: _ModelRecord) -> FrictionModel:
         if covariance is None
         else Covariance(covariance.names, np.array(covariance.matrix), covariance.degrees_of_freedom),
         provenance=record.provenance,
+        dynamics=None if record.dynamics is msgspec.UNSET else _dynamics(record.dynamics),
     )
+
+
+def _dynamics(record: Mapping[str, _Quantity]) -> JointDynamics:
+    made: JointDynamics = _build(JointDynamics, {name: quantity.value for name, quantity in record.items()})
+    return made
 
 
 def _options(term: Term) -> dict[str, str]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from fricomp.errors import ParameterError
 from fricomp.laws import BidirectionalStribeck, FloatArray, FrictionLaw, LuGre, Scalar, Stribeck, StribeckCurve
+from fricomp.model.dynamics import JointDynamics
 from fricomp.overview import Overview, OverviewTable, Shown, format_range, format_with_reach
 
 if TYPE_CHECKING:
@@ -148,6 +149,7 @@ class FrictionModel(Shown):
         validity: Range of the data behind it.
         covariance: Of the identified parameters, or None.
         provenance: How it was identified.
+        dynamics: Inertia, gravity and what else moves with the joint; None where the model is of friction alone.
     """
 
     law: FrictionLaw
@@ -157,6 +159,7 @@ class FrictionModel(Shown):
     validity: Validity = Validity()
     covariance: Covariance | None = None
     provenance: Provenance = field(default_factory=Provenance)
+    dynamics: JointDynamics | None = None
 
     def __post_init__(self) -> None:
         if self.motion not in ("rotary", "linear"):
