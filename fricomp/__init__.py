@@ -2,6 +2,7 @@
 
 - `calibrate` moves a joint and identifies its friction; `identify` does it from data that you have already.
 - `Compensator` gives the torque that overcomes friction in a control loop; `ControlLoop` is such a loop.
+- `evaluate` measures the errors of a model over a recording, in torque and in motion.
 - `diagnose` says what physics a simulation leaves out, from recordings of the real joint.
 - `read_recording`, `load_model` and `save_model` read and write files.
 
@@ -22,12 +23,14 @@ if TYPE_CHECKING:
     from fricomp.calibration import identify_dynamic
     from fricomp.calibration.sweep import CalibrationOptions, SweepSettings
     from fricomp.control import Compensator, ControlLoop, JointLimits, LoopDynamics, SafetyGate, check_loop
+    from fricomp.evaluation import Evaluation, evaluate
     from fricomp.recording import Recording, read_recording, write_recording
 
 __all__ = [
     "CalibrationOptions",
     "Compensator",
     "ControlLoop",
+    "Evaluation",
     "FricompError",
     "FrictionLaw",
     "FrictionModel",
@@ -40,6 +43,7 @@ __all__ = [
     "calibrate",
     "check_loop",
     "diagnose",
+    "evaluate",
     "identify",
     "identify_dynamic",
     "load_model",
@@ -53,6 +57,7 @@ _HOMES = {
     "CalibrationOptions": (_SWEEP, "calibrate"),
     "Compensator": (_CONTROL, ""),
     "ControlLoop": (_CONTROL, ""),
+    "Evaluation": ("fricomp.evaluation", "calibrate"),
     "JointLimits": (_CONTROL, ""),
     "LoopDynamics": (_CONTROL, ""),
     "Recording": (_RECORDING, ""),
@@ -61,6 +66,7 @@ _HOMES = {
     "calibrate": ("fricomp.api.calibrate", "calibrate"),
     "check_loop": (_CONTROL, ""),
     "diagnose": ("fricomp.api.diagnose", "diagnose"),
+    "evaluate": ("fricomp.evaluation", "calibrate"),
     "identify": ("fricomp.api.identify", "calibrate"),
     "identify_dynamic": ("fricomp.calibration", "calibrate"),
     "read_recording": (_RECORDING, ""),

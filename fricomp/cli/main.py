@@ -31,6 +31,7 @@ COMMANDS = {
     "identify": "Identify friction from a recording or a table of velocity and torque.",
     "convert": "Bring recordings of other formats into the native one.",
     "diagnose": "Find the physics that a simulation leaves out, in recordings of the real joint.",
+    "evaluate": "Measure the torque and position errors of a model over a recording.",
     "compare": "Compare two friction models: what has changed, and whether it matters.",
     "run": "Compensate friction on a joint, in real time.",
     "check-loop": "Check a compensator in its loop before it runs on a drive.",

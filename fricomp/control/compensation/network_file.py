@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from fricomp.errors import MissingExtraError, ModelFileError, ParameterError
 
-__all__ = ["Loads", "open_network", "read_largest_torques", "read_loads", "read_velocity_range"]
+__all__ = ["Loads", "open_graph", "open_network", "read_largest_torques", "read_loads", "read_velocity_range"]
 
 
 _LARGEST_FILE = 64 * 2**20  # [bytes]; those of a thousand joints have a tenth of it
@@ -38,11 +38,25 @@ class Loads(NamedTuple):
 
 
 def open_network(path: Path) -> Any:
-    """A session of onnxruntime on one thread.
+    """A session of onnxruntime on one thread, of a network whose state is velocity and normal load.
 
     Raises:
         MissingExtraError: onnxruntime is not installed.
         ModelFileError: The file is no friction network.
+    """
+    session = open_graph(path)
+    shapes = [tuple(item.shape[1:]) for item in (*session.get_inputs(), *session.get_outputs())]
+    if shapes != [(2,), (1,)]:
+        raise ModelFileError(f"{path} is no friction network: it must take `state` (n, 2) and give `torque` (n, 1)")
+    return session
+
+
+def open_graph(path: Path) -> Any:
+    """A session of onnxruntime on one thread, of a network or closed form with any number of columns.
+
+    Raises:
+        MissingExtraError: onnxruntime is not installed.
+        ModelFileError: The file holds no friction of one joint.
     """
     try:
         import onnxruntime
@@ -57,8 +71,8 @@ def open_network(path: Path) -> Any:
         session = onnxruntime.InferenceSession(str(path), options, providers=["CPUExecutionProvider"])
     except Exception as error:  # the runtime raises its own kinds, and bare ones
         raise ModelFileError(f"cannot read the network {path}: {error}") from error
-    shapes = [tuple(item.shape[1:]) for item in (*session.get_inputs(), *session.get_outputs())]
-    if [item.name for item in session.get_inputs()] != ["state"] or shapes != [(2,), (1,)]:
+    inputs, outputs = session.get_inputs(), session.get_outputs()
+    if [one.name for one in inputs] != ["state"] or [len(one.shape) for one in (*inputs, *outputs)] != [2, 2]:
         raise ModelFileError(f"{path} is no friction network: it must take `state` (n, 2) and give `torque` (n, 1)")
     return session
 

@@ -1,0 +1,84 @@
+"""`fricomp evaluate`: how well a model predicts a recording, in torque and in motion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from fricomp.overview import OverviewTable
+
+app = typer.Typer(add_completion=False)
+
+_EXAMPLES = """[bold]Examples[/bold]
+
+fricomp evaluate runs/why elbow.csv --from 40
+
+fricomp evaluate friction.json elbow.csv --simulation robot.xml --joint elbow
+
+fricomp evaluate runs/why/friction.xml elbow.csv --json
+
+A figure is worth what its data are: take a recording, or a part of one, that took no part in the fit.
+
+docs/evaluation.md says how each figure is made.
+"""
+
+
+@app.command(epilog=_EXAMPLES)
+def evaluate(
+    model: Annotated[
+        Path,
+        typer.Argument(
+            help="friction.json, friction.onnx, an MJCF or URDF file, or the folder of a diagnosis (its friction.json)."
+        ),
+    ],
+    recording: Annotated[Path, typer.Argument(help="Recording (CSV or Parquet: time, position, torque).")],
+    simulation: Annotated[
+        Path | None,
+        typer.Option(help="MJCF or URDF with the inertia and gravity of a model that holds friction alone."),
+    ] = None,
+    joint: Annotated[
+        str | None, typer.Option(help="Name of the joint; needed where the simulation has several others.")
+    ] = None,
+    start: Annotated[float | None, typer.Option("--from", help="Time from which errors count [s].")] = None,
+    stop: Annotated[float | None, typer.Option("--to", help="Time up to which errors count [s].")] = None,
+    band: Annotated[
+        float | None,
+        typer.Option(help="Upper end of the band of the torque error [Hz]; chosen from the noise without it."),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print all figures as JSON.")] = False,
+) -> None:
+    """Measure a model on a recording: torque error in a band, and open-loop position error after 0.1, 0.5 and 2 s."""
+    import json
+    from math import inf
+
+    from fricomp.cli.terminal import console
+    from fricomp.evaluation import evaluate as evaluate_model
+
+    spans = (
+        None if start is None and stop is None else [(-inf if start is None else start, inf if stop is None else stop)]
+    )
+    found = evaluate_model(model, recording, simulation=simulation, joint=joint, spans=spans, band=band)
+    if as_json:
+        print(json.dumps(found.to_json(), indent=2))
+        return
+    show, overview = console(), found.overview()
+    show.print(overview.title, style="bold", markup=False)
+    for sentence in overview.sentences:
+        show.print(sentence, markup=False)
+    for table in overview.tables:
+        if table.rows:
+            show.print(_build_table(table))
+
+
+def _build_table(table: OverviewTable):  # type: ignore[no-untyped-def]
+    from rich.table import Table
+
+    built = Table()
+    for head in table.heads:
+        built.add_column(head, overflow="fold")
+    for row in table.rows:
+        built.add_row(*row)
+    return built

@@ -1,0 +1,211 @@
+"""A joint as its equation of motion: tau = J a + gravity + offset + friction, along a recording and on its own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fricomp.laws import (
+    DynamicTerm,
+    FloatArray,
+    FrictionLaw,
+    OperatingPoint,
+    Parts,
+    TracedPoint,
+    trace_step,
+)
+from fricomp.laws.expression import Symbol
+from fricomp.laws.source import compile_python, print_python
+from fricomp.model import JointDynamics
+
+from .motion import MotionPart
+
+__all__ = ["Along", "JointEquation", "align_torque", "list_dynamic"]
+
+_STEP = 1e-6  # of a velocity over the fastest one, by which the slope of a term with a memory is taken
+_COLUMNS = ("velocity", "position", "acceleration", "load_torque", "temperature", "normal_load")
+
+
+class Along(NamedTuple):
+    """A model along the recorded motion.
+
+    Attributes:
+        torque: That the motion takes [N·m]. Shape (n,).
+        states: Of each term that has any, at every sample; each of shape (n_states, n).
+    """
+
+    torque: FloatArray
+    states: tuple[FloatArray, ...]
+
+
+class Resistance(NamedTuple):
+    """What resists the motion, about a velocity. Arrays of one shape.
+
+    Attributes:
+        held: Whatever the direction of motion [N·m].
+        dry: Level against the direction of motion, never negative [N·m].
+        drag: Slope of what rises from rest with the velocity [N·m·s/rad].
+        bristle: Torque of bristles at that velocity [N·m].
+        slope: How that grows with the velocity [N·m·s/rad].
+    """
+
+    held: Any
+    dry: Any
+    drag: Any
+    bristle: Any
+    slope: Any
+
+
+@dataclass(frozen=True)
+class JointEquation:
+    """Friction law and rigid body of one joint.
+
+    Attributes:
+        law: Friction.
+        dynamics: Inertia, gravity, offset, load.
+    """
+
+    law: FrictionLaw
+    dynamics: JointDynamics
+
+    @property
+    def inertia(self) -> float:
+        """J [kg·m²] or [kg]."""
+        return self.dynamics.inertia
+
+    def compute_point(
+        self, position: Any, velocity: Any, acceleration: Any, channels: Mapping[str, Any]
+    ) -> OperatingPoint:
+        """What the terms draw on; the load is what the joint carries, where it was not recorded."""
+        load = channels.get("load_torque")
+        if load is None:
+            load = self.dynamics.compute_load(position, acceleration)
+        return OperatingPoint(
+            velocity, position, acceleration, load, channels.get("normal_load"), channels.get("temperature")
+        )
+
+    def compute_rigid(self, position: Any) -> Any:
+        """Gravity and offset [N·m]."""
+        return self.dynamics.compute_gravity(position) + self.dynamics.offset
+
+    def follow(self, part: MotionPart, rest_speed: float) -> Along:
+        """Torque along the recorded motion, and the states of the terms there.
+
+        Dry friction of a resting joint takes what the drive gives, up to its level.
+        """
+        v = part.smooth_velocity
+        point = self.compute_point(part.position, v, part.acceleration, part.channels)
+        states, found = [], []
+        for term in self.law.terms:
+            if isinstance(term, DynamicTerm):
+                after = _follow_states(term, point, part.dt)
+                before = np.concatenate([np.zeros((after.shape[0], 1)), after[:, :-1]], axis=1)
+                states.append(after)
+                found.append(term.parts_after(point, tuple(before), tuple(after), part.dt))
+            else:
+                found.append(term.parts(point))
+        smooth = self.inertia * part.acceleration + self.compute_rigid(part.position)
+        for kind in ("held", "drag", "bristle"):
+            smooth = smooth + _add(found, kind)
+        dry = np.maximum(_add(found, "dry") + np.zeros_like(v), 0.0)
+        torque = align_torque(part, self.dynamics.torque_delay)
+        held = np.clip(torque - smooth, -dry, dry)
+        return Along(smooth + np.where(np.abs(v) > rest_speed, dry * np.sign(v), held), tuple(states))
+
+    def resist(self, point: OperatingPoint, states: Sequence[FloatArray], dt: float, scale: float) -> Resistance:
+        """What resists at a point, linear in the velocity over a step of `dt` [s].
+
+        Args:
+            point: Arrays of shape (m,).
+            states: Of each term that has any, before the step. Each of shape (n_states, m).
+            dt: Step [s].
+            scale: Fastest velocity [rad/s] or [m/s].
+        """
+        moved = _move(point, _STEP * scale)
+        static = [term.parts(moved) for term in self.law.terms if not isinstance(term, DynamicTerm)]
+        here, there = (
+            [_look_ahead(term, one, before, dt) for term, before in zip(list_dynamic(self.law), states, strict=True)]
+            for one in (point, moved)
+        )
+        gap = moved.velocity - point.velocity
+        following, slope = (
+            np.maximum((_add(there, kind) - _add(here, kind)) / gap, 0.0) for kind in ("drag", "bristle")
+        )
+        remainder = _add(here, "drag") - following * point.velocity  # of a drag that follows a state
+        return Resistance(
+            held=_add([*static, *here], "held") + remainder,
+            dry=np.maximum(_add([*static, *here], "dry"), 0.0),
+            drag=np.maximum(_add(static, "drag") / moved.velocity, 0.0) + following,
+            bristle=_add(here, "bristle"),
+            slope=slope,
+        )
+
+    def advance(self, point: OperatingPoint, states: Sequence[FloatArray], dt: float) -> tuple[FloatArray, ...]:
+        """The states after a step of `dt` [s] at `point`."""
+        return tuple(
+            np.stack(np.broadcast_arrays(*term.follow(point, tuple(before), dt)))
+            for term, before in zip(list_dynamic(self.law), states, strict=True)
+        )
+
+
+def align_torque(part: MotionPart, delay: float) -> FloatArray:
+    """The torque that acted at each sample, where the recorded one is late by `delay` [s]. Shape (n,)."""
+    if delay == 0.0:
+        return part.torque
+    return np.interp(part.time + delay, part.time, part.torque)
+
+
+def list_dynamic(law: FrictionLaw) -> tuple[DynamicTerm, ...]:
+    """Terms with states, in order."""
+    return tuple(term for term in law.terms if isinstance(term, DynamicTerm))
+
+
+def _move(point: OperatingPoint, step: float) -> OperatingPoint:
+    """The point at a slightly higher speed, so that nothing rests."""
+    v = np.asarray(point.velocity, dtype=np.float64)
+    away = np.where(v >= 0.0, v + step, v - step)
+    return OperatingPoint(
+        away, point.position, point.acceleration, point.load_torque, point.normal_load, point.temperature
+    )
+
+
+def _look_ahead(term: DynamicTerm, point: OperatingPoint, before: FloatArray, dt: float) -> Parts:
+    """Torque of a term at the end of a step at `point`."""
+    old = tuple(before)
+    return term.parts_after(point, old, term.follow(point, old, dt), dt)
+
+
+def _add(found: Sequence[Parts], kind: str) -> Any:
+    total: Any = 0.0
+    for parts in found:
+        value = getattr(parts, kind)
+        total = total if value is None else total + value
+    return total
+
+
+def _follow_states(term: DynamicTerm, point: OperatingPoint, dt: float) -> FloatArray:
+    """States of a term along a motion, from rest. Shape (n_states, n).
+
+    The term's own formula is compiled to plain floats: one sample follows from the one before.
+    """
+    given = [name for name in _COLUMNS if getattr(point, name) is not None]
+    missing = {name: None for name in ("temperature", "normal_load") if name not in given}
+    step = trace_step(term, TracedPoint(**missing, unknown=()), Symbol("dt"))
+    lines, texts = print_python(step.after, {"speed": "abs(velocity)", "is_forward": "(velocity >= 0.0)"})
+    states = ", ".join(step.states)
+    source = [
+        f"def follow(rows, dt, {states}):",
+        "    seen = []",
+        f"    for {', '.join(given)} in rows:",
+        *(f"        {line}" for line in lines),
+        f"        {states}, = {', '.join(texts)},",
+        f"        seen.append(({states},))",
+        "    return seen",
+    ]
+    n = np.size(point.velocity)
+    rows = zip(*(np.broadcast_to(getattr(point, name), n).tolist() for name in given), strict=True)
+    found = compile_python(source, "follow")(rows, dt, *([0.0] * len(step.states)))
+    return np.array(found, dtype=np.float64).T

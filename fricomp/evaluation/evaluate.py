@@ -1,0 +1,116 @@
+"""One evaluator: how well a model, as it is written in its file, predicts a recording."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.errors import RecordingError
+from fricomp.laws import FloatArray
+from fricomp.model import FrictionModel
+from fricomp.recording import Recording, read_recording
+
+from .errors import Spans, measure_positions, measure_torque
+from .evaluated import EvaluatedJoint
+from .motion import RecordedMotion, read_motion
+from .reading import read_model
+from .result import Evaluation
+
+__all__ = ["evaluate", "evaluate_joint"]
+
+Source = str | os.PathLike[str]
+
+
+def evaluate(
+    model: FrictionModel | Source,
+    recording: Recording | Source,
+    *,
+    simulation: Source | None = None,
+    joint: str | None = None,
+    spans: Spans | None = None,
+    band: float | None = None,
+) -> Evaluation:
+    """Measure the errors of a model over a recording, in the units that its user thinks in.
+
+    Two errors are measured. The torque error is recorded torque less that of the model along the recorded motion,
+    both through the same low-pass, where the joint moves. The position error is that of an open-loop simulation,
+    driven by the recorded torque from many measured states: a joint equation J a = tau - friction - gravity for a
+    friction model, MuJoCo for an MJCF or URDF file.
+
+    A figure is worth what its data are: give a recording, or `spans` of one, that took no part in the fit.
+
+    Args:
+        model: A friction model, its file (`friction.json`, `.onnx`), an MJCF or URDF file, or the folder of a
+            diagnosis or calibration, whose `friction.json` is taken.
+        recording: A recording, or its file.
+        simulation: MJCF or URDF file whose inertia and gravity go with a friction model that has none of its own.
+        joint: Name of the joint in the MJCF or URDF file; needed where there are several and none has the recording's.
+        spans: Times from and to which errors count [s], such as those that were held out; all if None.
+        band: Upper end of the band of the torque error [Hz]; the widest in which the motion is known if None.
+
+    Raises:
+        ModelFileError: The model cannot be read, or says nothing of inertia and gravity, and no simulation does.
+        RecordingError: The recording cannot be read, is too short, never moves, or is in another unit.
+        SimulationFileError: The simulation cannot be read, or has no such joint.
+    """
+    series = recording if isinstance(recording, Recording) else read_recording(Path(recording))
+    series = series.on_joint_side()
+    read = read_model(model, simulation=simulation, joint=joint or series.metadata.joint, named=joint is not None)
+    return evaluate_joint(read, series, spans=spans, band=band)
+
+
+def evaluate_joint(
+    model: EvaluatedJoint,
+    recording: Recording,
+    *,
+    spans: Spans | None = None,
+    band: float | None = None,
+    motion: RecordedMotion | None = None,
+    positions: bool = True,
+) -> Evaluation:
+    """Measure the errors of a model that was read already.
+
+    Args:
+        model: From `read_model`.
+        recording: Its torque on the side of the joint.
+        spans: Times that count [s]; all if None.
+        band: Upper end of the band [Hz]; chosen if None.
+        motion: The recording as it was read for another model; None to read it.
+        positions: Whether to simulate as well.
+
+    Raises:
+        RecordingError: The recording is too short, never moves, or is in another unit than the model.
+    """
+    _require_unit(model, recording)
+    motion = motion or read_motion(recording, band=band)
+    along = [model.follow(part, motion.rest_speed) for part in motion.parts]
+    recorded = [model.align_torque(part) for part in motion.parts]
+    torque = measure_torque(motion, recorded, [one.torque for one in along], spans)
+
+    def simulate(number: int, starts: NDArray[np.intp], lengths: Sequence[int]) -> FloatArray:
+        return model.simulate(motion.parts[number], along[number], starts, lengths)
+
+    found = measure_positions(motion, simulate, spans) if positions else ()
+    return Evaluation(model.name, torque, found, (*model.notes, *_describe_motion(motion)))
+
+
+def _require_unit(model: EvaluatedJoint, recording: Recording) -> None:
+    metadata = recording.metadata
+    if (model.motion, model.torque_unit) != (metadata.motion, metadata.torque_unit):
+        raise RecordingError(
+            f"the model is of a {model.motion} joint in {model.torque_unit}, the recording of a {metadata.motion} one "
+            f"in {metadata.torque_unit}: give a recording in the model's unit (fricomp convert)"
+        )
+
+
+def _describe_motion(motion: RecordedMotion) -> tuple[str, ...]:
+    notes = []
+    if motion.parts[0].channels.get("load_torque") is not None:
+        notes.append("Terms that follow the load take the recorded load torque.")
+    how = "recorded" if motion.velocity_recorded else "estimated from the position"
+    notes.append(f"Velocities of the starting states are {how}.")
+    return tuple(notes)

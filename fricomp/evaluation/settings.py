@@ -1,0 +1,61 @@
+"""Every number that decides how a model is evaluated, with its reason."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = ["EVALUATION", "HORIZONS", "EvaluationSettings"]
+
+HORIZONS = (0.1, 0.5, 2.0)
+"""Times after which the position error of an open-loop simulation is measured [s]."""
+
+
+@dataclass(frozen=True)
+class EvaluationSettings:
+    """How errors are measured.
+
+    Attributes:
+        bands: Upper ends of the band of the torque error that are tried [Hz], widest first. Friction, gravity and
+            inertia of a joint act below 50 Hz; below 2 Hz hardly any motion is left.
+        of_rate: Part of the sample rate that the band may reach at most, so that a filter has room.
+        noise_share: Part of the acceleration's power that may be noise of the encoder in the band: a tenth of its size.
+        wider: Cutoff of the position over the band: the same low-pass for the torque then shapes both alike.
+        order: Order of the Butterworth low-pass, which is run forward and backward.
+        margin: Periods of the band that are left out at both ends of a part, where filters start.
+        slowest: Part of the top speed (98th percentile) below which a joint counts as resting; an encoder at rest makes
+            up speeds of that size.
+        top: Quantile of the speed that counts as the top one.
+        counts: Encoder steps in one period of the band, below which a joint counts as resting.
+        starts: Open-loop simulations, spread evenly over the time in motion. Their median is known to a tenth.
+        blocks: Blocks of time that the intervals are drawn from.
+        draws: Bootstrap samples of an interval.
+        velocity_lag: Deviation of a recorded velocity from the slope of the position over the RMS speed, above which it
+            is not taken as a state: it is filtered, late, or of something else.
+        longest_step: Longest step of an open-loop simulation [s].
+        angle: Largest angle of any oscillation of the model in one step [rad]: a bristle's or a ripple's.
+        most_substeps: Steps of one sample at most.
+        shortest_part: Length of a part between gaps [s] below which nothing is evaluated in it.
+        runaway: Times the recorded range beyond which a simulation has left the motion; its error counts as that.
+    """
+
+    bands: tuple[float, ...] = (50.0, 35.0, 25.0, 17.0, 12.0, 8.0, 6.0, 4.0, 3.0, 2.0)
+    of_rate: float = 0.2
+    noise_share: float = 0.01
+    wider: float = 1.2
+    order: int = 4
+    margin: float = 2.0
+    slowest: float = 0.02
+    top: float = 0.98
+    counts: float = 2.0
+    starts: int = 100
+    blocks: int = 20
+    draws: int = 400
+    velocity_lag: float = 0.05
+    longest_step: float = 2e-3
+    angle: float = 0.5
+    most_substeps: int = 24
+    shortest_part: float = 1.0
+    runaway: float = 2.0
+
+
+EVALUATION = EvaluationSettings()

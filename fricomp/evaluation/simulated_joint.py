@@ -1,0 +1,182 @@
+"""One joint of an MJCF or URDF file in MuJoCo, the others held where the file has them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.errors import SimulationFileError
+from fricomp.laws import FloatArray, SpringTorque
+from fricomp.model import JointDynamics
+from fricomp.simulation_file import read_specification
+
+from .equation import Along
+from .evaluated import EvaluatedJoint
+from .motion import MotionPart
+from .settings import EVALUATION
+
+__all__ = ["SimulatedJoint", "read_simulated_joint"]
+
+Index = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class SimulatedJoint(EvaluatedJoint):
+    """A joint in MuJoCo, driven by a torque that is applied to it: drives of the file itself are switched off.
+
+    Attributes:
+        model: MuJoCo's `MjModel` with this one joint.
+        step: Of the simulation at most [s]: that of the file.
+    """
+
+    model: Any
+    step: float
+
+    def follow(self, part: MotionPart, rest_speed: float) -> Along:
+        """Torque by inverse dynamics, and the states of passive motors; a resting joint takes what the drive gives."""
+        torque, states = _follow(self.model, part, self._set_step(part.dt))
+        rests = np.abs(part.smooth_velocity) <= rest_speed
+        return Along(np.where(rests, part.torque, torque), (states,))
+
+    def simulate(self, part: MotionPart, along: Along, starts: Index, lengths: Sequence[int]) -> FloatArray:
+        """See `EvaluatedJoint`; all simulations run in one call of `mujoco.rollout`."""
+        import mujoco
+        from mujoco import rollout
+
+        model, substeps = self.model, self._set_step(part.dt)
+        data = mujoco.MjData(model)
+        kind = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        initial = np.empty((starts.size, mujoco.mj_stateSize(model, kind)))
+        for row, start in enumerate(starts):
+            data.qpos[0], data.qvel[0], data.act[:] = (
+                part.position[start],
+                part.velocity[start],
+                along.states[0][:, start],
+            )
+            mujoco.mj_getState(model, data, initial[row], kind)
+        drive = _spread_torque(part.torque, starts, lengths[-1], substeps)
+        spec = int(mujoco.mjtState.mjSTATE_QFRC_APPLIED)
+        state, _ = rollout.rollout(model, data, initial, drive[:, :, None], control_spec=spec)
+        ends = np.array([substeps * length - 1 for length in lengths])
+        result: FloatArray = state[:, ends, 1].T  # behind the time
+        return result
+
+    def measure_dynamics(self) -> JointDynamics:
+        """Inertia and gravity about the joint, by MuJoCo's own recursion."""
+        import mujoco
+
+        model, data = self.model, mujoco.MjData(self.model)
+        turn = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False) if self.motion == "rotary" else np.zeros(1)
+        bias = np.empty(turn.size)
+        for k, position in enumerate(turn):
+            data.qpos[0] = position
+            mujoco.mj_forward(model, data)
+            bias[k] = data.qfrc_bias[0]
+        full = np.zeros((1, 1))
+        mujoco.mj_fullM(model, data, full)
+        turns = 2.0 if self.motion == "rotary" else 0.0
+        cosine, sine = (turns * float(np.mean(bias * wave)) for wave in (np.cos(turn), np.sin(turn)))
+        return JointDynamics(float(full[0, 0]), cosine, sine, float(np.mean(bias)))
+
+    def read_spring(self) -> SpringTorque | None:
+        """The straight spring of the joint; None where it has none."""
+        stiffness = float(np.ravel(self.model.jnt_stiffness[0])[0])
+        return SpringTorque(stiffness, float(self.model.qpos_spring[0])) if stiffness > 0.0 else None
+
+    def _set_step(self, dt: float) -> int:
+        """Simulation steps of a sample."""
+        substeps = int(np.ceil(dt / self.step - 1e-6))
+        self.model.opt.timestep = dt / substeps
+        return substeps
+
+
+def read_simulated_joint(path: str | Path, joint: str | None, *, named: bool = True) -> SimulatedJoint:
+    """Read one joint of a simulation; the others are held at their reference position.
+
+    Args:
+        path: MJCF or URDF file.
+        joint: Name of the joint.
+        named: Whether it must have that name; else the only joint will do.
+
+    Raises:
+        SimulationFileError: The file cannot be read, or has no such joint.
+        MissingExtraError: MuJoCo is not installed.
+    """
+    spec = read_specification(path)
+    import mujoco
+
+    names = [one.name for one in spec.joints]
+    if not names:
+        raise SimulationFileError(f"{path} has no joint: give a file whose joint moves")
+    if joint not in names and (named or len(names) > 1):
+        raise SimulationFileError(
+            f"{path} has no joint {joint!r}; say which of its joints is meant: {', '.join(names)}"
+        )
+    chosen = joint if joint in names else names[0]
+    _hold_others(spec, names.index(chosen))
+    try:
+        model = spec.compile()
+    except ValueError as error:
+        raise SimulationFileError(f"{path}: its joint {chosen!r} cannot be simulated alone: {error}") from error
+    kinds: dict[int, Any] = {int(mujoco.mjtJoint.mjJNT_HINGE): "rotary", int(mujoco.mjtJoint.mjJNT_SLIDE): "linear"}
+    if int(model.jnt_type[0]) not in kinds:
+        raise SimulationFileError(f"{path}: joint {chosen!r} neither turns nor slides: give one that does")
+    motion = kinds[int(model.jnt_type[0])]
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    notes = ("The other joints of the file are held where it has them.",) if len(names) > 1 else ()
+    step = min(float(model.opt.timestep), EVALUATION.longest_step)
+    unit = "N·m" if motion == "rotary" else "N"
+    return SimulatedJoint(f"{Path(path).name} in MuJoCo", motion, unit, notes, model, step)
+
+
+def _hold_others(spec: Any, index: int) -> None:
+    """Delete all other joints and what moves or watches them; passive motors of this joint stay."""
+    import mujoco
+
+    kept = spec.joints[index]
+    passive = int(mujoco.mjtGain.mjGAIN_DCMOTOR)
+    for one in list(spec.actuators):
+        if one.target != kept.name or int(one.gaintype) != passive:
+            spec.delete(one)
+    for each in (spec.sensors, spec.equalities, spec.keys, spec.tendons, spec.pairs, spec.excludes):
+        for one in list(each):
+            spec.delete(one)
+    for number, one in enumerate(list(spec.joints)):
+        if number != index:
+            spec.delete(one)
+
+
+def _follow(model: Any, part: MotionPart, substeps: int) -> tuple[FloatArray, FloatArray]:
+    """Torque that the motion takes at each sample, and the activations there. Shapes (n,) and (n_activations, n)."""
+    import mujoco
+
+    data = mujoco.MjData(model)
+    n = part.time.size
+    torque, states = np.empty(n), np.empty((model.na, n))
+    position, velocity, acceleration = part.position.tolist(), part.smooth_velocity.tolist(), part.acceleration.tolist()
+    for k in range(n):
+        data.qpos[0], data.qvel[0] = position[k], velocity[k]
+        passive = 0.0
+        if model.na:
+            states[:, k] = data.act
+            mujoco.mj_forward(model, data)
+            passive = float(data.qfrc_actuator[0])
+        data.qacc[0] = acceleration[k]
+        mujoco.mj_inverse(model, data)
+        torque[k] = float(data.qfrc_inverse[0]) - passive
+        for _ in range(substeps if model.na else 0):
+            data.qpos[0], data.qvel[0] = position[k], velocity[k]
+            mujoco.mj_step(model, data)
+    return torque, states
+
+
+def _spread_torque(torque: FloatArray, starts: Index, length: int, substeps: int) -> FloatArray:
+    """Mean torque over each step of each simulation. Shape (n_starts, length * substeps)."""
+    steps = (np.arange(length * substeps) + 0.5) / substeps
+    at = np.minimum(starts[:, None] + steps, torque.size - 1.0)
+    return np.interp(at, np.arange(torque.size), torque)
