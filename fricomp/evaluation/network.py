@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from fricomp.control.network_file import open_graph
+from fricomp.control.compensation.network_file import open_graph
 from fricomp.errors import ModelFileError
 from fricomp.laws import FloatArray, OperatingPoint, Parts, Term
 
