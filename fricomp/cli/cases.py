@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from fricomp.cli.answer import AsJson, print_json
 from fricomp.cli.out_folder import Overwrite
 
 app = typer.Typer(
@@ -185,13 +186,19 @@ def _require_free_case(out: Path, answers: Path, name: str, *, overwrite: bool) 
 
 
 @app.command("list", epilog="fricomp cases list")
-def list_names() -> None:
+def list_names(as_json: AsJson = False) -> None:
     """List effects with their forms, motions, noises, cores, strengths and faults."""
     from rich.table import Table
 
     from fricomp.cli.terminal import console
     from fricomp.sim_bench.cases import CHOICES, EFFECTS
 
+    if as_json:
+        effects = {
+            each.name: {"kind": each.kind, "forms": [form.name for form in each.forms]} for each in EFFECTS.values()
+        }
+        print_json({"effects": effects, **CHOICES})
+        return
     table = Table("effect", "kind", "forms")
     for effect in EFFECTS.values():
         table.add_row(effect.name, effect.kind, ", ".join(form.name for form in effect.forms))

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from fricomp.cli.answer import AsJson, print_json
 from fricomp.cli.out_folder import Overwrite
 from fricomp.cli.run import DELAY, VELOCITY_FILTER
 
 if TYPE_CHECKING:
     from fricomp.control import DriveLimits, LoopDynamics
     from fricomp.control.loop.loop_check import LoopCheck
+    from fricomp.model import FrictionModel
 
 __all__ = ["app"]
 
@@ -55,10 +57,9 @@ def check_loop(
     ] = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the chart.")] = None,
     overwrite: Overwrite = False,
+    as_json: AsJson = False,
 ) -> None:
     """Margin to the limit cycle, by describing function and by simulation; exit status 1 where it is under 15 %."""
-    from rich.table import Table
-
     from fricomp.cli.terminal import console
     from fricomp.control import DriveLimits, LoopDynamics, PositionController
     from fricomp.control import check_loop as check
@@ -82,6 +83,43 @@ def check_loop(
     limits = {"torque": torque_limit, "torque_rate": torque_rate}
     drive = DriveLimits(**{name: value for name, value in limits.items() if value is not None})
     result = check(friction, loop, settings, period=period, velocity_quantum=quantum, drive=drive)
+    fastest = settings.velocity_range[1] if velocity_limit is None else velocity_limit
+    travels = list(_travels(loop, drive, fastest, period, friction.position_unit))
+    if as_json:
+        print_json(_as_answer(result, friction, travels))
+    else:
+        _print_check(result, friction, travels)
+    if out is not None:
+        from fricomp.cli.loop_charts import gain_scan_chart
+        from fricomp.report import draw_png
+
+        chart = draw_png(gain_scan_chart(result, f"joint {friction.joint}"), out / "gain-scan.png")
+        console(stderr=as_json).print(f"Chart in {chart}")
+    if not result.is_safe:
+        raise typer.Exit(1)
+
+
+def _as_answer(result: LoopCheck, friction: FrictionModel, travels: list[tuple[str, str]]) -> dict[str, Any]:
+    """What a program wants of the check; distances in the model's unit of position, gains without one."""
+    names = ("predicted_limit", "simulated_limit", "margin", "safe_gain", "sticks_without", "drift", "unsettled_from")
+    return {
+        "safe": result.is_safe,
+        "joint": friction.joint,
+        "position_unit": friction.position_unit,
+        "gain": result.settings.gain,
+        **{name: getattr(result, name) for name in names},
+        "travel": dict(travels),
+        "notes": result.settings.notes,
+        "left_out": result.left_out,
+    }
+
+
+def _print_check(result: LoopCheck, friction: FrictionModel, travels: list[tuple[str, str]]) -> None:
+    from rich.table import Table
+
+    from fricomp.cli.terminal import console
+
+    settings = result.settings
     unit = f"{friction.position_unit}/s"
     table = Table("what", "value", title=f"Loop of joint {friction.joint}")
     table.add_row("direction from", f"{settings.source}, measured share {settings.measured_share:g}")
@@ -96,8 +134,7 @@ def check_loop(
     table.add_row("drift after a stop", f"{result.drift:.2g} {friction.position_unit}")
     table.add_row("thrown off its reference", _thrown(result, friction.position_unit))
     table.add_row("drive in the simulation", _limits(result.drive, friction.torque_unit))
-    fastest = settings.velocity_range[1] if velocity_limit is None else velocity_limit
-    for failure, travel in _travels(loop, drive, fastest, period, friction.position_unit):
+    for failure, travel in travels:
         table.add_row(failure, travel)
     screen = console()
     screen.print(table)
@@ -105,17 +142,10 @@ def check_loop(
         screen.print(f"- {note}")
     if result.left_out:
         screen.print(f"- not part of this check: {', '.join(result.left_out)}")
-    if out is not None:
-        from fricomp.cli.loop_charts import gain_scan_chart
-        from fricomp.report import draw_png
-
-        chart = gain_scan_chart(result, f"joint {friction.joint}")
-        screen.print(f"Chart in {draw_png(chart, out / 'gain-scan.png')}")
     if result.is_safe:
         screen.print("Safe.")
     else:
         screen.print("Not safe: less than 15 % margin, or the joint does not come to rest.", style="bold")
-        raise typer.Exit(1)
 
 
 def _travels(

@@ -7,12 +7,20 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fricomp.cli.answer import AsJson, print_json
+
 if TYPE_CHECKING:
+    from fricomp.calibration.comparison import ModelComparison
     from fricomp.model import FrictionModel
 
 app = typer.Typer(add_completion=False)
 
-EPILOG = "fricomp compare runs/spring/friction.json runs/autumn/friction.json"
+EPILOG = """fricomp compare runs/spring/friction.json runs/autumn/friction.json
+
+fricomp compare old.json new.json --fail-if-changed --json"""
+
+EXIT_CHANGED = 1
+"""Exit status of --fail-if-changed where the joint has changed."""
 
 
 @app.command(epilog=EPILOG)
@@ -20,16 +28,32 @@ def compare(
     old: Annotated[Path, typer.Argument(help="Model file from before (friction.json).")],
     new: Annotated[Path, typer.Argument(help="Model file from now.")],
     significance: Annotated[float, typer.Option(help="Chance to call an unchanged joint changed.")] = 0.05,
+    fail_if_changed: Annotated[
+        bool, typer.Option("--fail-if-changed", help="End with exit status 1 where the joint has changed.")
+    ] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Has this joint changed, in which parameter, and how sure is that?"""
-    from rich.table import Table
+    from dataclasses import asdict
 
     from fricomp.calibration.comparison import compare_models
-    from fricomp.cli.terminal import console
     from fricomp.model import load_model
 
     before, after = load_model(old), load_model(new)
-    result = compare_models(before, after, significance)
+    result, doubts = compare_models(before, after, significance), _find_doubts(before, after)
+    if as_json:
+        print_json({"changed": result.changed, **asdict(result), "doubts": doubts})
+    else:
+        _print_comparison(result, after, significance, doubts)
+    if fail_if_changed and result.changed:
+        raise typer.Exit(EXIT_CHANGED)
+
+
+def _print_comparison(result: ModelComparison, after: FrictionModel, significance: float, doubts: list[str]) -> None:
+    from rich.table import Table
+
+    from fricomp.cli.terminal import console
+
     table = Table()
     for heading in ("parameter", "old", "new", "change", "± sd", "p", "unit"):
         table.add_column(heading, overflow="fold")
@@ -40,7 +64,7 @@ def compare(
         short = change.name.removeprefix("stribeck.")
         table.add_row(short, *numbers, f"{change.p_value:.2g}", change.unit, style=style)
     out = console()
-    for doubt in _find_doubts(before, after):
+    for doubt in doubts:
         out.print(f"Careful: {doubt}.", style="yellow")
     out.print(table)
     if result.normal_load is not None:
