@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from fricomp.cli.fleet import Executor, FleetRun, Resume, Workers, rich_table, run_joints, show_fleet
+from fricomp.cli.answer import AsJson
+from fricomp.cli.fleet import Executor, FailIf, FleetRun, Resume, Workers, rich_table, run_joints, show_fleet
 from fricomp.cli.out_folder import Overwrite
 from fricomp.extras import REPORT, require
 
@@ -105,7 +106,9 @@ def diagnose(
     executor: Executor = "processes",
     workers: Workers = None,
     resume: Resume = False,
+    fail_if: FailIf = None,
     overwrite: Overwrite = False,
+    as_json: AsJson = False,
     match: Annotated[
         list[str] | None,
         typer.Option(
@@ -144,7 +147,7 @@ def diagnose(
     require_folder(out)
     options = {"thorough": thorough, "seed": seed, "joint": joint, "simulation": simulation}
     given = {"friction": friction, "simulated": simulated, "controller": controller}
-    fleet = FleetRun(executor, workers, resume)
+    fleet = FleetRun(executor, workers, resume, fail_if, as_json)
     if each or any(map(is_joint_table, recordings)):
         if overwrite:
             raise ParameterError("--overwrite is of one joint, and a fleet goes on with --resume: leave it out")
@@ -161,7 +164,10 @@ def diagnose(
         return
     with _interruptible(out):
         run = run_diagnosis(paths, out, options, given, overwrite=overwrite)
-    _print_diagnosis(run, out)
+    if as_json:
+        _print_record(out)
+    else:
+        _print_diagnosis(run, out)
     if run.diagnosis.verdict == "bad_data":
         raise typer.Exit(EXIT_BAD_DATA)
 
@@ -337,6 +343,13 @@ def _print_diagnosis(run: DiagnosisRun, out: Path) -> None:
     show.print(f"\nVerdict: {record.verdict}. In {out}: {files}", soft_wrap=True, markup=False)
 
 
+def _print_record(out: Path) -> None:
+    """The record as it was written, which --schema describes."""
+    from fricomp.cli.diagnosis.folder import RECORD
+
+    print((out / RECORD).read_text(encoding="utf-8"), end="")
+
+
 def _diagnose_fleet(
     sources: Sequence[str], out: Path, options: dict[str, Any], given: dict[str, Path | None], run: FleetRun
 ) -> None:
@@ -358,7 +371,7 @@ def _diagnose_fleet(
 
     settings = _fleet_settings(options, given) | {"command": "diagnose"}
     rows = run_joints(joints, work, out, run, settings, "diagnosing joints", check=check)
-    show_fleet(rows, build_fleet_table(rows), write_fleet(rows, out))
+    show_fleet(rows, build_fleet_table, write_fleet(rows, out), run)
 
 
 def _fleet_settings(options: dict[str, Any], given: dict[str, Path | None]) -> dict[str, str]:

@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
+
+from fricomp.cli.answer import print_json
 
 if TYPE_CHECKING:
     from fricomp.fleet import FleetJoint, FleetRow, Work
     from fricomp.report import Table
 
-__all__ = ["Executor", "FleetRun", "Resume", "Workers", "rich_table", "run_joints", "show_fleet"]
+__all__ = ["Executor", "FailIf", "FleetRun", "Resume", "Workers", "rich_table", "run_joints", "show_fleet"]
 
 Executor = Annotated[
     str, typer.Option(rich_help_panel="Of a fleet", help="Of a fleet: processes, serial or dask://host:port.")
@@ -24,15 +26,26 @@ Workers = Annotated[
 Resume = Annotated[
     bool, typer.Option("--resume", rich_help_panel="Of a fleet", help="Of a fleet: go on with the one in --out.")
 ]
+FailIf = Annotated[
+    Literal["any", "missing", "unusable"] | None,
+    typer.Option(
+        rich_help_panel="Of a fleet",
+        help="Of a fleet: end with exit status 1 if a joint's answer is at least this bad; any: worse than nothing.",
+    ),
+]
+EXIT_FOUND = 1
+"""Exit status of --fail-if where a joint's answer is as bad as that."""
 
 
 @dataclass(frozen=True)
 class FleetRun:
-    """Where a fleet runs, and whether it goes on with what is there."""
+    """Where a fleet runs, whether it goes on with what is there, and how it answers."""
 
     executor: str
     workers: int | None
     resume: bool
+    fail_if: str | None = None
+    as_json: bool = False
 
     @property
     def given(self) -> dict[str, bool]:
@@ -41,6 +54,7 @@ class FleetRun:
             "--executor": self.executor != "processes",
             "--workers": self.workers is not None,
             "--resume": self.resume,
+            "--fail-if": self.fail_if is not None,
         }
 
 
@@ -67,17 +81,32 @@ def run_joints(
         return run_fleet(joints, work, out, pool, settings=settings, resume=run.resume, progress=say, check=check)
 
 
-def show_fleet(rows: Sequence[FleetRow], table: Table, page: Path) -> None:
-    """Print what the joints are warned of, their table, and where the page on all of them is."""
-    from fricomp.cli.terminal import console
+def show_fleet(
+    rows: Sequence[FleetRow], build: Callable[[Sequence[FleetRow]], Table], page: Path, run: FleetRun
+) -> None:
+    """Print what the joints are warned of, their table, and where the page on all of them is.
 
-    show = console()
+    The worst answers come first; those of one kind stand in the order of the joints.
+
+    Raises:
+        typer.Exit: An answer is as bad as `--fail-if` says.
+    """
+    from fricomp.cli.terminal import console
+    from fricomp.fleet import Severity, rate_row
+
+    rows, table = sorted(rows, key=rate_row, reverse=True), page.with_name("fleet.parquet")
+    show = console(stderr=run.as_json)
     for row in rows:
         for warning in (row.get("warnings") or "").splitlines():
             show.print(f"{row['name']}: {warning}", style="yellow", markup=False)
-    show.print(rich_table(table))
-    table_file = page.with_name("fleet.parquet")
-    show.print(f"\nThe whole fleet: {page}; as a table: {table_file}", soft_wrap=True, markup=False)
+    if run.as_json:
+        print_json({"joints": rows, "page": page, "table": table})
+    else:
+        show.print(rich_table(build(rows)))
+    show.print(f"\nThe whole fleet: {page}; as a table: {table}", soft_wrap=True, markup=False)
+    least = {"any": Severity.PARAMETERS, "missing": Severity.MISSING, "unusable": Severity.UNUSABLE}
+    if run.fail_if is not None and any(rate_row(row) >= least[run.fail_if] for row in rows):
+        raise typer.Exit(EXIT_FOUND)
 
 
 def rich_table(table: Table) -> Any:

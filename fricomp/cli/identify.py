@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from fricomp.cli.fleet import Executor, FleetRun, Resume, Workers, run_joints, show_fleet
+from fricomp.cli.answer import AsJson, print_json
+from fricomp.cli.fleet import Executor, FailIf, FleetRun, Resume, Workers, run_joints, show_fleet
 from fricomp.cli.out_folder import Overwrite
 from fricomp.extras import REPORT, require
 
@@ -90,7 +91,9 @@ def identify(
     executor: Executor = "processes",
     workers: Workers = None,
     resume: Resume = False,
+    fail_if: FailIf = None,
     overwrite: Overwrite = False,
+    as_json: AsJson = False,
 ) -> None:
     """Identify friction; with a recording, inertia, gravity and offset first."""
     from fricomp.api.identification import write_identification
@@ -102,12 +105,12 @@ def identify(
     _refuse_unknown(law)
     require_folder(out)
     settings = IdentifySettings(method, noise, loss, law, gravity, seed, depart)
-    fleet = FleetRun(executor, workers, resume)
+    fleet = FleetRun(executor, workers, resume, fail_if, as_json)
     several = batch or _is_fleet(files)
     _refuse({"--overwrite": overwrite and several}, "is of one file, and a fleet goes on with --resume")
     if batch:
-        _refuse(replace(fleet, resume=False).given, "has no use with --batch")
-        _identify_batch(files, out, settings, device, resume=resume)
+        _refuse(replace(fleet, resume=False, fail_if=None).given, "has no use with --batch")
+        _identify_batch(files, out, settings, device, fleet)
         return
     _refuse({"--device": device != "cpu"}, "is for --batch")
     if several:
@@ -119,7 +122,10 @@ def identify(
             found = identify_source(file, settings, flag="--")
             claim.clear()
             written = write_identification(found, out)
-        _print(found, written)
+        if as_json:
+            print_json(_as_answer(found, written))
+        else:
+            _print(found, written)
         if not found.is_usable:
             raise typer.Exit(EXIT_NOT_USABLE)
 
@@ -142,7 +148,7 @@ def _identify_fleet(files: Sequence[str], out: Path, settings: IdentifySettings,
     joints = list_joints(files, FleetJoint("", ()))
     work = partial(_identify_one, settings=settings)
     rows = run_joints(joints, work, out, run, asdict(settings) | {"command": "identify"}, "identifying joints")
-    _show_fleet(rows, out)
+    _show_fleet(rows, out, run)
 
 
 def _identify_one(joint: FleetJoint, out: Path, *, settings: IdentifySettings) -> FleetRow:
@@ -161,7 +167,7 @@ def _identify_one(joint: FleetJoint, out: Path, *, settings: IdentifySettings) -
     return identification_row(found.result) | {"warnings": "\n".join(warnings)}
 
 
-def _identify_batch(files: Sequence[str], out: Path, settings: IdentifySettings, device: str, *, resume: bool) -> None:
+def _identify_batch(files: Sequence[str], out: Path, settings: IdentifySettings, device: str, run: FleetRun) -> None:
     """All tables in one call: parameters and models, no reports of their own."""
     from fricomp.errors import IdentificationError
     from fricomp.fleet import FleetJoint, list_joints
@@ -173,13 +179,13 @@ def _identify_batch(files: Sequence[str], out: Path, settings: IdentifySettings,
     _refuse(others, "has no use with --batch, which fits tables by least squares")
     require("pyarrow")
     joints = list_joints(files, FleetJoint("", ()))
-    _show_fleet(identify_tables(joints, out, str(settings.noise), device, resume=resume), out)
+    _show_fleet(identify_tables(joints, out, str(settings.noise), device, resume=run.resume), out, run)
 
 
-def _show_fleet(rows: Sequence[FleetRow], out: Path) -> None:
+def _show_fleet(rows: Sequence[FleetRow], out: Path, run: FleetRun) -> None:
     from fricomp.fleet.identification import identification_table, write_identification_fleet
 
-    show_fleet(rows, identification_table(rows), write_identification_fleet(rows, out))
+    show_fleet(rows, identification_table, write_identification_fleet(rows, out), run)
 
 
 def _refuse_unknown(law: str) -> None:
@@ -206,6 +212,25 @@ def _refuse(options: dict[str, bool], why: str) -> None:
 
     for name in (name for name, used in options.items() if used):
         raise IdentificationError(f"{name} {why}: leave it out")
+
+
+def _as_answer(found: Identification, written: Sequence[Path]) -> dict[str, Any]:
+    """What a program wants of an identification; units stand in the model, which is among the files."""
+    result = found.result
+    parameters = {
+        name: {"value": value, "standard_deviation": result.standard_deviations[name]}
+        for name, value in result.parameters.items()
+    }
+    return {
+        "usable": found.is_usable,
+        "status": str(result.status),
+        "message": result.message,
+        "parameters": parameters,
+        "torque_unit": result.model.torque_unit,
+        "noise": {"kind": result.noise.kind, "level": result.noise.level},
+        "notes": found.notes,
+        "files": written,
+    }
 
 
 def _print(found: Identification, written: Sequence[Path]) -> None:
