@@ -19,6 +19,7 @@ SEND_TIMEOUT = 0.002
 
 # Of socketcan's error frames: the bus-off bit of the identifier (linux/can/error.h).
 BUS_OFF = 0x40
+IS_BUS_OFF = "the CAN controller is bus-off: check wiring, termination and bit rate"
 MOST_FRAMES_AT_ONCE = 1000
 
 
@@ -49,7 +50,7 @@ class PythonCanLink:
         import can
 
         self._bus = bus
-        self._message = can.Message
+        self._message, self._bus_off = can.Message, can.BusState.ERROR
         self._n_errors = 0
 
     @property
@@ -97,12 +98,14 @@ class PythonCanLink:
                 self._on_error_frame(message.arbitration_id)
             elif not message.is_remote_frame:
                 frames.append(CanFrame(message.arbitration_id, bytes(message.data), message.is_extended_id))
+        if not frames and getattr(self._bus, "state", None) is self._bus_off:
+            raise AdapterConnectionError(IS_BUS_OFF)
         return frames
 
     def _on_error_frame(self, identifier: int) -> None:
         self._n_errors += 1
         if identifier & BUS_OFF:
-            raise AdapterConnectionError("the CAN controller is bus-off: check wiring, termination and bit rate")
+            raise AdapterConnectionError(IS_BUS_OFF)
 
     def discard_output(self) -> None:
         """Drop what still waits to be sent, where the interface can."""

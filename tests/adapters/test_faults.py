@@ -79,28 +79,43 @@ def assert_comes_back(bench: AdapterBench) -> None:
 
 
 class Controller:
-    """A python-can bus whose controller can go bus-off, and has to be told to come back."""
+    """A python-can bus whose controller can go bus-off, and has to be told to come back.
 
-    def __init__(self, twin_bus: Any) -> None:
-        self._twin_bus = twin_bus
+    Args:
+        twin_bus: What it is on.
+        way: How its interface tells: by an error frame, by its state, or by an error as when a network is set down.
+    """
+
+    def __init__(self, twin_bus: Any, way: str) -> None:
+        self._twin_bus, self._way = twin_bus, way
         self._frames: deque[can.Message] = deque()
         self.is_off = self._told = False
 
     def send(self, message: can.Message, timeout: float | None = None) -> None:
+        if self.is_off and self._way == "state":
+            return  # into its own queue, which nothing leaves
         if self.is_off:
-            raise can.CanOperationError("the controller is bus-off")
+            raise can.CanOperationError(
+                "Network is down" if self._way == "network down" else "the controller is bus-off"
+            )
         self._twin_bus._to_twin.append(message)
         self._twin_bus.twin.pump()
 
     def recv(self, timeout: float | None = None) -> can.Message | None:
+        if self.is_off and self._way == "network down":
+            raise can.CanOperationError("Network is down")
         if self.is_off:
             told, self._told = self._told, True
-            return None if told else BUS_OFF_FRAME
+            return None if told or self._way == "state" else BUS_OFF_FRAME
         for frame in self._twin_bus.receive():
             self._frames.append(
                 can.Message(arbitration_id=frame.identifier, data=frame.data, is_extended_id=frame.extended)
             )
         return self._frames.popleft() if self._frames else None
+
+    @property
+    def state(self) -> can.BusState:
+        return can.BusState.ERROR if self.is_off and self._way == "state" else can.BusState.ACTIVE
 
     def flush_tx_buffer(self) -> None:
         raise NotImplementedError
@@ -109,10 +124,14 @@ class Controller:
         """Nothing is held."""
 
 
+WAYS = {"error frame": "bus-off", "state": "the CAN controller is bus-off", "network down": "Network is down"}
+
+
+@pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("protocol", CAN_PROTOCOLS)
-def test_bus_off_is_one_clear_error_and_zero_torque_by_the_watchdogs(protocol: str) -> None:
+def test_bus_off_is_one_clear_error_and_zero_torque_by_the_watchdogs(protocol: str, way: str) -> None:
     bench = make_bench(protocol, N_JOINTS)
-    controller: Any = Controller(bench.link._link)
+    controller: Any = Controller(bench.link._link, way)
     bench.adapter._open_link = lambda: PythonCanLink(controller)  # type: ignore[attr-defined]
     bench.start()
     for _ in range(5):
@@ -120,7 +139,7 @@ def test_bus_off_is_one_clear_error_and_zero_torque_by_the_watchdogs(protocol: s
     controller.is_off = True
     (error,) = go_on(bench)
     assert isinstance(error, AdapterConnectionError)
-    assert "bus-off" in str(error)
+    assert WAYS[way] in str(error)
     record = bench.adapter.gate.trip_record
     assert record is not None
     assert record.reason == "link"

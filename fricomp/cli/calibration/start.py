@@ -140,17 +140,23 @@ def _interruptible(out: Path, motion: str = "") -> Iterator[Callable[[Progress],
     except KeyboardInterrupt:  # the joint is closed, and its last stop got through
         _say_interrupted(out, motion, "; the joint is at zero torque", begun=bool(seen))
         raise
-    except AdapterError as error:
+    except (AdapterError, SweepAborted) as error:
         if isinstance(error.__cause__, KeyboardInterrupt):
             _say_interrupted(out, motion, "", begun=bool(seen))
+        elif seen and not motion and (out / RECORDING).exists():
+            print(f"What was recorded is safe in {out / RECORDING}: {_how_to_resume(out)}", file=sys.stderr)
         raise
+
+
+def _how_to_resume(out: Path) -> str:
+    return f"go on with fricomp calibrate --resume --out {out}"
 
 
 def _say_interrupted(out: Path, motion: str, stopped: str, *, begun: bool) -> None:
     if not begun:
         print(f"\nInterrupted{stopped}. Nothing was recorded.", file=sys.stderr)
         return
-    way = f"go on with fricomp calibrate --resume --out {out}"
+    way = _how_to_resume(out)
     if motion:
         way = "the same command with --overwrite records the motion anew, from its beginning"
     print(f"\nInterrupted{stopped}. What was recorded is safe in {out / RECORDING}: {way}", file=sys.stderr)
