@@ -137,10 +137,13 @@ class JointSettings:
     """Step of the differences that make a Jacobian, in a parameter's scale. A smaller one is lost in the rounding
     of a simulation, a larger one bends."""
     dampings: tuple[float, ...] = (1.0, 30.0, 900.0)
-    """Factors on the damping that are tried at once, since simulations come in batches."""
+    """Factors on the damping that are tried; the larger ones only where the first step breaks its promise."""
     step_parts: tuple[float, ...] = (0.5, 0.2)
     """Parts of the least damped step that are tried besides. A narrow valley that bends lets no whole step pass,
     and one that damping has made short is short along the valley most of all."""
+    kept_promise: float = 0.7
+    """Part of the fall of the cost promised by the linear model from which the least damped step is taken without the
+    others. A lower one follows bent valleys by longer ways, a higher one simulates steps that do not win."""
     further_damping: tuple[float, ...] = (0.1, 10.0, 300.0, 1.0, 1.0)
     """Factor on the damping after each of those trials has won."""
     largest_derivative: float = 1e50

@@ -152,10 +152,13 @@ def descend(
     damping, age = 1e-3, 0
     for _ in range(iterations):
         normal = _Normal(J, residual, box)
-        trials = [_compute_step(normal, theta, box, damping * factor) for factor in JOINT.dampings]
-        trials += [theta + part * (trials[0] - theta) for part in JOINT.step_parts]
-        values = yield trials
-        costs = [_compute_cost(value, trial, box) for value, trial in zip(values, trials, strict=True)]
+        least = tolerance * cost / residual.size
+        trials = _propose_steps(normal, theta, damping)
+        promised = cost - normal.predict_cost(theta, trials[0])
+        if age == 0 and damping < 1.0 and promised < least:
+            break
+        values = yield from _try_steps(trials, cost, promised, box)
+        costs = [_compute_cost(value, trial, box) for value, trial in zip(values, trials, strict=False)]
         best = int(np.argmin(costs))
         gain = cost - costs[best]
         if not gain > 0.0:
@@ -172,11 +175,28 @@ def descend(
         theta, residual, cost, age = trials[best], values[best], costs[best], age + 1
         damping = max(1e-6, damping * JOINT.further_damping[best])
         # A short step by an old Jacobian may only mean that it is old.
-        if gain < tolerance * cost / residual.size and (age == 1 or refresh > iterations):
+        if gain < least and (age == 1 or refresh > iterations):
             break
         if age >= refresh:
             J, age = (yield from _compute_jacobian(theta, residual, box)), 0
     return Fit(theta, residual, J, cost)
+
+
+def _propose_steps(normal: _Normal, theta: FloatArray, damping: float) -> list[FloatArray]:
+    """Points to try: the least damped step, more damped ones, and parts of the first."""
+    box = normal.box
+    trials = [_compute_step(normal, theta, box, damping * factor) for factor in JOINT.dampings]
+    return trials + [theta + part * (trials[0] - theta) for part in JOINT.step_parts]
+
+
+def _try_steps(
+    trials: Sequence[FloatArray], cost: float, promised: float, box: Box
+) -> Generator[list[FloatArray], list[FloatArray], list[FloatArray]]:
+    """Simulate the least damped step, and the others only where it does not bring what the linear model promised."""
+    (first,) = yield [trials[0]]
+    if cost - _compute_cost(first, trials[0], box) > JOINT.kept_promise * promised:
+        return [first]
+    return [first, *(yield list(trials[1:]))]
 
 
 def _compute_jacobian(
@@ -268,3 +288,7 @@ class _Normal:
             A = self.jacobian[:, free] * self.box.scale[free]
             self.known[key] = A, A.T @ A + self.box.scaled_precision[np.ix_(free, free)]
         return self.known[key]
+
+    def predict_cost(self, theta: FloatArray, point: FloatArray) -> float:
+        """Cost at `point` where the residual is a line from `theta` on."""
+        return _compute_cost(self.residual + self.jacobian @ (point - theta), point, self.box)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -38,12 +39,14 @@ def polish(
 ) -> list[Explanation]:
     """The same explanations at the minima of fresh Jacobians, their effects computed for the joint that was found.
 
-    Again for those whose load moves with it, while they gain by that.
+    Again for those whose load moves with it, while they gain by that, from the derivatives that the last time left.
     """
-    before, result = list(explanations), _polish_once(baseline, explanations, iterations, refresh)
+    fresh = [_list_starts(one) for one in explanations]
+    before, result = list(explanations), _polish_once(baseline, explanations, fresh, iterations, refresh)
     for _ in range(SEARCH.polishes - 1):
         unsettled = [i for i, pair in enumerate(zip(before, result, strict=True)) if _is_unsettled(*pair)]
-        again = _polish_once(baseline, [result[i] for i in unsettled], iterations, refresh)
+        kept = [[_Start(result[i].fit.theta, result[i].fit.jacobian)] for i in unsettled]
+        again = _polish_once(baseline, [result[i] for i in unsettled], kept, iterations, refresh)
         before, further = result, dict(zip(unsettled, again, strict=True))
         result = [further.get(i, one) for i, one in enumerate(result)]
     return result
@@ -58,19 +61,36 @@ def _is_unsettled(old: Explanation, new: Explanation) -> bool:
     return bool(np.max(moved) > SEARCH.still_moving * max(float(np.max(np.abs(c.load_torque))) for c in there))
 
 
+class _Start(NamedTuple):
+    """Where a fit starts, and the Jacobian there; None where it is not known."""
+
+    theta: FloatArray
+    jacobian: FloatArray | None = None
+
+
+def _list_starts(explanation: Explanation) -> list[_Start]:
+    """Where an explanation was, and the same with both directions evened."""
+    even = even_directions(explanation.fit.theta)
+    return [_Start(start) for start in (explanation.fit.theta, even) if start is not None]
+
+
 def _polish_once(
-    baseline: Baseline, explanations: Sequence[Explanation], iterations: int, refresh: int
+    baseline: Baseline,
+    explanations: Sequence[Explanation],
+    starts: Sequence[Sequence[_Start]],
+    iterations: int,
+    refresh: int,
 ) -> list[Explanation]:
-    """Each at the minimum of fresh Jacobians with the contexts of its own joint, from where it was and with both
-    directions evened, or as it was where that is better."""
+    """Each at the best minimum from its starts with the contexts of its own joint, or as it was where that is better."""
     descents, owners = [], []
-    for i, explanation in enumerate(explanations):
+    for i, (explanation, own) in enumerate(zip(explanations, starts, strict=True)):
         structure = Structure(_rebuild_contexts(baseline, explanation), explanation.settled)
-        for start in (explanation.fit.theta, even_directions(explanation.fit.theta)):
-            if start is not None:
-                descent = structure.start_descent(start, explanation.box, iterations=iterations, refresh=refresh)
-                descents.append((structure, descent))
-                owners.append(i)
+        for start in own:
+            descent = structure.start_descent(
+                start.theta, explanation.box, jacobian=start.jacobian, iterations=iterations, refresh=refresh
+            )
+            descents.append((structure, descent))
+            owners.append(i)
     result = list(explanations)
     for i, fitted in zip(owners, _fit_and_judge(baseline, descents, [result[i].box for i in owners]), strict=True):
         result[i] = max(result[i], fitted, key=compute_preference)
