@@ -152,11 +152,8 @@ def descend(
     damping, age = 1e-3, 0
     for _ in range(iterations):
         normal = _Normal(J, residual, box)
-        least = tolerance * cost / residual.size
         trials = _propose_steps(normal, theta, damping)
         promised = cost - normal.predict_cost(theta, trials[0])
-        if age == 0 and damping < 1.0 and promised < least:
-            break
         values = yield from _try_steps(trials, cost, promised, box)
         costs = [_compute_cost(value, trial, box) for value, trial in zip(values, trials, strict=False)]
         best = int(np.argmin(costs))
@@ -175,7 +172,7 @@ def descend(
         theta, residual, cost, age = trials[best], values[best], costs[best], age + 1
         damping = max(1e-6, damping * JOINT.further_damping[best])
         # A short step by an old Jacobian may only mean that it is old.
-        if gain < least and (age == 1 or refresh > iterations):
+        if gain < tolerance * cost / residual.size and (age == 1 or refresh > iterations):
             break
         if age >= refresh:
             J, age = (yield from _compute_jacobian(theta, residual, box)), 0
