@@ -17,9 +17,10 @@ from fricomp.laws import FloatArray
 
 from ..network import TanhNetwork
 from ..network.training import TrainingLimits, train_network
+from .estimation.gathering import gather_points
 from .estimation.likelihood import Noise
 from .estimation.observation import Observations
-from .estimation.optimum import Optimum, fit_likelihood
+from .estimation.optimum import Optimum, fit_likelihood, optimum_at
 from .result import IdentificationResult
 
 __all__ = ["DATA_DRIVEN", "WEIGHTS", "DiscrepancyNetwork", "fit_discrepancy", "train_towards"]
@@ -37,6 +38,8 @@ _ONE_SPEED = 0.005
 _MOST_LOADS = 8
 """Up to so many distinct loads are left out one by one; of more, the random folds hold out enough."""
 _ITERATIONS = 30
+_MOST_POINTS = 1000
+"""Points from which on means of neighbours are trained on; there are about half as many of them."""
 _PER_SIDE = 50
 _WIDER = 1.5
 """The closed form holds the network up to this multiple of the fastest speed measured."""
@@ -84,6 +87,7 @@ def fit_discrepancy(result: IdentificationResult, *, seed: int = 0) -> Discrepan
     Raises:
         IdentificationError: Fewer than 20 different speeds, forward and reverse ones counted apart.
     """
+    result = _gather(result)
     points = result.observations
     predictions = [_held_out(result, outside) for outside in _folds(points, seed)]
     rows = np.concatenate([fold.rows for fold in predictions])
@@ -95,6 +99,27 @@ def fit_discrepancy(result: IdentificationResult, *, seed: int = 0) -> Discrepan
         network = train_towards(network, result, result.optimum, points, weight)
     held_out = {weight: float(np.sqrt(np.mean(values))) for weight, values in scores.items()}
     return DiscrepancyNetwork(network, chosen, held_out, _message(chosen, held_out))
+
+
+def _gather(result: IdentificationResult) -> IdentificationResult:
+    """The result with means of neighbouring points in place of many, each known to its own deviation.
+
+    A training solves a system with a row a point. Points that are known each to their own deviation stay as they are.
+    """
+    points, at = result.observations, result.optimum
+    given = at.noise.deviation
+    if points.size <= _MOST_POINTS or (given is not None and float(np.ptp(given)) > 0.0):
+        return result
+
+    def curve(some: Observations) -> FloatArray:
+        return result.form.evaluate(at.logs, some)[0]
+
+    means = gather_points(points, curve, most=_MOST_POINTS, spread=False)
+    level = np.sqrt(at.noise.variance(at.whitened.residual, len(result.parameter_names)))
+    plain = optimum_at(at.logs, result.form, means, at.noise.counting(means)).whitened.weight
+    means = replace(means, count=None)
+    fitted = optimum_at(at.logs, result.form, means, Noise("given", level / plain))
+    return replace(result, observations=means, rows=means, optimum=fitted)
 
 
 class _HeldOut(NamedTuple):
@@ -131,7 +156,7 @@ def _held_out(result: IdentificationResult, left_out: np.ndarray[tuple[int], np.
     inside, outside = result.observations.select(np.flatnonzero(~left_out)), result.observations.select(rows)
     closed = fit_likelihood(result.form, inside, _noise(result, ~left_out))
     law = result.form.law(dict(zip(result.parameter_names, np.exp(closed.logs).tolist(), strict=True)))
-    fold = replace(result, model=replace(result.model, law=law), observations=inside, optimum=closed)
+    fold = replace(result, model=replace(result.model, law=law), observations=inside, rows=inside, optimum=closed)
     predicted, _ = result.form.evaluate(closed.logs, outside)
     squared, network = {WEIGHTS[0]: (outside.magnitude - predicted) ** 2}, fold.network
     for weight in WEIGHTS[1:]:

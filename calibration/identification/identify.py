@@ -14,6 +14,7 @@ from fricomp.laws import FloatArray, LoadScaling
 from fricomp.model import Covariance, FrictionModel, Provenance, Validity
 
 from .estimation.form import SeparableLaw, separable_law
+from .estimation.gathering import gather_points
 from .estimation.likelihood import Noise, parse_noise
 from .estimation.observation import Observations, observe
 from .estimation.optimum import Optimum, fit_likelihood, optimum_at
@@ -72,15 +73,15 @@ def identify(
     require_choice("loss", loss, ("gaussian", "robust"))
     points = observe(velocity, torque, normal_load)
     candidates = parse_noise(noise, points.kept, np.size(velocity))
-    form, fits = _fit_forms(law, points, candidates, loss, options.reference_load)
+    rows, form, fits = _fit_rows(law, points, candidates, loss, options.reference_load)
     kind = min(fits, key=lambda k: fits[k].negative_log_likelihood)
     reference = fits[kind]
-    trained = _train(form, points, reference, options, seed) if method == "pinn" else None
+    trained = _train(form, rows, reference, options, seed) if method == "pinn" else None
     found = trained.optimum if trained else reference
     covariance = covariance_of(found)
-    verdict = judge(found, reference, covariance, form, points, independent=options.independent)
+    verdict = judge(found, reference, covariance, form, rows, independent=options.independent)
     estimate = NoiseEstimate(
-        kind, _noise_level(kind, found, points), {k: fit.negative_log_likelihood for k, fit in fits.items()}
+        kind, _noise_level(kind, found, rows), {k: fit.negative_log_likelihood for k, fit in fits.items()}
     )
     largest = float(np.max(found.magnitude))
     provenance = compute_provenance(points, estimate, verdict, largest, method=method, seed=seed)
@@ -99,6 +100,7 @@ def identify(
         traces=trained.traces if trained else None,
         identifying_network=trained.network if trained else None,
         observations=points,
+        rows=rows,
         form=form,
         optimum=found,
         seed=seed,
@@ -120,6 +122,25 @@ def require_choice(what: str, value: object, choices: tuple[str, ...]) -> None:
         raise IdentificationError(f"unknown {what} {value!r}; use {', '.join(choices)}")
 
 
+def _fit_rows(
+    law: str, points: Observations, candidates: Sequence[Noise], loss: Loss, reference_load: float | None
+) -> tuple[Observations, SeparableLaw, dict[str, Optimum]]:
+    """The rows that stand for the points, the law's form, and its optimum by noise model.
+
+    Many points are gathered about a first fit to what they show without one. Outliers, and points that are known each
+    to its own deviation, are not the same for a mean: these stay as they are.
+    """
+    given = candidates[0].deviation
+    alone = loss == "robust" or (given is not None and float(np.ptp(given)) > 0.0)
+    rows = points if alone else gather_points(points)
+    form, fits = _fit_forms(law, rows, [noise.counting(rows) for noise in candidates], loss, reference_load)
+    if rows is points:
+        return rows, form, fits
+    logs = min(fits.values(), key=lambda fit: fit.negative_log_likelihood).logs
+    rows = gather_points(points, lambda some: form.evaluate(logs, some)[0])
+    return rows, *_fit_forms(law, rows, [noise.counting(rows) for noise in candidates], loss, reference_load)
+
+
 def _fit_forms(
     law: str, points: Observations, candidates: Sequence[Noise], loss: Loss, reference_load: float | None
 ) -> tuple[SeparableLaw, dict[str, Optimum]]:
@@ -132,7 +153,7 @@ def _fit_forms(
     known = points.normal_load
     if reference_load is not None and not 0.0 < reference_load < np.inf:
         raise IdentificationError(f"reference_load must be finite and above 0, got {reference_load!r}")
-    reference = reference_load or (1.0 if known is None else float(np.mean(known)))
+    reference = reference_load or (1.0 if known is None else float(np.average(known, weights=points.count)))
     form = separable_law(law, LoadScaling(1.0, reference))
     fits = fit(form)
     if known is None or np.ptp(known) == 0.0:
@@ -177,14 +198,14 @@ def _starts(
 
 
 def _noise_level(kind: str, found: Optimum, points: Observations) -> float:
-    error = points.magnitude - found.magnitude
+    error = points.root_count * (points.magnitude - found.magnitude)
     if kind == "relative":
         error = error / found.magnitude
     elif found.noise.kind == "given" and kind == "given":
         error = found.whitened.residual
     if found.noise.kind == "given" and kind != "given":
         return float(np.median(np.abs(error)) / 0.6745)
-    return float(np.sqrt(np.sum(error**2) / max(len(error) - len(found.logs), 1)))
+    return float(np.sqrt(np.sum(error**2) / max(points.total - len(found.logs), 1)))
 
 
 def _model(

@@ -21,8 +21,9 @@ from ..network.distillation import Distillation, distil
 from .curve import friction_curve
 from .estimation.form import SeparableLaw
 from .estimation.information import compute_log_deviations
+from .estimation.likelihood import Noise
 from .estimation.observation import Observations, observe
-from .estimation.optimum import Optimum
+from .estimation.optimum import Optimum, optimum_at
 from .estimation.pinn import Traces
 from .inference.uncertainty import BENT, Interval, profile_interval
 from .status import Status
@@ -79,8 +80,9 @@ class IdentificationResult(Shown):
         traces: Course of the training; None for least squares.
         identifying_network: The network trained together with the parameters; None for least squares.
         observations: The points used.
+        rows: What stands for them in the likelihood: the points, or of many of them fewer rows that say the same.
         form: The law's separable form.
-        optimum: The likelihood at the parameters returned.
+        optimum: The likelihood at the parameters returned, from these rows.
         seed: Seed of the network's first weights.
     """
 
@@ -97,9 +99,19 @@ class IdentificationResult(Shown):
     traces: Traces | None
     identifying_network: TanhNetwork | None
     observations: Observations
+    rows: Observations
     form: SeparableLaw
     optimum: Optimum
     seed: int = 0
+
+    @cached_property
+    def at_points(self) -> Optimum:
+        """The likelihood at the parameters, from the points themselves; worked out on first use."""
+        if self.rows is self.observations:
+            return self.optimum
+        given = self.optimum.noise.deviation
+        deviation = None if given is None else np.full(self.observations.size, given[0])
+        return optimum_at(self.optimum.logs, self.form, self.observations, Noise(self.optimum.noise.kind, deviation))
 
     @property
     def parameters(self) -> dict[str, float]:

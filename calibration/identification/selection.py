@@ -12,6 +12,7 @@ from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 
 from .estimation.form import separable_law, separable_law_names
+from .estimation.gathering import gather_points
 from .estimation.likelihood import Noise
 from .estimation.observation import Observations, observe
 from .estimation.optimum import fit_likelihood
@@ -82,12 +83,13 @@ def _held_out(name: str, points: Observations, fold: np.ndarray[tuple[int], np.d
     score = np.empty(points.size)
     for k in range(_FOLDS):
         inside, outside = points.select(np.flatnonzero(fold != k)), points.select(np.flatnonzero(fold == k))
-        fits = [fit_likelihood(form, inside, Noise(kind)) for kind in ("relative", "absolute")]
+        inside = gather_points(inside)
+        fits = [fit_likelihood(form, inside, Noise(kind).counting(inside)) for kind in ("relative", "absolute")]
         fit = min(fits, key=lambda f: f.negative_log_likelihood)
         magnitude, _ = form.evaluate(fit.logs, outside)
         relative = fit.noise.kind == "relative"
-        error = (inside.magnitude - fit.magnitude) / (fit.magnitude if relative else 1.0)
-        level = float(np.sqrt(np.sum(error**2) / max(inside.size - len(fit.logs), 1)))
+        error = inside.root_count * (inside.magnitude - fit.magnitude) / (fit.magnitude if relative else 1.0)
+        level = float(np.sqrt(np.sum(error**2) / max(inside.total - len(fit.logs), 1)))
         deviation = np.maximum(level * (magnitude if relative else np.ones(outside.size)), 1e-9 * points.torque_scale)
         z = (outside.magnitude - magnitude) / deviation
         score[fold == k] = np.log(deviation) + 0.5 * z**2 + 0.5 * np.log(2.0 * np.pi)

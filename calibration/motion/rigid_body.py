@@ -324,7 +324,7 @@ def _fit_together(
 
 def _slopes(found: IdentificationResult) -> FloatArray:
     """What a small change of each friction parameter does to its points. Shape (n, n_parameters)."""
-    optimum = found.optimum
+    optimum = found.at_points
     return np.asarray(found.observations.sign[:, None] * optimum.jacobian / np.exp(optimum.logs))
 
 

@@ -177,12 +177,12 @@ def _scatter(points: Sequence[FrictionPoint], first: IdentificationResult, both_
     duration = np.array([p.duration for p in points])
     shape = np.sqrt(np.median(duration) / duration)
     if first.noise.kind == "relative":
-        shape = shape * first.optimum.magnitude
-    error = (first.observations.magnitude - first.optimum.magnitude) / shape
+        shape = shape * first.at_points.magnitude
+    error = (first.observations.magnitude - first.at_points.magnitude) / shape
     independent = len(points) // 2 if both_alike else len(points)
     freedom = max(independent - len(first.parameter_names), 1)
     level = float(np.sqrt(np.sum(error**2) / freedom))
-    return np.asarray(np.maximum(level, LEAST_LEVEL * float(np.max(first.optimum.magnitude))) * shape)
+    return np.asarray(np.maximum(level, LEAST_LEVEL * float(np.max(first.at_points.magnitude))) * shape)
 
 
 def _static_points(analysis: SweepAnalysis, points: Sequence[FrictionPoint], bend: float) -> tuple[FrictionPoint, ...]:
@@ -254,7 +254,7 @@ def _ripple_shift(result: IdentificationResult, swing: float) -> FloatArray:
 
 def _sensitivity(result: IdentificationResult, shift: FloatArray) -> FloatArray:
     """Change of each parameter by a `shift` of the points' friction magnitude. Shape (n_parameters,)."""
-    optimum = result.optimum
+    optimum = result.at_points
     weighted = optimum.whitened.weight[:, None] * optimum.jacobian
     by_logarithm, *_ = np.linalg.lstsq(weighted, optimum.whitened.weight * shift, rcond=1e-12)
     return np.asarray(by_logarithm * np.exp(optimum.logs))

@@ -20,6 +20,8 @@ from numpy.typing import ArrayLike
 from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 
+from .observation import Observations
+
 __all__ = ["Noise", "NoiseKind", "Whitened", "parse_noise"]
 
 NoiseKind = Literal["relative", "absolute", "given"]
@@ -31,7 +33,7 @@ class Whitened(NamedTuple):
     """Residuals of equal variance.
 
     Attributes:
-        residual: r(theta). Shape (n_points,).
+        residual: r(theta), times the root of how many points a row stands for. Shape (n_points,).
         jacobian: dr/dlog(theta). Shape (n_points, n_parameters).
         weight: What a torque error is multiplied by. Shape (n_points,).
     """
@@ -48,10 +50,27 @@ class Noise:
     Attributes:
         kind: `relative`, `absolute` (both with unknown level) or `given`.
         deviation: Standard deviation of each point [N·m] or [N] where `given`. Shape (n_points,).
+        count: How many measured points each stands for; None for one. Shape (n_points,).
     """
 
     kind: NoiseKind
     deviation: FloatArray | None = None
+    count: FloatArray | None = None
+
+    def counting(self, points: Observations) -> Noise:
+        """The same noise for rows that stand for several points each; one deviation is that of each point."""
+        if points.count is None:
+            return self
+        deviation = None if self.deviation is None else np.full(points.size, self.deviation[0])
+        return Noise(self.kind, deviation, points.count)
+
+    def _average(self, values: FloatArray) -> FloatArray:
+        """Mean over the measured points."""
+        return np.asarray(np.average(values, axis=0, weights=self.count))
+
+    def _count(self, rows: FloatArray) -> float:
+        """Number of measured points."""
+        return float(len(rows) if self.count is None else np.sum(self.count))
 
     def whiten(self, observed: FloatArray, magnitude: FloatArray, jacobian: FloatArray) -> Whitened:
         """Residuals r(theta) whose sum of squares orders parameters as the likelihood does.
@@ -61,13 +80,13 @@ class Noise:
             magnitude: m(theta). Shape (n_points,).
             jacobian: dm/dlog(theta). Shape (n_points, n_parameters).
         """
-        error = observed - magnitude
+        error, root = observed - magnitude, 1.0 if self.count is None else np.sqrt(self.count)
         if self.kind == "relative":
             relative = jacobian / magnitude[:, None]
-            weight = np.exp(np.mean(np.log(magnitude))) / magnitude
-            slope = weight[:, None] * (relative.mean(axis=0) - relative)
+            weight = root * np.exp(self._average(np.log(magnitude))) / magnitude
+            slope = weight[:, None] * (self._average(relative) - relative)
             return Whitened(weight * error, slope * error[:, None] - weight[:, None] * jacobian, weight)
-        weight = np.ones_like(observed) if self.deviation is None else 1.0 / self.deviation
+        weight = root * (np.ones_like(observed) if self.deviation is None else 1.0 / self.deviation)
         return Whitened(weight * error, -weight[:, None] * jacobian, weight)
 
     def negative_log_likelihood(self, residual: FloatArray, torque_scale: float) -> float:
@@ -77,9 +96,10 @@ class Noise:
             residual: Shape (n_points,).
             torque_scale: Largest torque [N·m] or [N].
         """
-        n = len(residual)
+        n = self._count(residual)
         if self.deviation is not None:
-            return float(0.5 * residual @ residual + np.sum(np.log(self.deviation)) + 0.5 * n * np.log(2.0 * np.pi))
+            units = n * float(self._average(np.log(self.deviation)))
+            return float(0.5 * residual @ residual + units + 0.5 * n * np.log(2.0 * np.pi))
         spread = max(float(residual @ residual) / n, (_LEAST_SPREAD * torque_scale) ** 2)
         return float(0.5 * n * (np.log(2.0 * np.pi * spread) + 1.0))
 
@@ -87,7 +107,7 @@ class Noise:
         """Unbiased variance of the whitened residuals; 1 where the deviations were given."""
         if self.deviation is not None:
             return 1.0
-        return float(residual @ residual) / max(len(residual) - n_parameters, 1)
+        return float(residual @ residual) / max(self._count(residual) - n_parameters, 1)
 
     def information(self, whitened: Whitened, magnitude: FloatArray, jacobian: FloatArray) -> FloatArray:
         """Fisher information about log(theta), the unknown level eliminated. Shape (n_parameters, n_parameters).
@@ -99,7 +119,8 @@ class Noise:
         information = scaled.T @ scaled / max(self.variance(whitened.residual, n), 1e-300)
         if self.kind == "relative":
             q = jacobian / magnitude[:, None]
-            centred = q - q.mean(axis=0)
+            centred = q - self._average(q)
+            centred = centred if self.count is None else centred * np.sqrt(self.count)[:, None]
             information = information + 2.0 * centred.T @ centred
         return np.asarray(information)
 

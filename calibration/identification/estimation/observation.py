@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,6 +26,7 @@ class Observations:
         magnitude: Friction torque times sgn(v) [N·m] or [N]. Shape (n_points,).
         normal_load: Normal load, or None. Shape (n_points,).
         kept: Positions of the points in the arrays that were given. Shape (n_points,).
+        count: How many measured points each stands for; None for one. Shape (n_points,).
     """
 
     speed: FloatArray
@@ -33,11 +34,22 @@ class Observations:
     magnitude: FloatArray
     normal_load: FloatArray | None
     kept: np.ndarray[tuple[int], np.dtype[np.intp]]
+    count: FloatArray | None = None
 
     @property
     def size(self) -> int:
         """Number of points."""
         return len(self.speed)
+
+    @property
+    def total(self) -> float:
+        """Number of measured points that they stand for."""
+        return float(self.size if self.count is None else np.sum(self.count))
+
+    @property
+    def root_count(self) -> FloatArray:
+        """Square root of how many points each stands for. Shape (n_points,)."""
+        return np.ones(self.size) if self.count is None else np.sqrt(self.count)
 
     @property
     def sign(self) -> FloatArray:
@@ -73,11 +85,18 @@ class Observations:
     def select(self, index: np.ndarray[tuple[int], np.dtype[np.intp]]) -> Observations:
         """The points at the positions `index`, or where a mask is true."""
         load = None if self.normal_load is None else self.normal_load[index]
-        return Observations(self.speed[index], self.forward[index], self.magnitude[index], load, self.kept[index])
+        count = None if self.count is None else self.count[index]
+        return Observations(
+            self.speed[index], self.forward[index], self.magnitude[index], load, self.kept[index], count
+        )
 
     def with_magnitude(self, magnitude: FloatArray) -> Observations:
         """The same points with other friction torques."""
-        return Observations(self.speed, self.forward, magnitude, self.normal_load, self.kept)
+        return replace(self, magnitude=magnitude)
+
+    def counting(self, count: FloatArray) -> Observations:
+        """The same points, each for so many measured ones."""
+        return replace(self, count=count)
 
 
 def observe(velocity: ArrayLike, torque: ArrayLike, normal_load: ArrayLike | None = None) -> Observations:

@@ -16,7 +16,7 @@ optimum where weighted least squares has it, as soon as the network can follow t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -28,6 +28,7 @@ from ...network import TanhNetwork, forward, forward_with_jacobian
 from ...network.blas import one_blas_thread
 from ...network.training import Damping, damped_kernel, damped_step, initial_layers, solve_output_layer
 from .form import SeparableLaw
+from .gathering import gather_points
 from .likelihood import Noise
 from .observation import Observations
 from .optimum import Optimum, optimum_at
@@ -38,7 +39,7 @@ StartKind = Literal["given", "projection", "least_squares"]
 
 _ROOT2 = np.sqrt(2.0)
 _MOST_ROWS = 400
-"""Points that the network sees; of larger data it sees an even selection, the likelihood part all of it."""
+"""Rows that the network sees; more points are gathered into about as many means. The likelihood part sees all."""
 _LONGEST_STEP = 0.5
 """Largest change of the logarithm of a parameter in one step."""
 _SCORE_TOLERANCE = 5e-3
@@ -105,46 +106,58 @@ class _Problem:
     def __init__(self, law: SeparableLaw, observations: Observations, noise: Noise, network: TanhNetwork) -> None:
         self.law, self.observations, self.noise, self.network = law, observations, noise, network
         self.upper = law.upper_logs(observations)
-        order = np.argsort(observations.velocity, kind="stable")
-        self.stride = max(1, -(-observations.size // _MOST_ROWS))
-        self.rows = np.sort(order[:: self.stride])
-        seen = observations.select(self.rows)
-        self.inputs = network.inputs(seen.velocity, seen.normal_load)
-        self.sign, self.target = seen.sign, seen.magnitude
+        self.seen, self._noise_seen = _see(observations, noise)
+        self.inputs = network.inputs(self.seen.velocity, self.seen.normal_load)
+        self._side = self.seen.sign * network.torque_scale
 
     def optimum(self, logs: FloatArray) -> Optimum:
         return optimum_at(np.minimum(logs, self.upper), self.law, self.observations, self.noise)
 
+    def weigh(self, at: Optimum) -> FloatArray:
+        """What an error of the network counts for, at the rows that it sees. Shape (n_seen,)."""
+        magnitude, jacobian = self.law.evaluate(at.logs, self.seen)
+        return np.asarray(_ROOT2 * self._noise_seen.whiten(self.seen.magnitude, magnitude, jacobian).weight)
+
     def network_error(self, weights: FloatArray, at: Optimum, weight: FloatArray) -> FloatArray:
         """a alone. The weights of the points are held: they say what a residual is worth, they are no target."""
         output = forward(self.network.with_parameters(weights).layers, self.inputs)
-        return self._row_weight(weight) * (output * self._side - self._middle(at))
+        return np.asarray(weight * (output * self._side - self._middle(self.law.evaluate(at.logs, self.seen)[0])))
 
     def network_rows(self, weights: FloatArray, at: Optimum, weight: FloatArray) -> _Rows:
         """a and its derivatives."""
         output, by_weight = forward_with_jacobian(self.network.with_parameters(weights).layers, self.inputs)
-        w = self._row_weight(weight)
+        magnitude, jacobian = self.law.evaluate(at.logs, self.seen)
         return _Rows(
-            w * (output * self._side - self._middle(at)),
-            -0.5 * w[:, None] * at.jacobian[self.rows],
-            (w * self._side)[:, None] * by_weight,
+            weight * (output * self._side - self._middle(magnitude)),
+            -0.5 * weight[:, None] * jacobian,
+            (weight * self._side)[:, None] * by_weight,
         )
 
-    @property
-    def _side(self) -> FloatArray:
-        return self.sign * self.network.torque_scale
-
-    def _row_weight(self, weight: FloatArray) -> FloatArray:
-        return np.asarray(_ROOT2 * np.sqrt(self.stride) * weight[self.rows])
-
-    def _middle(self, at: Optimum) -> FloatArray:
-        return 0.5 * (self.target + at.magnitude[self.rows])
+    def _middle(self, magnitude: FloatArray) -> FloatArray:
+        return 0.5 * (self.seen.magnitude + magnitude)
 
     def losses(self, weights: FloatArray, at: Optimum) -> tuple[float, float]:
-        network = self.network.with_parameters(weights)
-        seen = self.observations.select(self.rows)
-        torque = self.sign * np.asarray(network.torque(seen.velocity, seen.normal_load))
-        return float(np.mean((torque - self.target) ** 2)), float(np.mean((torque - at.magnitude[self.rows]) ** 2))
+        """Mean squared errors of the network to the data and to the closed form, over the points."""
+        output = forward(self.network.with_parameters(weights).layers, self.inputs) * self._side
+        closed = self.law.evaluate(at.logs, self.seen)[0]
+        errors = (output - self.seen.magnitude) ** 2, (output - closed) ** 2
+        data, model = (float(np.average(one, weights=self.seen.count)) for one in errors)
+        return data, model
+
+
+def _see(observations: Observations, noise: Noise) -> tuple[Observations, Noise]:
+    """Rows for the network, and their noise: means of neighbours, or every so manieth where deviations differ.
+
+    That step is odd, so that of two rows that stand for one cell either comes up.
+    """
+    if noise.deviation is None:
+        seen = gather_points(observations, most=_MOST_ROWS, spread=False)
+        return seen, noise.counting(seen)
+    stride = -(-observations.size // _MOST_ROWS) | 1
+    rows = np.sort(np.argsort(observations.velocity, kind="stable")[::stride])
+    seen = observations.select(rows)
+    count = stride * (np.ones(seen.size) if seen.count is None else seen.count)
+    return seen.counting(count), replace(noise, deviation=noise.deviation[rows], count=count)
 
 
 @one_blas_thread()
@@ -160,7 +173,7 @@ def train_pinn(law: SeparableLaw, observations: Observations, start: Optimum, *,
     network = untrained_network(observations, np.random.default_rng(seed))
     problem = _Problem(law, observations, start.noise, network)
     weights, at = network.parameters(), start
-    rows = problem.network_rows(weights, at, _scaled_weight(at, observations))
+    rows = problem.network_rows(weights, at, problem.weigh(at) / _residual_unit(at, observations))
     weights = weights + solve_output_layer(rows.by_weight, rows.error)
     return _descend(problem, weights, at)
 
@@ -176,12 +189,8 @@ def untrained_network(observations: Observations, rng: np.random.Generator) -> T
     return TanhNetwork(layers, top, observations.torque_scale, offset, half_range or 1.0)
 
 
-def _scaled_weight(at: Optimum, observations: Observations) -> FloatArray:
-    """Weights such that residuals are of order one, whatever the unit; constant factors change no optimum."""
-    return at.whitened.weight / _residual_unit(at, observations)
-
-
 def _residual_unit(at: Optimum, observations: Observations) -> float:
+    """Unit in which residuals are of order one, whatever the torque's is; constant factors change no optimum."""
     return float(np.median(at.whitened.weight)) * observations.torque_scale
 
 
@@ -189,7 +198,8 @@ def _descend(problem: _Problem, weights: FloatArray, at: Optimum) -> TrainedPinn
     unit = _residual_unit(at, problem.observations)
     damping, course = Damping(), []
     likelihood = at.whitened.residual / unit / _ROOT2
-    rows = problem.network_rows(weights, at, at.whitened.weight / unit)
+    weight = problem.weigh(at) / unit
+    rows = problem.network_rows(weights, at, weight)
     converged, step_count = False, 0
     for _ in range(_MOST_STEPS):
         step_count += 1
@@ -197,7 +207,7 @@ def _descend(problem: _Problem, weights: FloatArray, at: Optimum) -> TrainedPinn
         change, weight_change, predicted = _joint_step(likelihood, by_parameter, rows, damping.value)
         trial = problem.optimum(at.logs + change)
         trial_likelihood = trial.whitened.residual / unit / _ROOT2
-        trial_error = problem.network_error(weights + weight_change, trial, at.whitened.weight / unit)
+        trial_error = problem.network_error(weights + weight_change, trial, weight)
         before = float(likelihood @ likelihood) + rows.cost
         after = float(trial_likelihood @ trial_likelihood + trial_error @ trial_error)
         if not after < before:
@@ -207,7 +217,8 @@ def _descend(problem: _Problem, weights: FloatArray, at: Optimum) -> TrainedPinn
             continue
         damping.accept((before - after) / predicted)
         weights, at, likelihood = weights + weight_change, trial, trial_likelihood
-        rows = problem.network_rows(weights, at, at.whitened.weight / unit)
+        weight = problem.weigh(at) / unit
+        rows = problem.network_rows(weights, at, weight)
         course.append((np.exp(at.logs), *problem.losses(weights, at)))
         converged = _has_converged(at, problem.observations)
         if converged and before - after < _SLOW_GAIN * before:

@@ -50,7 +50,7 @@ def starting_points(law: SeparableLaw, observations: Observations, noise: Noise,
         best = np.concatenate([candidates[0].logs for candidates in branches])
         if noise.kind == "relative":
             magnitude, _ = law.evaluate(with_sensitivity(law, best), observations)
-            weight = 1.0 / np.maximum(magnitude, 1e-3 * observations.torque_scale)
+            weight = observations.root_count / np.maximum(magnitude, 1e-3 * observations.torque_scale)
     combinations = sorted(itertools.product(*branches), key=lambda c: sum(candidate.cost for candidate in c))
     logs = [np.concatenate([candidate.logs for candidate in c]) for c in combinations[:_STARTS]]
     return [with_sensitivity(law, one) for one in logs]
@@ -73,7 +73,7 @@ def project_start(law: SeparableLaw, observations: Observations, noise: Noise, l
 
 
 def _plain_weight(observations: Observations, noise: Noise) -> FloatArray:
-    return np.ones(observations.size) if noise.deviation is None else 1.0 / noise.deviation
+    return observations.root_count / (1.0 if noise.deviation is None else noise.deviation)
 
 
 def with_sensitivity(law: SeparableLaw, logs: FloatArray) -> FloatArray:

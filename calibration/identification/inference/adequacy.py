@@ -58,9 +58,10 @@ def compute_misfit_p_value(found: Optimum, points: Observations) -> float:
     law = _orthonormal(_scaled(found.whitened.weight[:, None] * found.jacobian), 1e-7)
     residual = found.whitened.weight * (points.magnitude - found.magnitude)
     residual = residual - law @ (law.T @ residual)
-    waves = _waves(points, min(_WAVES, (points.size - law.shape[1]) // _POINTS_A_WAVE))
-    waves = _orthonormal(waves - law @ (law.T @ waves), _NEW * np.sqrt(points.size))
-    freedom = points.size - law.shape[1] - waves.shape[1]
+    waves = _waves(points, int(min(_WAVES, (points.total - law.shape[1]) // _POINTS_A_WAVE)))
+    waves = points.root_count[:, None] * waves
+    waves = _orthonormal(waves - law @ (law.T @ waves), _NEW * np.sqrt(points.total))
+    freedom = points.total - law.shape[1] - waves.shape[1]
     if not waves.shape[1] or freedom < 1:
         return 1.0
     smooth = float(np.sum((waves.T @ residual) ** 2))
@@ -99,7 +100,7 @@ def find_open_bends(found: Optimum, form: SeparableLaw, points: Observations) ->
     if form.basis.shape_index is None:
         return []
     variance = found.noise.variance(found.whitened.residual, len(found.logs))
-    freedom = max(points.size - len(found.logs), 1)
+    freedom = max(points.total - len(found.logs), 1)
     bounded, shown = float(fisher.ppf(_BOUNDED, 1, freedom)), 2.0 * float(fisher.ppf(_SHOWN, 2, freedom))
     bends = []
     for branch, rows in enumerate(form.branches(points)):
@@ -132,13 +133,15 @@ def find_driven_directions(points: Observations) -> list[str]:
     """Directions in which the mean of a quarter of the points, by speed, clearly has the sign that drives the joint."""
     driven = []
     for name, rows in (("forward", points.forward), ("reverse", ~points.forward)):
-        magnitude = points.magnitude[rows][np.argsort(points.speed[rows], kind="stable")]
-        blocks = np.array_split(magnitude, min(4, len(magnitude) // _FEWEST)) if len(magnitude) >= _FEWEST else []
-        if any(_is_negative(block) for block in blocks):
+        some = points.select(np.flatnonzero(rows))
+        some = some.select(np.argsort(some.speed, kind="stable"))
+        blocks = np.array_split(np.arange(some.size), min(4, some.size // _FEWEST)) if some.size >= _FEWEST else []
+        if any(_is_negative(some.select(block)) for block in blocks):
             driven.append(name)
     return driven
 
 
-def _is_negative(block: FloatArray) -> bool:
-    spread = float(np.std(block, ddof=1)) / np.sqrt(len(block))
-    return bool(np.mean(block) < -spread * student.ppf(1.0 - _DRIVEN, len(block) - 1))
+def _is_negative(block: Observations) -> bool:
+    mean = float(np.average(block.magnitude, weights=block.count))
+    variance = float(np.average((block.magnitude - mean) ** 2, weights=block.count)) / (block.total - 1.0)
+    return bool(mean < -np.sqrt(variance) * student.ppf(1.0 - _DRIVEN, block.total - 1.0))

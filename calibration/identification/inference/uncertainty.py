@@ -65,12 +65,20 @@ class Identified(Protocol):
         """The points used."""
 
     @property
+    def rows(self) -> Observations:
+        """Rows that stand for them."""
+
+    @property
     def form(self) -> SeparableLaw:
         """The law's separable form."""
 
     @property
     def optimum(self) -> Optimum:
-        """The likelihood at the parameters."""
+        """The likelihood at the parameters, from the rows."""
+
+    @property
+    def at_points(self) -> Optimum:
+        """The same from the points."""
 
 
 @dataclass(frozen=True)
@@ -125,7 +133,7 @@ def profile_interval(result: Identified, name: str, level: float = 0.95) -> Inte
     alone = max(float(covariance_of(result.optimum)[index, index]), 1e-300)
     rise = 0.5 * float(fisher.ppf(level, 1, freedom)) * max(1.0, float(result.covariance[index, index]) / alone)
     if result.optimum.noise.deviation is None:  # the level of the noise, at its optimum, grows with the misfit
-        rise = 0.5 * result.observations.size * float(np.log1p(2.0 * rise / freedom))
+        rise = 0.5 * result.rows.total * float(np.log1p(2.0 * rise / freedom))
     centre = float(result.optimum.logs[index])
     step = min(result.standard_deviations[name] / result.parameters[name], 1.0)
 
@@ -148,7 +156,7 @@ def _index(result: Identified, name: str) -> int:
 
 def _held(result: Identified, index: int, log_value: float) -> float:
     """Negative log-likelihood above the optimum with one logarithm held."""
-    form, points, noise = result.form, result.observations, result.optimum.noise
+    form, points, noise = result.form, result.rows, result.optimum.noise
     free = np.arange(len(form.names)) != index
     logs = result.optimum.logs.copy()
     logs[index] = log_value
@@ -179,18 +187,18 @@ def block_bootstrap(result: Identified, block_length: int, samples: int = 200, s
     Raises:
         IdentificationError: Blocks longer than half the data.
     """
-    points, noise = result.observations, result.optimum.noise
-    n = points.size
+    points, at = result.observations, result.at_points
+    n, noise = points.size, at.noise
     if not 1 <= block_length <= n // 2:
         raise IdentificationError(f"block_length must lie between 1 and half of the {n} points, got {block_length}")
     rng = np.random.default_rng(seed)
-    weight = result.optimum.whitened.weight
-    residual = weight * (points.magnitude - result.optimum.magnitude)
+    weight = at.whitened.weight
+    residual = weight * (points.magnitude - at.magnitude)
     residual = (residual - residual.mean()) * np.sqrt(n / max(n - len(result.parameter_names), 1))
     refits = []
     for _ in range(samples):
         begin = rng.integers(0, n - block_length + 1, -(-n // block_length))
         index = (begin[:, None] + np.arange(block_length)).ravel()[:n]
-        data = points.with_magnitude(result.optimum.magnitude + residual[index] / weight)
-        refits.append(np.exp(refine(result.optimum.logs, result.form, data, noise).logs))
+        data = points.with_magnitude(at.magnitude + residual[index] / weight)
+        refits.append(np.exp(refine(at.logs, result.form, data, noise).logs))
     return BootstrapSample(result.parameter_names, np.array(refits))

@@ -22,6 +22,7 @@ from fricomp.report import (
 )
 
 from ..curve import friction_curve
+from ..estimation.observation import Observations
 from ..result import IdentificationResult
 from ..status import Status
 from .chart import network_note, training_chart
@@ -30,6 +31,9 @@ __all__ = ["identification_charts", "parameter_rows", "write_identification_repo
 
 _SEES_STATIC = 0.5
 """Slowest speed over Stribeck velocity up to which points show the static torque: exp(-1/4) = 78 % of what it adds."""
+
+_MOST_SHOWN = 4000
+"""Points of a chart: more lie on each other, and would make the page larger than the data."""
 
 
 def write_identification_report(
@@ -82,20 +86,32 @@ def _between(lower: float, upper: float) -> str:
 
 
 def identification_charts(result: IdentificationResult) -> list[Chart]:
-    """Friction curve, residuals and, where a network was trained, its course."""
-    curve = friction_curve(result.model, result.observations, result.torque_deviation, result.network)
+    """Friction curve, residuals and, where a network was trained, its course; of many points an even selection."""
+    curve = friction_curve(result.model, _select_shown(result.observations), result.torque_deviation, result.network)
     charts = [curve, _residuals(result)]
     return charts if result.traces is None else [*charts, training_chart(result.traces, result.model.torque_unit)]
 
 
 def _residuals(result: IdentificationResult) -> Chart:
-    units, points = _units(result), result.observations
-    residual = points.magnitude - result.optimum.magnitude
-    deviation = result.noise.level * (result.optimum.magnitude if result.noise.kind == "relative" else 1.0)
-    scaled = residual / deviation if result.noise.kind != "given" else result.optimum.whitened.residual
+    units, points = _units(result), _select_shown(result.observations)
+    magnitude, _ = result.form.evaluate(result.optimum.logs, points)
+    deviation = result.noise.level * (magnitude if result.noise.kind == "relative" else 1.0)
+    scaled = (points.magnitude - magnitude) / deviation
+    if result.noise.kind == "given":
+        scaled = result.at_points.whitened.residual[_choose_shown(result.observations)]
     mark = Points(points.velocity, scaled, "residual", size=3.0)
     panel = Panel((mark,), f"velocity [{units[0]}]", "residual [standard deviations]")
     return Chart("residuals", "Residuals", (panel,), caption="No trend should be left in them.")
+
+
+def _select_shown(points: Observations) -> Observations:
+    """The points that a chart shows: all, or of many as many as it can show."""
+    return points.select(np.arange(points.size)[_choose_shown(points)])
+
+
+def _choose_shown(points: Observations) -> slice:
+    """Every point, or every so manieth of many."""
+    return slice(None, None, -(-points.size // _MOST_SHOWN))
 
 
 def _checks(result: IdentificationResult) -> tuple[Check, ...]:
