@@ -81,7 +81,7 @@ def _polish_once(
     iterations: int,
     refresh: int,
 ) -> list[Explanation]:
-    """Each at the best minimum from its starts with the contexts of its own joint, or as it was where that is better."""
+    """Each at the best minimum from its starts with the contexts of its own joint, or as it was if that is better."""
     descents, owners = [], []
     for i, (explanation, own) in enumerate(zip(explanations, starts, strict=True)):
         structure = Structure(_rebuild_contexts(baseline, explanation), explanation.settled)
