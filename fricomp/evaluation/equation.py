@@ -23,7 +23,16 @@ from fricomp.model import JointDynamics
 
 from .motion import MotionPart
 
-__all__ = ["Along", "JointEquation", "align_torque", "list_dynamic"]
+__all__ = [
+    "Along",
+    "JointEquation",
+    "Resistance",
+    "advance_states",
+    "align_torque",
+    "follow_law",
+    "list_dynamic",
+    "resist",
+]
 
 _STEP = 1e-6  # of a velocity over the fastest one, by which the slope of a term with a memory is taken
 _COLUMNS = ("velocity", "position", "acceleration", "load_torque", "temperature", "normal_load")
@@ -96,59 +105,77 @@ class JointEquation:
 
         Dry friction of a resting joint takes what the drive gives, up to its level.
         """
-        v = part.smooth_velocity
-        point = self.compute_point(part.position, v, part.acceleration, part.channels)
-        states, found = [], []
-        for term in self.law.terms:
-            if isinstance(term, DynamicTerm):
-                after = _follow_states(term, point, part.dt)
-                before = np.concatenate([np.zeros((after.shape[0], 1)), after[:, :-1]], axis=1)
-                states.append(after)
-                found.append(term.parts_after(point, tuple(before), tuple(after), part.dt))
-            else:
-                found.append(term.parts(point))
-        smooth = self.inertia * part.acceleration + self.compute_rigid(part.position)
-        for kind in ("held", "drag", "bristle"):
-            smooth = smooth + _add(found, kind)
-        dry = np.maximum(_add(found, "dry") + np.zeros_like(v), 0.0)
-        torque = align_torque(part, self.dynamics.torque_delay)
-        held = np.clip(torque - smooth, -dry, dry)
-        return Along(smooth + np.where(np.abs(v) > rest_speed, dry * np.sign(v), held), tuple(states))
+        point = self.compute_point(part.position, part.smooth_velocity, part.acceleration, part.channels)
+        rigid = self.inertia * part.acceleration + self.compute_rigid(part.position)
+        return follow_law(self.law, point, rigid, align_torque(part, self.dynamics.torque_delay), (part.dt, rest_speed))
 
-    def resist(self, point: OperatingPoint, states: Sequence[FloatArray], dt: float, scale: float) -> Resistance:
-        """What resists at a point, linear in the velocity over a step of `dt` [s].
 
-        Args:
-            point: Arrays of shape (m,).
-            states: Of each term that has any, before the step. Each of shape (n_states, m).
-            dt: Step [s].
-            scale: Fastest velocity [rad/s] or [m/s].
-        """
-        moved = _move(point, _STEP * scale)
-        static = [term.parts(moved) for term in self.law.terms if not isinstance(term, DynamicTerm)]
-        here, there = (
-            [_look_ahead(term, one, before, dt) for term, before in zip(list_dynamic(self.law), states, strict=True)]
-            for one in (point, moved)
-        )
-        gap = moved.velocity - point.velocity
-        following, slope = (
-            np.maximum((_add(there, kind) - _add(here, kind)) / gap, 0.0) for kind in ("drag", "bristle")
-        )
-        remainder = _add(here, "drag") - following * point.velocity  # of a drag that follows a state
-        return Resistance(
-            held=_add([*static, *here], "held") + remainder,
-            dry=np.maximum(_add([*static, *here], "dry"), 0.0),
-            drag=np.maximum(_add(static, "drag") / moved.velocity, 0.0) + following,
-            bristle=_add(here, "bristle"),
-            slope=slope,
-        )
+def follow_law(
+    law: FrictionLaw, point: OperatingPoint, rigid: FloatArray, torque: FloatArray, steps: tuple[float, float]
+) -> Along:
+    """Torque of a rigid body with this friction along a motion.
 
-    def advance(self, point: OperatingPoint, states: Sequence[FloatArray], dt: float) -> tuple[FloatArray, ...]:
-        """The states after a step of `dt` [s] at `point`."""
-        return tuple(
-            np.stack(np.broadcast_arrays(*term.follow(point, tuple(before), dt)))
-            for term, before in zip(list_dynamic(self.law), states, strict=True)
-        )
+    Args:
+        law: Friction.
+        point: The motion; each array of shape (n,).
+        rigid: Torque of the rigid body there [N·m].
+        torque: That acted at the samples: a resting joint takes it, up to the level of its dry friction [N·m].
+        steps: Time between samples [s], and the speed below which the joint rests [rad/s] or [m/s].
+    """
+    (dt, rest_speed), v = steps, np.asarray(point.velocity)
+    states, found = [], []
+    for term in law.terms:
+        if isinstance(term, DynamicTerm):
+            after = _follow_states(term, point, dt)
+            before = np.concatenate([np.zeros((after.shape[0], 1)), after[:, :-1]], axis=1)
+            states.append(after)
+            found.append(term.parts_after(point, tuple(before), tuple(after), dt))
+        else:
+            found.append(term.parts(point))
+    smooth = rigid + _add(found, "held") + _add(found, "drag") + _add(found, "bristle")
+    dry = np.maximum(_add(found, "dry") + np.zeros_like(v), 0.0)
+    held = np.clip(torque - smooth, -dry, dry)
+    return Along(smooth + np.where(np.abs(v) > rest_speed, dry * np.sign(v), held), tuple(states))
+
+
+def resist(
+    law: FrictionLaw, point: OperatingPoint, states: Sequence[FloatArray], dt: float, scale: float
+) -> Resistance:
+    """What resists at a point, linear in the velocity over a step of `dt` [s].
+
+    Args:
+        law: Friction.
+        point: Arrays of shape (m,).
+        states: Of each term that has any, before the step. Each of shape (n_states, m).
+        dt: Step [s].
+        scale: Fastest velocity [rad/s] or [m/s].
+    """
+    moved = _move(point, _STEP * scale)
+    static = [term.parts(moved) for term in law.terms if not isinstance(term, DynamicTerm)]
+    here, there = (
+        [_look_ahead(term, one, before, dt) for term, before in zip(list_dynamic(law), states, strict=True)]
+        for one in (point, moved)
+    )
+    gap = moved.velocity - point.velocity
+    following, slope = (np.maximum((_add(there, kind) - _add(here, kind)) / gap, 0.0) for kind in ("drag", "bristle"))
+    remainder = _add(here, "drag") - following * point.velocity  # of a drag that follows a state
+    return Resistance(
+        held=_add([*static, *here], "held") + remainder,
+        dry=np.maximum(_add([*static, *here], "dry"), 0.0),
+        drag=np.maximum(_add(static, "drag") / moved.velocity, 0.0) + following,
+        bristle=_add(here, "bristle"),
+        slope=slope,
+    )
+
+
+def advance_states(
+    law: FrictionLaw, point: OperatingPoint, states: Sequence[FloatArray], dt: float
+) -> tuple[FloatArray, ...]:
+    """The states after a step of `dt` [s] at `point`."""
+    return tuple(
+        np.stack(np.broadcast_arrays(*term.follow(point, tuple(before), dt)))
+        for term, before in zip(list_dynamic(law), states, strict=True)
+    )
 
 
 def align_torque(part: MotionPart, delay: float) -> FloatArray:

@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fricomp.laws import Dahl, FloatArray, LuGre, SpringTorque
+from fricomp.laws import Dahl, FloatArray, FrictionLaw, LuGre, SpringTorque
 from fricomp.laws.end_stop import EndStop
 
-from .equation import JointEquation, align_torque
+from .equation import JointEquation, advance_states, align_torque, resist
 from .motion import MotionPart
 from .settings import EVALUATION
 
-__all__ = ["simulate_equation"]
+__all__ = ["count_substeps", "simulate_equation"]
 
 Index = NDArray[np.intp]
 
@@ -46,7 +46,7 @@ def simulate_equation(
         lengths: Numbers of samples, rising.
     """
     top = max(float(np.quantile(np.abs(part.velocity), EVALUATION.top)), 1e-9)
-    substeps = _count_substeps(equation, part.dt, top)
+    substeps = count_substeps(equation.law, equation.inertia, part.dt, top)
     torque = align_torque(part, equation.dynamics.torque_delay)
     state = _State(
         part.position[starts],
@@ -82,27 +82,35 @@ def _advance(
     v, q = state.velocity, state.position + 0.5 * h * state.velocity
     ahead = v + 0.5 * h * state.acceleration
     ahead = np.where(ahead * v > 0.0, ahead, v)
-    found = equation.resist(equation.compute_point(q, ahead, state.acceleration, channels), state.memory, h, top)
+    point = equation.compute_point(q, ahead, state.acceleration, channels)
+    found = resist(equation.law, point, state.memory, h, top)
     heavy = equation.inertia / h
     push = (heavy - 0.5 * found.drag) * v + found.slope * ahead
     push = push + drive - equation.compute_rigid(q) - found.held - found.bristle
     w = np.sign(push) * np.maximum(np.abs(push) - found.dry, 0.0) / (heavy + 0.5 * found.drag + found.slope)
     if state.memory:
         at = equation.compute_point(q, w, state.acceleration, channels)
-        state.memory = equation.advance(at, state.memory, h)
+        state.memory = advance_states(equation.law, at, state.memory, h)
     state.acceleration = (w - v) / h
     state.position = state.position + 0.5 * h * (v + w)
     state.velocity = w
 
 
-def _count_substeps(equation: JointEquation, dt: float, top: float) -> int:
-    """Steps of a sample: fine enough for every oscillation of the model, within reason."""
+def count_substeps(law: FrictionLaw, inertia: float, dt: float, top: float) -> int:
+    """Steps of a sample: fine enough for every oscillation of the model, within reason.
+
+    Args:
+        law: Friction.
+        inertia: That it acts on [kg·m²] or [kg].
+        dt: Time between samples [s].
+        top: Speed of the motion [rad/s] or [m/s].
+    """
     rates = [EVALUATION.angle / EVALUATION.longest_step]
-    for term in equation.law.terms:
+    for term in law.terms:
         if isinstance(term, LuGre | Dahl):
-            rates.append((term.sigma_0 / equation.inertia) ** 0.5)
+            rates.append((term.sigma_0 / inertia) ** 0.5)
         if isinstance(term, SpringTorque | EndStop):
-            rates.append((term.stiffness / equation.inertia) ** 0.5)
+            rates.append((term.stiffness / inertia) ** 0.5)
         order = getattr(term, "order", None)
         if order is not None:
             rates.append(order * top)

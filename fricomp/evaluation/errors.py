@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,16 @@ from .motion import MotionPart, RecordedMotion, low_pass
 from .result import PositionError, TorqueError
 from .settings import EVALUATION, HORIZONS
 
-__all__ = ["Simulate", "Spans", "choose_starts", "measure_positions", "measure_torque", "select_rows"]
+__all__ = [
+    "Simulate",
+    "Spans",
+    "Starts",
+    "measure_positions",
+    "measure_torque",
+    "select_rows",
+    "select_starts",
+    "summarise_positions",
+]
 
 Index = NDArray[np.intp]
 Rows = NDArray[np.bool_]
@@ -67,61 +77,87 @@ def measure_torque(
     )
 
 
+class Starts(NamedTuple):
+    """Where simulations start, a part a row.
+
+    Attributes:
+        horizons: Times after which their errors are measured [s], rising; empty where a part is too short.
+        chosen: Samples.
+    """
+
+    horizons: list[list[float]]
+    chosen: list[Index]
+
+
 def measure_positions(
     motion: RecordedMotion, simulate: Simulate, spans: Spans | None = None
 ) -> tuple[PositionError, ...]:
     """Simulate from many measured states, and compare where the model comes to with where the joint came to."""
     found: dict[float, list[tuple[FloatArray, FloatArray]]] = {}
-    for number, (part, starts) in enumerate(zip(motion.parts, choose_starts(motion, spans), strict=True)):
-        horizons = _list_horizons(part)
-        if starts.size == 0 or not horizons:
+    starts = select_starts([one.time for one in motion.parts], [one.moves for one in motion.parts], spans)
+    for number, part in enumerate(motion.parts):
+        horizons, chosen = starts.horizons[number], starts.chosen[number]
+        if chosen.size == 0 or not horizons:
             continue
         lengths = [round(one / part.dt) for one in horizons]
-        for horizon, length, reached in zip(horizons, lengths, simulate(number, starts, lengths), strict=True):
-            true = part.position[starts + length]
-            most = EVALUATION.runaway * motion.range
-            error = np.clip(np.nan_to_num(np.abs(reached - true), nan=most, posinf=most), 0.0, most)
-            found.setdefault(horizon, []).append((error, np.abs(true - part.position[starts])))
-    return tuple(_summarise(motion, horizon, pairs) for horizon, pairs in sorted(found.items()))
+        for horizon, length, reached in zip(horizons, lengths, simulate(number, chosen, lengths), strict=True):
+            true = part.position[chosen + length]
+            found.setdefault(horizon, []).append((reached - true, np.abs(true - part.position[chosen])))
+    return summarise_positions(motion, found)
 
 
-def choose_starts(motion: RecordedMotion, spans: Spans | None = None) -> list[Index]:
-    """Starts in each part: evenly over the samples in motion that leave room for its longest simulation."""
+def select_starts(
+    times: Sequence[FloatArray], moves: Sequence[Rows], spans: Spans | None = None, count: int = EVALUATION.starts
+) -> Starts:
+    """Choose starts evenly over the samples in motion that leave room for the longest simulation of their part.
+
+    Args:
+        times: Of the samples of each part, evenly spaced [s].
+        moves: Whether the joint moves there.
+        spans: Times that a simulation stays within [s]; all if None.
+        count: How many at most.
+    """
+    horizons = [_list_horizons(time) for time in times]
     options = []
-    for part in motion.parts:
-        horizons, rows = _list_horizons(part), select_rows(part, spans)
-        length = round(horizons[-1] / part.dt) if horizons else part.time.size
-        inside = rows.copy()
-        if spans is not None:  # a simulation stays within the time that counts
-            inside = rows & select_rows_at(part, spans, length)
-        inside[max(part.time.size - length, 0) :] = False
+    for time, moving, each in zip(times, moves, horizons, strict=True):
+        dt = time[1] - time[0]
+        length = round(each[-1] / dt) if each else time.size
+        inside = moving.copy()
+        inside[max(time.size - length, 0) :] = False
+        if spans is not None:
+            inside &= np.any([(time >= a) & (time + length * dt < b) for a, b in spans], axis=0)
         options.append(np.flatnonzero(inside))
-    total = sum(one.size for one in options)
-    if total == 0:
-        return options
-    chosen = np.unique(np.linspace(0, total - 1, min(EVALUATION.starts, total)).round().astype(np.intp))
     ends = np.cumsum([0, *(one.size for one in options)])
-    return [
-        one[chosen[(chosen >= a) & (chosen < b)] - a] for one, a, b in zip(options, ends[:-1], ends[1:], strict=True)
-    ]
+    if ends[-1] == 0:
+        return Starts(horizons, options)
+    even = np.linspace(0, ends[-1] - 1, min(count, int(ends[-1]))).round().astype(np.intp)
+    chosen = np.unique(even)
+    pairs = zip(options, ends[:-1], ends[1:], strict=True)
+    return Starts(horizons, [one[chosen[(chosen >= a) & (chosen < b)] - a] for one, a, b in pairs])
 
 
-def select_rows_at(part: MotionPart, spans: Spans, length: int) -> Rows:
-    """Samples that are in one of the spans together with the one `length` samples later. Shape (n,)."""
-    inside = np.zeros(part.time.size, dtype=bool)
-    for start, stop in spans:
-        inside |= (part.time >= start) & (part.time + length * part.dt < stop)
-    return inside
-
-
-def _list_horizons(part: MotionPart) -> list[float]:
+def _list_horizons(time: FloatArray) -> list[float]:
     """Horizons that leave half of the part for starts, in whole samples."""
-    length = part.time[-1] - part.time[0]
-    return [one for one in HORIZONS if one <= 0.5 * length and round(one / part.dt) >= 1]
+    dt = time[1] - time[0]
+    return [one for one in HORIZONS if one <= 0.5 * (time[-1] - time[0]) and round(one / dt) >= 1]
+
+
+def summarise_positions(
+    motion: RecordedMotion, found: Mapping[float, Sequence[tuple[FloatArray, FloatArray]]]
+) -> tuple[PositionError, ...]:
+    """Errors and travels of simulations as figures, by their length.
+
+    Args:
+        motion: The recorded motion.
+        found: Error of each start and the way that the joint went, from each part, by the time after the start.
+    """
+    return tuple(_summarise(motion, horizon, pairs) for horizon, pairs in sorted(found.items()))
 
 
 def _summarise(motion: RecordedMotion, horizon: float, pairs: Sequence[tuple[FloatArray, FloatArray]]) -> PositionError:
     error, travel = (np.concatenate([pair[k] for pair in pairs]) for k in (0, 1))
+    most = EVALUATION.runaway * motion.range
+    error = np.clip(np.nan_to_num(np.abs(error), nan=most, posinf=most), 0.0, most)
     blocks = np.array_split(error, min(EVALUATION.blocks, error.size))
     rng = np.random.default_rng(0)
     drawn = [

@@ -27,6 +27,7 @@ class EvaluationSettings:
         top: Quantile of the speed that counts as the top one.
         counts: Encoder steps in one period of the band, below which a joint counts as resting.
         starts: Open-loop simulations, spread evenly over the time in motion. Their median is known to a tenth.
+        arm_starts: The same of a whole arm, whose simulation takes longer.
         blocks: Blocks of time that the intervals are drawn from.
         draws: Bootstrap samples of an interval.
         velocity_lag: Deviation of a recorded velocity from the slope of the position over the RMS speed, above which it
@@ -48,6 +49,7 @@ class EvaluationSettings:
     top: float = 0.98
     counts: float = 2.0
     starts: int = 100
+    arm_starts: int = 40
     blocks: int = 20
     draws: int = 400
     velocity_lag: float = 0.05

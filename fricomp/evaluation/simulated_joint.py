@@ -20,9 +20,11 @@ from .evaluated import EvaluatedJoint
 from .motion import MotionPart
 from .settings import EVALUATION
 
-__all__ = ["SimulatedJoint", "read_simulated_joint"]
+__all__ = ["SimulatedJoint", "hold_others", "read_simulated_joint", "spread_torque"]
 
 Index = NDArray[np.intp]
+
+_MOTOR_CONSTANT = 1  # place in the gain parameters of MuJoCo's dcmotor
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,7 @@ class SimulatedJoint(EvaluatedJoint):
                 along.states[0][:, start],
             )
             mujoco.mj_getState(model, data, initial[row], kind)
-        drive = _spread_torque(part.torque, starts, lengths[-1], substeps)
+        drive = spread_torque(part.torque, starts, lengths[-1], substeps)
         spec = int(mujoco.mjtState.mjSTATE_QFRC_APPLIED)
         state, _ = rollout.rollout(model, data, initial, drive[:, :, None], control_spec=spec)
         ends = np.array([substeps * length - 1 for length in lengths])
@@ -118,7 +120,7 @@ def read_simulated_joint(path: str | Path, joint: str | None, *, named: bool = T
             f"{path} has no joint {joint!r}; say which of its joints is meant: {', '.join(names)}"
         )
     chosen = joint if joint in names else names[0]
-    _hold_others(spec, names.index(chosen))
+    hold_others(spec, (chosen,))
     try:
         model = spec.compile()
     except ValueError as error:
@@ -134,20 +136,27 @@ def read_simulated_joint(path: str | Path, joint: str | None, *, named: bool = T
     return SimulatedJoint(f"{Path(path).name} in MuJoCo", motion, unit, notes, model, step)
 
 
-def _hold_others(spec: Any, index: int) -> None:
-    """Delete all other joints and what moves or watches them; passive motors of this joint stay."""
+def hold_others(spec: Any, kept: Sequence[str], *, passive: bool = True) -> None:
+    """Delete all joints but some, and what drives, couples or watches any of them.
+
+    Args:
+        spec: MuJoCo's `MjSpec`.
+        kept: Names of the joints that stay.
+        passive: Whether passive motors of these joints stay, which are their friction.
+    """
     import mujoco
 
-    kept = spec.joints[index]
-    passive = int(mujoco.mjtGain.mjGAIN_DCMOTOR)
+    motor = int(mujoco.mjtGain.mjGAIN_DCMOTOR)
     for one in list(spec.actuators):
-        if one.target != kept.name or int(one.gaintype) != passive:
+        if passive and one.target in kept and int(one.gaintype) == motor:
+            one.gainprm[_MOTOR_CONSTANT] = 0.0  # its friction and ripple stay, and it gives no torque of its own
+        else:
             spec.delete(one)
     for each in (spec.sensors, spec.equalities, spec.keys, spec.tendons, spec.pairs, spec.excludes):
         for one in list(each):
             spec.delete(one)
-    for number, one in enumerate(list(spec.joints)):
-        if number != index:
+    for one in list(spec.joints):
+        if one.name not in kept:
             spec.delete(one)
 
 
@@ -175,7 +184,7 @@ def _follow(model: Any, part: MotionPart, substeps: int) -> tuple[FloatArray, Fl
     return torque, states
 
 
-def _spread_torque(torque: FloatArray, starts: Index, length: int, substeps: int) -> FloatArray:
+def spread_torque(torque: FloatArray, starts: Index, length: int, substeps: int) -> FloatArray:
     """Mean torque over each step of each simulation. Shape (n_starts, length * substeps)."""
     steps = (np.arange(length * substeps) + 0.5) / substeps
     at = np.minimum(starts[:, None] + steps, torque.size - 1.0)

@@ -1,0 +1,168 @@
+"""A whole arm: torque error of each joint, and open-loop motion of all joints together."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.errors import RecordingError
+from fricomp.laws import FloatArray
+from fricomp.model import FrictionModel, load_model
+from fricomp.overview import Overview, OverviewTable, Shown
+from fricomp.recording import Recording
+
+from .arm_motion import ArmMotion, read_arm_motion
+from .errors import Spans, measure_torque, select_starts, summarise_positions
+from .result import PositionError, TorqueError
+from .settings import EVALUATION
+from .simulated_arm import SimulatedArm, read_simulated_arm
+
+__all__ = ["ArmEvaluation", "JointErrors", "evaluate_arm"]
+
+Source = str | os.PathLike[str]
+Index = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class JointErrors:
+    """Errors of one joint of an arm.
+
+    Attributes:
+        name: Of the joint.
+        torque: Along the recorded motion.
+        position: Of open-loop simulations of the whole arm, by their length.
+    """
+
+    name: str
+    torque: TorqueError
+    position: tuple[PositionError, ...]
+
+
+@dataclass(frozen=True, repr=False)
+class ArmEvaluation(Shown):
+    """How well the files of an arm predict its recordings.
+
+    Attributes:
+        model: What was evaluated, in words.
+        joints: Errors of each joint.
+        notes: What to know about the figures, in sentences.
+    """
+
+    model: str
+    joints: tuple[JointErrors, ...]
+    notes: tuple[str, ...] = ()
+
+    def joint(self, name: str) -> JointErrors:
+        """Errors of one joint.
+
+        Raises:
+            KeyError: There is none of that name.
+        """
+        return {one.name: one for one in self.joints}[name]
+
+    def to_json(self) -> dict[str, Any]:
+        """All figures as JSON values."""
+        return asdict(self)
+
+    def headline(self) -> str:
+        """Torque error of each joint."""
+        return f"of {self.model}: " + ", ".join(
+            f"{one.name} {one.torque.rms:.3g} {one.torque.unit}" for one in self.joints
+        )
+
+    def overview(self) -> Overview:
+        """A table, a joint a row."""
+        times = [one.after for one in self.joints[0].position]
+        heads = ("joint", "torque error, RMS", "median", *(f"position error after {time:g} s" for time in times))
+        rows = tuple(
+            (
+                one.name,
+                f"{one.torque.rms:.4g} {one.torque.unit}",
+                f"{one.torque.median:.4g}",
+                *(f"{each.median:.4g} {each.unit}" for each in one.position),
+            )
+            for one in self.joints
+        )
+        band = self.joints[0].torque.band
+        sentences = (f"Torque errors in the band from 0 to {band:g} Hz, where a joint moves.", *self.notes)
+        return Overview(f"Evaluation of {self.model}", sentences, (OverviewTable(heads, rows),))
+
+
+def evaluate_arm(
+    simulation: Source,
+    recordings: Sequence[Recording],
+    *,
+    friction: Mapping[str, FrictionModel | Source] | None = None,
+    match: Mapping[str, str] | None = None,
+    spans: Spans | None = None,
+    band: float | None = None,
+    torque_delay: float = 0.0,
+    positions: bool = True,
+) -> ArmEvaluation:
+    """Measure the errors of an arm's files over recordings of all its joints, each figure as `evaluate` has it.
+
+    Args:
+        simulation: MJCF or URDF file of the arm. Without `friction` it is evaluated as it is, friction and all; drives
+            of the file are switched off. Joints without a recording are held where the file has them.
+        recordings: One of each joint, from the same time.
+        friction: Friction model of each joint, by the name in the recordings; that of the file is then left out. A
+            joint that is not among them has none.
+        match: Name in the simulation by name in the recordings, where they differ.
+        spans: Times that count [s]; all if None.
+        band: Upper end of the band of the torque errors [Hz]; chosen if None.
+        torque_delay: Time by which all recorded torques are late [s].
+        positions: Whether to simulate as well.
+
+    Raises:
+        RecordingError: The recordings share too little time, or are not in N·m or N.
+        SimulationFileError: The file cannot be read, or has no such joint.
+        ModelFileError: A friction model cannot be read.
+    """
+    series = [one.on_joint_side() for one in recordings]
+    motion = read_arm_motion(series, band=band, torque_delay=torque_delay)
+    names = [(match or {}).get(name, name) for name in motion.names]
+    laws = None if friction is None else _read_laws(friction, motion.names)
+    arm = read_simulated_arm(simulation, names, laws)
+    return _measure(arm, motion, spans, Path(simulation).name, positions=positions)
+
+
+def _read_laws(
+    friction: Mapping[str, FrictionModel | Source], names: Sequence[str]
+) -> tuple[FrictionModel | None, ...]:
+    unknown = sorted(set(friction) - set(names))
+    if unknown:
+        raise RecordingError(f"there is no recording of joint {unknown[0]!r}; there are {', '.join(names)}")
+    models = (friction.get(name) for name in names)
+    return tuple(one if one is None or isinstance(one, FrictionModel) else load_model(one) for one in models)
+
+
+def _measure(arm: SimulatedArm, motion: ArmMotion, spans: Spans | None, name: str, *, positions: bool) -> ArmEvaluation:
+    along = [arm.follow(motion, number) for number in range(motion.n_parts)]
+    torque = [
+        measure_torque(one, [part.torque for part in one.parts], [each.torque[:, j] for each in along], spans)
+        for j, one in enumerate(motion.joints)
+    ]
+    found: list[dict[float, list[tuple[FloatArray, FloatArray]]]] = [{} for _ in motion.joints]
+    starts = select_starts(motion.times, [motion.moves(k) for k in range(motion.n_parts)], spans, EVALUATION.arm_starts)
+    for number in range(motion.n_parts if positions else 0):
+        horizons, chosen = starts.horizons[number], starts.chosen[number]
+        if not horizons or chosen.size == 0:
+            continue
+        lengths = [round(one / motion.dt) for one in horizons]
+        reached = arm.simulate(motion, number, along[number], chosen, lengths)
+        for j, one in enumerate(motion.joints):
+            true = one.parts[number].position
+            for horizon, length, end in zip(horizons, lengths, reached[:, :, j], strict=True):
+                pair = end - true[chosen + length], np.abs(true[chosen + length] - true[chosen])
+                found[j].setdefault(horizon, []).append(pair)
+    joints = tuple(
+        JointErrors(motion.names[j], torque[j], summarise_positions(one, found[j]))
+        for j, one in enumerate(motion.joints)
+    )
+    return ArmEvaluation(name if arm.laws is None else f"friction models in {name}", joints, arm.notes)

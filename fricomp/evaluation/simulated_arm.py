@@ -1,0 +1,271 @@
+"""An arm in MuJoCo, driven by the torques that were recorded at its joints."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fricomp.errors import SimulationFileError
+from fricomp.laws import FloatArray, OperatingPoint
+from fricomp.model import FrictionModel
+from fricomp.simulation_file import read_specification
+
+from .arm_motion import ArmMotion
+from .equation import advance_states, follow_law, resist
+from .equation_rollout import count_substeps
+from .settings import EVALUATION
+from .simulated_joint import hold_others, spread_torque
+
+__all__ = ["SimulatedArm", "read_simulated_arm"]
+
+Index = NDArray[np.intp]
+
+_STICKING = ((0.002, 1.0), (0.9999, 0.9999, 0.001, 0.5, 2.0))
+"""MuJoCo's solref and solimp of friction that holds a joint: its defaults let it creep near breakaway."""
+
+
+class ArmAlong(NamedTuple):
+    """An arm along the recorded motion.
+
+    Attributes:
+        torque: That the motion takes [N·m] or [N]. Shape (n, n_joints).
+        activation: Of passive motors. Shape (n_activations, n).
+        states: Of the terms of each joint, each of shape (n_states, n).
+    """
+
+    torque: FloatArray
+    activation: FloatArray
+    states: tuple[tuple[FloatArray, ...], ...]
+
+
+@dataclass(frozen=True)
+class SimulatedArm:
+    """The recorded joints of an arm.
+
+    Attributes:
+        model: MuJoCo's `MjModel`, with these joints alone.
+        order: Degree of freedom of each recorded joint.
+        laws: Friction of each joint in place of the file's; None for the file's own.
+        step: Longest step of a simulation [s].
+        notes: What to know, in sentences.
+    """
+
+    model: Any
+    order: tuple[int, ...]
+    laws: tuple[FrictionModel | None, ...] | None
+    step: float
+    notes: tuple[str, ...]
+
+    def follow(self, motion: ArmMotion, part: int) -> ArmAlong:
+        """Torques that the recorded motion of a part takes, and the states that it leaves."""
+        rigid, load, activation = self._invert(motion, part)
+        rest = [one.rest_speed for one in motion.joints]
+        recorded = motion.stack(part, "torque")
+        if self.laws is None:
+            rests = np.abs(motion.stack(part, "smooth_velocity")) <= rest
+            return ArmAlong(np.where(rests, recorded, rigid), activation, ())
+        torque, states = rigid.copy(), []
+        for j, model in enumerate(self.laws):
+            one = motion.joints[j].parts[part]
+            if model is None:
+                states.append(())
+                continue
+            point = OperatingPoint(one.smooth_velocity, one.position, one.acceleration, load[:, j])
+            point = replace(point, temperature=one.channels.get("temperature"))
+            along = follow_law(model.law, point, rigid[:, j], recorded[:, j], (one.dt, rest[j]))
+            torque[:, j] = along.torque
+            states.append(along.states)
+        return ArmAlong(torque, activation, tuple(states))
+
+    def simulate(
+        self, motion: ArmMotion, part: int, along: ArmAlong, starts: Index, lengths: Sequence[int]
+    ) -> FloatArray:
+        """Positions after so many samples from each start. Shape (n_lengths, n_starts, n_joints)."""
+        if self.laws is None:
+            return self._roll_out(motion, part, along, starts, lengths)
+        return self._roll_out_with_laws(motion, part, along, starts, lengths)
+
+    def _set_step(self, dt: float, finest: int = 1) -> int:
+        """Simulation steps of a sample."""
+        substeps = max(int(np.ceil(dt / self.step - 1e-6)), finest)
+        self.model.opt.timestep = dt / substeps
+        return substeps
+
+    def _invert(self, motion: ArmMotion, part: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Torque of the file's arm, torque that its gears transmit, and activations, at each sample."""
+        import mujoco
+
+        model, substeps = self.model, self._set_step(motion.dt)
+        position, velocity, acceleration = (
+            self._spread(motion.stack(part, name)) for name in ("position", "smooth_velocity", "acceleration")
+        )
+        data, n = mujoco.MjData(model), position.shape[0]
+        torque, states = np.empty((n, model.nv)), np.empty((model.na, n))
+        for k in range(n):
+            data.qpos[:], data.qvel[:] = position[k], velocity[k]
+            passive: Any = 0.0
+            if model.na:
+                states[:, k] = data.act
+                mujoco.mj_forward(model, data)
+                passive = data.qfrc_actuator.copy()
+            data.qacc[:] = acceleration[k]
+            mujoco.mj_inverse(model, data)
+            torque[k] = data.qfrc_inverse - passive
+            for _ in range(substeps if model.na else 0):
+                data.qpos[:], data.qvel[:] = position[k], velocity[k]
+                mujoco.mj_step(model, data)
+        load = torque - np.asarray(model.dof_armature) * acceleration
+        return torque[:, self.order], load[:, self.order], states
+
+    def _spread(self, values: FloatArray) -> FloatArray:
+        """Columns of the recorded joints in MuJoCo's order."""
+        result = np.empty_like(values)
+        result[..., list(self.order)] = values
+        return result
+
+    def _start(self, motion: ArmMotion, part: int, along: ArmAlong, start: int, data: Any) -> None:
+        data.qpos[:] = self._spread(motion.stack(part, "position")[start])
+        data.qvel[:] = self._spread(motion.stack(part, "velocity")[start])
+        data.act[:] = along.activation[:, start]
+
+    def _roll_out(
+        self, motion: ArmMotion, part: int, along: ArmAlong, starts: Index, lengths: Sequence[int]
+    ) -> FloatArray:
+        import mujoco
+        from mujoco import rollout
+
+        model, substeps, data = self.model, self._set_step(motion.dt), mujoco.MjData(self.model)
+        kind = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        initial = np.empty((starts.size, mujoco.mj_stateSize(model, kind)))
+        for row, start in enumerate(starts):
+            self._start(motion, part, along, int(start), data)
+            mujoco.mj_getState(model, data, initial[row], kind)
+        torque = motion.stack(part, "torque")
+        drive = [spread_torque(column, starts, lengths[-1], substeps) for column in torque.T]
+        control = self._spread(np.stack(drive, axis=-1))
+        spec = int(mujoco.mjtState.mjSTATE_QFRC_APPLIED)
+        state, _ = rollout.rollout(model, data, initial, control, control_spec=spec)
+        ends = np.array([substeps * length - 1 for length in lengths])
+        moved = state[:, ends, 1 : 1 + model.nq]  # behind the time
+        result: FloatArray = moved.transpose(1, 0, 2)[:, :, list(self.order)]
+        return result
+
+    def _roll_out_with_laws(
+        self, motion: ArmMotion, part: int, along: ArmAlong, starts: Index, lengths: Sequence[int]
+    ) -> FloatArray:
+        """Levels of dry friction and drag are told to MuJoCo before each step; all else is a torque."""
+        import mujoco
+
+        assert self.laws is not None
+        data = [mujoco.MjData(self.model) for _ in starts]
+        for one, start in zip(data, starts, strict=True):
+            self._start(motion, part, along, int(start), one)
+        memory = [tuple(each[:, starts] for each in states) for states in along.states]
+        substeps = self._set_step(motion.dt, self._count_substeps(motion, part))
+        torque = motion.stack(part, "torque")
+        drive = [spread_torque(column, starts, lengths[-1], substeps) for column in torque.T]
+        top = [max(float(np.max(np.abs(one.parts[part].velocity))), 1e-9) for one in motion.joints]
+        result = np.empty((len(lengths), starts.size, len(self.order)))
+        for step in range(lengths[-1] * substeps):
+            push = np.stack([one[:, step] for one in drive], axis=1)
+            memory = self._advance(data, push, memory, top)
+            for i, length in enumerate(lengths):
+                if step + 1 == length * substeps:
+                    result[i] = np.array([one.qpos for one in data])[:, list(self.order)]
+        return result
+
+    def _count_substeps(self, motion: ArmMotion, part: int) -> int:
+        assert self.laws is not None
+        least = np.maximum(np.asarray(self.model.dof_M0)[list(self.order)], 1e-9)
+        return max(
+            count_substeps(model.law, float(inertia), motion.dt, float(np.max(np.abs(one.parts[part].velocity))))
+            for model, inertia, one in zip(self.laws, least, motion.joints, strict=True)
+            if model is not None
+        )
+
+    def _advance(
+        self, data: Sequence[Any], push: FloatArray, memory: list[tuple[FloatArray, ...]], top: Sequence[float]
+    ) -> list[tuple[FloatArray, ...]]:
+        import mujoco
+
+        assert self.laws is not None
+        model, h, order = self.model, float(self.model.opt.timestep), list(self.order)
+        state = np.array([[one.qpos[order], one.qvel[order], one.qacc[order]] for one in data])
+        dry, drag, points = np.zeros_like(push), np.zeros_like(push), []
+        load = np.array([_find_load(model, one)[order] for one in data])
+        for j, law in enumerate(self.laws):
+            q, v, a = state[:, :, j].T
+            points.append(OperatingPoint(v, q, a, load[:, j]))
+            if law is not None:
+                found = resist(law.law, points[j], memory[j], h, top[j])
+                dry[:, j], drag[:, j] = found.dry, found.drag + found.slope
+                push[:, j] -= found.held + found.bristle - found.slope * v
+        for row, one in enumerate(data):
+            model.dof_frictionloss[order] = np.maximum(dry[row], 1e-9)
+            model.dof_damping.reshape(model.nv, -1)[order, 0] = drag[row]
+            one.qfrc_applied[order] = push[row]
+            mujoco.mj_step(model, one)
+        after = np.array([one.qvel[order] for one in data])
+        return [
+            () if law is None else advance_states(law.law, replace(points[j], velocity=after[:, j]), memory[j], h)
+            for j, law in enumerate(self.laws)
+        ]
+
+
+def _find_load(model: Any, data: Any) -> FloatArray:
+    """What the gears transmit, at the end of the last step: all but what accelerates the rotors. Shape (n_joints,)."""
+    import mujoco
+
+    moved = np.empty(model.nv)
+    mujoco.mj_mulM(model, data, moved, data.qacc)
+    result: FloatArray = moved + data.qfrc_bias - np.asarray(model.dof_armature) * data.qacc
+    return result
+
+
+def read_simulated_arm(
+    path: str | os.PathLike[str], joints: Sequence[str], laws: tuple[FrictionModel | None, ...] | None
+) -> SimulatedArm:
+    """Read the recorded joints of an arm; the others are held where the file has them.
+
+    Args:
+        path: MJCF or URDF file.
+        joints: Names of the recorded joints in it.
+        laws: Friction of each, in place of the file's; None for the file's own.
+
+    Raises:
+        SimulationFileError: The file cannot be read, lacks a joint, or a joint neither turns nor slides.
+    """
+    spec = read_specification(Path(path))
+    import mujoco
+
+    known = [one.name for one in spec.joints]
+    for name in joints:
+        if name not in known:
+            raise SimulationFileError(f"{path} has no joint {name!r}; it has {', '.join(known)}: match the names")
+    hold_others(spec, joints, passive=laws is None)
+    try:
+        model = spec.compile()
+    except ValueError as error:
+        raise SimulationFileError(f"{path}: its recorded joints cannot be simulated alone: {error}") from error
+    if model.nq != len(joints) or model.nv != len(joints):
+        raise SimulationFileError(f"{path}: a recorded joint neither turns nor slides: leave its recording out")
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+    if laws is not None:
+        _clear_friction(model)
+    order = tuple(int(model.jnt_dofadr[model.joint(name).id]) for name in joints)
+    held = [name for name in known if name not in joints]
+    notes = (f"Held where the file has them: {', '.join(held)}.",) if held else ()
+    return SimulatedArm(model, order, laws, min(float(model.opt.timestep), EVALUATION.longest_step), notes)
+
+
+def _clear_friction(model: Any) -> None:
+    """No friction but what the laws say, which truly sticks."""
+    model.dof_damping[:] = 0.0
+    model.dof_frictionloss[:] = 0.0
+    model.dof_solref[:], model.dof_solimp[:] = _STICKING
