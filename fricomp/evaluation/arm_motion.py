@@ -52,7 +52,7 @@ class ArmMotion:
 
     def moves(self, part: int) -> Rows:
         """Whether any joint moves. Shape (n,)."""
-        return np.any([one.parts[part].moves for one in self.joints], axis=0)
+        return np.asarray(np.any([one.parts[part].moves for one in self.joints], axis=0))
 
     def stack(self, part: int, name: str) -> FloatArray:
         """A signal of all joints. Shape (n, n_joints)."""

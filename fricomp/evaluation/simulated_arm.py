@@ -70,7 +70,8 @@ class SimulatedArm:
         if self.laws is None:
             rests = np.abs(motion.stack(part, "smooth_velocity")) <= rest
             return ArmAlong(np.where(rests, recorded, rigid), activation, ())
-        torque, states = rigid.copy(), []
+        torque = rigid.copy()
+        states: list[tuple[FloatArray, ...]] = []
         for j, model in enumerate(self.laws):
             one = motion.joints[j].parts[part]
             if model is None:

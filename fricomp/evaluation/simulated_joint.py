@@ -120,7 +120,7 @@ def read_simulated_joint(path: str | Path, joint: str | None, *, named: bool = T
             f"{path} has no joint {joint!r}; say which of its joints is meant: {', '.join(names)}"
         )
     chosen = joint if joint in names else names[0]
-    hold_others(spec, (chosen,))
+    hold_others(spec, (str(chosen),))
     try:
         model = spec.compile()
     except ValueError as error:
