@@ -5,9 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from fricomp.errors import MissingExtraError, SimulationFileError
 
-__all__ = ["compile_simulation", "read_specification"]
+__all__ = ["compile_simulation", "compile_specification", "read_specification"]
+
+_NO_MASS, _NO_INERTIA = 1e-9, 1e-12
+"""[kg] and [kg·m²] of moving bodies that a file gives none: nothing beside any link."""
+
+_POSSIBLE = 1.0 - 1e-6
+"""Of the sum of two moments of inertia that the third may be: rounding must not put it above again."""
 
 
 def compile_simulation(path: str | Path, extra: str = "diagnose") -> Any:
@@ -28,6 +36,27 @@ def compile_simulation(path: str | Path, extra: str = "diagnose") -> Any:
         MissingExtraError: MuJoCo is not installed.
     """
     spec = read_specification(path, extra)
+    return compile_specification(spec, path)
+
+
+def compile_specification(spec: Any, path: str | Path) -> Any:
+    """Compile what `read_specification` gives, with bodies that can exist.
+
+    Robots ship moments of inertia that no body can have, and links without any mass. The former are lowered to what is
+    possible, the latter get a mass that weighs nothing; MuJoCo refuses both.
+
+    Raises:
+        SimulationFileError: It is no simulation.
+    """
+    spec.compiler.boundmass = max(float(spec.compiler.boundmass), _NO_MASS)
+    spec.compiler.boundinertia = max(float(spec.compiler.boundinertia), _NO_INERTIA)
+    try:
+        return spec.compile()
+    except ValueError as error:
+        if "balanceinertia" not in str(error):
+            raise SimulationFileError(f"cannot read the simulation {path}: {error}") from error
+    for body in spec.bodies:
+        _make_possible(body)
     try:
         return spec.compile()
     except ValueError as error:
@@ -77,3 +106,25 @@ def _from_file(mujoco: Any) -> tuple[Any, ...]:
 def _has_mass_of_its_own(mujoco: Any, body: Any) -> bool:
     """Whether a body states its inertia, or has shapes that need no file."""
     return bool(body.explicitinertial) or any(geom.type not in _from_file(mujoco) for geom in body.geoms)
+
+
+def _make_possible(body: Any) -> None:
+    """Lower the largest moment of inertia of a body to the sum of the others, which no body exceeds."""
+    import mujoco
+
+    full = np.array(body.fullinertia)
+    turn = np.zeros(9)
+    if np.isfinite(full[0]):
+        xx, yy, zz, xy, xz, yz = full
+        moments, axes = np.linalg.eigh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+        mujoco.mju_quat2Mat(turn, np.array(body.iquat))
+        axes = turn.reshape(3, 3) @ axes
+        axes[:, 0] *= np.sign(np.linalg.det(axes))
+        quaternion = np.zeros(4)
+        mujoco.mju_mat2Quat(quaternion, axes.ravel())
+        body.fullinertia, body.iquat = [np.nan] * 6, quaternion
+    else:
+        moments = np.array(body.inertia)
+    most = int(np.argmax(moments))
+    moments[most] = min(moments[most], _POSSIBLE * float(np.sum(moments) - moments[most]))
+    body.inertia = moments

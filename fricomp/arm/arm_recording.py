@@ -11,7 +11,7 @@ from fricomp.errors import RecordingError
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording, RecordingMetadata
 
-__all__ = ["ArmPart", "ArmRecording", "join_joints"]
+__all__ = ["ArmPart", "ArmRecording", "join_joints", "require_single"]
 
 _GAP_SAMPLES, _GAP_TIME = 5.0, 0.05
 """A pause of more samples than this, and longer than this [s], ends a part: a spline across it would be a guess."""
@@ -76,23 +76,14 @@ def join_joints(recordings: Sequence[Recording]) -> ArmRecording:
     """Bring the recordings of all joints of an arm onto one clock.
 
     Args:
-        recordings: One of each joint, from the same time.
+        recordings: One of each joint, from the same time, with torques of the joints [N·m] or [N].
 
     Raises:
-        RecordingError: A joint comes twice, a torque is neither in N·m nor in N, the recordings share no time, or no
-            stretch of them is long enough.
+        RecordingError: A joint comes twice, the recordings share no time, or no stretch of them is long enough.
     """
-    series = [one.on_joint_side() for one in recordings]
+    series = list(recordings)
     names = [one.metadata.joint for one in series]
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise RecordingError(f"joint {twice[0]!r} comes twice: an arm is made of one recording of each joint")
-    for one in series:
-        if one.metadata.torque_unit not in ("N·m", "N"):
-            raise RecordingError(
-                f"the torque of {one.metadata.joint!r} is in {one.metadata.torque_unit}: an arm's dynamics need N·m; "
-                "state the torque constant and the gear ratio in the mapping of fricomp convert"
-            )
+    require_single(names)
     period = float(np.median([one.sample_period for one in series]))
     first, last = max(one.time[0] for one in series), min(one.time[-1] for one in series)
     if last - first < _SHORTEST:
@@ -104,6 +95,17 @@ def join_joints(recordings: Sequence[Recording]) -> ArmRecording:
     kept = sum(part.time[-1] - part.time[0] for part in parts)
     left_out = max(0.0, 1.0 - float(kept) / float(last - first))
     return ArmRecording(tuple(names), parts, left_out, tuple(series))
+
+
+def require_single(names: Sequence[str]) -> None:
+    """Refuse a joint that was recorded twice.
+
+    Raises:
+        RecordingError: One was.
+    """
+    twice = sorted({name for name in names if list(names).count(name) > 1})
+    if twice:
+        raise RecordingError(f"joint {twice[0]!r} comes twice: an arm is made of one recording of each joint")
 
 
 def _find_edges(series: Sequence[Recording], first: float, last: float, gap: float) -> list[tuple[float, float]]:

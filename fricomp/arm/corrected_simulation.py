@@ -34,7 +34,7 @@ def correct_simulation(answer: ArmAnswer, simulation: str | Path) -> tuple[str, 
     fit = answer.identification.fit
     spec: Any = read_specification(simulation)
     for name, inertia in zip(fit.arm.links, fit.inertia, strict=True):
-        _weigh_link(spec, name, inertia, set(fit.arm.joints))
+        _weigh_link(spec, name, inertia, fit.arm.moving_joints)
     for name, rotor in zip(fit.arm.joints, fit.armature, strict=True):
         spec.joint(name).armature = max(float(rotor), 0.0)
     spec.compile()
@@ -50,7 +50,7 @@ def correct_simulation(answer: ArmAnswer, simulation: str | Path) -> tuple[str, 
     return text, lost
 
 
-def _weigh_link(spec: Any, name: str, inertia: FloatArray, joints: set[str]) -> None:
+def _weigh_link(spec: Any, name: str, inertia: FloatArray, joints: frozenset[str]) -> None:
     body = spec.body(name)
     mass, centre = to_centre(inertia)
     xx, xy, xz, yy, yz, zz = inertia[4:]
@@ -74,7 +74,7 @@ def _set_inertia(body: Any, mass: float, centre: FloatArray, about: FloatArray) 
     body.mass, body.ipos, body.iquat, body.inertia = mass, centre, turn, np.maximum(principal, _LIGHT)
 
 
-def _list_fixed(body: Any, joints: set[str]) -> list[Any]:
+def _list_fixed(body: Any, joints: frozenset[str]) -> list[Any]:
     """Bodies below one that no recorded joint moves: they are part of its link."""
     fixed = []
     for child in body.bodies:

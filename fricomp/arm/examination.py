@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from fricomp.errors import RecordingError
 from fricomp.recording import Recording
 
 from .answer import ArmAnswer, confirm_terms
-from .arm_recording import join_joints
+from .arm_recording import ArmRecording, join_joints, require_single
 from .conclusion import write_record
+from .drive_gain import take_torques
 from .identification import Progress, identify_arm
 from .prior import ArmPrior
 from .record import ArmRecord
-from .simulated_arm import read_arm
+from .simulated_arm import SimulatedArm, read_arm
 
-__all__ = ["ArmExamination", "examine_arm"]
+__all__ = ["ArmExamination", "examine_arm", "match_recordings"]
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,7 @@ def examine_arm(
     simulation: str | Path,
     *,
     names: Mapping[str, str] | None = None,
+    gains: Mapping[str, float] | None = None,
     prior: ArmPrior | None = None,
     seed: int = 0,
     progress: Progress | None = None,
@@ -54,7 +56,9 @@ def examine_arm(
     Args:
         recordings: One of each joint, from the same time; metadata say which joint each is of.
         simulation: MJCF or URDF of the arm. Joints that were not recorded are held where it has them.
-        names: Names in the simulation by names in the recordings, where they differ.
+        names: Names in the simulation by names in the recordings, where they differ by more than the word joint.
+        gains: Torque of one ampere by names in the recordings [N·m/A] or [N/A], gear included, for torques that were
+            recorded as currents and whose metadata do not say it.
         prior: How far the simulation is trusted; masses to some 20 % by default.
         seed: Of the halves; another seed draws others.
         progress: Called with a few words before each step.
@@ -64,16 +68,50 @@ def examine_arm(
         SimulationFileError: The simulation cannot be read, or lacks a joint.
         IdentificationError: The motion is too short.
     """
-    renamed = [_rename(one, names or {}) for one in recordings]
-    if len(renamed) < 2:
+    if len(recordings) < 2:
         raise RecordingError("an arm has two joints or more: diagnose a single joint by its own recording")
-    recording = join_joints(renamed)
-    found = identify_arm(read_arm(simulation, recording.joints), recording, prior, progress)
+    arm, recording = match_recordings(recordings, simulation, names, gains)
+    found = identify_arm(arm, recording, prior, progress)
     (progress or (lambda _: None))("confirming on held-out data")
     answer = confirm_terms(found, seed)
     return ArmExamination(answer, write_record(answer))
 
 
-def _rename(recording: Recording, names: Mapping[str, str]) -> Recording:
-    name = recording.metadata.joint
-    return replace(recording, metadata=replace(recording.metadata, joint=names.get(name, name)))
+def match_recordings(
+    recordings: Sequence[Recording],
+    simulation: str | Path,
+    names: Mapping[str, str] | None = None,
+    gains: Mapping[str, float] | None = None,
+) -> tuple[SimulatedArm, ArmRecording]:
+    """An arm with the joints that were recorded, in the order of the simulation, and all of them on one clock.
+
+    Args:
+        recordings: One of each joint.
+        simulation: MJCF or URDF.
+        names: As for `examine_arm`.
+        gains: As for `examine_arm`.
+
+    Raises:
+        RecordingError: As for `examine_arm`.
+        SimulationFileError: As for `examine_arm`.
+    """
+    recorded = [one.metadata.joint for one in recordings]
+    require_single(recorded)
+    torques = take_torques(recordings, gains or {})
+    arm = read_arm(simulation, recorded, names)
+    if arm.order != tuple(range(len(recorded))):
+        recorded, torques = [recorded[i] for i in arm.order], [torques[i] for i in arm.order]
+        arm = read_arm(simulation, recorded, names)
+    matched = [_name_as_simulated(*one) for one in zip(torques, arm.joints, arm.rotary, strict=True)]
+    return arm, join_joints(matched)
+
+
+def _name_as_simulated(recording: Recording, name: str, rotary: bool) -> Recording:
+    """The recording with the joint's name and kind of motion in the simulation."""
+    metadata = recording.metadata
+    if rotary and metadata.motion == "linear":
+        raise RecordingError(f"joint {metadata.joint!r} was recorded in m and N, and turns in the simulation")
+    if rotary:
+        return recording.with_metadata(joint=name)
+    unit = "N" if metadata.torque_unit == "N·m" else metadata.torque_unit
+    return recording.with_metadata(joint=name, motion="linear", torque_unit=unit)

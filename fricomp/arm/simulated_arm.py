@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from fricomp.errors import SimulationFileError
 from fricomp.laws import FloatArray
 from fricomp.simulation_file import compile_simulation
 
 from .inertia import combine_inertia
+from .naming import match_joints
 
-__all__ = ["LinkMotion", "SimulatedArm", "read_arm"]
+__all__ = ["Follower", "LinkMotion", "SimulatedArm", "read_arm"]
 
 
 class LinkMotion(NamedTuple):
@@ -37,6 +39,21 @@ class LinkMotion(NamedTuple):
 
 
 @dataclass(frozen=True)
+class Follower:
+    """A joint that a linkage or a mimic of the file moves with a recorded one.
+
+    Attributes:
+        name: Of the joint.
+        leader: Number of the recorded joint.
+        path: Its position over that of the leader.
+    """
+
+    name: str
+    leader: int
+    path: Polynomial
+
+
+@dataclass(frozen=True)
 class SimulatedArm:
     """Kinematics and inertia of an arm.
 
@@ -48,6 +65,7 @@ class SimulatedArm:
         armature: Inertia of each joint's rotor behind its gear [kg·m²] or [kg]. Shape (n_joints,).
         rotary: Whether each joint turns.
         held: Names of the joints that nothing was recorded of: they stay where the simulation has them.
+        followers: Joints that move with a recorded one.
     """
 
     joints: tuple[str, ...]
@@ -56,6 +74,7 @@ class SimulatedArm:
     armature: FloatArray
     rotary: tuple[bool, ...]
     held: tuple[str, ...]
+    followers: tuple[Follower, ...]
     _model: Any
     _bodies: tuple[int, ...]
 
@@ -74,12 +93,16 @@ class SimulatedArm:
 
         model, n = self._model, len(position)
         data = mujoco.MjData(model)
-        places, dofs = self._addresses()
+        places, dofs = self._addresses(self.joints)
+        far_places, far_dofs = self._addresses([one.name for one in self.followers])
+        leaders = [one.leader for one in self.followers]
+        far = _follow_paths(self.followers, position, velocity, acceleration)
         motion = np.empty((len(self._bodies), n, 12))
         columns = np.empty((len(self._bodies), n, 6, len(dofs)))
         full = np.zeros((6, model.nv))
         for k in range(n):
             data.qpos[places], data.qvel[dofs], data.qacc[dofs] = position[k], velocity[k], acceleration[k]
+            data.qpos[far_places], data.qvel[far_dofs], data.qacc[far_dofs] = far[0][k], far[1][k], far[2][k]
             mujoco.mj_fwdPosition(model, data)
             mujoco.mj_fwdVelocity(model, data)
             mujoco.mj_rnePostConstraint(model, data)
@@ -87,53 +110,119 @@ class SimulatedArm:
                 mujoco.mj_objectVelocity(model, data, mujoco.mjtObj.mjOBJ_XBODY, body, motion[i, k, :6], 1)
                 mujoco.mj_objectAcceleration(model, data, mujoco.mjtObj.mjOBJ_XBODY, body, motion[i, k, 6:], 1)
                 mujoco.mj_jacBody(model, data, full[:3], full[3:], body)
-                turn = data.xmat[body].reshape(3, 3)
-                columns[i, k, :3], columns[i, k, 3:] = turn.T @ full[:3, dofs], turn.T @ full[3:, dofs]
+                turn, own = data.xmat[body].reshape(3, 3), full[:, dofs]
+                for dof, leader, slope in zip(far_dofs, leaders, far[3][k], strict=True):
+                    own[:, leader] += slope * full[:, dof]
+                columns[i, k, :3], columns[i, k, 3:] = turn.T @ own[:3], turn.T @ own[3:]
         return [
             LinkMotion(m[:, :3], m[:, 6:9], m[:, 9:], c[:, :3], c[:, 3:]) for m, c in zip(motion, columns, strict=True)
         ]
 
-    def _addresses(self) -> tuple[list[int], list[int]]:
+    @property
+    def order(self) -> tuple[int, ...]:
+        """Numbers of the recorded joints in the order of the file, from the base outwards."""
         ids = [self._model.joint(name).id for name in self.joints]
+        return tuple(sorted(range(len(ids)), key=ids.__getitem__))
+
+    @property
+    def moving_joints(self) -> frozenset[str]:
+        """Names of the joints that were recorded, and of those that follow them."""
+        return frozenset((*self.joints, *(one.name for one in self.followers)))
+
+    def _addresses(self, names: Sequence[str]) -> tuple[list[int], list[int]]:
+        ids = [self._model.joint(name).id for name in names]
         return [int(self._model.jnt_qposadr[i]) for i in ids], [int(self._model.jnt_dofadr[i]) for i in ids]
 
 
-def read_arm(path: str | Path, joints: Sequence[str]) -> SimulatedArm:
+def _follow_paths(
+    followers: Sequence[Follower], position: FloatArray, velocity: FloatArray, acceleration: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Position, velocity and acceleration of followers, and the slope of each path. Shapes (n, n_followers)."""
+    motion = np.zeros((4, len(position), len(followers)))
+    for i, one in enumerate(followers):
+        q, v, a = (each[:, one.leader] for each in (position, velocity, acceleration))
+        slope, bend = one.path.deriv()(q), one.path.deriv(2)(q)
+        motion[:, :, i] = one.path(q), slope * v, slope * a + bend * v**2, slope
+    return motion[0], motion[1], motion[2], motion[3]
+
+
+def read_arm(path: str | Path, joints: Sequence[str], names: Mapping[str, str] | None = None) -> SimulatedArm:
     """Read an arm from MJCF or URDF.
 
+    Joints that mimic a recorded one, by URDF's `mimic` or MJCF's equality of two joints, move with it. Other joints
+    that are not listed, such as those of a gripper or of a second arm, are held where the file has them.
+
     Args:
-        path: The file. Joints that are not listed, such as those of a gripper, are held where the file has them.
+        path: The file.
         joints: Names of the recorded joints, in the order of their columns.
+        names: Names in the simulation by such names, where they differ by more than the word joint.
 
     Raises:
-        SimulationFileError: The file cannot be read, lacks a joint, or a joint is neither a hinge nor a slide.
+        SimulationFileError: The file cannot be read, lacks a joint, a joint is neither a hinge nor a slide, or the base
+            that carries them floats.
     """
     model = compile_simulation(path)
     import mujoco
 
     kinds = {int(mujoco.mjtJoint.mjJNT_HINGE): True, int(mujoco.mjtJoint.mjJNT_SLIDE): False}
-    names = [model.joint(i).name for i in range(model.njnt)]
-    for name in joints:
-        if name not in names:
-            raise SimulationFileError(
-                f"{path} has no joint {name!r}; it has {', '.join(names)}: give a mapping of the names"
-            )
-        if int(model.jnt_type[names.index(name)]) not in kinds:
-            raise SimulationFileError(f"{path}: joint {name!r} neither turns nor slides")
+    every = [model.joint(i).name for i in range(model.njnt)]
+    matched = match_joints(
+        joints, [name for i, name in enumerate(every) if int(model.jnt_type[i]) in kinds], names or {}
+    )
+    ids = [every.index(matched[name]) for name in joints]
+    _refuse_floating(model, ids, path)
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT) | int(mujoco.mjtDisableBit.mjDSBL_ACTUATION)
-    ids = [names.index(name) for name in joints]
-    moved = _find_moved(model, ids)
+    followers = _find_followers(model, ids)
+    moved = _find_moved(model, [*ids, *(every.index(one.name) for one in followers)])
     carried = {body: [each for each in range(model.nbody) if _link_of(model, each, moved) == body] for body in moved}
+    moving = {*matched.values(), *(one.name for one in followers)}
     return SimulatedArm(
-        joints=tuple(joints),
+        joints=tuple(matched[name] for name in joints),
         links=tuple(model.body(body).name or f"body {body}" for body in moved),
         inertia=np.array([_weigh(mujoco, model, body, carried[body]) for body in moved]),
         armature=np.array([float(model.dof_armature[model.jnt_dofadr[i]]) for i in ids]),
         rotary=tuple(kinds[int(model.jnt_type[i])] for i in ids),
-        held=tuple(name for name in names if name not in joints),
+        held=tuple(name for name in every if name not in moving),
+        followers=followers,
         _model=model,
         _bodies=tuple(moved),
     )
+
+
+def _refuse_floating(model: Any, joints: Sequence[int], path: str | Path) -> None:
+    """Refuse an arm whose base moves in ways that nobody recorded."""
+    import mujoco
+
+    free = (int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL))
+    loose = {int(model.jnt_bodyid[i]): model.joint(i).name for i in range(model.njnt) if int(model.jnt_type[i]) in free}
+    for joint in joints:
+        body = int(model.jnt_bodyid[joint])
+        while body:
+            if body in loose:
+                raise SimulationFileError(
+                    f"{path}: joint {model.joint(joint).name!r} stands on body {model.body(body).name!r}, which floats "
+                    f"(joint {loose[body]!r}), and nothing was recorded of it. If it stood still, take that joint out "
+                    "of the file"
+                )
+            body = int(model.body_parentid[body])
+
+
+def _find_followers(model: Any, joints: Sequence[int]) -> tuple[Follower, ...]:
+    """Joints that an equality of two joints moves with a recorded one: q - q_0 = poly(q_leader - q_leader_0)."""
+    import mujoco
+
+    found = []
+    for e in range(model.neq):
+        follower, leader = int(model.eq_obj1id[e]), int(model.eq_obj2id[e])
+        if int(model.eq_type[e]) != int(mujoco.mjtEq.mjEQ_JOINT) or not model.eq_active0[e]:
+            continue
+        if leader not in joints or follower in joints:
+            continue
+        start, shift = (float(model.qpos0[model.jnt_qposadr[i]]) for i in (follower, leader))
+        shape = Polynomial(model.eq_data[e][:5]).trim()
+        path = shape(Polynomial([-shift, 1.0])) + start
+        found.append(Follower(model.joint(follower).name, joints.index(leader), path))
+    return tuple(found)
 
 
 def _find_moved(model: Any, joints: Sequence[int]) -> list[int]:

@@ -35,7 +35,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_the_record_can_be_read_again(folder: Path) -> None:
     record = load_arm_record(folder / "arm.json")
-    assert [joint.name for joint in record.joints] == ["elbow", "shoulder", "wrist"]
+    assert [joint.name for joint in record.joints] == ["shoulder", "elbow", "wrist"]
     assert record.held_joints == ("grip",)
 
 

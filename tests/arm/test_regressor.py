@@ -37,5 +37,8 @@ def test_joints_that_were_not_recorded_are_held_and_weigh_with_their_link(tmp_pa
 
 
 def test_an_unknown_joint_is_refused_with_the_names_there_are(tmp_path: Path) -> None:
-    with pytest.raises(SimulationFileError, match=r"no joint 'joint_1'; it has shoulder, elbow, wrist, grip"):
+    with pytest.raises(
+        SimulationFileError,
+        match=r"called 'joint_1'; still free are shoulder, elbow, wrist, grip.*--match joint_1=shoulder",
+    ):
         read_arm(write_arm(tmp_path), ("joint_1",))

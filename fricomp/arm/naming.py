@@ -1,0 +1,90 @@
+"""Which joint of a simulation each recorded joint is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from fricomp.errors import SimulationFileError
+
+from .log.column import simplify_joint
+
+__all__ = ["match_joints", "parse_names"]
+
+
+def parse_names(pairs: Sequence[str]) -> dict[str, str]:
+    """Names in the simulation by names in the recordings, from RECORDED=SIMULATED, several with commas between.
+
+    Raises:
+        SimulationFileError: One has no equals sign.
+    """
+    each = [pair.strip() for text in pairs for pair in text.split(",") if pair.strip()]
+    for pair in each:
+        if "=" not in pair:
+            raise SimulationFileError(f"--match {pair!r} has no '=': write RECORDED=SIMULATED, as in joint_1=elbow")
+    return {recorded.strip(): simulated.strip() for recorded, simulated in (pair.split("=", 1) for pair in each)}
+
+
+def match_joints(recorded: Sequence[str], simulated: Sequence[str], given: Mapping[str, str]) -> dict[str, str]:
+    """Name in the simulation of each recorded joint.
+
+    Equal names are the same joint, and so are those that differ by the word joint, by case, marks or leading zeros,
+    where that leaves no choice: `joint_1`, `J1`, and `panda_joint1` where all recorded names have one with `panda`.
+
+    Args:
+        recorded: Names in the recordings.
+        simulated: Names of the joints that turn or slide, in the order of the file.
+        given: What the user says; it goes before all else.
+
+    Raises:
+        SimulationFileError: A name is of no joint, or two joints would be the same; the message has the line to write.
+    """
+    unknown = [name for name in given if name not in recorded]
+    if unknown:
+        raise SimulationFileError(
+            f"--match names {unknown[0]!r}, which was not recorded: the recordings are of {', '.join(recorded)}"
+        )
+    prefix = _find_prefix([name for name in recorded if name not in given], simulated)
+    found = {name: given.get(name) or _find(name, simulated, prefix) for name in recorded}
+    missing = [name for name, there in found.items() if there not in simulated]
+    twice = [name for name, there in found.items() if list(found.values()).count(there) > 1]
+    if not missing and not twice:
+        return {name: str(there) for name, there in found.items()}
+    taken = [there for name, there in found.items() if name not in {*missing, *twice}]
+    raise SimulationFileError(_write_refusal([*missing, *twice], [one for one in simulated if one not in taken]))
+
+
+def _find(name: str, simulated: Sequence[str], prefix: str) -> str | None:
+    """The joint of a simulation that has this name, or the only one that has it behind the prefix."""
+    if name in simulated:
+        return name
+    wanted = prefix + simplify_joint(name)
+    alike = [one for one in simulated if simplify_joint(one) == wanted]
+    return alike[0] if len(alike) == 1 else None
+
+
+def _find_prefix(recorded: Sequence[str], simulated: Sequence[str]) -> str:
+    """Words before every recorded name in the simulation, such as that of the robot; the shortest that fits all."""
+    wanted = [simplify_joint(name) for name in recorded if name not in simulated]
+    there = {simplify_joint(name) for name in simulated}
+    if not wanted:
+        return ""
+    prefixes = {name.removesuffix(wanted[0]) for name in there if name == wanted[0] or name.endswith(f"_{wanted[0]}")}
+    fitting = sorted((one for one in prefixes if all(one + name in there for name in wanted)), key=_count_words)
+    alone = len(fitting) == 1 or (len(fitting) > 1 and _count_words(fitting[0]) < _count_words(fitting[1]))
+    return fitting[0] if alone else ""
+
+
+def _count_words(prefix: str) -> int:
+    return prefix.count("_")
+
+
+def _write_refusal(recorded: Sequence[str], free: Sequence[str]) -> str:
+    """What does not match, and the line that says it if the order is the same on both sides."""
+    names = list(dict.fromkeys(recorded))
+    guess = ",".join(f"{name}={there}" for name, there in zip(names, free, strict=False))
+    head = (
+        f"the simulation has no joint called {', '.join(map(repr, names))}; still free are {', '.join(free) or 'none'}"
+    )
+    if not guess:
+        return f"{head}: record the joints of this arm, or give its simulation"
+    return f"{head}. Say which is which; if the order is the same: --match {guess}"

@@ -1,0 +1,53 @@
+"""Names of columns as robots, middleware and people write them."""
+
+from __future__ import annotations
+
+import pytest
+
+from fricomp.arm.log.column import read_column_name, simplify_joint
+
+
+@pytest.mark.parametrize(
+    ("name", "channel", "joint", "unit"),
+    [
+        ("q_1", "position", "1", ""),
+        ("Position7", "position", "7", ""),
+        ("actual_q_0", "position", "0", ""),
+        ("actual_qd_0", "velocity", "0", ""),
+        ("tau_J:4", "torque", "4", ""),
+        ("tau_J_d:3", "torque_command", "3", ""),
+        ("dq_d:3", "velocity_reference", "3", ""),
+        ("shoulder.effort", "torque", "shoulder", ""),
+        ("/joint_states/elbow_joint/velocity", "velocity", "elbow_joint", ""),
+        ("/joint_states/effort[2]", "torque", "2", ""),
+        ("q_cmd[deg]:1", "position_reference", "1", "deg"),
+        ("joint_1_position_deg", "position", "joint_1", "deg"),
+        ("target_moment_2", "torque_command", "2", ""),
+        ("motor_position_2", "motor_position", "2", ""),
+        ("current_mA_3", "current", "3", "mA"),
+        ("shoulder_pan_joint_torque_mNm", "torque", "shoulder_pan_joint", "mNm"),
+        ("A1_torque_A", "torque", "A1", "A"),
+        ("panda_finger_joint1.position", "position", "panda_finger_joint1", ""),
+    ],
+)
+def test_a_name_says_quantity_joint_and_unit(name: str, channel: str, joint: str, unit: str) -> None:
+    meaning = read_column_name(name)
+    assert meaning is not None
+    assert (meaning.channel, meaning.joint, meaning.unit) == (channel, joint, unit)
+
+
+@pytest.mark.parametrize("name", ["time", "gripper_width", "LuGre", "uart_cycle_hz", "ee_quat:1"])
+def test_other_names_say_nothing(name: str) -> None:
+    assert read_column_name(name) is None
+
+
+def test_what_was_measured_goes_before_a_controllers_feedback() -> None:
+    measured, feedback = read_column_name("tau_measured:1"), read_column_name("tau_feedback:1")
+    assert measured is not None
+    assert feedback is not None
+    assert measured.certainty > feedback.certainty
+
+
+@pytest.mark.parametrize("name", ["joint_1", "J1", "1", "joint-01", "axis1"])
+def test_words_for_a_joint_tell_none_from_another(name: str) -> None:
+    assert simplify_joint(name) == "1"

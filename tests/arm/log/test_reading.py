@@ -1,0 +1,177 @@
+"""Logs of an arm in the forms in which they come are read to the same recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fricomp.arm.log import ArmLog, read_arm_log
+from fricomp.errors import RecordingError
+from fricomp.recording import Recording, RecordingMetadata, write_recording
+
+N_ROWS, N_JOINTS = 400, 3
+TIME = np.arange(N_ROWS) / 100.0
+POSITION = np.stack([np.sin((j + 1) * TIME) for j in range(N_JOINTS)], axis=1)
+TORQUE = np.stack([np.cos((j + 2) * TIME) for j in range(N_JOINTS)], axis=1)
+
+
+def write_csv(path: Path, columns: dict[str, np.ndarray], mark: str = ",") -> Path:
+    rows = np.stack(list(columns.values()), axis=1)
+    text = "\n".join([mark.join(columns), *(mark.join(map(repr, row.tolist())) for row in rows)])
+    path.write_text(text.replace(".", ",") if mark == ";" else text)
+    return path
+
+
+def number(prefix: str, values: np.ndarray, first: int = 1) -> dict[str, np.ndarray]:
+    return {f"{prefix}{j}": column for j, column in enumerate(values.T, start=first)}
+
+
+def write_numbered(folder: Path) -> Path:
+    return write_csv(folder / "log.csv", {"time": TIME, **number("q_", POSITION), **number("tau_", TORQUE)})
+
+
+def write_vendor(folder: Path) -> Path:
+    """Zero-based, with commands and a torque of the model beside what was measured."""
+    wanted = {**number("target_q_", POSITION + 1.0, 0), **number("target_moment_", TORQUE + 1.0, 0)}
+    seen = {**number("actual_q_", POSITION, 0), **number("actual_torque_", TORQUE, 0)}
+    return write_csv(folder / "robot.csv", {"timestamp": TIME + 1e4, **wanted, **seen, "safety_mode": np.ones(N_ROWS)})
+
+
+def write_degrees(folder: Path) -> Path:
+    """Milliseconds, degrees, semicolons and decimal commas, as a spreadsheet saves them."""
+    columns = {
+        "t_ms": 1e3 * TIME,
+        **number("Position_deg_", np.rad2deg(POSITION)),
+        **number("Torque_mNm_", 1e3 * TORQUE),
+    }
+    return write_csv(folder / "table.csv", columns, ";")
+
+
+def write_lists(folder: Path) -> Path:
+    rows = [f'{t!r},"{q.tolist()}","{tau.tolist()}"' for t, q, tau in zip(TIME.tolist(), POSITION, TORQUE, strict=True)]
+    path = folder / "lists.csv"
+    path.write_text("\n".join(["time,joint_positions,joint_efforts", *rows]))
+    return path
+
+
+def write_plotted(folder: Path) -> Path:
+    columns = {"__time": TIME + 1.7e9}
+    for j, name in enumerate(("base_joint", "elbow_joint", "hand_joint")):
+        columns[f"/joint_states/{name}/position"] = POSITION[:, j]
+        columns[f"/joint_states/{name}/effort"] = TORQUE[:, j]
+    return write_csv(folder / "plot.csv", columns)
+
+
+def write_parquet(folder: Path) -> Path:
+    pyarrow = pytest.importorskip("pyarrow")
+    from pyarrow import parquet
+
+    table = pyarrow.table(
+        {"timestamp_ns": (1e9 * TIME).astype(np.int64), "q": POSITION.tolist(), "tau": TORQUE.tolist()}
+    )
+    parquet.write_table(table, folder / "log.parquet")
+    return folder / "log.parquet"
+
+
+def write_matlab(folder: Path) -> Path:
+    from scipy.io import savemat
+
+    savemat(folder / "log.mat", {"t": TIME, "q": POSITION, "q_des": POSITION, "tau": TORQUE})
+    return folder / "log.mat"
+
+
+def write_arrays(folder: Path) -> Path:
+    np.savez(folder / "log.npz", time=TIME, qd=POSITION, q=POSITION, tau_measured=TORQUE, tau_feedback=2.0 * TORQUE)
+    return folder / "log.npz"
+
+
+def write_quantities(folder: Path) -> Path:
+    """One file a quantity, numbers below each other, as `%f` prints them."""
+    np.savetxt(folder / "run_time.txt", TIME)
+    np.savetxt(folder / "run_positions.txt", POSITION.ravel())
+    np.savetxt(folder / "run_torques.txt", TORQUE)
+    return folder
+
+
+def write_singles(folder: Path) -> Path:
+    for j in range(N_JOINTS):
+        metadata = RecordingMetadata(joint=f"joint_{j + 1}")
+        write_recording(Recording(TIME, POSITION[:, j], TORQUE[:, j], metadata=metadata), folder / f"{j}.csv")
+    return folder
+
+
+WRITERS = (
+    write_numbered,
+    write_vendor,
+    write_degrees,
+    write_lists,
+    write_plotted,
+    write_parquet,
+    write_matlab,
+    write_arrays,
+    write_quantities,
+    write_singles,
+)
+
+
+@pytest.mark.parametrize("write", WRITERS, ids=lambda one: one.__name__)
+def test_every_form_gives_the_same_recordings(tmp_path: Path, write: Callable[[Path], Path]) -> None:
+    log = read_arm_log([write(tmp_path)])
+    assert log.is_arm
+    assert len(log.recordings) == N_JOINTS
+    for j, one in enumerate(log.recordings):
+        assert one.position == pytest.approx(POSITION[:, j], abs=1e-12)
+        assert one.torque == pytest.approx(TORQUE[:, j], abs=1e-12)
+        assert one.time - one.time[0] == pytest.approx(TIME, abs=1e-6)
+
+
+def test_joints_are_called_as_the_columns_call_them(tmp_path: Path) -> None:
+    def name_all(log: ArmLog) -> list[str]:
+        return [one.metadata.joint for one in log.recordings]
+
+    assert name_all(read_arm_log([write_numbered(tmp_path)])) == ["joint_1", "joint_2", "joint_3"]
+    assert name_all(read_arm_log([write_vendor(tmp_path)])) == ["joint_0", "joint_1", "joint_2"]
+    assert name_all(read_arm_log([write_plotted(tmp_path)])) == ["base_joint", "elbow_joint", "hand_joint"]
+
+
+def test_currents_stand_for_torques_that_are_missing(tmp_path: Path) -> None:
+    columns = {"time": TIME, **number("q_", POSITION), **number("current_mA_", 1e3 * TORQUE)}
+    log = read_arm_log([write_csv(tmp_path / "log.csv", columns)])
+    assert {one.metadata.torque_unit for one in log.recordings} == {"A"}
+    assert log.recordings[1].torque == pytest.approx(TORQUE[:, 1])
+
+
+def test_two_columns_that_could_be_the_torque_are_asked_about(tmp_path: Path) -> None:
+    columns = {"time": TIME, **number("q_", POSITION), **number("tau_", TORQUE), **number("effort_", 2.0 * TORQUE)}
+    path = write_csv(tmp_path / "log.csv", columns)
+    with pytest.raises(RecordingError, match=r"'tau_1' and 'effort_1' could each be the torque .* --channel torque="):
+        read_arm_log([path])
+    for wanted in ("effort", "effort_{joint}"):
+        assert read_arm_log([path], channels={"torque": wanted}).recordings[0].torque == pytest.approx(
+            2.0 * TORQUE[:, 0]
+        )
+
+
+def test_rows_without_numbers_cost_only_themselves(tmp_path: Path) -> None:
+    torn = TORQUE.copy()
+    torn[50:60, 1] = np.nan
+    columns = {"time": TIME, **number("q_", POSITION), **number("tau_", torn)}
+    log = read_arm_log([write_csv(tmp_path / "log.csv", columns)])
+    assert [len(one) for one in log.recordings] == [N_ROWS, N_ROWS - 10, N_ROWS]
+
+
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        ({"a": TIME, "b": TIME}, "no column of time"),
+        ({"time": TIME, "x": TIME}, "does not say where a position and a torque"),
+        ({"time": TIME, **number("q_", POSITION)}, "does not say where the torque"),
+        ({"1.0": TIME, "2.0": TIME}, "no line of names"),
+    ],
+)
+def test_what_does_not_say_its_columns_is_refused(tmp_path: Path, columns: dict[str, np.ndarray], message: str) -> None:
+    with pytest.raises(RecordingError, match=message):
+        read_arm_log([write_csv(tmp_path / "log.csv", columns)])
