@@ -49,12 +49,14 @@ class ArmRecording:
         parts: Stretches without gaps.
         left_out: Share of the time that lies in no part.
         recordings: What each joint was read from, in the same order.
+        still: Joints that were recorded and stood still.
     """
 
     joints: tuple[str, ...]
     parts: tuple[ArmPart, ...]
     left_out: float
     recordings: tuple[Recording, ...]
+    still: tuple[str, ...] = ()
 
     @property
     def metadata(self) -> tuple[RecordingMetadata, ...]:

@@ -44,7 +44,8 @@ def write_record(answer: ArmAnswer) -> ArmRecord:
         cutoff=found.rows.cutoff,
         duration=found.recording.duration,
         left_out=found.recording.left_out,
-        held_joints=arm.held,
+        held_joints=tuple(name for name in arm.held if name not in found.recording.still),
+        still_joints=found.recording.still,
     )
     return replace(record, sentences=_write_sentences(record))
 
@@ -238,6 +239,11 @@ def _say_signal(record: ArmRecord) -> tuple[str, ...]:
     )
     if record.left_out > 0.005:
         lines.append(f"{record.left_out:.0%} of the time was left out: gaps, and stretches too short between them.")
+    if record.still_joints:
+        lines.append(
+            f"Stood still, so that nothing is said of them: {', '.join(record.still_joints)}. Their links count with "
+            "the one that carries them."
+        )
     if record.held_joints:
         lines.append(
             f"Held where the simulation has them, since nothing was recorded: {', '.join(record.held_joints)}."

@@ -14,12 +14,12 @@ from fricomp.simulation_file import read_specification
 
 from .answer import ArmAnswer
 from .friction_model import build_friction_model
-from .inertia import to_centre
+from .inertia import can_exist, split_inertia
 
 __all__ = ["correct_simulation"]
 
 _LIGHT = 1e-9
-"""[kg] and [kg·m²] of bodies that are fixed to a link, once the link weighs what all of them do."""
+"""[kg] and [kg·m²] of bodies that are fixed to a link, where the link weighs what all of them do."""
 
 
 def correct_simulation(answer: ArmAnswer, simulation: str | Path) -> tuple[str, list[str]]:
@@ -33,8 +33,10 @@ def correct_simulation(answer: ArmAnswer, simulation: str | Path) -> tuple[str, 
     """
     fit = answer.identification.fit
     spec: Any = read_specification(simulation)
-    for name, inertia in zip(fit.arm.links, fit.inertia, strict=True):
-        _weigh_link(spec, name, inertia, fit.arm.moving_joints)
+    spec.compile()
+    bodies = {str(body.name) or f"body {body.id}": body for body in spec.bodies}
+    for name, inertia, carried in zip(fit.arm.links, fit.inertia, fit.arm.carried, strict=True):
+        _weigh_link(bodies[name], inertia, carried, fit.arm.moving_joints)
     for name, rotor in zip(fit.arm.joints, fit.armature, strict=True):
         spec.joint(name).armature = max(float(rotor), 0.0)
     spec.compile()
@@ -50,13 +52,13 @@ def correct_simulation(answer: ArmAnswer, simulation: str | Path) -> tuple[str, 
     return text, lost
 
 
-def _weigh_link(spec: Any, name: str, inertia: FloatArray, joints: frozenset[str]) -> None:
-    body = spec.body(name)
-    mass, centre = to_centre(inertia)
-    xx, xy, xz, yy, yz, zz = inertia[4:]
-    about_origin = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    about = about_origin - mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
-    _set_inertia(body, mass, centre, about)
+def _weigh_link(body: Any, inertia: FloatArray, carried: FloatArray, joints: frozenset[str]) -> None:
+    """Give a link what was found: what it carries stays as in the file where the rest is a body that can exist."""
+    own = inertia - carried
+    if can_exist(own):
+        _set_inertia(body, *split_inertia(own))
+        return
+    _set_inertia(body, *split_inertia(inertia))
     for child in _list_fixed(body, joints):
         _set_inertia(child, _LIGHT, np.zeros(3), _LIGHT * np.eye(3))
 
@@ -70,7 +72,7 @@ def _set_inertia(body: Any, mass: float, centre: FloatArray, about: FloatArray) 
         axes[:, 0] *= -1.0
     turn = np.zeros(4)
     mujoco.mju_mat2Quat(turn, axes.ravel())
-    body.explicitinertial = True
+    body.explicitinertial, body.fullinertia = True, [np.nan] * 6
     body.mass, body.ipos, body.iquat, body.inertia = mass, centre, turn, np.maximum(principal, _LIGHT)
 
 

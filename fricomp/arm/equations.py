@@ -25,9 +25,6 @@ __all__ = ["ArmEquations", "BoolArray", "Weights", "build_equations"]
 _SLOW = 0.02
 """Speeds below this part of a joint's top speed leave its sign to noise; such rows of that joint are not compared."""
 
-_LEAST_TRAVEL = 5e-3
-"""[rad] or [m] below which a joint stands still: it sways in its gear, and its torque is that of a brake."""
-
 _HUBER = 3.0
 """Standard deviations beyond which a row counts less: a push, or a reversal that the friction model does not hold."""
 
@@ -129,15 +126,9 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray) -> ArmEq
             for j in range(len(arm.joints))
         ]
     )
-    moving = ((speed > _SLOW * top) & (measure_travel(rows) > _LEAST_TRAVEL)).astype(np.float64)
+    moving = (speed > _SLOW * top).astype(np.float64)
     noise = np.maximum(np.std(rows.torque, axis=0), 1e-9)
     return _sum_up(columns, Weights(moving, noise, np.ones(len(arm.joints))), top)
-
-
-def measure_travel(rows: ArmRows) -> FloatArray:
-    """How far each joint moved [rad] or [m]. Shape (n_joints,)."""
-    position = np.concatenate([q for q, _, _ in rows.motion])
-    return np.asarray(np.ptp(position, axis=0))
 
 
 def _sum_up(columns: FloatArray, weights: Weights, top_speed: FloatArray) -> ArmEquations:

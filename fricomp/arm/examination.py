@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+
+import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.recording import Recording
@@ -19,6 +21,11 @@ from .record import ArmRecord
 from .simulated_arm import SimulatedArm, read_arm
 
 __all__ = ["ArmExamination", "examine_arm", "match_recordings"]
+
+
+_LEAST_TRAVEL, _LEAST_SHARE = 5e-3, 0.02
+"""[rad] or [m], and part of the longest travel of any joint, below which a joint stands still: it sways in its gear or
+against its controller, and its torque may be that of a brake."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +110,32 @@ def match_recordings(
         recorded, torques = [recorded[i] for i in arm.order], [torques[i] for i in arm.order]
         arm = read_arm(simulation, recorded, names)
     matched = [_name_as_simulated(*one) for one in zip(torques, arm.joints, arm.rotary, strict=True)]
-    return arm, join_joints(matched)
+    still = _find_still(matched)
+    if not still:
+        return arm, join_joints(matched)
+    moving = [one for one in matched if one.metadata.joint not in still]
+    if not moving:
+        raise RecordingError(f"none of {', '.join(still)} moves further than it sways: move the arm")
+    held = read_arm(simulation, [one.metadata.joint for one in moving], still=still)
+    return held, replace(join_joints(moving), still=tuple(still))
+
+
+def _find_still(recordings: Sequence[Recording]) -> dict[str, float]:
+    """Joints that stood still, with their positions [rad] or [m]: they only sway, and may hold by a brake."""
+    still: dict[str, float] = {}
+    for motion in ("rotary", "linear"):
+        travel = {
+            one.metadata.joint: float(np.ptp(np.quantile(one.position, (0.005, 0.995))))
+            for one in recordings
+            if one.metadata.motion == motion
+        }
+        least = max(_LEAST_TRAVEL, _LEAST_SHARE * max(travel.values(), default=0.0))
+        still |= {
+            one.metadata.joint: float(np.median(one.position))
+            for one in recordings
+            if travel.get(one.metadata.joint, np.inf) < least
+        }
+    return still
 
 
 def _name_as_simulated(recording: Recording, name: str, rotary: bool) -> Recording:

@@ -14,7 +14,7 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
-__all__ = ["N_INERTIA", "LinkCoordinates", "combine_inertia", "to_centre"]
+__all__ = ["N_INERTIA", "LinkCoordinates", "can_exist", "combine_inertia", "split_inertia", "to_centre"]
 
 N_INERTIA = 10
 _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
@@ -40,6 +40,20 @@ def to_centre(inertia: FloatArray) -> tuple[float, FloatArray]:
     """Mass [kg] and centre of mass [m] of ten numbers."""
     mass = float(inertia[0])
     return mass, inertia[1:4] / max(mass, 1e-12)
+
+
+def split_inertia(inertia: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+    """Mass [kg], centre [m] and inertia about it [kg·m²] of ten numbers. Shapes (3,), (3, 3)."""
+    mass, centre = to_centre(inertia)
+    about = np.zeros((3, 3))
+    for value, (i, j) in zip(inertia[4:], _PAIRS, strict=True):
+        about[i, j] = about[j, i] = value
+    return mass, centre, about - mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
+
+
+def can_exist(inertia: FloatArray) -> bool:
+    """Whether ten numbers are those of matter: positive mass, and spread in every direction [wensing2018]."""
+    return float(inertia[0]) > 0.0 and float(np.linalg.eigvalsh(_to_pseudo(inertia))[0]) > 0.0
 
 
 class LinkCoordinates:

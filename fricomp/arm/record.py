@@ -104,6 +104,7 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
         duration: Time that was used [s].
         left_out: Part of the recording's time that was not used: gaps, and stretches too short between them.
         held_joints: Joints of the simulation that nothing was recorded of.
+        still_joints: Joints that were recorded and stood still: their links count as one with that which carries them.
     """
 
     schema: str
@@ -116,6 +117,7 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
     duration: float
     left_out: float
     held_joints: tuple[str, ...] = ()
+    still_joints: tuple[str, ...] = ()
 
 
 def save_arm_record(record: ArmRecord, path: Path) -> None:

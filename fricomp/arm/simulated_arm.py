@@ -66,6 +66,7 @@ class SimulatedArm:
         rotary: Whether each joint turns.
         held: Names of the joints that nothing was recorded of: they stay where the simulation has them.
         followers: Joints that move with a recorded one.
+        carried: As `inertia`, of the bodies alone that are fixed to a link or held on it. Shape (n_links, 10).
     """
 
     joints: tuple[str, ...]
@@ -75,8 +76,10 @@ class SimulatedArm:
     rotary: tuple[bool, ...]
     held: tuple[str, ...]
     followers: tuple[Follower, ...]
+    carried: FloatArray
     _model: Any
     _bodies: tuple[int, ...]
+    _pose: FloatArray
 
     def follow(self, position: FloatArray, velocity: FloatArray, acceleration: FloatArray) -> list[LinkMotion]:
         """Move the links as the joints moved.
@@ -93,6 +96,7 @@ class SimulatedArm:
 
         model, n = self._model, len(position)
         data = mujoco.MjData(model)
+        data.qpos[:] = self._pose
         places, dofs = self._addresses(self.joints)
         far_places, far_dofs = self._addresses([one.name for one in self.followers])
         leaders = [one.leader for one in self.followers]
@@ -146,7 +150,12 @@ def _follow_paths(
     return motion[0], motion[1], motion[2], motion[3]
 
 
-def read_arm(path: str | Path, joints: Sequence[str], names: Mapping[str, str] | None = None) -> SimulatedArm:
+def read_arm(
+    path: str | Path,
+    joints: Sequence[str],
+    names: Mapping[str, str] | None = None,
+    still: Mapping[str, float] | None = None,
+) -> SimulatedArm:
     """Read an arm from MJCF or URDF.
 
     Joints that mimic a recorded one, by URDF's `mimic` or MJCF's equality of two joints, move with it. Other joints
@@ -156,6 +165,7 @@ def read_arm(path: str | Path, joints: Sequence[str], names: Mapping[str, str] |
         path: The file.
         joints: Names of the recorded joints, in the order of their columns.
         names: Names in the simulation by such names, where they differ by more than the word joint.
+        still: Positions [rad] or [m] of joints that stood still, by their names in the simulation: they are held there.
 
     Raises:
         SimulationFileError: The file cannot be read, lacks a joint, a joint is neither a hinge nor a slide, or the base
@@ -176,16 +186,21 @@ def read_arm(path: str | Path, joints: Sequence[str], names: Mapping[str, str] |
     moved = _find_moved(model, [*ids, *(every.index(one.name) for one in followers)])
     carried = {body: [each for each in range(model.nbody) if _link_of(model, each, moved) == body] for body in moved}
     moving = {*matched.values(), *(one.name for one in followers)}
+    pose = np.array(model.qpos0)
+    for name, place in (still or {}).items():
+        pose[model.joint(name).qposadr[0]] = place
     return SimulatedArm(
         joints=tuple(matched[name] for name in joints),
         links=tuple(model.body(body).name or f"body {body}" for body in moved),
-        inertia=np.array([_weigh(mujoco, model, body, carried[body]) for body in moved]),
+        inertia=np.array([_weigh(model, pose, body, carried[body]) for body in moved]),
         armature=np.array([float(model.dof_armature[model.jnt_dofadr[i]]) for i in ids]),
         rotary=tuple(kinds[int(model.jnt_type[i])] for i in ids),
         held=tuple(name for name in every if name not in moving),
         followers=followers,
+        carried=np.array([_weigh(model, pose, body, [i for i in carried[body] if i != body]) for body in moved]),
         _model=model,
         _bodies=tuple(moved),
+        _pose=pose,
     )
 
 
@@ -237,9 +252,12 @@ def _link_of(model: Any, body: int, moved: Sequence[int]) -> int:
     return body
 
 
-def _weigh(mujoco: Any, model: Any, link: int, bodies: Sequence[int]) -> FloatArray:
-    """Inertia of a link about its own origin, with all bodies that are fixed to it, the held joints as they are."""
-    data = mujoco.MjData(model)
+def _weigh(model: Any, pose: FloatArray, link: int, bodies: Sequence[int]) -> FloatArray:
+    """Inertia of bodies that are fixed to a link about its own origin, the held joints as they are."""
+    import mujoco
+
+    data: Any = mujoco.MjData(model)
+    data.qpos[:] = pose
     mujoco.mj_kinematics(model, data)
     origin, turn = np.array(data.xpos[link]), np.array(data.xmat[link]).reshape(3, 3)
     total = np.zeros(10)

