@@ -3,6 +3,7 @@
 - `calibrate` moves a joint and identifies its friction; `identify` does it from data that you have already.
 - `Compensator` gives the torque that overcomes friction in a control loop; `ControlLoop` is such a loop.
 - `evaluate` measures the errors of a model over a recording, in torque and in motion.
+- `examine_arm` says what the links of an arm weigh, and what is missing in each of its joints.
 - `diagnose` says what physics a simulation leaves out, from recordings of the real joint.
 - `read_recording`, `load_model` and `save_model` read and write files.
 
@@ -19,6 +20,7 @@ from fricomp.version import __version__ as __version__
 if TYPE_CHECKING:
     from fricomp.api.calibrate import calibrate
     from fricomp.api.diagnose import diagnose
+    from fricomp.api.examine_arm import examine_arm
     from fricomp.api.identify import identify
     from fricomp.calibration import identify_dynamic
     from fricomp.calibration.sweep import CalibrationOptions, SweepSettings
@@ -44,6 +46,7 @@ __all__ = [
     "check_loop",
     "diagnose",
     "evaluate",
+    "examine_arm",
     "identify",
     "identify_dynamic",
     "load_model",
@@ -67,6 +70,7 @@ _HOMES = {
     "check_loop": (_CONTROL, ""),
     "diagnose": ("fricomp.api.diagnose", "diagnose"),
     "evaluate": ("fricomp.evaluation", "calibrate"),
+    "examine_arm": ("fricomp.api.examine_arm", "diagnose"),
     "identify": ("fricomp.api.identify", "calibrate"),
     "identify_dynamic": ("fricomp.calibration", "calibrate"),
     "read_recording": (_RECORDING, ""),

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from fricomp.cli.answer import AsJson
+from fricomp.cli.diagnosis.arm import ArmOptions, Channel, Gain, LogMapping, Match, find_arm_log, run_arm
 from fricomp.cli.fleet import Executor, FailIf, FleetRun, Resume, Workers, rich_table, run_joints, show_fleet
 from fricomp.cli.out_folder import Overwrite
 from fricomp.extras import REPORT, require
@@ -34,6 +35,8 @@ fricomp diagnose light.csv heavy.csv --out runs/payloads
 fricomp diagnose real.csv --simulated from_my_simulator.csv --out runs/why
 
 fricomp diagnose arm_log/ --simulation arm.urdf --out runs/arm
+
+fricomp diagnose log.parquet --simulation arm.xml --match joint_1=shoulder,joint_2=elbow --out runs/arm
 
 fricomp diagnose 'fleet/*.parquet' --each --out runs/fleet
 
@@ -61,7 +64,8 @@ def diagnose(
     recordings: Annotated[
         list[str],
         typer.Argument(
-            help="Recordings (CSV or Parquet: time, position, torque): files, folders, patterns; or a table of joints."
+            help="Recordings (CSV or Parquet: time, position, torque): files, folders, patterns; the log of an arm, "
+            "also as a bag, MAT or NPZ; or a table of joints."
         ),
     ],
     out: Annotated[
@@ -70,7 +74,8 @@ def diagnose(
     simulation: Annotated[
         Path | None,
         typer.Option(
-            rich_help_panel="Simulation", help="MJCF or URDF of the joint; a rigid joint is identified without it."
+            rich_help_panel="Simulation",
+            help="MJCF or URDF of the joint or the arm; a rigid joint is identified without it.",
         ),
     ] = None,
     joint: Annotated[
@@ -109,12 +114,10 @@ def diagnose(
     fail_if: FailIf = None,
     overwrite: Overwrite = False,
     as_json: AsJson = False,
-    match: Annotated[
-        list[str] | None,
-        typer.Option(
-            rich_help_panel="Of an arm", help="RECORDED=SIMULATED, where the names of a joint differ; once a joint."
-        ),
-    ] = None,
+    match: Match = None,
+    gain: Gain = None,
+    channel: Channel = None,
+    mapping: LogMapping = "",
     seed: Annotated[
         int,
         typer.Option(
@@ -154,14 +157,13 @@ def diagnose(
         _diagnose_fleet(recordings, out, options, given, fleet)
         return
     _refuse_fleet_options(fleet)
-    paths = find_recordings(recordings)
-    if (
-        joint is None
-        and simulation is not None
-        and len(paths) > 1
-        and _examine_as_arm(paths, simulation, out, match or [], seed=seed, overwrite=overwrite)
-    ):
+    arm = ArmOptions(match, gain, channel, mapping)
+    log = None if joint is not None else find_arm_log(recordings, simulation, arm)
+    if log is not None and simulation is not None and len(log.sessions) == 1:
+        run_arm(log, simulation, out, arm, seed, overwrite=overwrite)
         return
+    arm.refuse("is of an arm: leave it out, or give the log of all joints and their --simulation")
+    paths = find_recordings(recordings)
     with _interruptible(out):
         run = run_diagnosis(paths, out, options, given, overwrite=overwrite)
     if as_json:
@@ -170,20 +172,6 @@ def diagnose(
         _print_diagnosis(run, out)
     if run.diagnosis.verdict == "bad_data":
         raise typer.Exit(EXIT_BAD_DATA)
-
-
-def _examine_as_arm(
-    paths: Sequence[Path], simulation: Path, out: Path, match: Sequence[str], *, seed: int, overwrite: bool
-) -> bool:
-    """Examine an arm, where the recordings are of different joints from the same time; False where they are not."""
-    from fricomp.cli.diagnosis.arm import is_arm, parse_names, run_arm
-    from fricomp.recording import read_recording
-
-    recordings = [read_recording(path) for path in paths]
-    if not is_arm(recordings):
-        return False
-    run_arm(paths, recordings, simulation, out, parse_names(match), seed=seed, overwrite=overwrite)
-    return True
 
 
 def _refuse_fleet_options(run: FleetRun) -> None:

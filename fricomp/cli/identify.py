@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from fricomp.cli.answer import AsJson, print_json
+from fricomp.cli.diagnosis.arm import ArmOptions, Channel, Gain, LogMapping, Match, find_arm_log, run_arm
 from fricomp.cli.fleet import Executor, FailIf, FleetRun, Resume, Workers, run_joints, show_fleet
 from fricomp.cli.out_folder import Overwrite
 from fricomp.extras import REPORT, require
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
     from fricomp.api.identification import Identification
     from fricomp.api.identify import IdentifySettings
+    from fricomp.arm.log import ArmLog
     from fricomp.calibration.identification import DiscrepancyNetwork
     from fricomp.fleet import FleetJoint, FleetRow
 
@@ -33,6 +35,7 @@ EXIT_NOT_USABLE = 1
 @app.command(
     epilog="fricomp identify points.csv --out runs/joint_1\n\n"
     "fricomp identify recording.csv --gravity --out runs/shoulder\n\n"
+    "fricomp identify arm.bag --simulation arm.urdf --out runs/arm\n\n"
     "fricomp identify points.csv --noise relative --loss robust --law auto\n\n"
     "fricomp identify points.csv --depart --out runs/joint_1\n\n"
     "fricomp identify 'fleet/*.csv' --resume --out runs/fleet\n\n"
@@ -94,8 +97,16 @@ def identify(
     fail_if: FailIf = None,
     overwrite: Overwrite = False,
     as_json: AsJson = False,
+    simulation: Annotated[
+        Path | None,
+        typer.Option(rich_help_panel="Of an arm", help="MJCF or URDF of an arm whose joints all move in the log."),
+    ] = None,
+    match: Match = None,
+    gain: Gain = None,
+    channel: Channel = None,
+    mapping: LogMapping = "",
 ) -> None:
-    """Identify friction; with a recording, inertia, gravity and offset first."""
+    """Identify friction; with a recording, inertia, gravity and offset first; with an arm, all joints together."""
     from fricomp.api.identification import write_identification
     from fricomp.api.identify import IdentifySettings, identify_source
     from fricomp.cli.out_folder import require_folder
@@ -104,6 +115,11 @@ def identify(
     require(*REPORT, "onnx")
     _refuse_unknown(law)
     require_folder(out)
+    arm = ArmOptions(match, gain, channel, mapping)
+    if simulation is not None:
+        run_arm(_require_arm(files, simulation, arm), simulation, out, arm, seed, overwrite=overwrite)
+        return
+    arm.refuse("is of an arm: give its --simulation too, or leave it out")
     settings = IdentifySettings(method, noise, loss, law, gravity, seed, depart)
     fleet = FleetRun(executor, workers, resume, fail_if, as_json)
     several = batch or _is_fleet(files)
@@ -128,6 +144,22 @@ def identify(
             _print(found, written)
         if not found.is_usable:
             raise typer.Exit(EXIT_NOT_USABLE)
+
+
+def _require_arm(files: Sequence[str], simulation: Path, options: ArmOptions) -> ArmLog:
+    """The log of an arm, for its joints together.
+
+    Raises:
+        ParameterError: The files are recordings of one joint.
+    """
+    from fricomp.errors import ParameterError
+
+    log = find_arm_log(files, simulation, options)
+    if log is None or not log.is_arm:
+        raise ParameterError(
+            "--simulation is of arms: give the log of all joints, or leave it out and say --gravity of one joint"
+        )
+    return log
 
 
 def _is_fleet(files: Sequence[str]) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import mujoco
@@ -31,6 +32,31 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert done.exit_code == 0, done.output
     assert "hand is" in done.output
     return root / "out"
+
+
+def test_one_table_of_all_joints_is_enough(tmp_path: Path) -> None:
+    """Columns of lists, joints called by number: refused with the mapping to write, examined with it."""
+    pyarrow = pytest.importorskip("pyarrow")
+    from pyarrow import parquet
+
+    simulation, series = write_arm(tmp_path), record_arm(write_arm(tmp_path), duration=20.0)
+    columns = {
+        name: np.stack([getattr(one, name) for one in series], axis=1).tolist() for name in ("position", "torque")
+    }
+    parquet.write_table(pyarrow.table({"time": series[0].time, **columns}), tmp_path / "log.parquet")
+    command = ["identify", str(tmp_path / "log.parquet"), "--out", str(tmp_path / "out"), "--simulation"]
+    refused = CliRunner().invoke(app, [*command, str(simulation)])
+    line = re.search(r"--match (\S+)$", str(refused.exception))
+    assert line is not None, refused.exception
+    done = CliRunner().invoke(app, [*command, str(simulation), "--match", line.group(1)])
+    assert done.exit_code == 0, done.output
+    assert load_model(tmp_path / "out" / "joints" / "wrist" / "friction.json").joint == "wrist"
+
+
+def test_an_arm_without_its_simulation_is_told_to_give_it(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("time,q_1,q_2,tau_1,tau_2\n" + "".join(f"{0.01 * k},1,2,3,4\n" for k in range(9)))
+    done = CliRunner().invoke(app, ["diagnose", str(tmp_path / "log.csv"), "--out", str(tmp_path / "out")])
+    assert "log of 2 joints: give the --simulation" in str(done.exception)
 
 
 def test_the_record_can_be_read_again(folder: Path) -> None:

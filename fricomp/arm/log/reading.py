@@ -20,7 +20,7 @@ from fricomp.recording.validity import drop_bad_rows
 from .column import ColumnMeaning, name_joint, read_column_name, simplify_joint
 from .source import is_bag_folder, read_named_columns, read_quantity_files
 
-__all__ = ["ArmLog", "read_arm_log"]
+__all__ = ["ArmLog", "is_recording", "list_log_files", "read_arm_log"]
 
 _SUFFIXES = (".csv", ".txt", ".dat", ".tsv", ".parquet", ".pq", ".mat", ".npz", ".json", ".mcap", ".bag", ".db3")
 _TIME = re.compile(
@@ -38,10 +38,12 @@ class ArmLog:
     Attributes:
         sessions: Recordings of all joints, a group for each time that the arm was recorded.
         notes: What was taken for what, and what was left out, in sentences.
+        files: What was read.
     """
 
     sessions: tuple[tuple[Recording, ...], ...]
     notes: tuple[str, ...] = ()
+    files: tuple[Path, ...] = ()
 
     @property
     def recordings(self) -> tuple[Recording, ...]:
@@ -73,16 +75,22 @@ def read_arm_log(
     single: list[Recording] = []
     sessions: list[tuple[Recording, ...]] = []
     notes: list[str] = []
-    for path in _list_files(sources):
+    files = list_log_files(sources)
+    for path in files:
         found = _read_one(path, str(mapping), dict(channels or {}), notes)
         if len(found) > 1:
             sessions.append(found)
         else:
             single += found
-    return ArmLog((*_group(single), *sessions), tuple(notes))
+    return ArmLog((*_group(single), *sessions), tuple(notes), tuple(files))
 
 
-def _list_files(sources: Sequence[str | Path]) -> list[Path]:
+def list_log_files(sources: Sequence[str | Path]) -> list[Path]:
+    """Files that are meant by files, folders and patterns; a bag, and a folder of one quantity a file, is one.
+
+    Raises:
+        RecordingError: A source holds none.
+    """
     found: list[Path] = []
     for source in map(str, sources):
         path = Path(source)
@@ -104,26 +112,30 @@ def _read_one(path: Path, mapping: str, channels: dict[str, str], notes: list[st
         return tuple(one.recording for one in convert(path, load_mapping(mapping)))
     if path.is_dir() and not is_bag_folder(path):
         return _separate(path, read_quantity_files(path), channels, notes)
-    if not channels and _is_native(path):
+    if not channels and is_recording(path):
         return (read_recording(path),)
     return _separate(path, read_named_columns(path), channels, notes)
 
 
-def _is_native(path: Path) -> bool:
-    """Whether a file is a recording of one joint: its columns are called as channels are."""
+_NATIVE = {"time", "position", "torque"}
+
+
+def is_recording(path: Path) -> bool:
+    """Whether a file is a recording of one joint: its columns are called as channels are, and hold one number a row."""
     if path.suffix.lower() in (".parquet", ".pq"):
-        from pyarrow import ArrowException, parquet
+        from pyarrow import ArrowException, parquet, types
 
         try:
-            names = set(parquet.read_schema(path).names)
+            schema = parquet.read_schema(path)
         except (OSError, ArrowException):
             return True  # whose reader says what is wrong with it
-        return {"time", "position", "torque"} <= names
+        return set(schema.names) >= _NATIVE and not types.is_list(schema.field("position").type)
     if path.suffix.lower() not in (".csv", ".txt") or not path.is_file():
         return path.suffix.lower() in (".csv", ".txt")
     with path.open(encoding="utf-8-sig", errors="replace") as stream:
-        head = next((line for line in stream if line.strip() and not line.startswith("#")), "")
-    return {"time", "position", "torque"} <= {cell.strip() for cell in head[:9999].split(",")}
+        lines = (line for line in stream if line.strip() and not line.startswith("#"))
+        head, row = next(lines, "")[:9999], next(lines, "")[:9999]
+    return {cell.strip() for cell in head.split(",")} >= _NATIVE and "[" not in row
 
 
 def _separate(

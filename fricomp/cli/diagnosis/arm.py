@@ -1,79 +1,142 @@
-"""An arm on the command line: all joints from one recording in which all of them move."""
+"""An arm on the command line: all joints from one log in which all of them move."""
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
+import typer
+
+from fricomp.errors import ParameterError
 from fricomp.extras import REPORT, require
 
 if TYPE_CHECKING:
-    from fricomp.recording import Recording
+    from fricomp.arm import ArmExamination
+    from fricomp.arm.log import ArmLog
 
-__all__ = ["is_arm", "parse_names", "run_arm"]
+__all__ = ["ArmOptions", "Channel", "Gain", "LogMapping", "Match", "find_arm_log", "run_arm"]
+
+_PANEL = "Of an arm"
+Match = Annotated[
+    list[str] | None,
+    typer.Option(rich_help_panel=_PANEL, help="RECORDED=SIMULATED, where names of joints differ; commas between."),
+]
+Gain = Annotated[
+    list[str] | None,
+    typer.Option(rich_help_panel=_PANEL, help="JOINT=N·m/A, gear included, where currents were logged; once a joint."),
+]
+Channel = Annotated[
+    list[str] | None,
+    typer.Option(rich_help_panel=_PANEL, help="CHANNEL=COLUMN, where several could be one: torque=tau_measured."),
+]
+LogMapping = Annotated[
+    str, typer.Option(rich_help_panel=_PANEL, help="Mapping file, or one in the package, for a log without such names.")
+]
 
 
-def is_arm(recordings: Sequence[Recording]) -> bool:
-    """Whether recordings are of several joints, one of each, from the same time."""
-    names = Counter(one.metadata.joint for one in recordings)
-    together = max(one.time[0] for one in recordings) < min(one.time[-1] for one in recordings)
-    return len(names) > 1 and max(names.values()) == 1 and together
+@dataclass(frozen=True)
+class ArmOptions:
+    """What the command line says of an arm."""
+
+    match: Sequence[str] | None = None
+    gain: Sequence[str] | None = None
+    channel: Sequence[str] | None = None
+    mapping: str = ""
+
+    @property
+    def names(self) -> dict[str, str]:
+        """Names in the simulation by names in the log."""
+        from fricomp.arm.naming import parse_names
+
+        return parse_names(self.match or ())
+
+    @property
+    def channels(self) -> dict[str, str]:
+        """Column by channel."""
+        return _split(self.channel or (), "--channel", "CHANNEL=COLUMN, such as torque=tau_measured")
+
+    @property
+    def gains(self) -> dict[str, float]:
+        """Torque of one ampere by joint [N·m/A]."""
+        pairs = _split(self.gain or (), "--gain", "JOINT=GAIN, such as elbow=9.8")
+        try:
+            return {name: float(value) for name, value in pairs.items()}
+        except ValueError as error:
+            raise ParameterError(f"--gain: {error}: write JOINT=GAIN, such as elbow=9.8 [N·m/A]") from error
+
+    def refuse(self, why: str) -> None:
+        """Refuse whatever was given.
+
+        Raises:
+            ParameterError: Something was.
+        """
+        given = {"--match": self.match, "--gain": self.gain, "--channel": self.channel, "--mapping": self.mapping}
+        for name in (name for name, value in given.items() if value):
+            raise ParameterError(f"{name} {why}")
 
 
-def parse_names(pairs: Sequence[str]) -> dict[str, str]:
-    """Names in the simulation by names in the recordings, from RECORDED=SIMULATED.
+def _split(texts: Sequence[str], option: str, form: str) -> dict[str, str]:
+    each = [text.strip() for pair in texts for text in pair.split(",") if text.strip()]
+    for text in each:
+        if "=" not in text:
+            raise ParameterError(f"{option} {text!r} has no '=': write {form}")
+    return {name.strip(): value.strip() for name, value in (text.split("=", 1) for text in each)}
+
+
+def find_arm_log(sources: Sequence[str], simulation: Path | None, options: ArmOptions) -> ArmLog | None:
+    """The log of an arm that is meant; None where the sources are recordings of one joint.
 
     Raises:
-        ParameterError: One has no equals sign.
+        RecordingError: A source cannot be read.
+        ParameterError: It is the log of an arm, and no simulation is given.
     """
-    from fricomp.errors import ParameterError
+    from fricomp.arm.log import is_recording, list_log_files, read_arm_log
 
-    for pair in pairs:
-        if "=" not in pair:
-            raise ParameterError(f"--match {pair!r} has no '=': write RECORDED=SIMULATED, such as joint_1=shoulder_pan")
-    return dict(pair.split("=", 1) for pair in pairs)
+    files = list_log_files(sources) if simulation is not None or options.mapping else [Path(one) for one in sources]
+    native = all(is_recording(path) for path in files) and not (options.channels or options.mapping)
+    if native and (len(files) == 1 or simulation is None):
+        return None
+    log = read_arm_log(files, mapping=options.mapping, channels=options.channels)
+    if simulation is None and log.is_arm:
+        count = len(log.sessions[0])
+        raise ParameterError(
+            f"{files[0]} is the log of {count} joints: give the --simulation of the arm (MJCF or URDF)"
+        )
+    return log if log.is_arm else None
 
 
 def run_arm(
-    paths: Sequence[Path],
-    recordings: Sequence[Recording],
-    simulation: Path,
-    out: Path,
-    names: dict[str, str],
-    *,
-    seed: int = 0,
-    overwrite: bool = False,
-) -> None:
+    log: ArmLog, simulation: Path, out: Path, options: ArmOptions, seed: int, *, overwrite: bool
+) -> ArmExamination:
     """Examine an arm, write its folder and say what was found.
 
     Raises:
         FricompError: It cannot be examined, or the folder holds something else.
     """
-    from fricomp.arm import examine_arm
-    from fricomp.arm.files import write_arm
-    from fricomp.arm.page import build_joint_table, build_link_table
+    from fricomp.api.examine_arm import examine_arm
+    from fricomp.arm.output.page import build_joint_table, build_link_table
     from fricomp.cli.fleet import rich_table
     from fricomp.cli.terminal import console, progress
-    from fricomp.results import ARM, claim_folder
 
     require(*REPORT, "mujoco")
-    with claim_folder(out, ARM, overwrite=overwrite, inputs=(*paths, simulation)) as claim, progress() as bar:
+    show = console()
+    for note in log.notes:
+        show.print(note, style="dim", markup=False, soft_wrap=True)
+    with progress() as bar:
         task = bar.add_task("reading", total=None)
 
         def say(what: str) -> None:
             bar.update(task, description=what)
 
-        examination = examine_arm(recordings, simulation, names=names, seed=seed, progress=say)
-        say("writing the report")
-        claim.clear()
-        files = write_arm(examination, out, simulation)
-    show = console()
-    for number, sentence in enumerate(examination.record.sentences):
-        show.print(sentence, style="bold" if number == 0 else None)
-    for table in (build_joint_table(examination.record), build_link_table(examination.record)):
+        settings: Mapping[str, object] = {"names": options.names, "gains": options.gains, "seed": seed}
+        found = examine_arm(log, simulation, out=out, overwrite=overwrite, progress=say, **settings)  # type: ignore[arg-type]
+    for number, sentence in enumerate(found.record.sentences):
+        show.print(sentence, style="bold" if number == 0 else None, markup=False)
+    for table in (build_joint_table(found.record), build_link_table(found.record)):
         show.print()
         show.print(rich_table(table))
-    listed = ", ".join(sorted({path.relative_to(out).parts[0] for path in files if path.suffix != ".png"}))
-    show.print(f"\nIn {out}: {listed}", soft_wrap=True)
+    listed = ", ".join(sorted(path.name for path in out.iterdir() if path.suffix != ".png"))
+    show.print(f"\nIn {out}: {listed}", soft_wrap=True, markup=False)
+    return found

@@ -8,8 +8,8 @@ import numpy as np
 
 from fricomp.report import Bars, Chart, Line, Panel, ReportPage, Section, Table
 
-from .examination import ArmExamination
-from .record import ArmRecord
+from ..examination import ArmExamination
+from ..record import ArmRecord
 
 __all__ = ["build_arm_page", "build_joint_table", "build_link_table", "draw_arm_charts"]
 

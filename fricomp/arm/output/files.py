@@ -10,11 +10,11 @@ from fricomp.report import draw_png, write_report
 from fricomp.results import plain_name
 from fricomp.whole_file import write_whole
 
+from ..examination import ArmExamination
+from ..friction_model import build_friction_model
+from ..record import save_arm_record
 from .corrected_simulation import correct_simulation
-from .examination import ArmExamination
-from .friction_model import build_friction_model
 from .page import build_arm_page, draw_arm_charts
-from .record import save_arm_record
 
 __all__ = ["write_arm"]
 

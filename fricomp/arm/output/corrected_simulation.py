@@ -12,9 +12,9 @@ from fricomp.export import apply_to_mjcf, export_mjcf
 from fricomp.laws import FloatArray
 from fricomp.simulation_file import read_specification
 
-from .answer import ArmAnswer
-from .friction_model import build_friction_model
-from .inertia import can_exist, split_inertia
+from ..answer import ArmAnswer
+from ..friction_model import build_friction_model
+from ..inertia import can_exist, split_inertia
 
 __all__ = ["correct_simulation"]
 
