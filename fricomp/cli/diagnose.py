@@ -157,7 +157,7 @@ def diagnose(
         _diagnose_fleet(recordings, out, options, given, fleet)
         return
     _refuse_fleet_options(fleet)
-    arm = ArmOptions(match, gain, channel, mapping)
+    arm = ArmOptions(match, gain, channel, mapping, as_json)
     log = None if joint is not None else find_arm_log(recordings, simulation, arm)
     if log is not None and simulation is not None and len(log.sessions) == 1:
         run_arm(log, simulation, out, arm, seed, overwrite=overwrite)

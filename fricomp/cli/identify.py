@@ -115,7 +115,7 @@ def identify(
     require(*REPORT, "onnx")
     _refuse_unknown(law)
     require_folder(out)
-    arm = ArmOptions(match, gain, channel, mapping)
+    arm = ArmOptions(match, gain, channel, mapping, as_json)
     if simulation is not None:
         run_arm(_require_arm(files, simulation, arm), simulation, out, arm, seed, overwrite=overwrite)
         return

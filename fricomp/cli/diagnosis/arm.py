@@ -38,12 +38,13 @@ LogMapping = Annotated[
 
 @dataclass(frozen=True)
 class ArmOptions:
-    """What the command line says of an arm."""
+    """What the command line says of an arm, and whether the answer is printed as JSON."""
 
     match: Sequence[str] | None = None
     gain: Sequence[str] | None = None
     channel: Sequence[str] | None = None
     mapping: str = ""
+    as_json: bool = False
 
     @property
     def names(self) -> dict[str, str]:
@@ -117,12 +118,13 @@ def run_arm(
     """
     from fricomp.api.examine_arm import examine_arm
     from fricomp.arm.output.page import build_joint_table, build_link_table
+    from fricomp.cli.answer import print_json
     from fricomp.cli.fleet import rich_table
     from fricomp.cli.terminal import console, progress
 
     require(*REPORT, "mujoco")
     show = console()
-    for note in log.notes:
+    for note in () if options.as_json else log.notes:
         show.print(note, style="dim", markup=False, soft_wrap=True)
     with progress() as bar:
         task = bar.add_task("reading", total=None)
@@ -132,6 +134,9 @@ def run_arm(
 
         settings: Mapping[str, object] = {"names": options.names, "gains": options.gains, "seed": seed}
         found = examine_arm(log, simulation, out=out, overwrite=overwrite, progress=say, **settings)  # type: ignore[arg-type]
+    if options.as_json:
+        print_json(found.record)
+        return found
     for number, sentence in enumerate(found.record.sentences):
         show.print(sentence, style="bold" if number == 0 else None, markup=False)
     for table in (build_joint_table(found.record), build_link_table(found.record)):
