@@ -52,11 +52,13 @@ TARGETS = {
             "tests/calibration/identification/test_identify.py",
         ),
     ),
-    "mit": Target("adapters/mit/codec.py", ("tests/adapters/mit",)),
-    "moteus": Target("adapters/moteus/codec.py", ("tests/adapters/moteus",)),
-    "odrive": Target("adapters/odrive/codec.py", ("tests/adapters/odrive",)),
-    "dynamixel": Target("adapters/dynamixel/packet.py", ("tests/adapters/dynamixel",)),
-    "slcan": Target("adapters/slcan/codec.py", ("tests/adapters/slcan",)),
+    "mit": Target("adapters/mit/codec.py", ("tests/adapters/mit/test_codec.py",)),
+    "moteus": Target("adapters/moteus/codec.py", ("tests/adapters/moteus/test_codec.py",)),
+    "odrive": Target("adapters/odrive/codec.py", ("tests/adapters/odrive/test_codec.py",)),
+    "dynamixel": Target("adapters/dynamixel/packet.py", ("tests/adapters/dynamixel/test_packet.py",)),
+    "slcan": Target("adapters/slcan/codec.py", ("tests/adapters/slcan/test_codec.py",)),
+    "canopen": Target("adapters/canopen/scaling.py", ("tests/adapters/canopen/test_scaling.py",)),
+    "canopen_states": Target("adapters/canopen/state_machine.py", ("tests/adapters/canopen/test_scaling.py",)),
     "verdict": Target("fricomp/diagnosis/verdict/judging.py", ("tests/diagnosis/verdict/test_judging.py",)),
     "results": Target("fricomp/results.py", ("tests/test_results.py",)),
     "lock": Target("fricomp/folder_lock.py", ("tests/test_folder_lock.py",)),
@@ -98,7 +100,8 @@ def list_mutants(source: str) -> list[Mutant]:
 
 def _walk(node: ast.AST) -> Iterator[ast.AST]:
     """The nodes that are run, without those of messages, types and defaults."""
-    heads = [*getattr(node, "decorator_list", ()), *getattr(node, "keywords", ())] if isinstance(node, _NAMED) else []
+    declared = ("decorator_list", "keywords", "returns") if isinstance(node, _NAMED) else ()
+    heads = [each for name in declared for each in _list(getattr(node, name, None))]
     for child in ast.iter_child_nodes(node):
         if child in heads or isinstance(child, _SILENT) or _is_plain_text(child):
             continue
@@ -106,6 +109,10 @@ def _walk(node: ast.AST) -> Iterator[ast.AST]:
             continue
         yield child
         yield from _walk(child)
+
+
+def _list(found: list[ast.AST] | ast.AST | None) -> list[ast.AST]:
+    return found if isinstance(found, list) else [found] if found is not None else []
 
 
 def _is_plain_text(node: ast.AST) -> bool:
@@ -124,7 +131,8 @@ def _changes(node: ast.AST) -> Iterator[tuple[str, Callable[[ast.AST], None]]]:
         yield f"{_name(node.op)} left out", lambda twin: setattr(twin, "op", ast.UAdd() if _is_minus(twin) else _Same())
     elif isinstance(node, ast.Constant) and isinstance(node.value, bool | int | float):
         value = (not node.value) if isinstance(node.value, bool) else node.value + 1
-        yield f"{node.value} to {value}", lambda twin, v=value: setattr(twin, "value", v)
+        if value != node.value:  # one more than a huge number is the same number
+            yield f"{node.value} to {value}", lambda twin, v=value: setattr(twin, "value", v)
     elif isinstance(node, ast.If | ast.While | ast.IfExp):
         yield "condition turned", lambda twin: setattr(twin, "test", ast.UnaryOp(ast.Not(), twin.test))  # type: ignore[attr-defined]
     elif isinstance(node, ast.Return) and node.value is not None and not _is_none(node.value):

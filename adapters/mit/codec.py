@@ -80,8 +80,7 @@ class MitCodec:
         self.velocity_quantum = 2.0 * ranges.velocity / CODES_12
         self.torque_quantum = 2.0 * ranges.torque / CODES_12
         # Only torque varies in torque mode; with both gains zero the references have no effect.
-        idle = self.encode(0.0, 0.0, 0.0, 0.0, 0.0)
-        self._idle_prefix, self._idle_high = idle[:6], idle[6] & 0xF0
+        self._idle_prefix = self.encode(0.0, 0.0, 0.0, 0.0, 0.0)[:6]
 
     def encode(self, position: float, velocity: float, kp: float, kd: float, torque: float) -> bytes:
         """A command [rad], [rad/s], [N·m/rad], [N·m·s/rad], [N·m]; values beyond a range saturate.
@@ -108,7 +107,7 @@ class MitCodec:
         if not -limit <= torque <= limit:
             torque = saturate(torque, limit)
         code = round((torque + limit) / self.torque_quantum)
-        return self._idle_prefix + bytes((self._idle_high | code >> 8, code & 0xFF))
+        return self._idle_prefix + code.to_bytes(2, "big")
 
     def decode(self, data: bytes) -> tuple[float, float, float]:
         """Position [rad], velocity [rad/s] and torque [N·m] of the five bytes q16 dq12 tau12."""

@@ -15,12 +15,13 @@ from fricomp.errors import AdapterConnectionError, FricompError
 from ..configuration import SerialConfiguration
 from ..link import CanFrame
 from ..link.serial_link import open_serial_link
-from .codec import CARRIAGE_RETURN, LONGEST_LINE, decode_line, encode_frame
+from .codec import CARRIAGE_RETURN, decode_line, encode_frame
 
 __all__ = ["ChunkedSlcanBus"]
 
 BITRATES = {10_000: 0, 20_000: 1, 50_000: 2, 100_000: 3, 125_000: 4, 250_000: 5, 500_000: 6, 750_000: 7, 1_000_000: 8}
 BELL = b"\a"
+LONGEST_LINE = 1 + 8 + 1 + 16 + 4  # T, identifier, length, data, time stamp
 LOCK_PATIENCE = 0.02
 LONGEST_WAIT = 0.5
 

@@ -10,7 +10,6 @@ __all__ = ["decode_line", "encode_frame"]
 
 CARRIAGE_RETURN = b"\r"
 _HEX_DIGITS = re.compile(rb"[0-9A-Fa-f]+")  # `int` and `fromhex` take signs, underscores and blanks, too
-LONGEST_LINE = 1 + 8 + 1 + 16 + 4  # T, identifier, length, data, time stamp
 
 
 def encode_frame(frame: CanFrame) -> bytes:
@@ -27,7 +26,7 @@ def decode_line(line: bytes) -> CanFrame | None:
     The length must match the digits exactly, four digits of time stamp aside.
     """
     kind = line[:1]
-    if kind not in (b"t", b"T", b"r", b"R") or len(line) > LONGEST_LINE or not _HEX_DIGITS.fullmatch(line, 1):
+    if kind not in (b"t", b"T", b"r", b"R") or not _HEX_DIGITS.fullmatch(line, 1):
         return None
     extended, remote = kind in (b"T", b"R"), kind in (b"r", b"R")
     start = 10 if extended else 5
