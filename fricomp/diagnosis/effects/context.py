@@ -117,7 +117,7 @@ def _build_context(track: Track, plant: Plant, seen: Observation, hints: Mapping
         friction=seen.bristle + viscous,
         plant=plant,
         rotary=track.rotary,
-        scale=max(0.5 * (plant.forward[0] + plant.reverse[0]), 0.02 * float(np.std(track.torque))),
+        scale=max(0.5 * (plant.forward[0] + plant.reverse[0]), EFFECT.still_scale * float(np.std(track.torque))),
         usual_load=max(float(np.hypot(*plant.gravity)), plant.level),
         channels=track.channels,
         hints=hints,
@@ -152,7 +152,7 @@ def add_load(context: Context, plant: Plant, further: FloatArray) -> Context:
 
 def smooth(values: FloatArray, dt: float, over: float = EFFECT.smooth_window) -> FloatArray:
     """Local cubic over a window of this length [s]. Shape (n,)."""
-    window = max(7, 2 * round(over / dt / 2) + 1)
+    window = max(EFFECT.smooth_rows, 2 * round(over / dt / 2) + 1)
     result: FloatArray = savgol_filter(values, window, 3)
     return result
 

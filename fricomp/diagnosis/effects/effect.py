@@ -41,8 +41,8 @@ class EffectParameter:
         name: Literature name.
         unit: Unit; `{torque}` and `{position}` stand for the recording's own.
         scale: Change that matters, for steps and damping.
-        lower: Lower bound.
-        upper: Upper bound.
+        lower: Lower bound; by default beyond every joint.
+        upper: Upper bound; likewise.
         linear: Whether the contribution is proportional to it, so that it is zero where the effect is absent.
         prior: Standard deviation of a weak prior around the start; 0 for none.
         known: Standard deviation of what is known of it before a fit, in the solver's coordinates, for its interval; 0
@@ -58,8 +58,8 @@ class EffectParameter:
     name: str
     unit: str
     scale: float
-    lower: float
-    upper: float
+    lower: float = -EFFECT.unbounded
+    upper: float = EFFECT.unbounded
     linear: bool = True
     prior: float = 0.0
     known: float = 0.0
@@ -190,9 +190,9 @@ class Effect(ABC):
 
 
 def compute_lowest_order(contexts: Sequence[Context]) -> float:
-    """Lowest order over position that counts as a ripple: one and a half waves over the recorded range."""
+    """Lowest order over position that counts as a ripple: that of the fewest waves over the recorded range."""
     span = max(float(np.ptp(context.position)) for context in contexts)
-    return 1.5 * 2.0 * np.pi / max(span, 1e-9)
+    return EFFECT.least_waves * 2.0 * np.pi / max(span, 1e-9)
 
 
 def refuse_long_wave(order: float, contexts: Sequence[Context]) -> str | None:

@@ -19,6 +19,33 @@ class EffectSettings:
     unexplained_load: float = 0.01
     """Part of a recorded load that gravity and acceleration may leave, for them to take its place. A larger one
     loses loads from outside."""
+    small_step: float = 0.02
+    """Change of a coefficient that matters to the fit, as part of a torque. It sets the solver's steps and damping."""
+    step: float = 0.05
+    """The same for an effect that is felt as a torque of its own, as part of the Coulomb level."""
+    order_step: float = 0.05
+    """Change of an order over position that matters [1/rad]: over some turns it shifts a wave by a part of a period."""
+    share_step: float = 0.1
+    """Change of a load's part of the inertia that matters [1]."""
+    unbounded: float = 1e7
+    """Bound on numbers of either sign that need none, in their units. It lies beyond every joint and only keeps a step
+    of the solver finite."""
+    load_shares: tuple[float, float] = (0.05, 0.98)
+    """Bounds on the part of the inertia that is the load's [1]. A smaller load is not felt through a gap or a spring,
+    and a joint that is all load has no motor to be measured at."""
+    load_share_prior: float = 0.3
+    """Standard deviation of a weak prior around the start of that part [1]: it keeps a fit near it where the
+    recordings do not show the load."""
+    usual_load_share: float = 0.6
+    """That part where nobody knows it [1]: gears are chosen so that motor and load weigh about the same."""
+    least_waves: float = 1.5
+    """Waves of a ripple that the recorded range must hold. Less of one looks like anything that varies slowly."""
+    smooth_rows: int = 7
+    """Least number of samples of a smoothing window: a local cubic goes through four, and seven leave it something to
+    average."""
+    still_scale: float = 0.02
+    """Least Coulomb level in the standard deviation of the torque, as a measure for steps on joints without dry
+    friction."""
     usual_form: float = 0.03
     """Relative deviation that a law of slightly another form leaves in a size. An order, an edge, a time are known
     as well as the fit says."""
@@ -34,6 +61,12 @@ class EffectSettings:
     """Most times that windows are left out of a refit and found again."""
     window_mean: int = 9
     """Number of rows of the running mean that a push lifts. More rows miss short pushes."""
+    most_inside: float = 0.6
+    """Part of the rows from which those that stand out are no windows any more."""
+    least_outside: float = 0.3
+    """Part of the rows that must lie outside of all windows and their margins, or the base cannot be refitted there."""
+    window_energy: float = 5.0
+    """Least mean energy above the noise inside the windows, in that noise. A push that matters is far above it."""
     window_core: float = 6.0
     """Standard deviations by which that mean stands out somewhere inside a window."""
     window_edge: float = 2.5
@@ -63,6 +96,8 @@ class EffectSettings:
     that are met once have 0.00 to 0.01, and pushes 0.31 and more."""
     twist_window: float = 0.015
     """Window of the local cubic that takes the curvature of the twist [s]; a third of a row."""
+    most_substeps: int = 20
+    """Most substeps a sample. A load that swings faster is stiff for the rows, and more of them show nothing new."""
     twist_substep: float = 0.25
     """Longest substep of a load on its spring, in its own oscillation [rad]."""
 

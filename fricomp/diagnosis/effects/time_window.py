@@ -45,7 +45,7 @@ def find_time_windows(problem: Problem, contexts: Sequence[Context], fit: Fit, b
     left = fit.residual
     for _ in range(EFFECT.window_rounds):
         found = _find_standing_out(problem, left)
-        if np.array_equal(found, inside) or not 0.0 < found.mean() < 0.6:
+        if np.array_equal(found, inside) or not 0.0 < found.mean() < EFFECT.most_inside:
             inside = found
             break
         inside, left = found, _refit_without(found, fit, box)
@@ -64,7 +64,7 @@ def _find_standing_out(problem: Problem, left: FloatArray) -> _Mask:
     masks = []
     for part in _split_by_recording(problem, left):
         mean = np.abs(uniform_filter1d(part, EFFECT.window_mean)) * np.sqrt(EFFECT.window_mean)
-        level = max(float(np.median(mean)) / 0.6745, 1.0)
+        level = max(float(np.median(mean)) / 0.6745, 1.0)  # the median of |z| for a standard normal z
         edge, core = mean > EFFECT.window_edge * level, mean > EFFECT.window_core * level
         stretch, _ = label(edge)
         kept = np.isin(stretch, np.unique(stretch[core])) & edge
@@ -84,11 +84,11 @@ def _refit_without(inside: _Mask, fit: Fit, box: Box) -> FloatArray:
 
 def _is_compact(inside: _Mask, left: FloatArray) -> bool:
     out = ~binary_dilation(inside, np.ones(EFFECT.window_mean))
-    if out.sum() < 0.3 * inside.size:
+    if out.sum() < EFFECT.least_outside * inside.size:
         return False
     outside = max(float(np.mean(left[out] ** 2)) - 1.0, 0.0)
     within = float(np.mean(left[inside] ** 2)) - 1.0
-    return within > 5.0 and outside < max(EFFECT.quiet_outside, within / EFFECT.window_contrast)
+    return within > EFFECT.window_energy and outside < max(EFFECT.quiet_outside, within / EFFECT.window_contrast)
 
 
 def _is_independent_of_state(problem: Problem, contexts: Sequence[Context], inside: _Mask, left: FloatArray) -> bool:
@@ -116,6 +116,7 @@ def _collect_states(problem: Problem, contexts: Sequence[Context]) -> FloatArray
         rows = [getattr(c, name)[grid.centres] for c, grid in zip(contexts, problem.grids, strict=True)]
         values = np.concatenate(rows)
         values = np.sign(values) * np.abs(values) ** power
+        # The reach without the outer hundredths, which single samples make.
         states.append(values / max(float(np.quantile(values, 0.99) - np.quantile(values, 0.01)), 1e-12))
     return np.stack(states, axis=1)
 

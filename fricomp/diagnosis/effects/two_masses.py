@@ -108,6 +108,7 @@ def simulate_twist(position: np.ndarray, gravity: np.ndarray, gradient: np.ndarr
     inertia, stiffness, damping, half, cubic = settings[2], settings[3], settings[4], settings[5], settings[6]
     n = position.shape[0]
     theta = position[0] - gravity[0] / stiffness - (half if gravity[0] >= 0.0 else -half)
+    # The load begins with the mean velocity of the first samples, which the encoder's steps do not reach.
     w = (position[min(8, n - 1)] - position[0]) / (min(8, n - 1) * settings[0])
     push = h / inertia
     for k in range(n):
@@ -138,8 +139,9 @@ def compute_carried(context: Context, transmission: Transmission) -> FloatArray:
     t, q = transmission, context.position
     gravity, gradient = _compute_gravity(context)
     frequency = np.sqrt(t.stiffness / t.inertia)
-    substeps = int(np.clip(np.ceil(frequency * context.dt / EFFECT.twist_substep), 1, 20))
+    substeps = int(np.clip(np.ceil(frequency * context.dt / EFFECT.twist_substep), 1, EFFECT.most_substeps))
     s = simulate_twist(q, gravity, gradient, np.array([context.dt, substeps, *t.build_coupling(context)]))
+    # A local cubic goes through four samples, so its curvature needs five.
     window = max(5, 2 * round(EFFECT.twist_window / context.dt / 2) + 1)
     curvature = np.convolve(s, _compute_curvature_weights(window, context.dt), mode="same")
     curvature[: window // 2] = curvature[-(window // 2) :] = 0.0

@@ -149,11 +149,11 @@ def _missing_torque(series: _Series, unit: str) -> Chart:
 
     reach = _REACH * series.spread
     marks = (
-        Band(series.time, -reach, reach, "noise (95 %)", color=6),
+        Band(series.time, -reach, reach, "noise (95 %)", color=6),  # the palette's grey
         Line(series.time, series.before, "before", color=1, width=1.0),
         Line(series.time, series.after, "with what was named", color=0, width=1.0),
     )
     largest = max(float(np.nanmax(np.abs(rows), initial=0.0)) for rows in (series.before, series.after))
-    limits = (-1.1 * largest, 1.1 * largest) if largest > 0.0 else None
+    limits = (-1.1 * largest, 1.1 * largest) if largest > 0.0 else None  # a tenth of air above and below
     panel = Panel(marks, "time [s]", f"missing torque{unit}", y_range=limits)
     return Chart("missing-torque", f"Measured less simulated torque: {series.name}", (panel,))

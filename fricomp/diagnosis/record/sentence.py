@@ -148,6 +148,7 @@ def _describe_share(held: HeldOut, effects: Sequence[NamedEffect]) -> str:
 
 
 def _format_percent(share: float) -> str:
+    # Below one in a hundred the digits would be noise.
     return "less than 1 %" if share < 0.01 else f"{100.0 * share:.0f} %"
 
 

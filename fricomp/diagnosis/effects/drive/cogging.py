@@ -12,6 +12,7 @@ from fricomp.laws import Term
 from ...joint.observer import Contribution, Plant
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, compute_lowest_order, refuse_long_wave, register
+from ..settings import EFFECT
 
 
 @register
@@ -27,11 +28,11 @@ class Cogging(Effect):
     wave = "torque"
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        scale = 0.02 * contexts[0].scale
-        waves = [EffectParameter(name, "{torque}", scale, -1e4, 1e4) for name in ("sine", "cosine")]
-        order = EffectParameter("order", "1/{position}", 0.05, compute_lowest_order(contexts), 1e5, linear=False)
+        scale, lowest = EFFECT.small_step * contexts[0].scale, compute_lowest_order(contexts)
+        waves = [EffectParameter(name, "{torque}", scale) for name in ("sine", "cosine")]
+        order = EffectParameter("order", "1/{position}", EFFECT.order_step, lowest, linear=False)
         further = [
-            EffectParameter(f"{wave.name}_{number}", wave.unit, scale, wave.lower, wave.upper)
+            EffectParameter(f"{wave.name}_{number}", wave.unit, scale)
             for number in range(2, max(context.source for context in contexts) + 2)
             for wave in waves
         ]

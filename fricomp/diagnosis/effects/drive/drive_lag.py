@@ -24,12 +24,14 @@ class DriveLag(Effect):
     """Time constant below which the low pass is left out [s]; it only keeps the filter from dividing by nothing."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        # A lag of more than 50 ms spans a whole row: what is slower is no low pass of a drive.
         return (
             EffectParameter("time_constant", "s", 2e-3, 0.0, 0.05, linear=False, form=0.05, with_delay=1.0),
             EffectParameter("order", "1", 0.0, 1.0, 2.0, linear=False),
         )
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        # Both forms of the filter, each from a lag of some samples and from one of a row's part.
         return [{"time_constant": lag, "order": order} for lag in (2e-3, 6e-3) for order in (1.0, 2.0)]
 
     def is_suspected(self, contexts: Sequence[Context]) -> bool:

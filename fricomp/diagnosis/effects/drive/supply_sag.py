@@ -10,6 +10,7 @@ from ...inputs.track import FloatArray
 from ...joint.observer import Contribution
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
+from ..settings import EFFECT
 
 
 @register
@@ -28,12 +29,12 @@ class SupplySag(Effect):
         recorded = "voltage" in contexts[0].channels
         unit = "1/V" if recorded else "s/{position}"
         swing = max(float(np.ptp(c.channels.get("voltage", np.array([0.0, top])))) for c in contexts)
-        by_power = 0.0 if recorded else 0.02 / max(power, 1e-9)
+        by_power = 0.0 if recorded else EFFECT.small_step / max(power, 1e-9)
         # Of a loss by power alone, up to 0.0065 of the torque at top speed was taken for a gain by speed.
         traded = 0.0 if recorded else 0.003 / max(swing, 1e-9)
         return (
-            EffectParameter("coefficient", unit, 0.02 / max(swing, 1e-9), -1e3, 1e3, form=0.1, least_form=traded),
-            EffectParameter("loss_by_power", "s/({torque}·{position})", by_power, -1e3, 1e3, form=0.1),
+            EffectParameter("coefficient", unit, EFFECT.small_step / max(swing, 1e-9), form=0.1, least_form=traded),
+            EffectParameter("loss_by_power", "s/({torque}·{position})", by_power, form=0.1),
         )
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:

@@ -12,6 +12,7 @@ from ...joint.observer import Contribution
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
 from ..heating_time import HEATING_TIME, propose_heating_times
+from ..settings import EFFECT
 from ..warming import compute_warming
 
 
@@ -30,7 +31,8 @@ class TorqueConstantHeating(Effect):
     to twice as long."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        return EffectParameter("loss", "1", 0.02, -0.9, 0.9), self.winding_time
+        # A motor that lost nine tenths of its torque constant would be demagnetised.
+        return EffectParameter("loss", "1", EFFECT.small_step, -0.9, 0.9), self.winding_time
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return propose_heating_times()

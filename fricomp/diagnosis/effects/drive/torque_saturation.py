@@ -9,6 +9,7 @@ import numpy as np
 from ...joint.observer import Contribution
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
+from ..settings import EFFECT
 
 
 @register
@@ -23,7 +24,7 @@ class TorqueSaturation(Effect):
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         largest = max(float(np.max(np.abs(c.torque))) for c in contexts)
-        return (EffectParameter("coefficient", "1/{torque}²", 0.02 / largest**2, -10.0, 10.0, form=0.15),)
+        return (EffectParameter("coefficient", "1/{torque}²", EFFECT.small_step / largest**2, -10.0, 10.0, form=0.15),)
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(additive=values["coefficient"] * context.torque**3)

@@ -17,6 +17,7 @@ from ...joint.observer import Contribution, Plant
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
 from ..forward_part import ForwardPart, HiddenState
+from ..settings import EFFECT
 
 
 @compile_kernel
@@ -53,18 +54,25 @@ class DwellStiction(Effect):
     like_a_bristle = True
     rest_speed: ClassVar[float] = 3e-3
     """Speed below which the contact ages [rad/s] or [m/s]."""
+    least_rest: ClassVar[float] = 0.01
+    """Part of the samples at rest below which the recording shows no ageing."""
+    size_step: ClassVar[float] = 0.3
+    """Change of the logarithm of a time or travel that matters."""
     largest_rise: ClassVar[float] = 3.0
     """Largest rise in the Coulomb torque. Rests have been seen to raise static friction by as much as that torque
     itself."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        # A contact that ages within 50 ms has done so at every reversal, and one that takes a minute does not in a
+        # recording. Travels below 1 mrad are the bristle's; above 0.1 rad the age outlasts most strokes.
         return (
-            EffectParameter("rise", "{torque}", 0.05 * contexts[0].scale, -1e4, 1e4, form=0.4),
+            EffectParameter("rise", "{torque}", EFFECT.step * contexts[0].scale, form=0.4),
             _build_size("time_constant", "s", (0.05, 60.0), prior=0.6, form=0.5),
             _build_size("travel", "{position}", (1e-3, 0.1), prior=1.1, form=0.2),
         )
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        # Starts lie all over the bounds, since a sum of squares over two times of decay has several minima.
         sizes = [(t, d) for t in (0.3, 2.0, 10.0) for d in (2e-3, 1e-2)]
         return [{"time_constant": float(np.log(t)), "travel": float(np.log(d))} for t, d in sizes]
 
@@ -76,7 +84,7 @@ class DwellStiction(Effect):
 
     def find_obstacle(self, contexts: Sequence[Context]) -> str | None:
         rests = max(float(np.mean(np.abs(c.velocity) < self.rest_speed)) for c in contexts)
-        return "the joint never rests" if rests < 0.01 else None
+        return "the joint never rests" if rests < self.least_rest else None
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
         if values["rise"] <= 0.0:
@@ -121,6 +129,7 @@ def _build_size(name: str, unit: str, limits: tuple[float, float], *, prior: flo
     """A positive number that a recording may hardly fix, fitted as its logarithm."""
     low, high = (float(np.log(limit)) for limit in limits)
     known = (high - low) / (2.0 * 1.96)  # its domain, which starts may lie all over
+    step = DwellStiction.size_step
     return EffectParameter(
-        name, unit, 0.3, low, high, linear=False, prior=prior, known=known, logarithmic=True, form=form
+        name, unit, step, low, high, linear=False, prior=prior, known=known, logarithmic=True, form=form
     )

@@ -25,9 +25,11 @@ class FrictionalLag(Effect):
     """Lag below which it is too faint to be named [s]. A bristle of another form has been seen to look like 1.3 ms."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        # A lag of more than 0.1 s spans two rows: friction would follow the last stroke and not this one.
         return (EffectParameter("lag", "s", 2e-3, 0.0, 0.1, linear=False),)
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        # From a lag that is just seen to ten times that.
         return [{"lag": 2e-3}, {"lag": 8e-3}, {"lag": 2e-2}]
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:

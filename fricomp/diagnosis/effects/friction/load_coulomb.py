@@ -12,6 +12,7 @@ from fricomp.laws import Term
 from ...joint.observer import Contribution, Plant
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
+from ..settings import EFFECT
 from .load_share import SHARE, compute_felt_load, propose_shares
 
 
@@ -26,7 +27,8 @@ class LoadCoulomb(Effect):
     says = "the friction level grows with the transmitted load"
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        return (EffectParameter("coefficient", "{torque}/{torque}", 0.02, -0.2, 2.0), SHARE)
+        # Twice the load is more friction than a self-locking gear has; a little below zero shows that there is none.
+        return (EffectParameter("coefficient", "{torque}/{torque}", EFFECT.small_step, -0.2, 2.0), SHARE)
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return propose_shares(contexts)

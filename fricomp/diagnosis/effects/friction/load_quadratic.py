@@ -12,6 +12,7 @@ from fricomp.laws import Term
 from ...joint.observer import Contribution, Plant
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
+from ..settings import EFFECT
 from .load_share import SHARE, compute_felt_load, propose_shares
 
 
@@ -29,7 +30,7 @@ class LoadQuadratic(Effect):
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         largest = max(float(np.max(np.abs(c.load_torque))) for c in contexts) or 1.0
         return (
-            EffectParameter("coefficient", "1/{torque}", 0.02 / largest, -1.0, 1.0),
+            EffectParameter("coefficient", "1/{torque}", EFFECT.small_step / largest, -1.0, 1.0),
             EffectParameter("split", "1", 0.0, 0.0, 1.0, linear=False),
             SHARE,
         )

@@ -17,6 +17,7 @@ SHARE = EffectParameter("inertia_share", "1", 0.2, 0.0, 1.0, linear=False, prior
 def propose_shares(contexts: Sequence[Context]) -> list[dict[str, float]]:
     """Gravity alone, and gravity with all inertia; one hypothesis where the load was recorded."""
     recorded = all("load_torque" in c.channels for c in contexts)
+    # Nearly all: a start at the bound itself would leave the fit one way to go.
     return [{"inertia_share": 0.0}] if recorded else [{"inertia_share": 0.0}, {"inertia_share": 0.9}]
 
 

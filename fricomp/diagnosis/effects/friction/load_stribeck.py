@@ -12,6 +12,7 @@ from fricomp.laws import Term
 from ...joint.observer import Contribution, Plant
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
+from ..settings import EFFECT
 from .load_share import SHARE, compute_felt_load, propose_shares
 
 
@@ -28,7 +29,8 @@ class LoadStribeck(Effect):
     says = "the extra friction of slow motion grows with the transmitted load"
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        return (EffectParameter("coefficient", "{torque}/{torque}", 0.02, -0.2, 2.0, form=0.15), SHARE)
+        # Twice the load is more friction than a self-locking gear has; a little below zero shows that there is none.
+        return (EffectParameter("coefficient", "{torque}/{torque}", EFFECT.small_step, -0.2, 2.0, form=0.15), SHARE)
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return propose_shares(contexts)

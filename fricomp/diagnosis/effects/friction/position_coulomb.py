@@ -12,6 +12,7 @@ from fricomp.laws import Term
 from ...joint.observer import Contribution, Plant
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
+from ..settings import EFFECT
 
 
 @register
@@ -31,9 +32,9 @@ class PositionCoulomb(Effect):
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = contexts[0].scale
         return (
-            EffectParameter("sine", "{torque}", 0.05 * scale, -1e4, 1e4),
-            EffectParameter("cosine", "{torque}", 0.05 * scale, -1e4, 1e4),
-            EffectParameter("order", "1/{position}", 0.05, 0.0, 1e5, linear=False, form=0.05),
+            EffectParameter("sine", "{torque}", EFFECT.step * scale),
+            EffectParameter("cosine", "{torque}", EFFECT.step * scale),
+            EffectParameter("order", "1/{position}", EFFECT.order_step, 0.0, linear=False, form=0.05),
         )
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:

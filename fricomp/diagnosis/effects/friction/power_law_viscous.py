@@ -27,12 +27,15 @@ class PowerLawViscous(Effect):
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale, top = contexts[0].scale, max(float(np.max(np.abs(c.velocity))) for c in contexts)
+        # Exponents below 0.35 make dry friction of the curve and above 0.92 viscous friction, as far as rows tell; the
+        # scale is that of a tenth of the dry level at top speed, for an exponent in the middle.
         return (
-            EffectParameter("coefficient", "{torque}·(s/{position})^n", 0.1 * scale / top**0.7, -1e6, 1e6, form=0.15),
+            EffectParameter("coefficient", "{torque}·(s/{position})^n", 0.1 * scale / top**0.7, form=0.15),
             EffectParameter("exponent", "1", 0.1, 0.35, 0.92, linear=False, prior=0.15, form=0.2),
         )
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        # From either side of the middle.
         return [{"exponent": 0.5}, {"exponent": 0.75}]
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:

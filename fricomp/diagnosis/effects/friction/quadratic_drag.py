@@ -12,6 +12,7 @@ from fricomp.laws import Term
 from ...joint.observer import Contribution, Plant
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
+from ..settings import EFFECT
 
 
 @register
@@ -26,7 +27,7 @@ class QuadraticDrag(Effect):
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale, top = contexts[0].scale, max(float(np.max(np.abs(c.velocity))) for c in contexts)
-        return (EffectParameter("coefficient", "{torque}·s²/{position}²", 0.05 * scale / top**2, -1e6, 1e6, form=0.07),)
+        return (EffectParameter("coefficient", "{torque}·s²/{position}²", EFFECT.step * scale / top**2, form=0.07),)
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         v = context.velocity

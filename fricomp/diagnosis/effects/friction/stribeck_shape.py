@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 from fricomp.laws import FrictionLaw
 
@@ -20,8 +21,11 @@ class StribeckShape(Effect):
     equation = "F_c + (F_s - F_c) exp(-(|v|/v_s)^delta), delta other than 2"
     citation = "bittencourt2010"
     says = "the Stribeck curve falls with another exponent than two"
+    tolerance: ClassVar[float] = 0.15
+    """Distance from two within which the exponent is two: the curve differs by at most 2 % of its fall."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        # A curve with a smaller exponent hardly falls any more, and one with a larger falls in a step.
         return (EffectParameter("stribeck_exponent", "1", 0.2, 0.4, 4.0, linear=False, form=0.1),)
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
@@ -35,5 +39,5 @@ class StribeckShape(Effect):
         return True
 
     def refuse(self, values: Values, contexts: Sequence[Context]) -> str | None:
-        near = abs(values["stribeck_exponent"] - 2.0) < 0.15
+        near = abs(values["stribeck_exponent"] - 2.0) < self.tolerance
         return "the exponent is two within its tolerance" if near else None

@@ -16,7 +16,11 @@ from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
 from ..forward_part import ForwardPart, HiddenState
 from ..heating_time import HEATING_TIME, propose_heating_times
+from ..settings import EFFECT
 from ..warming import compute_heat, compute_losses, compute_warming
+
+LEAST_VISCOUS = 0.1
+"""Least viscous friction at top speed in the dry level: what warms must be something, also where a base found none."""
 
 
 @register
@@ -31,16 +35,16 @@ class ThermalFriction(Effect):
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         viscous = max(max(c.plant.forward[3], c.plant.reverse[3]) for c in contexts)
-        heat = max(float(np.max(np.abs(compute_heat(c, 30.0)))) for c in contexts)
+        heat = max(float(np.max(np.abs(compute_heat(c, EFFECT.heating_starts[1])))) for c in contexts)
         largest = heat if heat > 0.0 else 1.0  # without heating the columns are zero, whatever their scale
         recorded = _is_recorded(contexts)
         per_kelvin = "/K" if recorded else ""
-        slope = 0.05 * (viscous + 0.1 * contexts[0].scale) / largest
-        level = 0.05 * contexts[0].scale / largest
-        viscous_slope = EffectParameter("viscous_slope", "{torque}·s/{position}" + per_kelvin, slope, -1e6, 1e6)
+        slope = EFFECT.step * (viscous + LEAST_VISCOUS * contexts[0].scale) / largest
+        level = EFFECT.step * contexts[0].scale / largest
+        viscous_slope = EffectParameter("viscous_slope", "{torque}·s/{position}" + per_kelvin, slope)
         if not recorded:  # an estimated temperature hardly tells a second slope from its own time constant
             return viscous_slope, HEATING_TIME
-        return viscous_slope, EffectParameter("coulomb_slope", "{torque}" + per_kelvin, level, -1e6, 1e6)
+        return viscous_slope, EffectParameter("coulomb_slope", "{torque}" + per_kelvin, level)
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         return [{}] if _is_recorded(contexts) else propose_heating_times()
@@ -72,7 +76,7 @@ class ThermalFriction(Effect):
 
 def _bound_viscous(context: Context) -> tuple[float, float]:
     """Viscous friction of both directions that the heat changes, held above nothing [N·m·s/rad]."""
-    least = 0.1 * context.scale / max(float(np.max(np.abs(context.velocity))), 1e-9)
+    least = LEAST_VISCOUS * context.scale / max(float(np.max(np.abs(context.velocity))), 1e-9)
     return max(context.plant.forward[3], least), max(context.plant.reverse[3], least)
 
 

@@ -55,8 +55,9 @@ def _trace_to_source(
 def _expand_small_angle(x: float) -> tuple[float, float]:
     """Cosine and sine, to 1e-15 up to 0.3 rad."""
     z = x * x
+    # Taylor series up to the eleventh power of the sine and the twelfth of the cosine, by Horner's rule.
     sine = 1.0 - z / 6.0 * (1.0 - z / 20.0 * (1.0 - z / 42.0 * (1.0 - z / 72.0 * (1.0 - z / 110.0))))
-    cosine = 1.0 - z / 2.0 * (
+    cosine = 1.0 - z / 2.0 * (  # likewise
         1.0 - z / 12.0 * (1.0 - z / 30.0 * (1.0 - z / 56.0 * (1.0 - z / 90.0 * (1.0 - z / 132.0))))
     )
     return cosine, x * sine
@@ -73,12 +74,14 @@ class EncoderEccentricity(Effect):
     says = "the encoder reads once or twice per turn wrong"
     ripple = True
     misreads_position = True
+    usual_error: ClassVar[float] = 1e-3
+    """Error that matters [rad]: discs of encoders are off by that much and more."""
     largest_error: ClassVar[float] = 0.1
     """Largest error [rad]; no mount lets a disc be so far off its centre."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        size = 1e-3
-        wave = tuple(EffectParameter(n, "{position}", size, -0.1, 0.1) for n in ("sine", "cosine"))
+        size, most = self.usual_error, self.largest_error
+        wave = tuple(EffectParameter(n, "{position}", size, -most, most) for n in ("sine", "cosine"))
         return (*wave, EffectParameter("order", "1/rev", 0.0, 1.0, 2.0, linear=False))
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:

@@ -21,9 +21,11 @@ class TorqueDelay(Effect):
     says = "the recorded torque is late"
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        # Late by a row at most, or early where the position is filtered; more is a recording of another moment.
         return (EffectParameter("delay", "s", 1e-3, -0.03, 0.05, linear=False, form=0.05, with_delay=-1.0),)
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        # Late by some samples, late by many, and early.
         return [{"delay": 1e-3}, {"delay": 4e-3}, {"delay": -1e-3}]
 
     def is_suspected(self, contexts: Sequence[Context]) -> bool:

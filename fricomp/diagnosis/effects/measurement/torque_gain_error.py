@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from ...joint.observer import Contribution
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
+from ..settings import EFFECT
 
 
 @register
@@ -20,7 +21,8 @@ class TorqueGainError(Effect):
     says = "the recorded torque has a wrong scale"
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        return (EffectParameter("gain_error", "1", 0.02, -0.5, 0.5),)
+        # A gain that is wrong by half or more is one of units, which the checks of a recording report.
+        return (EffectParameter("gain_error", "1", EFFECT.small_step, -0.5, 0.5),)
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         return Contribution(additive=values["gain_error"] * context.torque)

@@ -46,11 +46,15 @@ class TorqueSensorHysteresis(Effect):
     """Part of the samples at each end that does not count for the reach of the torque."""
     widest: ClassVar[float] = 0.8
     """Largest width in the reach of the torque. A loop that hardly ever saturates is a gain."""
+    narrowest: ClassVar[float] = 0.005
+    """Least width in the reach of the torque. A narrower loop is a step at each turn, which an offset of dry friction
+    is as well."""
     above_noise: ClassVar[float] = 10.0
     """Least width in the noise of the torque. A smaller loop follows that noise, and explains it."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         low, high = (float(value) for value in np.log(_bound_widths(contexts)))
+        # A loop of half the torque is a broken sensor. The exponent goes from a wide bend to the corner of a play.
         return (
             EffectParameter("height", "1", 0.01, -0.5, 0.5),
             EffectParameter("width", "{torque}", 0.2, low, high, linear=False, logarithmic=True, form=0.3),
@@ -63,13 +67,14 @@ class TorqueSensorHysteresis(Effect):
 
     def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         narrowest, widest = _bound_widths(contexts)
+        # Widths all over the bounds, each 1.6 times the last: a loop of another width turns elsewhere.
         usual = np.geomspace(0.02, 0.5, 8) * widest / self.widest
         widths = np.log(np.unique(np.maximum(usual, narrowest)))
         return [
             {"width": float(width), "exponent": exponent, "initial": initial}
             for width in widths
             for exponent in (0.0, 2.0)
-            for initial in (-0.7, 0.0, 0.7)
+            for initial in (-0.7, 0.0, 0.7)  # low, in the middle and high in the loop
         ]
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
@@ -89,6 +94,6 @@ def _bound_widths(contexts: Sequence[Context]) -> tuple[float, float]:
     ]
     reach = max(0.5 * float(high - low) for low, high in ends)
     noise = max(context.noise for context in contexts)
-    return min(
-        max(0.005 * reach, TorqueSensorHysteresis.above_noise * noise), 0.5 * TorqueSensorHysteresis.widest * reach
-    ), TorqueSensorHysteresis.widest * reach
+    least = max(TorqueSensorHysteresis.narrowest * reach, TorqueSensorHysteresis.above_noise * noise)
+    most = TorqueSensorHysteresis.widest * reach
+    return min(least, 0.5 * most), most

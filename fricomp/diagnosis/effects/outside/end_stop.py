@@ -25,22 +25,27 @@ class EndStop(Effect):
     citation = ""
     says = "a stop pushes back at the end of the range"
     shown_at_rest = True
+    edges: ClassVar[tuple[float, ...]] = (0.02, 0.06, 0.12, 0.2)
+    """Distances from the ends of the range, in that range, at which a fit looks for the edge of a stop. They lie closer
+    at the ends, where a hard stop is met for a short way only."""
+    edge_step: ClassVar[float] = 0.02
+    """Change of an edge that matters [rad] or [m]."""
     widest: ClassVar[float] = 0.35
     """Largest part of the samples and of the range in which it may act, since a stop is at the end of the range."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = contexts[0].scale
         return (
-            EffectParameter("stiffness", "{torque}/{position}", scale, -1e7, 1e7),
-            EffectParameter("edge", "{position}", 0.02, -1e3, 1e3, linear=False),
+            EffectParameter("stiffness", "{torque}/{position}", scale),
+            EffectParameter("edge", "{position}", self.edge_step, linear=False),
             EffectParameter("side", "1", 0.0, -1.0, 1.0, linear=False),
         )
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         low, high = _find_range(contexts)
         span = high - low
-        upper = [{"edge": high - f * span, "side": 1.0} for f in (0.02, 0.06, 0.12, 0.2)]
-        return upper + [{"edge": low + f * span, "side": -1.0} for f in (0.02, 0.06, 0.12, 0.2)]
+        upper = [{"edge": high - f * span, "side": 1.0} for f in self.edges]
+        return upper + [{"edge": low + f * span, "side": -1.0} for f in self.edges]
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         side = values["side"]

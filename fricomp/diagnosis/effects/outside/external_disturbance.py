@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from ...joint.observer import Contribution
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
+from ..settings import EFFECT
 from ..time_window import shape_push
 
 
@@ -24,6 +26,12 @@ class ExternalDisturbance(Effect):
     says = "a torque from outside acts for a while; it is no function of the joint's state"
     gain_share = 0.8  # Pushes in windows of time imitate anything that comes and goes.
     imitates_others = True
+    end_step: ClassVar[float] = 0.05
+    """Change of an end of a push that matters [s]."""
+    roundness: ClassVar[EffectParameter] = EffectParameter(
+        "roundness", "1", 0.2, -3.0, 1.5, linear=False, prior=1.0, logarithmic=True
+    )
+    """Power of half a sine that a push is, from a block to a peak of a third of its window; e^0.2 makes it another."""
     shortest: ClassVar[float] = 0.2
     """Least length of the longest window [s], ten rows. Shorter ones have been seen of drives that could not follow."""
     edge: ClassVar[float] = 0.04
@@ -31,14 +39,14 @@ class ExternalDisturbance(Effect):
     such ends were 5 to 81 ms off (38 ms rms), and its torque 7 % too large, as the sine is pointed."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
-        scale = 0.05 * contexts[0].scale
+        scale = EFFECT.step * contexts[0].scale
         found: list[EffectParameter] = []
         for k in range(1, len(_list_windows(contexts)) + 1):
             found += [
-                EffectParameter(f"torque_{k}", "{torque}", scale, -1e5, 1e5, form=0.05),
-                EffectParameter(f"start_{k}", "s", 0.05, 0.0, 1e6, linear=False, least_form=self.edge),
-                EffectParameter(f"end_{k}", "s", 0.05, 0.0, 1e6, linear=False, least_form=self.edge),
-                EffectParameter(f"roundness_{k}", "1", 0.2, -3.0, 1.5, linear=False, prior=1.0, logarithmic=True),
+                EffectParameter(f"torque_{k}", "{torque}", scale, form=0.05),
+                EffectParameter(f"start_{k}", "s", self.end_step, 0.0, linear=False, least_form=self.edge),
+                EffectParameter(f"end_{k}", "s", self.end_step, 0.0, linear=False, least_form=self.edge),
+                replace(self.roundness, name=f"roundness_{k}"),
             ]
         return tuple(found)
 

@@ -10,6 +10,7 @@ from ...inputs.track import differentiate
 from ...joint.observer import Contribution
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
+from ..settings import EFFECT
 
 
 @register
@@ -26,8 +27,8 @@ class NeighbourCoupling(Effect):
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = contexts[0].scale
         return (
-            EffectParameter("inertia", "kg·m²", 0.05 * scale, -1e4, 1e4),
-            EffectParameter("centrifugal", "kg·m²", 0.05 * scale, -1e4, 1e4),
+            EffectParameter("inertia", "kg·m²", EFFECT.step * scale),
+            EffectParameter("centrifugal", "kg·m²", EFFECT.step * scale),
         )
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:

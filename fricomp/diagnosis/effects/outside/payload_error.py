@@ -10,6 +10,7 @@ from ...inputs.track import FloatArray
 from ...joint.observer import Contribution
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
+from ..settings import EFFECT
 
 
 @register
@@ -24,14 +25,14 @@ class PayloadError(Effect):
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         first = contexts[0]
-        gravity = 0.05 * (float(np.max(np.abs(first.gravity))) + first.scale)
-        inertia = 0.05 * first.plant.inertia
+        gravity = EFFECT.step * (float(np.max(np.abs(first.gravity))) + first.scale)
+        inertia = EFFECT.step * first.plant.inertia
         result: list[EffectParameter] = []
         for number in range(2, max(*(context.source + 1 for context in contexts), 2) + 1):
             if first.rotary:
-                result.append(EffectParameter(f"gravity_cos_{number}", "{torque}", gravity, -1e4, 1e4))
-                result.append(EffectParameter(f"gravity_sin_{number}", "{torque}", gravity, -1e4, 1e4))
-            result.append(EffectParameter(f"inertia_{number}", "{torque}·s²/{position}", inertia, -1e4, 1e4))
+                result.append(EffectParameter(f"gravity_cos_{number}", "{torque}", gravity))
+                result.append(EffectParameter(f"gravity_sin_{number}", "{torque}", gravity))
+            result.append(EffectParameter(f"inertia_{number}", "{torque}·s²/{position}", inertia))
         return tuple(result)
 
     def find_obstacle(self, contexts: Sequence[Context]) -> str | None:

@@ -12,6 +12,7 @@ from ...inputs.track import SIMULATED_STIFFNESS
 from ...joint.observer import Contribution, Plant
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
+from ..settings import EFFECT
 
 
 @register
@@ -29,9 +30,10 @@ class SpringTorque(Effect):
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         scale = contexts[0].scale
-        # A straight spring has its centre in the offset; only one that stiffens shows it.
+        # A straight spring has its centre in the offset; only one that stiffens shows it. One that stiffens more than
+        # fivefold at a radian is a stop.
         return (
-            EffectParameter("stiffness", "{torque}/{position}", 0.05 * scale, -1e6, 1e6),
+            EffectParameter("stiffness", "{torque}/{position}", EFFECT.step * scale),
             EffectParameter("centre", "{position}", 0.2, -10.0, 10.0, linear=False, prior=0.5),
             EffectParameter("hardening", "1/{position}²", 0.1, 0.0, 5.0, linear=False, prior=0.5),
         )

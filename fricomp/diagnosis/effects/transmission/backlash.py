@@ -11,6 +11,7 @@ from ...joint.observer import Contribution
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
 from ..forward_part import ForwardPart
+from ..settings import EFFECT
 from ..two_masses import Transmission, compute_carried
 
 
@@ -24,17 +25,21 @@ class Backlash(Effect):
     citation = "nordin2002"
     says = "a gap lets the load go whenever the transmitted torque changes sign"
     shown_at_rest = True
+    gap_step: ClassVar[float] = 0.4
+    """Change of the logarithm of a gap that matters."""
     touching_rate: ClassVar[float] = 600.0
     """Rate of the load on the teeth once they touch [rad/s]: faster than any row can show."""
     damping_ratio: ClassVar[float] = 0.5
     """Damping ratio of the load there: lubricated teeth are lossy, and bounces lie below a row."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        # A gap below 20 µrad is closed by any film of oil, and one above 30 mrad is seen with bare eyes.
         low, high = float(np.log(2e-5)), float(np.log(3e-2))
+        step, prior = EFFECT.share_step, EFFECT.load_share_prior
         return (
-            EffectParameter("gap", "{position}", 0.4, low, high, linear=False, logarithmic=True, form=0.3),
+            EffectParameter("gap", "{position}", self.gap_step, low, high, linear=False, logarithmic=True, form=0.3),
             # MuJoCo's second hinge with a share of 0.587 was given 0.591.
-            EffectParameter("load_share", "1", 0.1, 0.05, 0.98, linear=False, prior=0.3, form=0.01),
+            EffectParameter("load_share", "1", step, *EFFECT.load_shares, linear=False, prior=prior, form=0.01),
         )
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
@@ -52,7 +57,7 @@ class Backlash(Effect):
         return ForwardPart(coupling=_build_transmission(context, values).build_coupling(context))
 
     def find_obstacle(self, contexts: Sequence[Context]) -> str | None:
-        transmitted = [c.gravity + 0.6 * c.plant.inertia * c.acceleration for c in contexts]
+        transmitted = [c.gravity + EFFECT.usual_load_share * c.plant.inertia * c.acceleration for c in contexts]
         crosses = max(int(np.sum(np.diff(np.sign(torque)) != 0)) for torque in transmitted)
         return "the transmitted torque never changes sign" if crosses < 2 else None
 

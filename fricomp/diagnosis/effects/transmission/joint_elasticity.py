@@ -12,6 +12,7 @@ from ...joint.observer import Contribution
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, register
 from ..forward_part import ForwardPart
+from ..settings import EFFECT
 from ..two_masses import Transmission, compute_carried
 
 
@@ -24,17 +25,20 @@ class JointElasticity(Effect):
     equation = "J_l theta'' = K (q - theta) + d (q' - theta') - gravity"
     citation = "spong1987"
     says = "the transmission is flexible"
+    stiffness_step: ClassVar[float] = 0.2
+    """Change of the logarithm of the stiffness that matters."""
     stiffness_form: ClassVar[float] = 0.15
     """Relative deviation that another form leaves in the stiffness. Below its resonance a spring shows over the
     square of the load's share: MuJoCo's were given 1 to 3 % too much, others up to 21 % too little."""
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        # A joint that swings at 15 rad/s sways visibly; at 1500 rad/s its spring is as stiff as a shaft.
         low, high = (float(np.log(contexts[0].plant.inertia * w**2)) for w in (15.0, 1500.0))
         return (
             EffectParameter(
                 "stiffness",
                 "{torque}/{position}",
-                0.2,
+                self.stiffness_step,
                 low,
                 high,
                 linear=False,
@@ -42,7 +46,16 @@ class JointElasticity(Effect):
                 form=self.stiffness_form,
             ),
             # MuJoCo's second hinge with a share of 0.587 was given 0.594 to 0.609.
-            EffectParameter("load_share", "1", 0.1, 0.05, 0.98, linear=False, prior=0.3, form=0.025),
+            EffectParameter(
+                "load_share",
+                "1",
+                EFFECT.share_step,
+                *EFFECT.load_shares,
+                linear=False,
+                prior=EFFECT.load_share_prior,
+                form=0.025,
+            ),
+            # Damping from next to nothing to critical; a spring that hardens sixfold at its usual torque is a stop.
             EffectParameter("damping_ratio", "1", 0.3, -7.0, 0.0, linear=False, prior=1.0, logarithmic=True),
             EffectParameter("hardening", "1", 0.1, 0.0, 5.0, linear=False, prior=1.0),
         )
@@ -51,9 +64,11 @@ class JointElasticity(Effect):
         return self.recall_starts(contexts)
 
     def scan(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        # Resonances that rows can show, 7 % apart: a fit goes to the nearest one.
         return _propose_resonances(contexts, np.geomspace(40.0, 500.0, 40))
 
     def propose_far_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        # As far apart as a careful fit reaches, 30 %.
         return _propose_resonances(contexts, np.geomspace(50.0, 300.0, 8))
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
@@ -70,6 +85,6 @@ def _build_transmission(context: Context, values: Values) -> Transmission:
 
 def _propose_resonances(contexts: Sequence[Context], frequencies: FloatArray) -> list[dict[str, float]]:
     """A usual load on springs on which it swings at these frequencies [rad/s]."""
-    share, ratio = 0.6, float(np.log(0.06))
+    share, ratio = EFFECT.usual_load_share, float(np.log(0.06))  # flexible gears are damped by some percent
     stiffness = np.log(share * contexts[0].plant.inertia * frequencies**2)
     return [{"stiffness": float(k), "load_share": share, "damping_ratio": ratio} for k in stiffness]

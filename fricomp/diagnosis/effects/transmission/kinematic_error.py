@@ -12,6 +12,7 @@ from fricomp.laws import Term
 from ...joint.observer import Contribution, Plant
 from ..context import Context
 from ..effect import Effect, EffectParameter, Values, compute_lowest_order, refuse_long_wave, register
+from ..settings import EFFECT
 from ..two_masses import compute_uneven_running
 
 
@@ -27,17 +28,18 @@ class KinematicError(Effect):
     ripple = True
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
+        # Gears run unevenly by some 0.1 mrad; by 0.1 rad no teeth would mesh.
         return (
             EffectParameter("sine", "{position}", 1e-4, -0.1, 0.1),
             EffectParameter("cosine", "{position}", 1e-4, -0.1, 0.1),
-            EffectParameter("order", "1/{position}", 0.05, compute_lowest_order(contexts), 1e5, linear=False),
-            EffectParameter("load_share", "1", 0.1, 0.05, 1.0, linear=False, prior=0.2),
+            EffectParameter("order", "1/{position}", EFFECT.order_step, compute_lowest_order(contexts), linear=False),
+            EffectParameter("load_share", "1", EFFECT.share_step, EFFECT.load_shares[0], 1.0, linear=False, prior=0.2),
         )
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         lowest = compute_lowest_order(contexts)
         orders = contexts[0].hints.get("dynamic_order", ())
-        return [{"order": n, "load_share": 0.6} for n in orders if n >= lowest]
+        return [{"order": n, "load_share": EFFECT.usual_load_share} for n in orders if n >= lowest]
 
     def compute_contribution(self, context: Context, values: Values) -> Contribution:
         wave = np.exp(1j * values["order"] * context.position)
