@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from enum import IntEnum
 
-__all__ = ["Instruction", "PacketReader", "StatusError", "crc16", "status_packet"]
+__all__ = ["BROADCAST", "Instruction", "PacketReader", "StatusError", "crc16", "fast_status", "status_packet"]
 
 HEADER = b"\xff\xff\xfd\x00"
 STUFFED, PLAIN = b"\xff\xff\xfd\xfd", b"\xff\xff\xfd"
 STATUS = 0x55
+BROADCAST = 0xFE
 CRC_POLYNOMIAL = 0x8005
 LONGEST = 1024
 
@@ -22,10 +23,15 @@ class Instruction(IntEnum):
     WRITE = 0x03
     REG_WRITE = 0x04
     ACTION = 0x05
+    FACTORY_RESET = 0x06
     REBOOT = 0x08
+    CLEAR = 0x10
     SYNC_READ = 0x82
     SYNC_WRITE = 0x83
+    FAST_SYNC_READ = 0x8A
     BULK_READ = 0x92
+    BULK_WRITE = 0x93
+    FAST_BULK_READ = 0x9A
 
 
 class StatusError(IntEnum):
@@ -80,6 +86,20 @@ def status_packet(identifier: int, error: int, data: bytes) -> bytes:
     body = body.replace(PLAIN, STUFFED)
     packet = HEADER + bytes([identifier]) + (len(body) + 2).to_bytes(2, "little") + body
     return packet + crc16(packet).to_bytes(2, "little")
+
+
+def fast_status(parts: Sequence[tuple[int, int, bytes]]) -> bytes:
+    """The one packet in which several servos answer a fast read: error, id, data and the CRC so far of each, unstuffed.
+
+    Args:
+        parts: Id, error and data of each servo, in the order of the request.
+    """
+    length = sum(len(data) + 4 for _, _, data in parts) + 1
+    packet = HEADER + bytes([BROADCAST]) + length.to_bytes(2, "little") + bytes([STATUS])
+    for identifier, error, data in parts:
+        packet += bytes([error, identifier]) + data
+        packet += crc16(packet).to_bytes(2, "little")
+    return packet
 
 
 def crc16(data: bytes) -> int:

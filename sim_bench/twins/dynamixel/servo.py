@@ -22,12 +22,14 @@ from ...stand_in.servo import ServoMode
 from ..axis import DriveAxis
 from .packet import StatusError
 from .table import (
+    BAUD_RATE,
     CURRENT_LIMIT,
     EEPROM_END,
     GOAL_CURRENT,
     GOAL_POSITION,
     GOAL_VELOCITY,
     HARDWARE_ERROR,
+    ID,
     INDIRECT_ADDRESS,
     INDIRECT_DATA,
     OPERATING_MODE,
@@ -43,7 +45,9 @@ __all__ = ["CURRENT_UNIT", "VELOCITY_UNIT", "DynamixelServo", "DynamixelSettings
 CURRENT_UNIT = 2.69e-3
 VELOCITY_UNIT = 0.229 * 2.0 * pi / 60.0
 POSITION_UNIT = 2.0 * pi / 4096.0
+COUNTS_A_TURN = 4096
 WATCHDOG_COUNT_NS = 20_000_000
+CLEAR_TURNS = bytes((1, 0x44, 0x58, 0x4C, 0x22))  # what the manual asks for, against clearing by mistake
 OVERLOAD = 0x20
 
 MODES: dict[int, ServoMode] = {0: "torque", 1: "velocity", 3: "position", 4: "position", 5: "position"}
@@ -95,7 +99,7 @@ class DynamixelServo:
 
     def __init__(self, axis: DriveAxis, settings: DynamixelSettings = DynamixelSettings()) -> None:
         self.axis, self.settings = axis, settings
-        self._stored = {7: settings.identifier, OPERATING_MODE: settings.operating_mode}
+        self._stored = {ID: settings.identifier, OPERATING_MODE: settings.operating_mode}
         self._stored |= {CURRENT_LIMIT: settings.current_limit, VELOCITY_LIMIT: settings.velocity_limit}
         self.table = bytearray(TABLE_SIZE)
         for address, entry in TABLE.items():
@@ -105,7 +109,7 @@ class DynamixelServo:
     @property
     def identifier(self) -> int:
         """The id it answers to."""
-        return self.table[7]
+        return self.table[ID]
 
     @property
     def alert(self) -> int:
@@ -119,6 +123,7 @@ class DynamixelServo:
                 self._put(address, entry.default)
         self._put(GOAL_CURRENT, self._get(CURRENT_LIMIT))  # the manual gives no initial value: the worst
         self._silence_ns = self._now_ns = 0
+        self._forget_turns()
         self._pending: tuple[int, bytes] | None = None
         self.axis.disable()
 
@@ -187,6 +192,30 @@ class DynamixelServo:
         self.table[69] = 0
         return self.write(*pending) if pending is not None else StatusError.RESULT_FAIL
 
+    def reset(self, option: int) -> int:
+        """Factory reset of the whole table (0xFF), all but the id (1), or all but id and baud rate (2); and restart."""
+        kept = {0xFF: (), 1: (ID,), 2: (ID, BAUD_RATE)}.get(option)
+        if kept is None:
+            return StatusError.DATA_RANGE
+        for address, entry in TABLE.items():
+            if address not in kept:
+                self._put(address, entry.default)
+        self.power_cycle()
+        return 0
+
+    def clear_turns(self, parameters: bytes) -> int:
+        """Position within one turn again, of a servo that stands still."""
+        if parameters != CLEAR_TURNS:
+            return StatusError.DATA_RANGE
+        if abs(self.axis.velocity) > 0.5 * VELOCITY_UNIT:
+            return StatusError.RESULT_FAIL
+        self._forget_turns()
+        return 0
+
+    def _forget_turns(self) -> None:
+        """The encoder knows its place within one turn only, the middle of which a homing offset has put to zero."""
+        self._turns = round(self.axis.position / (2.0 * pi))
+
     def _apply(self, changes: Sequence[tuple[int, int]]) -> int:
         for address, value in changes:
             error = self._refuse(address, value)
@@ -231,7 +260,8 @@ class DynamixelServo:
         current = self._get(GOAL_CURRENT) * CURRENT_UNIT
         self.axis.limit_torque(abs(current) * constant if mode == 5 else inf)
         torque = current * constant if mode == 0 else 0.0
-        self.axis.command(torque, self._get(GOAL_VELOCITY) * VELOCITY_UNIT, self._get(GOAL_POSITION) * POSITION_UNIT)
+        position = self._get(GOAL_POSITION) * POSITION_UNIT + self._turns * 2.0 * pi
+        self.axis.command(torque, self._get(GOAL_VELOCITY) * VELOCITY_UNIT, position)
 
     def _shown_at(self, address: int) -> int:
         """Where the byte at an address comes from: elsewhere, if it is an indirect datum."""
@@ -244,7 +274,7 @@ class DynamixelServo:
         self._put(120, (self._now_ns // 1_000_000) % 32768)
         self._put(126, max(-most, min(most, current)))
         self._put(128, round(axis.velocity / VELOCITY_UNIT))
-        self._put(132, round(axis.position / POSITION_UNIT))
+        self._put(132, round(axis.position / POSITION_UNIT) - COUNTS_A_TURN * self._turns)  # goes on at -2^31
         self._put(122, int(abs(axis.velocity) > 10 * VELOCITY_UNIT))
         self.table[146] = max(0, min(255, round(axis.temperature)))
 

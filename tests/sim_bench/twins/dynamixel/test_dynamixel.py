@@ -11,7 +11,7 @@ import pytest
 from fricomp.errors import ParameterError
 from fricomp.sim_bench.twins import DriveAxis, PtyPort, TwinServer, twin_stand_in
 from fricomp.sim_bench.twins.dynamixel.line import DynamixelServo, DynamixelSettings, DynamixelTwin
-from fricomp.sim_bench.twins.dynamixel.packet import PacketReader, crc16, status_packet
+from fricomp.sim_bench.twins.dynamixel.packet import PacketReader, crc16, fast_status, status_packet
 
 from ..rig import ideal_joint
 
@@ -200,3 +200,88 @@ def test_position_mode_reaches_its_goal(rig: Rig) -> None:
 def test_impossible_settings_are_refused() -> None:
     with pytest.raises(ParameterError, match="operating_mode"):
         DynamixelSettings(operating_mode=2)
+
+
+def test_a_fast_sync_read_is_answered_as_the_manual_says() -> None:
+    """Three positions in one packet, e-manual of protocol 2.0: without stuffing, with the CRC so far of each."""
+    parts = [(3, 0, bytes.fromhex("a6000000")), (7, 0, bytes.fromhex("1f080000")), (4, 0, bytes.fromhex("ff030000"))]
+    packet = fast_status(parts)
+    assert packet[:16] == bytes.fromhex("fffffd00fe19005500 03a60000008408".replace(" ", ""))
+    assert packet[16:24] == bytes.fromhex("00071f08000016ca")
+    assert packet[24:30] == bytes.fromhex("0004ff030000")
+    assert packet[4:7] == bytes((0xFE, len(packet) - 7, 0))
+    assert b"\xff\xff\xfd\xff" in fast_status([(1, 0, b"\xff\xff\xfd\xff")])
+
+
+def test_the_official_library_reads_fast(rig: Rig) -> None:
+    reader = rig.sdk.GroupSyncRead(rig.port, rig.packets, CURRENT, 10)
+    reader.addParam(1)
+    assert reader.fastSyncRead() == rig.sdk.COMM_SUCCESS
+    assert reader.getData(1, POSITION, 4) == round(0.25 / (2.0 * pi / 4096))
+    bulk = rig.sdk.GroupBulkRead(rig.port, rig.packets)
+    bulk.addParam(1, POSITION, 4)
+    assert bulk.fastBulkRead() == rig.sdk.COMM_SUCCESS
+    assert bulk.getData(1, POSITION, 4) == round(0.25 / (2.0 * pi / 4096))
+
+
+def test_bulk_and_broadcast_writes_are_obeyed_and_not_answered(rig: Rig) -> None:
+    rig.write(MODE, 1, 0)
+    bulk = rig.sdk.GroupBulkWrite(rig.port, rig.packets)
+    bulk.addParam(1, GOAL_CURRENT, 2, [100, 0])
+    assert bulk.txPacket() == rig.sdk.COMM_SUCCESS
+    assert rig.packets.write1ByteTxOnly(rig.port, 0xFE, ENABLE, 1) == rig.sdk.COMM_SUCCESS
+    assert rig.read(ENABLE, 1) == 1  # the first answer that comes is to this
+    assert rig.read(GOAL_CURRENT, 2) == 100
+    assert rig.packets.write1ByteTxOnly(rig.port, 0xFE, MODE, 3) == rig.sdk.COMM_SUCCESS
+    assert rig.read(MODE, 1) == 0, "the EEPROM is locked while the torque is on, for everybody"
+
+
+def test_a_new_id_is_used_from_the_next_packet_on_and_kept(rig: Rig) -> None:
+    assert rig.write(7, 1, 9) == 0  # answered under the old one
+    assert rig.packets.ping(rig.port, 9)[:2] == (1020, rig.sdk.COMM_SUCCESS)
+    rig.twin.power_cycle()
+    assert rig.servo.identifier == 9
+
+
+def test_an_id_is_not_changed_while_the_torque_is_on(rig: Rig) -> None:
+    rig.write(ENABLE, 1, 1)
+    assert rig.write(7, 1, 9) == ACCESS
+    assert rig.servo.identifier == 1
+
+
+@pytest.mark.parametrize(("option", "identifier"), [(0xFF, 1), (1, 9), (2, 9)])
+def test_a_factory_reset_keeps_what_it_says(rig: Rig, option: int, identifier: int) -> None:
+    rig.write(7, 1, 9)
+    rig.servo.write(MODE, b"\0")
+    assert rig.packets.factoryReset(rig.port, 9, option)[0] == rig.sdk.COMM_SUCCESS
+    assert rig.servo.identifier == identifier
+    assert rig.servo.table[MODE] == 3
+    assert not rig.stand_in.servos[0].enabled
+
+
+def test_a_factory_reset_of_all_servos_at_once_is_not_carried_out(rig: Rig) -> None:
+    rig.write(7, 1, 9)
+    rig.twin._broadcast(6, b"\xff")
+    assert rig.servo.identifier == 9
+    assert rig.servo.reset(7) == RANGE
+
+
+def test_turns_are_cleared_at_standstill_only(rig: Rig) -> None:
+    rig.servo._turns = -2  # as after two turns backwards
+    rig.write(MODE, 1, 4)
+    rig.write(116, 4, 2 * 4096 + 1000)
+    rig.write(ENABLE, 1, 1)
+    rig.steps(100)
+    assert rig.packets.clearMultiTurn(rig.port, 1)[1] & 0x7F == 1  # it moves
+    rig.steps(2000)
+    assert rig.read(POSITION, 4) == pytest.approx(2 * 4096 + 1000, abs=1)
+    rig.write(ENABLE, 1, 0)
+    rig.steps(500)
+    assert rig.packets.clearMultiTurn(rig.port, 1)[0] == rig.sdk.COMM_SUCCESS
+    assert rig.read(POSITION, 4) == pytest.approx(1000, abs=2)
+
+
+def test_the_position_goes_on_at_the_other_end_of_its_32_bits(rig: Rig) -> None:
+    rig.servo._turns = -(2**31) // 4096
+    shown = rig.read(POSITION, 4)
+    assert shown == 2**31 + round(0.25 / (2.0 * pi / 4096))  # the library reads it without its sign
