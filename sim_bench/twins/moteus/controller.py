@@ -31,8 +31,13 @@ from .frame import (
 __all__ = ["BROADCAST", "LONGEST_LINE", "MoteusController", "MoteusSettings"]
 
 TURN = 2.0 * pi
-STOPPED, FAULT, POSITION, TIMEOUT, ZERO_VELOCITY = 0, 1, 10, 11, 12
-MODE, COMMANDS = 0x000, range(0x020, 0x02A)
+STOPPED, FAULT, CURRENT, POSITION, TIMEOUT, ZERO_VELOCITY, STAY_WITHIN, BRAKE = 0, 1, 9, 10, 11, 12, 13, 15
+# Modes that lapse, by the register of their timeout; a current and a brake last until something else is commanded.
+LAPSING = {POSITION: 0x027, ZERO_VELOCITY: 0x027, STAY_WITHIN: 0x046}
+COMMANDED = (*LAPSING, CURRENT, BRAKE)
+MODE, COMMANDS = 0x000, (0x01C, 0x01D, *range(0x020, 0x02A), *range(0x040, 0x049))
+Q_CURRENT, TORQUE_CONSTANT = 0x01C, 0.1  # of the motor [N·m/A]
+LOWER, UPPER, WITHIN_TORQUE, WITHIN_KP, WITHIN_KD, WITHIN_MAX_TORQUE = range(0x040, 0x046)
 TARGET, VELOCITY, TORQUE, KP_SCALE, KD_SCALE, MAX_TORQUE, STOP_POSITION, TIMEOUT_S = range(0x020, 0x028)
 DEFAULTS = {KP_SCALE: 1.0, KD_SCALE: 1.0, VELOCITY: 0.0, TORQUE: 0.0}
 LONGEST_LINE = 512
@@ -140,7 +145,7 @@ class MoteusController:
 
     def tick(self) -> None:
         """Advance the target, and let a command lapse."""
-        if self.mode not in (POSITION, ZERO_VELOCITY):
+        if self.mode not in LAPSING:
             if self.mode == TIMEOUT and self.axis.energised:
                 self.axis.command(0.0)
             return
@@ -155,11 +160,11 @@ class MoteusController:
             self.mode, self.fault = STOPPED, 0
             self.axis.disable()
             return
-        if self.mode in (FAULT, TIMEOUT) or mode not in (POSITION, ZERO_VELOCITY):
+        if self.mode in (FAULT, TIMEOUT) or mode not in COMMANDED:
             return  # only a stop leaves a fault or a timeout
         if self.mode == STOPPED:
             self.axis.enable("impedance")
-        timeout = self._command[TIMEOUT_S]
+        timeout = self._command[LAPSING.get(mode, TIMEOUT_S)]
         self._left = self.configuration["servo.default_timeout_s"] if isnan(timeout) else timeout
         given = self._command[TARGET]
         if not isnan(given):
@@ -178,7 +183,36 @@ class MoteusController:
         self.axis.command(0.0)
 
     def _drive(self, elapsed: float) -> None:
-        """Position loop after `elapsed` [s]: the target moves at the commanded velocity up to the stop position."""
+        """What the mode commands after `elapsed` [s]."""
+        if self.mode == CURRENT:
+            current = _or(self._command[Q_CURRENT], 0.0)
+            self._push(0.0, 0.0, TORQUE_CONSTANT * current, inf)
+        elif self.mode == BRAKE:  # shorted phases: how much they damp is the motor's, here as much as the position loop
+            self._push(0.0, self.configuration["servo.pid_position.kd"], 0.0, inf)
+        elif self.mode == STAY_WITHIN:
+            self._stay_within()
+        else:
+            self._follow(elapsed)
+
+    def _push(self, kp: float, kd: float, torque: float, most: float, velocity: float = 0.0) -> None:
+        """Gains [N·m/turn], [N·m·s/turn], torque and its bound [N·m], velocity [turn/s], about the target."""
+        target = 0.0 if isnan(self._target) else self._target
+        self.axis.command_gains(kp / TURN, kd / TURN)
+        self.axis.limit_torque(most)
+        self.axis.command(torque if isfinite(torque) else 0.0, velocity * TURN, target * TURN)
+
+    def _stay_within(self) -> None:
+        """Feed-forward torque between the bounds, and the position loop towards the nearer one beyond them."""
+        c, at = self._command, self.axis.position / TURN
+        lower, upper = _or(c[LOWER], -inf), _or(c[UPPER], inf)
+        self._target = min(max(at, lower), upper)
+        is_beyond = at != self._target
+        kp = self.configuration["servo.pid_position.kp"] * _or(c[WITHIN_KP], 1.0) if is_beyond else 0.0
+        kd = self.configuration["servo.pid_position.kd"] * _or(c[WITHIN_KD], 1.0) if is_beyond else 0.0
+        self._push(kp, kd, _or(c[WITHIN_TORQUE], 0.0), _or(c[WITHIN_MAX_TORQUE], inf))
+
+    def _follow(self, elapsed: float) -> None:
+        """Position loop: the target moves at the commanded velocity up to the stop position."""
         c = self._command
         velocity = 0.0 if self.mode == ZERO_VELOCITY or isnan(c[VELOCITY]) else c[VELOCITY]
         limit = self.configuration["servo.max_velocity"]
@@ -189,11 +223,7 @@ class MoteusController:
             self._target, velocity = stop, 0.0
         kp = 0.0 if self.mode == ZERO_VELOCITY else self.configuration["servo.pid_position.kp"] * _or(c[KP_SCALE], 1.0)
         kd = self.configuration["servo.pid_position.kd"] * _or(c[KD_SCALE], 1.0)
-        most = _or(c[MAX_TORQUE], inf)
-        self.axis.command_gains(kp / TURN, kd / TURN)
-        self.axis.limit_torque(most)
-        torque = _or(c[TORQUE], 0.0)
-        self.axis.command(torque if isfinite(torque) else 0.0, velocity * TURN, self._target * TURN)
+        self._push(kp, kd, _or(c[TORQUE], 0.0), _or(c[MAX_TORQUE], inf), velocity)
 
     def _read(self, request: Read) -> bytes:
         value = self._value(request.register)
@@ -208,7 +238,7 @@ class MoteusController:
             0x001: axis.position / TURN,
             0x002: axis.velocity / TURN,
             0x003: axis.torque,
-            0x004: axis.torque / 0.1,
+            0x004: axis.torque / TORQUE_CONSTANT,
             0x005: 0.0,
             0x00A: axis.temperature,
             0x00B: 0,

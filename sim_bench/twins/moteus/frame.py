@@ -37,14 +37,14 @@ SHARE = (1.0 / 127.0, 1.0 / 32767.0, 1.0 / 2147483647.0)
 TIME = (0.01, 0.001, 0.000001)
 ACCELERATION = (0.05, 0.001, 0.00001)
 SCALES = {
-    **dict.fromkeys((0x001, 0x006, 0x020, 0x026), POSITION),
+    **dict.fromkeys((0x001, 0x006, 0x020, 0x026, 0x040, 0x041), POSITION),
     **dict.fromkeys((0x002, 0x021, 0x028), VELOCITY),
-    **dict.fromkeys((0x003, 0x022, 0x025), TORQUE),
-    **dict.fromkeys((0x004, 0x005), CURRENT),
+    **dict.fromkeys((0x003, 0x022, 0x025, 0x042, 0x045), TORQUE),
+    **dict.fromkeys((0x004, 0x005, 0x01C, 0x01D), CURRENT),
     **dict.fromkeys((0x00A, 0x00E), TEMPERATURE),
     0x00D: VOLTAGE,
-    **dict.fromkeys((0x023, 0x024), SHARE),
-    0x027: TIME,
+    **dict.fromkeys((0x023, 0x024, 0x043, 0x044, 0x047), SHARE),
+    **dict.fromkeys((0x027, 0x046), TIME),
     0x029: ACCELERATION,
 }
 

@@ -148,6 +148,49 @@ def test_integer_and_float_not_a_number_mean_not_given(rig: Rig) -> None:
     assert rig.stand_in.torque[0] == pytest.approx(0.0, abs=1e-9)
 
 
+def mode_command(mode: int, **registers: float) -> bytes:
+    """A mode and float registers by their number, as `r1c=...`."""
+    body = bytes([0x01, 0x00, mode])
+    for name, value in registers.items():
+        body += bytes([0x0D, int(name[1:], 16)]) + struct.pack("<f", value)
+    return body
+
+
+def test_a_current_is_a_torque_that_does_not_lapse(rig: Rig) -> None:
+    rig.frame(mode_command(9, r1c=5.0, r1d=0.0))
+    rig.steps(500)  # five times the timeout of a position
+    assert rig.stand_in.torque[0] == pytest.approx(0.5)
+    assert rig.frame(QUERY_MODE) == bytes([0x21, 0x00, 9])
+    rig.frame(STOP)
+    rig.steps(1)
+    assert rig.stand_in.torque == [0.0]
+
+
+def test_a_brake_takes_the_speed_away_and_holds_nothing(rig: Rig) -> None:
+    rig.frame(mode_command(9, r1c=20.0))
+    rig.steps(300)
+    fast = rig.stand_in.plant.velocity(0)
+    rig.frame(mode_command(15))
+    rig.steps(1)
+    assert rig.stand_in.torque[0] < 0.0 < fast
+    rig.steps(1000)
+    assert abs(rig.stand_in.plant.velocity(0)) < 0.05 * fast
+    assert rig.controller.axis.energised
+
+
+def test_staying_within_pushes_beyond_its_bounds_only_and_lapses(rig: Rig) -> None:
+    here = rig.stand_in.plant.position(0) / TURN
+    rig.frame(mode_command(13, r40=here - 0.1, r41=here + 0.1, r42=0.0))
+    rig.steps(1)
+    assert rig.stand_in.torque == [0.0]
+    rig.frame(mode_command(13, r40=here + 0.05, r41=here + 0.1, r45=0.7))
+    rig.steps(1)
+    assert rig.stand_in.torque == pytest.approx([0.7])
+    rig.steps(110)
+    assert rig.frame(QUERY_MODE) == bytes([0x21, 0x00, 11])
+    assert rig.stand_in.torque == [0.0]
+
+
 def test_unknown_registers_are_reported(rig: Rig) -> None:
     assert rig.frame(bytes([0x11, 0xFF, 0x0F])) == bytes([0x31, 0xFF, 0x0F, 0x01])
 
@@ -190,6 +233,14 @@ def test_the_moteus_package_drives_the_twin_unmodified() -> None:
         stream = moteus.Stream(peer)
         kp = await stream.command(b"conf get servo.pid_position.kp", allow_any_response=True)
         assert float(kp) == pytest.approx(controller.configuration["servo.pid_position.kp"])
+        for mode, command in (
+            (9, peer.set_current(q_A=1.0, d_A=0.0)),
+            (13, peer.set_stay_within(lower_bound=-0.1, upper_bound=0.2)),
+            (15, peer.set_brake()),
+            (10, peer.set_position(position=nan)),
+        ):
+            await command
+            assert (await peer.query()).values[register.MODE] == mode
         for _ in range(110):
             twin.step()
         lapsed = await peer.query()
