@@ -155,6 +155,7 @@ class CanOpenAdapter(CanAdapter):
         self._routes = self._make_routes()
         for drive in self._drives:
             drive.max_torque_found = None
+            drive.turns.forget()
         self._connect()
         modes = set(MODE_NUMBERS)
         torque: list[float] = []
@@ -226,6 +227,8 @@ class CanOpenAdapter(CanAdapter):
         """Tell one drive, in pre-operational, all it has to know; whether its watchdog is confirmed."""
         drive = self._drives[number]
         self._send([_nmt(NMT_PRE_OPERATIONAL, drive)])
+        if drive.restarted:
+            drive.turns.forget()
         drive.restarted = False
         drive.identifiers = map_process_data(drive.service, drive.node_id, mode)
         clear_targets(drive, mode)

@@ -8,6 +8,7 @@ from fricomp.errors import AdapterValueError
 from fricomp.joint import CommandMode
 
 from ..link import CanFrame
+from ..wrapping import CountUnwrapper, wrap_count
 from .process_data import STATE_PACKERS, Identifiers, command_packer
 from .scaling import DriveScaling
 from .service import ServiceChannel
@@ -28,6 +29,8 @@ HEALTHY = (None, OPERATIONAL)
 ENABLED = DriveState.OPERATION_ENABLED
 MOTION, CONDITION = STATE_PACKERS
 HIGHEST_COUNT = 0x7FFFFFFF
+FARTHEST_COUNT = 1 << 52
+"""Of a position that goes on beyond the 32 bits of the wire: what a float tells from its neighbours."""
 
 
 class CanOpenDrive:
@@ -45,6 +48,7 @@ class CanOpenDrive:
         self.scaling: DriveScaling
         self.state = DriveState.NOT_READY
         self.position_count = self.velocity_count = self.torque_count = 0
+        self.turns = CountUnwrapper()
         self.error_code = self.emergency = self.mode_display = 0
         self.nmt_state: int | None = None
         self.heard_ns: int | None = None
@@ -60,7 +64,8 @@ class CanOpenDrive:
 
     def take_motion(self, data: bytes) -> None:
         """Take in the first TPDO, of the right length."""
-        statusword, self.position_count, self.torque_count = MOTION.unpack(data)
+        statusword, position_count, self.torque_count = MOTION.unpack(data)
+        self.position_count = self.turns.unwrap(position_count)
         self.state = STATE_OF_BITS[statusword & 0x7F]
 
     def take_condition(self, data: bytes) -> None:
@@ -110,13 +115,13 @@ class CanOpenDrive:
             return self._frame(controlword, tau)
         if self._mode == "velocity":
             return self._frame(controlword, to_count(velocity, scaling.velocity, HIGHEST_COUNT), tau)
-        return self._frame(controlword, to_count(position, scaling.position, HIGHEST_COUNT), tau)
+        return self._frame(controlword, wrap_count(to_count(position, scaling.position, FARTHEST_COUNT)), tau)
 
     def resting_command(self, controlword: int) -> CanFrame:
         """The RPDO for no torque, at standstill, where the drive is."""
         if self._mode == "torque":
             return self._frame(controlword, 0)
-        return self._frame(controlword, 0 if self._mode == "velocity" else self.position_count, 0)
+        return self._frame(controlword, 0 if self._mode == "velocity" else wrap_count(self.position_count), 0)
 
     def _frame(self, controlword: int, *counts: int) -> CanFrame:
         return CanFrame(self.identifiers.command, self._packer.pack(controlword, *counts))

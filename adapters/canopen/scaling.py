@@ -20,6 +20,7 @@ REVOLUTION_MASK = 0x00FFFF00
 MINUTE = 60.0
 
 INT16 = 0x7FFF
+WHOLE_RANGE = (-0x80000000, 0x7FFFFFFF)
 
 
 @dataclass(frozen=True)
@@ -61,8 +62,9 @@ def read_scaling(
         velocity_count: One count of velocity at the motor [rad/s], where the drive is not to be asked.
 
     Raises:
-        AdapterConfigurationError: The drive does not tell enough.
+        AdapterConfigurationError: The drive does not tell enough, or its position jumps within its turns.
     """
+    _refuse_modulo(service)
     rated = service.read(objects.RATED_TORQUE) * 1e-3
     if rated <= 0.0:
         raise AdapterConfigurationError("the drive's rated torque (6076) is 0: set it on the drive")
@@ -77,6 +79,20 @@ def read_scaling(
         highest_torque=torque * min(most or INT16, INT16),
         highest_velocity=speed * tau / MINUTE if speed else inf,
     )
+
+
+def _refuse_modulo(service: ServiceChannel) -> None:
+    """A position that begins again within a range of the drive's own (607B) would jump by it.
+
+    Raises:
+        AdapterConfigurationError: It does.
+    """
+    low = service.read_if_present(objects.LOWEST_POSITION)
+    high = service.read_if_present(objects.HIGHEST_POSITION)
+    if low is not None and high is not None and low < high and (low, high) != WHOLE_RANGE:
+        raise AdapterConfigurationError(
+            f"the drive's position begins again within {low} to {high} counts (607B), and would jump: set both to 0"
+        )
 
 
 def _read_counts(service: ServiceChannel) -> float:

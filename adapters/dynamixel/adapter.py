@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from math import tau
 from typing import Any, Self
 
 from fricomp.errors import AdapterConfigurationError, AdapterError, AdapterTimeout, DriveFault
@@ -11,6 +12,7 @@ from fricomp.joint import Capabilities, Clock, CommandMode, JointCapabilities, J
 from ..bus_budget import BusBudget, serial_time
 from ..configuration import convert
 from ..link import SerialLink
+from ..wrapping import CountUnwrapper, wrap_count
 from .configuration import DynamixelConfiguration
 from .control_table import (
     BUS_WATCHDOG,
@@ -82,6 +84,7 @@ class DynamixelAdapter(ServoLine):
         self._current_counts = [1.0] * n_joints
         self._current_limits, self._velocity_limits = [0] * n_joints, [0] * n_joints
         self._data_addresses = [0] * n_joints
+        self._turns = [CountUnwrapper() for _ in range(n_joints)]
         self._goal_counts: dict[CommandMode, Sequence[float]] = {
             "torque": self._torque_counts,
             "velocity": [VELOCITY_COUNT] * n_joints,
@@ -127,7 +130,7 @@ class DynamixelAdapter(ServoLine):
             reported.torque[joint] = current * self._torque_counts[joint]
             reported.current[joint] = current * self._current_counts[joint]
             reported.velocity[joint] = velocity * VELOCITY_COUNT
-            reported.position[joint] = position * POSITION_COUNT
+            reported.position[joint] = self._turns[joint].unwrap(position) * POSITION_COUNT
             reported.temperature[joint] = float(temperature)
         if watchdog or fault:  # of a servo that has started again only the fault is true, but that must get through
             self._arrivals.mark(joint)
@@ -140,6 +143,8 @@ class DynamixelAdapter(ServoLine):
         # Until they are configured, the servos are asked for what can be read without writing anything.
         self._request, self._answer_bytes = sync_read_packet(*STATE, self._servos), STATE.size
         self._running = False
+        for turns in self._turns:
+            turns.forget()
         joints = tuple(self._inspect(joint) for joint in range(len(self._servos)))
         rates = {mode: self._rate_in(mode) for mode in MODES}
         return Capabilities(joints, tuple(MODES), max(rates.values()), None, feed_forward=False, mode_rates=rates)
@@ -283,7 +288,13 @@ class DynamixelAdapter(ServoLine):
         self._write_confirmed(servo, GOAL_CURRENT, 0)
         self._write_confirmed(servo, GOAL_VELOCITY, 0)
         if self._mode_in_use == "position":
-            self._write_confirmed(servo, GOAL_POSITION, self._read_item(servo, PRESENT_POSITION))
+            here = self._read_item(servo, PRESENT_POSITION)
+            if abs(wrap_count(here)) > LARGEST_POSITION:
+                raise AdapterError(
+                    f"servo {servo} stands {wrap_count(here) * POSITION_COUNT / tau:.0f} turns from its zero, and its "
+                    f"position mode reaches 256: clear its turns, or switch it off and on"
+                )
+            self._write_confirmed(servo, GOAL_POSITION, here)
 
     def _confirm(self, servo: int) -> None:
         """Energised and guarded: the watchdog runs from the moment the torque is on.

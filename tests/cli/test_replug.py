@@ -80,10 +80,8 @@ def calibrate_and_go_on(file: Path, out: Path, clock: PulledClock, complaint: st
     assert len(read_recording(out / "recording.csv")) > kept
 
 
-BY_PROTOCOL = [pytest.param(name, marks=[] if name == "moteus" else pytest.mark.slow) for name in PROTOCOLS]
-
-
-@pytest.mark.parametrize("protocol", BY_PROTOCOL)
+@pytest.mark.slow
+@pytest.mark.parametrize("protocol", PROTOCOLS)
 def test_a_calibration_goes_on_after_its_port_was_replugged(
     protocol: str, tmp_path: Path, endpoints: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -128,7 +126,8 @@ ERRORS = {
 }
 
 
-@pytest.mark.parametrize("protocol", [pytest.param(name, marks=pytest.mark.slow) for name in sorted(CAN_PROTOCOLS)])
+@pytest.mark.slow
+@pytest.mark.parametrize("protocol", sorted(CAN_PROTOCOLS))
 @pytest.mark.parametrize("name", ERRORS)
 def test_a_calibration_goes_on_after_its_bus_was_reset(
     protocol: str, name: str, tmp_path: Path, endpoints: Path, monkeypatch: pytest.MonkeyPatch
