@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from fricomp.errors import MissingExtraError, SimulationFileError
 
-__all__ = ["compile_simulation", "compile_specification", "read_specification"]
+__all__ = ["Mimic", "compile_simulation", "compile_specification", "list_mimics", "read_specification"]
 
 _NO_MASS, _NO_INERTIA = 1e-9, 1e-12
 """[kg] and [kg·m²] of moving bodies that a file gives none: nothing beside any link."""
@@ -81,6 +82,37 @@ def read_specification(path: str | Path, extra: str = "diagnose") -> Any:
         raise SimulationFileError(f"cannot read the simulation {path}: {error}") from error
     _remove_shapes(mujoco, spec, Path(path))
     return spec
+
+
+class Mimic(NamedTuple):
+    """A joint that a linkage, or `mimic` in a URDF, moves with another.
+
+    Attributes:
+        follower: Number of the joint.
+        leader: Number of the joint that it follows.
+        path: Its position over that of the leader.
+    """
+
+    follower: int
+    leader: int
+    path: Polynomial
+
+
+def list_mimics(model: Any) -> list[Mimic]:
+    """Joints of a compiled model that an equality of two joints ties to another: q - q_0 = poly(q' - q'_0)."""
+    import mujoco
+
+    found = []
+    for e in range(model.neq):
+        if int(model.eq_type[e]) != int(mujoco.mjtEq.mjEQ_JOINT) or not model.eq_active0[e]:
+            continue
+        follower, leader = int(model.eq_obj1id[e]), int(model.eq_obj2id[e])
+        if leader < 0:
+            continue
+        start, shift = (float(model.qpos0[model.jnt_qposadr[i]]) for i in (follower, leader))
+        shape = Polynomial(model.eq_data[e][:5]).trim()
+        found.append(Mimic(follower, leader, shape(Polynomial([-shift, 1.0])) + start))
+    return found
 
 
 def _remove_shapes(mujoco: Any, spec: Any, path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 import sys
@@ -35,6 +36,14 @@ def test_a_loop_of_ones_own_follows_better_with_compensation(model: Path, with_f
     done = subprocess.run(command, cwd=EXAMPLES, capture_output=True, text=True, check=True)
     without, compensated = (float(line.split()[-3]) for line in done.stdout.splitlines())
     assert compensated < 0.5 * without
+
+
+def test_an_arm_resists_more_where_it_carries_more() -> None:
+    done = subprocess.run([sys.executable, "arm.py"], cwd=EXAMPLES, capture_output=True, text=True, check=True)
+    numbers = [re.findall(r"[-+]\d+\.\d+", line) for line in done.stdout.splitlines()]
+    load, friction, sent = (float(text) for text in numbers[2][1:])
+    assert friction > 1.3 + 0.1 * abs(load) - 0.2
+    assert sent == pytest.approx(load + friction, abs=0.02)
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None or shutil.which("make") is None, reason="gcc or make is not installed")

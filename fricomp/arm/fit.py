@@ -114,9 +114,9 @@ class ArmFit:
         rigid, friction = self.predict(equations)
         return np.asarray(equations.columns[:, :, -1].T + self.x[-2] * equations.columns[:, :, -2].T - rigid - friction)
 
-    def rigid_torque(self, rows: ArmRows) -> FloatArray:
-        """Torque of links and rotors at any rows [N·m]. Shape (n, n_joints)."""
-        return np.asarray(rows.links @ self.inertia.ravel() + rows.compare(lambda _, __, a: a) * self.armature)
+    def compute_load(self, rows: ArmRows) -> FloatArray:
+        """Torque that the gears transmit at any rows [N·m]: rotors lie before them. Shape (n, n_joints)."""
+        return np.asarray(rows.links @ self.inertia.ravel())
 
 
 def fit_arm(

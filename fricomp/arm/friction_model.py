@@ -43,7 +43,7 @@ def build_friction_model(found: ArmIdentification, joint: int) -> FrictionModel:
         core = LuGre(*curves, curves[0].coulomb_torque / distance, 0.0)
     terms = [core, *_build_terms(found, joint, values, form)]
     metadata, motion = found.recording.metadata[joint], found.rows.motion
-    rigid = found.fit.rigid_torque(found.rows)[:, joint]
+    load = found.fit.compute_load(found.rows)[:, joint]
     return FrictionModel(
         law=FrictionLaw(tuple(terms)),
         joint=metadata.joint,
@@ -52,7 +52,7 @@ def build_friction_model(found: ArmIdentification, joint: int) -> FrictionModel:
         validity=Validity(
             velocity=_range(np.concatenate([v[:, joint] for _, v, _ in motion])),
             position=_range(np.concatenate([q[:, joint] for q, _, _ in motion])),
-            load_torque=_range(rigid),
+            load_torque=_range(load),
         ),
         provenance=Provenance(method="arm", data_sha256=found.recording.recordings[joint].content_hash),
     )

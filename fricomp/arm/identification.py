@@ -116,7 +116,7 @@ def fit_robustly(
     equations = build_equations(arm, rows, rows.links @ arm.inertia.ravel())
     fit = fit_arm(arm, equations, model, prior, start)
     for _ in range(_REWEIGHTINGS):
-        fresh = equations.with_load(fit.rigid_torque(rows))
+        fresh = equations.with_load(fit.compute_load(rows))
         equations = fresh.with_residuals(fit.residuals(fresh), rows)
         fit = fit_arm(arm, equations, model, prior, fit)
     return fit, equations

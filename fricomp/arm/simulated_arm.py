@@ -12,7 +12,7 @@ from numpy.polynomial import Polynomial
 
 from fricomp.errors import SimulationFileError
 from fricomp.laws import FloatArray
-from fricomp.simulation_file import compile_simulation
+from fricomp.simulation_file import compile_simulation, list_mimics
 
 from .inertia import combine_inertia
 from .naming import match_joints
@@ -223,21 +223,12 @@ def _refuse_floating(model: Any, joints: Sequence[int], path: str | Path) -> Non
 
 
 def _find_followers(model: Any, joints: Sequence[int]) -> tuple[Follower, ...]:
-    """Joints that an equality of two joints moves with a recorded one: q - q_0 = poly(q_leader - q_leader_0)."""
-    import mujoco
-
-    found = []
-    for e in range(model.neq):
-        follower, leader = int(model.eq_obj1id[e]), int(model.eq_obj2id[e])
-        if int(model.eq_type[e]) != int(mujoco.mjtEq.mjEQ_JOINT) or not model.eq_active0[e]:
-            continue
-        if leader not in joints or follower in joints:
-            continue
-        start, shift = (float(model.qpos0[model.jnt_qposadr[i]]) for i in (follower, leader))
-        shape = Polynomial(model.eq_data[e][:5]).trim()
-        path = shape(Polynomial([-shift, 1.0])) + start
-        found.append(Follower(model.joint(follower).name, joints.index(leader), path))
-    return tuple(found)
+    """Joints that follow a recorded one."""
+    return tuple(
+        Follower(model.joint(one.follower).name, joints.index(one.leader), one.path)
+        for one in list_mimics(model)
+        if one.leader in joints and one.follower not in joints
+    )
 
 
 def _find_moved(model: Any, joints: Sequence[int]) -> list[int]:

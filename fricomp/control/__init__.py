@@ -5,6 +5,7 @@ These are the names that a loop is built from; everything else is in the module 
 """
 
 from fricomp.control.compensation.adaptation import AdaptationSettings, OnlineAdaptation
+from fricomp.control.compensation.arm_load import ArmLoad
 from fricomp.control.compensation.compensator import ArmCompensator, Compensator
 from fricomp.control.compensation.network import NetworkCompensator
 from fricomp.control.gate.gate import SafetyGate
@@ -20,6 +21,7 @@ from fricomp.control.settings import CompensationSettings, DriveLimits, LoopDyna
 __all__ = [
     "AdaptationSettings",
     "ArmCompensator",
+    "ArmLoad",
     "CompensationSettings",
     "Compensator",
     "ControlLoop",

@@ -5,15 +5,18 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, MutableSequence, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Self
 
 from fricomp.control.compensation.choice import choose_settings
 from fricomp.control.compensation.hot_path import HotPath, TorqueFunction, build_hot_path
 from fricomp.control.compensation.trust import require_usable, trusted_curves
 from fricomp.control.settings import CompensationSettings, LoopDynamics
-from fricomp.errors import ParameterError
+from fricomp.errors import ModelFileError, ParameterError
 from fricomp.laws import find_inputs
 from fricomp.model import FrictionModel, load_model
+
+if TYPE_CHECKING:
+    from fricomp.control.compensation.arm_load import ArmLoad
 
 __all__ = ["ArmCompensator", "Compensator", "require_one_each"]
 
@@ -105,28 +108,73 @@ class Compensator:
 
 
 class ArmCompensator:
-    """Friction compensation of several joints.
+    """Friction compensation of several joints, with the load that each transmits from the arm's own dynamics.
+
+    arm = ArmCompensator.read("runs/arm", period=1e-3)
+    arm.torque_into(out, velocity_reference, velocity, position_error, None, position, acceleration)
+    command = [friction + load for friction, load in zip(out, arm.load)]
+
+    Attributes:
+        joints: One compensator a joint.
+        load: Torque that each joint transmitted in the last call [N·m] or [N], for a feed-forward of gravity and
+            inertia; empty without `dynamics`.
 
     Args:
         joints: One compensator a joint, in the order of the command.
+        dynamics: Who knows the load; needed where a model depends on it.
 
     Raises:
-        ParameterError: No joint, one compensator twice, or a model that depends on what `torque_into` is not told.
+        ParameterError: No joint, one compensator twice, another number of joints than `dynamics` has, or a model that
+            depends on what nobody tells it.
     """
 
-    def __init__(self, joints: Sequence[Compensator]) -> None:
+    def __init__(self, joints: Sequence[Compensator], dynamics: ArmLoad | None = None) -> None:
         if not joints:
             raise ParameterError("an arm needs at least one joint")
         require_one_each(joints)
+        known = {"normal_load", *(("position", "load_torque", "acceleration", "temperature") if dynamics else ())}
         for compensator in joints:
-            if untold := compensator.inputs - {"normal_load"}:
+            if untold := compensator.inputs - known:
                 raise ParameterError(
-                    f"the model of joint {compensator.model.joint!r} depends on {', '.join(sorted(untold))}: call "
-                    f"`Compensator.torque` of each joint with them, or use a ControlLoop"
+                    f"the model of joint {compensator.model.joint!r} depends on {', '.join(sorted(untold))}: give "
+                    "dynamics=ArmLoad(simulation), or call `Compensator.torque` of each joint with them, or use a "
+                    "ControlLoop"
                 )
+        if dynamics is not None and len(dynamics.joints) != len(joints):
+            raise ParameterError(
+                f"the dynamics are of {len(dynamics.joints)} joints, the compensators of {len(joints)}"
+            )
         self.joints = tuple(joints)
+        self.load: Sequence[float] = ()
         self._torques: list[Callable[..., float]] = [joint.torque for joint in joints]
         self._indices, self._unknown = range(len(joints)), [None] * len(joints)
+        self._dynamics = dynamics
+        self._takes_normal = [dynamics is not None and "normal_load" in joint.inputs for joint in joints]
+
+    @classmethod
+    def read(cls, folder: str | os.PathLike[str], *, period: float = 1e-3, **given: Any) -> Self:
+        """The compensation of an arm from the folder that `fricomp diagnose` wrote of it.
+
+        Args:
+            folder: With `arm.xml` and `joints/NAME/friction.json`.
+            period: Control period [s].
+            given: Further arguments of `Compensator`, the same for every joint.
+
+        Raises:
+            ModelFileError: A model cannot be read, or there is none.
+            SimulationFileError: The simulation cannot be read, or lacks a joint.
+            MissingExtraError: MuJoCo is not installed.
+        """
+        from fricomp.control.compensation.arm_load import ArmLoad
+
+        models = {model.joint: model for model in map(load_model, sorted(Path(folder).glob("joints/*/friction.json")))}
+        if not models:
+            raise ModelFileError(
+                f"{folder} has no joints/NAME/friction.json: give a folder of fricomp diagnose on an arm"
+            )
+        order = [name for name in ArmLoad(Path(folder) / "arm.xml").joints if name in models]
+        dynamics = ArmLoad(Path(folder) / "arm.xml", order + [name for name in models if name not in order])
+        return cls([Compensator(models[name], period=period, **given) for name in dynamics.joints], dynamics)
 
     def torque_into(
         self,
@@ -135,11 +183,17 @@ class ArmCompensator:
         velocity: Sequence[float] | None = None,
         position_error: Sequence[float] | None = None,
         normal_load: Sequence[float] | None = None,
+        position: Sequence[float] | None = None,
+        acceleration: Sequence[float] | None = None,
+        temperature: Sequence[float] | None = None,
     ) -> None:
         """Fill `out` with the compensation of each joint; the inputs are those of `TorqueFunction`, one a joint.
 
+        With `dynamics` the position is needed, and the load is that of the position, of `velocity_reference` and of
+        `acceleration`, which is none where it is not given.
+
         Raises:
-            ParameterError: An input has another number of joints.
+            ParameterError: An input has another number of joints, or no position is given.
         """
         torques, unknown = self._torques, self._unknown
         v = unknown if velocity is None else velocity
@@ -148,8 +202,36 @@ class ArmCompensator:
         if not len(out) == len(torques) == len(velocity_reference) == len(v) == len(e) == len(n):
             given = [len(values) for values in (out, velocity_reference, v, e, n)]
             raise ParameterError(f"{given} values given for {len(torques)} joints")
+        if self._dynamics is not None:
+            self._follow_load(out, velocity_reference, v, e, n, position, acceleration, temperature)
+            return
         for j in self._indices:  # on lists cheaper than any zip or map
             out[j] = torques[j](velocity_reference[j], v[j], e[j], n[j])
+
+    def _follow_load(
+        self,
+        out: MutableSequence[float],
+        velocity_reference: Sequence[float],
+        v: Sequence[float | None],
+        e: Sequence[float | None],
+        n: Sequence[float | None],
+        position: Sequence[float] | None,
+        acceleration: Sequence[float] | None,
+        temperature: Sequence[float] | None,
+    ) -> None:
+        assert self._dynamics is not None
+        torques, q = self._torques, position
+        if q is None:
+            raise ParameterError("the load of an arm follows its position: give position= [rad] or [m], one a joint")
+        a = [0.0] * len(torques) if acceleration is None else acceleration
+        hot = self._unknown if temperature is None else temperature
+        self.load = load = self._dynamics.compute(q, velocity_reference, a)
+        if len(hot) != len(torques):
+            raise ParameterError(f"{len(hot)} temperatures given for {len(torques)} joints")
+        normal = self._takes_normal
+        for j in self._indices:
+            pressed = abs(load[j]) if normal[j] and n[j] is None else n[j]
+            out[j] = torques[j](velocity_reference[j], v[j], e[j], pressed, q[j], load[j], hot[j], a[j])
 
     @property
     def rejected(self) -> int:

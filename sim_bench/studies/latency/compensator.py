@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fricomp.control import ArmCompensator, Compensator, JointLimits, SafetyGate
+from fricomp.control import ArmCompensator, ArmLoad, Compensator, JointLimits, SafetyGate
 from fricomp.control.compensation.network import NetworkCompensator
 from fricomp.export import render_c_header
 from fricomp.joint import JointFeedback
@@ -107,6 +107,7 @@ def measure_costs(calls: int = 20_000) -> list[Cost]:
         _cost("compensator, LuGre", lambda: bent(0.03), calls, 6.0),
         _cost("seven joints as chosen by default, safety gate", _seven_with_gate(False), calls // 5, 50.0),
         _cost("seven joints, every feature, safety gate", _seven_with_gate(True), calls // 5, 50.0),
+        _cost("seven joints, friction under load from their arm's dynamics", _seven_under_load(), calls // 5, 60.0),
     ]
 
 
@@ -157,6 +158,28 @@ def _seven_with_gate(every_feature: bool = True) -> Callable[[], None]:
         gate.admit(wanted, out, now)
 
     return tick
+
+
+def _seven_under_load() -> Callable[[], None]:
+    """Compensation of seven joints that follows the load, which is computed in the same call."""
+    law = FrictionLaw((*DEFAULT_LAW.terms, LoadCoulomb(0.1)))
+    arm = ArmCompensator([Compensator(replace(bench_model(), law=law)) for _ in range(N_JOINTS)], _seven_links())
+    reference, velocity, error = [0.03] * N_JOINTS, [0.029] * N_JOINTS, [0.002] * N_JOINTS
+    position, acceleration, out = [0.1 * j for j in range(N_JOINTS)], [0.2] * N_JOINTS, [0.0] * N_JOINTS
+    return lambda: arm.torque_into(out, reference, velocity, error, None, position, acceleration)
+
+
+def _seven_links() -> ArmLoad:
+    """Seven links, each turned by a quarter about the one before."""
+    body = (
+        '<body pos="0 0 0.15" quat="1 1 0 0"><inertial pos="0.01 0.02 0.1" mass="1.5" diaginertia="0.02 0.02 0.01"/>'
+        '<joint axis="0 0 1" name="joint_{}"/>'
+    )
+    chain = "".join(body.format(j + 1) for j in range(N_JOINTS)) + N_JOINTS * "</body>"
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "arm.xml"
+        path.write_text(f"<mujoco><worldbody>{chain}</worldbody></mujoco>")
+        return ArmLoad(path)
 
 
 def measure_network(folder: Path, calls: int = 2_000) -> list[Cost]:
