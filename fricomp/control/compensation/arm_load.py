@@ -58,7 +58,7 @@ class ArmLoad:
             raise SimulationFileError(f"{simulation} has no joint {missing[:1]}: it has {', '.join(known)}")
         self._model, self._data, self._torque = model, mujoco.MjData(model), np.zeros(model.nv)
         arrays: tuple[Any, ...] = (self._data.qpos, self._data.qvel, self._data.qacc, self._torque)
-        self._memory = tuple(map(memoryview, arrays))
+        self._memory: tuple[Any, ...] = tuple(memoryview(one) for one in arrays)
         self._calls = (mujoco.mj_kinematics, mujoco.mj_comPos, mujoco.mj_comVel, mujoco.mj_rne)
         ids = [model.joint(name).id for name in self.joints]
         places, dofs = ([int(table[i]) for i in ids] for table in (model.jnt_qposadr, model.jnt_dofadr))
