@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from struct import Struct
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -19,10 +19,22 @@ from fricomp.errors import ParameterError, SimulationFileError
 from fricomp.simulation_file import compile_simulation
 
 if TYPE_CHECKING:
-    from fricomp.control.loop.position_loop import ReferenceState
     from fricomp.joint import JointFeedback
 
 __all__ = ["ArmLoad"]
+
+
+class MovingReference(Protocol):
+    """What of a reference a load follows: `ReferenceState` has it."""
+
+    @property
+    def velocity(self) -> Sequence[float]:
+        """[rad/s] or [m/s], one a joint."""
+
+    @property
+    def acceleration(self) -> Sequence[float]:
+        """[rad/s²] or [m/s²], one a joint."""
+
 
 _BYTES = 8
 """Of a float64."""
@@ -94,7 +106,7 @@ class ArmLoad:
         found: Sequence[float] = pack.unpack_from(torque, dof)
         return found
 
-    def load_into(self, out: list[float], feedback: JointFeedback, reference: ReferenceState) -> None:
+    def load_into(self, out: list[float], feedback: JointFeedback, reference: MovingReference) -> None:
         """Fill `out` with the load at the measured position and the reference's velocity and acceleration."""
         out[:] = self.compute(feedback.position, reference.velocity, reference.acceleration)
 
