@@ -6,6 +6,10 @@ from math import inf, nan, tau
 import pytest
 
 from fricomp.adapters.moteus.codec import (
+    MODE_FAULT,
+    MODE_POSITION,
+    MODE_STOPPED,
+    MODE_TIMEOUT,
     QUERY,
     STOP,
     MoteusState,
@@ -45,6 +49,7 @@ def test_a_command_is_six_references_a_timeout_and_a_query(
 @pytest.mark.parametrize(("torque", "sent"), [(3.0, 2.0), (-3.0, -2.0), (2.0, 2.0), (-2.0, -2.0), (1.5, 1.5)])
 def test_torque_is_within_what_the_loop_may_command(torque: float, sent: float) -> None:
     assert encode_command("torque", torque, 0.0, 2.0, 0.1)[14:18] == floats(sent)
+    assert encode_command("torque", 0.25 * torque, 0.0, 0.5, 0.1)[14:18] == floats(0.25 * sent)
 
 
 @pytest.mark.parametrize("bad", [nan, inf, -inf, 3.5e38])
@@ -52,6 +57,12 @@ def test_no_value_that_is_no_float_is_sent(bad: float) -> None:
     for torque, reference in ((bad, 0.0), (0.0, bad)):
         with pytest.raises(AdapterValueError, match="cannot be sent"):
             encode_command("velocity", torque, reference, 2.0, 0.1)
+
+
+def test_modes_have_the_numbers_of_the_vendor_s_package() -> None:
+    mode = pytest.importorskip("moteus").Mode
+    ours = (MODE_STOPPED, MODE_FAULT, MODE_POSITION, MODE_TIMEOUT)
+    assert ours == (mode.STOPPED, mode.FAULT, mode.POSITION, mode.TIMEOUT)
 
 
 def test_a_frame_is_filled_up_to_a_length_of_can_fd() -> None:

@@ -1,6 +1,7 @@
 """Frames of CANSimple, byte by byte as the vendor's protocol page lays them out [odrive2024]."""
 
 import struct
+from importlib.resources import files
 from math import inf, isnan, nan, tau
 
 import pytest
@@ -21,6 +22,28 @@ from fricomp.adapters.odrive.codec import (
 )
 from fricomp.errors import AdapterValueError
 from fricomp.joint import CommandMode
+
+NAMES = {
+    "VERSION": "Get_Version", "HEARTBEAT": "Heartbeat", "WRITE_ENDPOINT": "RxSdo", "ENDPOINT_ANSWER": "TxSdo",
+    "AXIS_STATE": "Set_Axis_State", "ENCODER_ESTIMATES": "Get_Encoder_Estimates",
+    "CONTROLLER_MODE": "Set_Controller_Mode", "INPUT_POSITION": "Set_Input_Pos", "INPUT_VELOCITY": "Set_Input_Vel",
+    "INPUT_TORQUE": "Set_Input_Torque", "CURRENT": "Get_Iq", "TEMPERATURE": "Get_Temperature",
+    "CLEAR_ERRORS": "Clear_Errors", "TORQUES": "Get_Torques",
+}  # fmt: skip
+"""Our names of commands, and those of the vendor's DBC for firmware 0.6."""
+
+
+def test_commands_and_states_have_the_numbers_of_the_vendor_s_dbc() -> None:
+    cantools = pytest.importorskip("cantools")
+    pytest.importorskip("odrive_can")
+    text = (files("odrive_can") / "dbc" / "odrive-cansimple-0.6.10.dbc").read_text()
+    database = cantools.database.load_string(text, "dbc")
+    numbers = {message.name.removeprefix("Axis0_"): message.frame_id & 0x1F for message in database.messages}
+    assert {command.name: command.value for command in Command} == {ours: numbers[name] for ours, name in NAMES.items()}
+    (states, *_) = database.get_message_by_name("Axis0_Set_Axis_State").signals
+    named = {str(name): number for number, name in (states.choices or {}).items()}
+    told = [named[name] for name in ("UNDEFINED", "IDLE", "CLOSED_LOOP_CONTROL")]
+    assert told == [AxisState.UNDEFINED, AxisState.IDLE, AxisState.CLOSED_LOOP]
 
 
 def test_a_node_is_told_its_state_its_mode_and_what_to_report() -> None:

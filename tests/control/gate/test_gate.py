@@ -250,6 +250,140 @@ def test_arming_starts_again_from_zero() -> None:
     assert out == [0.0, 0.0]
 
 
+@pytest.mark.parametrize("now", [9, 8])
+def test_a_clock_that_stands_or_goes_back_changes_no_torque(now: int) -> None:
+    gate, out = make_gate(), [0.0, 0.0]
+    for k in range(2, 10):
+        gate.admit([5.0, 1.0], out, k * MS)
+    before = list(out)
+    assert gate.admit([-5.0, -1.0], out, now * MS)
+    assert out == before
+
+
+def test_half_a_period_allows_half_a_step_and_two_periods_one() -> None:
+    gate, out = make_gate(), [0.0, 0.0]
+    assert gate.admit([5.0, 1.0], out, 2 * MS)
+    assert out == pytest.approx([1.0, 0.05])
+    assert gate.admit([5.0, 1.0], out, 5 * MS // 2)
+    assert out == pytest.approx([1.5, 0.075])
+    assert gate.admit([-5.0, -1.0], out, 9 * MS // 2)
+    assert out == pytest.approx([0.5, 0.025])
+
+
+def test_half_of_the_ramp_lets_half_of_the_clamped_torque_through() -> None:
+    gate, out = SafetyGate([JointLimits(10.0, 1e9, 5.0)], period=1e-3, ramp_time=0.01), [0.0]
+    gate.arm(MS)
+    for now, torque in ((1, 0.0), (6, 5.0), (11, 10.0), (20, 10.0)):
+        assert gate.admit([30.0], out, now * MS)
+        assert out == pytest.approx([torque])
+    gate.admit([-30.0], out, 21 * MS)
+    assert out == pytest.approx([-10.0])
+
+
+def test_what_stands_exactly_at_a_limit_is_within_it() -> None:
+    gate, feedback, out = make_gate(), well(2 * MS), [0.0, 0.0]
+    for sign in (1.0, -1.0):
+        feedback.position[:], feedback.velocity[:], feedback.temperature[:] = (
+            [3.0 * sign, 9e9],
+            [5.0 * sign, -sign],
+            [80.0, 99.0],
+        )
+        gate.arm(2 * MS)
+        assert gate.observe(feedback, 2 * MS)
+    assert gate.admit([1000.0, -200.0], out, 2 * MS), "exactly a hundred times the limits"
+    assert gate.admit([0.0, 0.0], out, 22 * MS), "data that are as old as they may be"
+
+
+@pytest.mark.parametrize("name", ["position", "velocity", "temperature"])
+def test_a_state_of_another_number_of_joints_is_refused(name: str) -> None:
+    gate, feedback = make_gate(), well(2 * MS)
+    setattr(feedback, name, [0.0, 0.0, 0.0])
+    assert not gate.observe(feedback, 2 * MS)
+    assert gate.trip_record is not None
+    assert gate.trip_record.reason == "not_finite"
+
+
+@pytest.mark.parametrize(
+    ("command", "reason"),
+    [
+        ([1.0], "wrong_joint_count"),
+        ([math.nan, 1.0], "not_finite"),
+        ([1.0, -math.inf], "not_finite"),
+        ([1.0, 201.0], "absurd_command"),
+    ],
+)
+def test_a_refused_command_names_its_reason_once_the_gate_is_armed(command: list[float], reason: str) -> None:
+    closed, gate, out = SafetyGate(LIMITS, period=1e-3), make_gate(), [9.0, 9.0]
+    assert not closed.admit(command, out, 2 * MS)
+    assert (closed.trip_record, out) == (None, [0.0, 0.0])
+    assert not gate.admit(command, out, 2 * MS)
+    assert gate.trip_record is not None
+    assert (gate.trip_record.reason, gate.trip_record.time_ns) == (reason, 2 * MS)
+
+
+def test_an_age_and_its_limit_are_told_in_milliseconds() -> None:
+    gate = make_gate()
+    gate.admit([0.0, 0.0], [0.0, 0.0], 22 * MS)
+    assert str(gate.trip_record) == "stale: the data of the joints is 21.0 ms old, limit 20.0 ms"
+
+
+def test_a_temperature_may_be_unknown_for_one_second_after_arming() -> None:
+    gate = make_gate()
+    assert gate.observe(well(1001 * MS), 1001 * MS)
+    assert not gate.observe(well(1001 * MS + 1), 1001 * MS + 1)
+
+
+def test_three_states_in_a_row_of_more_than_a_quarter_too_much_trip_and_arming_counts_anew() -> None:
+    gate, state = SafetyGate(LIMITS, period=1e-3, watch_torque=True), well(2 * MS)
+    state.temperature[:] = [20.0, 20.0]
+    state.torque[:] = [12.5, 2.5]
+    assert all(gate.observe(state, 2 * MS) for _ in range(4)), "a quarter too much is not more than that"
+    state.torque[:] = [12.6, 0.0]
+    for _ in range(2):
+        assert [gate.observe(state, 2 * MS) for _ in range(2)] == [True, True]
+        gate.arm(2 * MS)
+    assert [gate.observe(state, 2 * MS) for _ in range(3)] == [True, True, False]
+
+
+def test_a_gate_says_what_it_is() -> None:
+    gate, out = SafetyGate(LIMITS, period=1e-3, ramp_time=0.0), [0.0, 0.0]
+    assert (gate.armed, gate.tripped, gate.trip_record, gate.last_trip, list(gate.admitted)) == (
+        False, False, None, None, [0.0, 0.0],
+    )  # fmt: skip
+    gate.arm(MS)
+    gate.admit([0.5, 0.02], out, 2 * MS)
+    assert (gate.armed, gate.tripped, list(gate.admitted)) == (True, False, [0.5, 0.02])
+    gate.disarm()
+    assert (gate.armed, list(gate.admitted)) == (False, [0.0, 0.0])
+    gate.trip("stop", "test", 3 * MS)
+    gate.trip("link", "later", 4 * MS)
+    expected = TripRecord("stop", "test", 3 * MS)
+    assert (gate.armed, gate.tripped, gate.trip_record, gate.last_trip) == (False, True, expected, expected)
+    with pytest.raises(SafetyTrip, match="stop: test; find the cause"):
+        gate.raise_if_tripped()
+    gate.reset()
+    gate.raise_if_tripped()
+    assert (gate.armed, gate.tripped, gate.trip_record, gate.last_trip) == (False, False, None, expected)
+
+
+@pytest.mark.parametrize("limits", [[], None, [1.0], [*LIMITS, None], iter(LIMITS)])
+def test_a_gate_needs_limits_of_joints(limits: Any) -> None:
+    with pytest.raises(ParameterError, match="at least one joint"):
+        SafetyGate(limits, period=1e-3)
+
+
+@pytest.mark.parametrize("name", ["period", "ramp_time", "stale_after"])
+def test_times_are_from_a_nanosecond_to_eleven_days(name: str) -> None:
+    def make(value: Any) -> SafetyGate:
+        times: dict[str, Any] = {"period": 1e-3, name: value}
+        return SafetyGate(LIMITS, **times)
+
+    assert not any(make(value).tripped for value in (1e-9, 1e6))
+    for bad in (math.nan, -1.0, 1e6 + 0.5, math.inf, "1", *(() if name == "ramp_time" else (0.0, 0.9e-9))):
+        with pytest.raises(ParameterError, match=name):
+            make(bad)
+
+
 @pytest.mark.parametrize("bad", [0.0, -1.0, math.nan, math.inf, "1"])
 def test_limits_must_be_finite_and_positive(bad: Any) -> None:
     for name in ("torque", "torque_rate", "velocity"):
@@ -257,14 +391,26 @@ def test_limits_must_be_finite_and_positive(bad: Any) -> None:
             JointLimits(**({"torque": 1.0, "torque_rate": 1.0, "velocity": 1.0} | {name: bad}))
 
 
-@pytest.mark.parametrize("bad", [(1.0, -1.0), (0.0, math.nan), (1.0,)])
+def test_breakaway_is_forty_five_hundredths_of_the_torque_or_what_is_given() -> None:
+    assert JointLimits(2.0, 1.0, 1.0).breakaway_torque == pytest.approx(0.9)
+    given = JointLimits(2, 1, 1, (-1, 1), 0, 3)
+    assert given.breakaway_torque == 3.0
+    assert [type(value) for value in (given.torque, given.breakaway, *(given.position or ()))] == [float] * 4
+
+
+@pytest.mark.parametrize("bad", [0.0, -1.0, math.nan, math.inf, "1", True])
+def test_a_breakaway_torque_is_finite_and_positive(bad: Any) -> None:
+    with pytest.raises(ParameterError, match="breakaway"):
+        JointLimits(1.0, 1.0, 1.0, breakaway=bad)
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, "80", True])
+def test_a_temperature_limit_is_finite(bad: Any) -> None:
+    with pytest.raises(ParameterError, match="temperature"):
+        JointLimits(1.0, 1.0, 1.0, temperature=bad)
+
+
+@pytest.mark.parametrize("bad", [(1.0, -1.0), (0.0, math.nan), (1.0,), (1.0, 1.0), (0.0, 1.0, 2.0), 3.0, ("0", "1")])
 def test_position_limits_must_be_an_ascending_range(bad: Any) -> None:
     with pytest.raises(ParameterError, match="position"):
         JointLimits(1.0, 1.0, 1.0, bad)
-
-
-def test_gate_needs_a_joint_and_a_period() -> None:
-    with pytest.raises(ParameterError, match="at least one joint"):
-        SafetyGate([], period=1e-3)
-    with pytest.raises(ParameterError, match="period"):
-        SafetyGate(LIMITS, period=math.nan)
