@@ -43,13 +43,10 @@ class Target(NamedTuple):
 TARGETS = {
     "gate": Target("fricomp/control/gate/gate.py", ("tests/control/gate/test_gate.py",)),
     "limits": Target("fricomp/control/gate/limits.py", ("tests/control/gate/test_gate.py",)),
-    "laws": Target("fricomp/laws/stribeck.py", ("tests/laws",)),
+    "laws": Target("fricomp/laws/stribeck.py", ("tests/laws/test_laws.py",)),
     "likelihood": Target(
         "calibration/identification/estimation/likelihood.py",
-        (
-            "tests/calibration/identification/estimation/test_correlated_fit.py",
-            "tests/calibration/identification/test_identify.py",
-        ),
+        ("tests/calibration/identification/estimation/test_likelihood.py",),
     ),
     "mit": Target("adapters/mit/codec.py", ("tests/adapters/mit/test_codec.py",)),
     "moteus": Target("adapters/moteus/codec.py", ("tests/adapters/moteus/test_codec.py",)),
@@ -58,7 +55,10 @@ TARGETS = {
     "slcan": Target("adapters/slcan/codec.py", ("tests/adapters/slcan/test_codec.py",)),
     "canopen": Target("adapters/canopen/scaling.py", ("tests/adapters/canopen/test_scaling.py",)),
     "canopen_states": Target("adapters/canopen/state_machine.py", ("tests/adapters/canopen/test_scaling.py",)),
-    "verdict": Target("fricomp/diagnosis/verdict/judging.py", ("tests/diagnosis/verdict/test_judging.py",)),
+    "verdict": Target(
+        "fricomp/diagnosis/verdict/judging.py",
+        ("tests/diagnosis/verdict/test_judging.py", "tests/diagnosis/verdict/test_sample_or_rows.py"),
+    ),
     "results": Target("fricomp/results.py", ("tests/test_results.py",)),
     "lock": Target("fricomp/folder_lock.py", ("tests/test_folder_lock.py",)),
     "whole_file": Target("fricomp/whole_file.py", ("tests/test_whole_file.py",)),
