@@ -86,12 +86,12 @@ def test_what_differs_from_the_simulation_stays_beside_the_samples_unless_the_jo
 
 
 def test_a_verdict_of_the_rows_counts_the_error_of_the_rows() -> None:
-    verdict = judge(rows(comparison=Comparison(changes=(CHANGE,)), location={"position": (0.1, 0.2)}))
+    verdict = judge(rows(comparison=Comparison(changes=(CHANGE,)), location={"position": [(0.1, 0.2)]}))
     held = verdict.held
     assert (held.rmse_before, held.rmse_after, held.noise_floor, held.explained) == (4.0, 3.0, 2.0, 0.7)
     assert (held.ci95_reduction, held.before) == ((0.1, 0.3), "refitted")
     assert (verdict.noise_ratio, verdict.coverage, verdict.changes) == (7.0, None, (CHANGE,))
-    assert verdict.location == {"position": (0.1, 0.2)}
+    assert verdict.location == {"position": [(0.1, 0.2)]}
     best = known_fit(known_baseline(), ("cogging",), 50.0)
     case = known_case(known_baseline(), known_search(best))
     assert judge(rows(case=case)).coverage == best.coverage
