@@ -56,7 +56,7 @@ def make(
         return
     from fricomp.cli.terminal import console
     from fricomp.errors import DiagnosisError
-    from fricomp.sim_bench.cases import CaseSpec, case_id, generate, write_answer, write_case
+    from fricomp.sim_bench.cases import CaseSpec, derive_case_id, generate, write_answer, write_case
 
     spec = CaseSpec(
         seed=seed,
@@ -75,7 +75,7 @@ def make(
     if form is not None and not effect:
         raise DiagnosisError("--form is one of an effect: give --effect too")
     answers = _make_folders(out)
-    _require_free_case(out, answers, case_id(spec), overwrite=overwrite)
+    _require_free_case(out, answers, derive_case_id(spec), overwrite=overwrite)
     case = generate(spec)
     folder = write_case(case, out)
     answer, digest = write_answer(case, answers)

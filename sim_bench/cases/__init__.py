@@ -8,7 +8,7 @@ from .case import Case, generate, record_again
 from .effects import CATALOGUE, EFFECTS, OUTSIDE
 from .excitation import EXCITATIONS
 from .spec import CHOICES, STRENGTHS, CaseSpec
-from .writing import case_id, write_answer, write_case
+from .writing import derive_case_id, write_answer, write_case
 
 __all__ = [
     "CATALOGUE",
@@ -19,7 +19,7 @@ __all__ = [
     "STRENGTHS",
     "Case",
     "CaseSpec",
-    "case_id",
+    "derive_case_id",
     "generate",
     "record_again",
     "write_answer",

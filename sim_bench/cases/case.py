@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from .effect import Change, Scene, merge
 from .excitation import settle
-from .refit import build_rows, compute_enr, find_intervals, left_after_refit
+from .refit import build_rows, compute_enr, compute_left_after_refit, find_intervals
 from .spec import CaseSpec
 from .strength import Concealed, conceal, conceal_again
 from .trial import Outcome, Trial
@@ -82,7 +82,7 @@ def _finish(trial: Trial, concealed: tuple[Concealed, ...]) -> Case:
     outcome = trial.run(change)
     references = {each.effect.against for each in concealed} or {"refit"}
     against = next(name for name in ("nothing", "friction", "refit") if name in references)
-    left = left_after_refit(outcome.torque, outcome.rows, against)
+    left = compute_left_after_refit(outcome.torque, outcome.rows, against)
     everywhere = build_rows(outcome.motion, outcome.sensed, trial.joint, step=1)
     return Case(
         spec=trial.spec,
@@ -92,7 +92,7 @@ def _finish(trial: Trial, concealed: tuple[Concealed, ...]) -> Case:
         outcome=outcome,
         enr=compute_enr(left),
         left=left,
-        intervals=find_intervals(left_after_refit(outcome.torque, everywhere, against), everywhere.step),
+        intervals=find_intervals(compute_left_after_refit(outcome.torque, everywhere, against), everywhere.step),
         start=trial.start,
         temperature=trial.temperature(change)[trial.start :],
         change=change,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .effect import Truth
-from .refit import weak_form
+from .refit import compute_weak_form
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,25 +30,25 @@ def _load(motion: Motion, given: Mapping[str, Truth]) -> _Columns:
     return {"coefficient": np.abs(motion.load) * motion.sense}
 
 
-def _wave(motion: Motion, given: Mapping[str, Truth]) -> _Columns:
+def _build_wave(motion: Motion, given: Mapping[str, Truth]) -> _Columns:
     angle = given["order"].value * motion.position
     return {"sine": np.sin(angle) * motion.sense, "cosine": np.cos(angle) * motion.sense}
 
 
-def _ripple(motion: Motion, given: Mapping[str, Truth]) -> _Columns:
+def _describe_ripple(motion: Motion, given: Mapping[str, Truth]) -> _Columns:
     angle = given["order"].value * motion.position
     return {"sine": np.sin(angle), "cosine": np.cos(angle)}
 
 
-def _saturation(motion: Motion, given: Mapping[str, Truth]) -> _Columns:
+def _build_saturation(motion: Motion, given: Mapping[str, Truth]) -> _Columns:
     return {"coefficient": motion.torque**3}
 
 
 _FITS: dict[str, Callable[[Motion, Mapping[str, Truth]], _Columns]] = {
     "load_coulomb": _load,
-    "position_coulomb": _wave,
-    "cogging": _ripple,
-    "torque_saturation": _saturation,
+    "position_coulomb": _build_wave,
+    "cogging": _describe_ripple,
+    "torque_saturation": _build_saturation,
 }
 
 
@@ -59,8 +59,8 @@ def fit_catalogue(concealed: Concealed, outcome: Outcome) -> dict[str, Truth]:
         return {}
     columns = _FITS[concealed.effect.name](outcome.motion, given)
     rows = outcome.rows
-    wanted = weak_form(concealed.torque) / rows.deviation
-    own = np.stack([weak_form(values) / rows.deviation for values in columns.values()], axis=1)
+    wanted = compute_weak_form(concealed.torque) / rows.deviation
+    own = np.stack([compute_weak_form(values) / rows.deviation for values in columns.values()], axis=1)
     everything = np.hstack([own, rows.friction, rows.body])
     scale = np.linalg.norm(everything, axis=0)
     scale[scale == 0.0] = 1.0

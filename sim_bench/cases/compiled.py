@@ -9,7 +9,7 @@ from fricomp.errors import MissingExtraError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-__all__ = ["Record", "compiled"]
+__all__ = ["Record", "compile_cached"]
 
 _Function = TypeVar("_Function", bound="Callable[..., Any]")
 
@@ -17,7 +17,7 @@ _Function = TypeVar("_Function", bound="Callable[..., Any]")
 Record = Any
 
 
-def compiled(function: _Function) -> _Function:
+def compile_cached(function: _Function) -> _Function:
     """`function` compiled to machine code, cached on disk, without holding the interpreter lock.
 
     Raises:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .sensing import distort_torque, lagged
+from .sensing import distort_torque, lag_signal
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["compute_concealed"]
 
 
-def _dry(v: NDArray[np.float64], fields: Mapping[str, float]) -> NDArray[np.float64]:
+def _compute_dry(v: NDArray[np.float64], fields: Mapping[str, float]) -> NDArray[np.float64]:
     """Dry level of the joint without effects [N·m]."""
     level = np.empty_like(v)
     for name, chosen in (("forward", v >= 0.0), ("reverse", v < 0.0)):
@@ -28,18 +28,20 @@ def _dry(v: NDArray[np.float64], fields: Mapping[str, float]) -> NDArray[np.floa
     return level
 
 
-def _viscous(v: NDArray[np.float64], fields: Mapping[str, float]) -> NDArray[np.float64]:
+def _compute_viscous(v: NDArray[np.float64], fields: Mapping[str, float]) -> NDArray[np.float64]:
     return np.where(v >= 0.0, fields["viscous_forward"], fields["viscous_reverse"]) * v
 
 
-def _rigid_torque(motion: Motion, fields: Mapping[str, float]) -> NDArray[np.float64]:
+def _compute_rigid_torque(motion: Motion, fields: Mapping[str, float]) -> NDArray[np.float64]:
     """Torque of a rigid joint with `fields` along the motion."""
     gravity = fields["gravity"] * np.sin(motion.position + fields["gravity_angle"])
-    dry = motion.sense * _dry(motion.velocity, fields)
-    return np.asarray(fields["inertia"] * motion.acceleration + gravity + dry + _viscous(motion.velocity, fields))
+    dry = motion.sense * _compute_dry(motion.velocity, fields)
+    return np.asarray(
+        fields["inertia"] * motion.acceleration + gravity + dry + _compute_viscous(motion.velocity, fields)
+    )
 
 
-def _eccentric(motion: Motion, fields: Mapping[str, float]) -> Motion:
+def _decentre_motion(motion: Motion, fields: Mapping[str, float]) -> Motion:
     """The motion as an eccentric encoder shows it."""
     order = fields["eccentricity_order"]
     angle = order * motion.position + fields["eccentricity_phase"]
@@ -53,9 +55,9 @@ def _eccentric(motion: Motion, fields: Mapping[str, float]) -> Motion:
     )
 
 
-def _lagging(motion: Motion, sensors: Sensors) -> Motion:
+def _lag_motion(motion: Motion, sensors: Sensors) -> Motion:
     """The motion with the speed of a lagging velocity channel."""
-    return motion._replace(velocity=lagged(motion.velocity, sensors.velocity_lag))
+    return motion._replace(velocity=lag_signal(motion.velocity, sensors.velocity_lag))
 
 
 def compute_concealed(
@@ -71,12 +73,14 @@ def compute_concealed(
     """
     seen = motion
     if fields.get("eccentricity", 0.0):
-        seen = _eccentric(seen, fields)
+        seen = _decentre_motion(seen, fields)
     if sensors.velocity_lag > 0.0:
-        seen = _lagging(seen, sensors)
+        seen = _lag_motion(seen, sensors)
     concealed = motion.concealed + distort_torque(motion.torque, sensors) - motion.torque
     if seen is not motion:
-        concealed = concealed - (_rigid_torque(seen, fields) - _rigid_torque(motion, fields))
+        concealed = concealed - (_compute_rigid_torque(seen, fields) - _compute_rigid_torque(motion, fields))
     if belief:
-        concealed = concealed + _rigid_torque(motion, fields) - _rigid_torque(motion, {**fields, **belief})
+        concealed = (
+            concealed + _compute_rigid_torque(motion, fields) - _compute_rigid_torque(motion, {**fields, **belief})
+        )
     return np.asarray(concealed)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from .compiled import Record, compiled
+from .compiled import Record, compile_cached
 
-__all__ = ["advance_drive", "compute_command", "measured_position"]
+__all__ = ["advance_drive", "compute_command", "read_position"]
 
 
-@compiled
-def measured_position(q: float, s: Record, p: Record) -> float:
+@compile_cached
+def read_position(q: float, s: Record, p: Record) -> float:
     """What the encoder of the loop shows [rad]: eccentric and rounded to its step."""
     seen = q + p.eccentricity * np.sin(p.eccentricity_order * q + p.eccentricity_phase)
     if p.resolution > 0.0:
@@ -18,10 +18,10 @@ def measured_position(q: float, s: Record, p: Record) -> float:
     return float(seen)
 
 
-@compiled
+@compile_cached
 def compute_command(reference: float, reference_velocity: float, period: float, s: Record, p: Record) -> float:
     """One step of the PD or PID controller with velocity from filtered differences; returns torque [N·m]."""
-    seen = measured_position(s.position, s, p)
+    seen = read_position(s.position, s, p)
     rate = (seen - s.last_measured) / period
     s.last_measured = seen
     s.filtered_velocity += (rate - s.filtered_velocity) * (1.0 - np.exp(-p.velocity_cutoff * period))
@@ -34,7 +34,7 @@ def compute_command(reference: float, reference_velocity: float, period: float, 
     return float(limited)
 
 
-@compiled
+@compile_cached
 def _lag(torque: float, dt: float, s: Record, p: Record) -> float:
     step = 1.0 - np.exp(-dt * p.drive_order / p.drive_lag)
     s.lag_1 += (torque - s.lag_1) * step
@@ -44,8 +44,8 @@ def _lag(torque: float, dt: float, s: Record, p: Record) -> float:
     return float(s.lag_2)
 
 
-@compiled
-def _gain(torque: float, s: Record, p: Record) -> float:
+@compile_cached
+def _compute_gain(torque: float, s: Record, p: Record) -> float:
     """Torque after saturation, supply and winding."""
     if p.saturation > 0.0:
         x = p.saturation * torque * torque  # relative loss to first order
@@ -57,7 +57,7 @@ def _gain(torque: float, s: Record, p: Record) -> float:
     return float(torque)
 
 
-@compiled
+@compile_cached
 def advance_drive(time: float, dt: float, s: Record, p: Record) -> float:
     """Torque that reaches the joint [N·m] after `dt`; `s.current` is what the drive reports."""
     s.current += (s.command - s.current) * (1.0 - np.exp(-p.current_cutoff * dt))
@@ -73,4 +73,4 @@ def advance_drive(time: float, dt: float, s: Record, p: Record) -> float:
         limit = p.derating * (1.0 - (1.0 - p.derating_floor) * (1.0 - np.exp(-time / p.derating_time)))
         torque = min(max(torque, -limit), limit)
     s.winding += dt * (p.winding_heating * s.current * s.current - s.winding / p.winding_time)
-    return float(_gain(torque, s, p))
+    return float(_compute_gain(torque, s, p))

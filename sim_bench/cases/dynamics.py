@@ -12,10 +12,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .compiled import Record, compiled
+from .compiled import Record, compile_cached
 from .drive import advance_drive, compute_command
-from .environment import advance_attached, position_torque
-from .friction import advance_bristles, advance_memory, base_level, friction_level, viscous_torque
+from .environment import advance_attached, compute_position_torque
+from .friction import (
+    advance_bristles,
+    advance_memory,
+    compute_base_level,
+    compute_friction_level,
+    compute_viscous_torque,
+)
 from .plant import ELEMENTS, STATE
 
 if TYPE_CHECKING:
@@ -59,13 +65,13 @@ class Motion(NamedTuple):
     winding: NDArray[np.float64]
 
 
-@compiled
-def _gravity(q: float, p: Record) -> float:
+@compile_cached
+def _compute_gravity(q: float, p: Record) -> float:
     return float(p.gravity * np.sin(q + p.gravity_angle))
 
 
-@compiled
-def _spring(position: float, velocity: float, s: Record, p: Record) -> float:
+@compile_cached
+def _compute_spring(position: float, velocity: float, s: Record, p: Record) -> float:
     """Torque through the flexible transmission with this end of it on the motor's side [N·m], none inside the gap."""
     stretch = position - s.link_position
     half = 0.5 * p.gap
@@ -77,55 +83,55 @@ def _spring(position: float, velocity: float, s: Record, p: Record) -> float:
     return float(linear * (1.0 + p.hardening * linear * linear) + damping)
 
 
-@compiled
-def _kinematic(s: Record, p: Record) -> tuple[float, float]:
+@compile_cached
+def _compute_kinematic(s: Record, p: Record) -> tuple[float, float]:
     """Inertia and load seen through a transmission with a position error, by Lagrange's equation."""
     angle = p.kinematic_order * s.position + p.kinematic_phase
     error = p.kinematic * np.sin(angle)
     slope = 1.0 + p.kinematic * p.kinematic_order * np.cos(angle)
     bend = -p.kinematic * p.kinematic_order**2 * np.sin(angle)
     inertia = p.inertia - p.link_inertia + p.link_inertia * slope * slope
-    load = _gravity(s.position + error, p) * slope + p.link_inertia * slope * bend * s.velocity * s.velocity
+    load = _compute_gravity(s.position + error, p) * slope + p.link_inertia * slope * bend * s.velocity * s.velocity
     return float(inertia), float(load)
 
 
-@compiled
+@compile_cached
 def _advance_link(dt: float, s: Record, p: Record) -> tuple[float, float]:
     """Inertia [kg·m²] on the motor's side of the transmission and the load torque there [N·m]."""
     if p.flexible > 0.0:
         angle = p.kinematic_order * s.position + p.kinematic_phase
         slope = 1.0 + p.kinematic * p.kinematic_order * np.cos(angle)
-        torque = _spring(s.position + p.kinematic * np.sin(angle), s.velocity * slope, s, p)
-        link_acceleration = (torque - _gravity(s.link_position, p)) / p.link_inertia
+        torque = _compute_spring(s.position + p.kinematic * np.sin(angle), s.velocity * slope, s, p)
+        link_acceleration = (torque - _compute_gravity(s.link_position, p)) / p.link_inertia
         s.link_velocity += dt * link_acceleration
         s.link_position += dt * s.link_velocity
         s.load = torque
         return float(p.inertia - p.link_inertia), float(torque * slope)
-    inertia, load = p.inertia, _gravity(s.position, p)
+    inertia, load = p.inertia, _compute_gravity(s.position, p)
     if p.kinematic != 0.0:
-        inertia, load = _kinematic(s, p)
+        inertia, load = _compute_kinematic(s, p)
     s.load += (load + p.link_inertia * s.acceleration - s.load) * (1.0 - np.exp(-dt / 1e-3))
     return float(inertia), float(load)
 
 
-@compiled
-def _shadow(dt: float, z: np.ndarray, shares: np.ndarray, s: Record, p: Record) -> float:
+@compile_cached
+def _follow_shadow(dt: float, z: np.ndarray, shares: np.ndarray, s: Record, p: Record) -> float:
     """Dry friction without effects over its level, along the true motion."""
     v = s.felt_velocity
     if p.core == _SET_VALUED:
         if s.velocity != 0.0:
             return float(np.sign(s.velocity))
         slope = p.viscous_forward if v >= 0.0 else p.viscous_reverse
-        needed = s.current - _gravity(s.felt_position, p) - p.inertia * s.acceleration - slope * v
-        level = base_level(v if v != 0.0 else 1e-12 * np.sign(needed), p)
+        needed = s.current - _compute_gravity(s.felt_position, p) - p.inertia * s.acceleration - slope * v
+        level = compute_base_level(v if v != 0.0 else 1e-12 * np.sign(needed), p)
         return float(min(max(needed / level, -1.0), 1.0))
-    level = base_level(v, p)
+    level = compute_base_level(v, p)
     shape = (p.core, p.base_sigma_0, p.base_sigma_1, p.slip_rate)
     return float(advance_bristles(v, dt, level, shape, z, shares) / level)
 
 
-@compiled
-def _substep(
+@compile_cached
+def _advance_substep(
     time: float, outside: tuple[float, float, float], z: np.ndarray, shares: np.ndarray, s: Record, p: Record
 ) -> None:
     """Advance the joint by one substep; `outside` is disturbance [N·m], temperature [°C], factor on friction."""
@@ -135,10 +141,15 @@ def _substep(
     inertia, load = _advance_link(_DT, s, p)
     advance_memory(s.velocity, _DT, s, p)
     v = s.lagged_velocity
-    net = applied - load - viscous_torque(v, temperature, s, p) - position_torque(s.position, s.velocity, p)
+    net = (
+        applied
+        - load
+        - compute_viscous_torque(v, temperature, s, p)
+        - compute_position_torque(s.position, s.velocity, p)
+    )
     net -= advance_attached(_DT, s, p) + disturbance
     # A joint at rest is held by the friction of the direction in which it is pushed.
-    level = friction_level(v if v != 0.0 else 1e-12 * np.sign(net), temperature, factor, s, p)
+    level = compute_friction_level(v if v != 0.0 else 1e-12 * np.sign(net), temperature, factor, s, p)
     if p.core == _SET_VALUED:
         dry = min(max(net + inertia * s.velocity / _DT, -level), level)
     else:
@@ -150,14 +161,14 @@ def _substep(
     s.position += _DT * s.velocity
 
 
-@compiled
+@compile_cached
 def _observe(z: np.ndarray, shares: np.ndarray, s: Record, p: Record, total: np.ndarray) -> None:
     """Add this substep's acceleration, torque, concealed torque, sense and load to `total`."""
-    sense = _shadow(_DT, z, shares, s, p)
+    sense = _follow_shadow(_DT, z, shares, s, p)
     v = s.felt_velocity
     slope = p.viscous_forward if v >= 0.0 else p.viscous_reverse
-    level = base_level(v if v != 0.0 else 1e-12 * sense, p)
-    known = p.inertia * s.acceleration + _gravity(s.felt_position, p) + slope * v + sense * level
+    level = compute_base_level(v if v != 0.0 else 1e-12 * sense, p)
+    known = p.inertia * s.acceleration + _compute_gravity(s.felt_position, p) + slope * v + sense * level
     total[0] += s.acceleration
     total[1] += s.current
     total[2] += s.current - known
@@ -165,7 +176,7 @@ def _observe(z: np.ndarray, shares: np.ndarray, s: Record, p: Record, total: np.
     total[4] += s.load
 
 
-@compiled
+@compile_cached
 def _run(
     reference: np.ndarray, outside: np.ndarray, shares: np.ndarray, state: np.ndarray, plant: np.ndarray
 ) -> np.ndarray:
@@ -183,13 +194,13 @@ def _run(
         early[:] = 0.0
         half = SUBSTEPS // 2
         for i in range(half):
-            _substep(k * SAMPLE_PERIOD + i * _DT, around, z, shares, s, p)
+            _advance_substep(k * SAMPLE_PERIOD + i * _DT, around, z, shares, s, p)
             _observe(z_shadow, shares, s, p, early)
         for c in range(5):
             out[k, 2 + c] = (early[c] + (late[c] if k > 0 else early[c])) / SUBSTEPS
         late[:] = 0.0
         for i in range(half):
-            _substep(k * SAMPLE_PERIOD + (half + i) * _DT, around, z, shares, s, p)
+            _advance_substep(k * SAMPLE_PERIOD + (half + i) * _DT, around, z, shares, s, p)
             _observe(z_shadow, shares, s, p, late)
     return out
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from .compiled import Record, compiled
+from .compiled import Record, compile_cached
 
-__all__ = ["advance_attached", "position_torque"]
+__all__ = ["advance_attached", "compute_position_torque"]
 
 
-@compiled
-def position_torque(q: float, v: float, p: Record) -> float:
+@compile_cached
+def compute_position_torque(q: float, v: float, p: Record) -> float:
     """Cogging, spring and end stop [N·m] at a place."""
     torque = 0.0
     if p.cogging != 0.0:
@@ -24,7 +24,7 @@ def position_torque(q: float, v: float, p: Record) -> float:
     return float(torque)
 
 
-@compiled
+@compile_cached
 def advance_attached(dt: float, s: Record, p: Record) -> float:
     """Torque [N·m] of what hangs on the joint with a memory: cable, detent, absorber, loose coupling."""
     torque = 0.0
@@ -35,14 +35,14 @@ def advance_attached(dt: float, s: Record, p: Record) -> float:
         s.detent_position = min(max(s.detent_position, s.position - p.detent_width), s.position + p.detent_width)
         torque += p.detent * np.sin(p.detent_order * s.detent_position)
     if p.absorber != 0.0:
-        torque += _absorber(dt, s, p)
+        torque += _compute_absorber(dt, s, p)
     if p.impact != 0.0:
-        torque += p.impact * _ring(dt, s, p)
+        torque += p.impact * _compute_ring(dt, s, p)
     return float(torque)
 
 
-@compiled
-def _absorber(dt: float, s: Record, p: Record) -> float:
+@compile_cached
+def _compute_absorber(dt: float, s: Record, p: Record) -> float:
     w = p.absorber_frequency
     force = w * w * (s.position - s.absorber_position) + 2.0 * p.absorber_damping * w * (
         s.velocity - s.absorber_velocity
@@ -52,8 +52,8 @@ def _absorber(dt: float, s: Record, p: Record) -> float:
     return float(p.absorber * force)
 
 
-@compiled
-def _ring(dt: float, s: Record, p: Record) -> float:
+@compile_cached
+def _compute_ring(dt: float, s: Record, p: Record) -> float:
     """A loose coupling strikes when the direction changes and rings out."""
     if s.velocity * s.last_direction < 0.0 and abs(s.velocity) > 5e-3:
         s.last_direction = np.sign(s.velocity)

@@ -59,11 +59,11 @@ def _smooth(values: Samples) -> Samples:
     return values
 
 
-def _rest(seconds: float) -> Samples:
+def _make_rest(seconds: float) -> Samples:
     return np.zeros(round(seconds / SAMPLE_PERIOD))
 
 
-def _stroke(distance: float, speed: float, acceleration: float = 8.0) -> Samples:
+def _make_stroke(distance: float, speed: float, acceleration: float = 8.0) -> Samples:
     """Velocity of a trapezoidal move over `distance` [rad], signed, never faster than `speed`."""
     length = abs(distance)
     top = min(speed, np.sqrt(length * acceleration))
@@ -74,16 +74,16 @@ def _stroke(distance: float, speed: float, acceleration: float = 8.0) -> Samples
     return np.asarray(np.sign(distance) * profile * (length / area))
 
 
-def _shuttle(speeds: Iterable[float], span: float, longest: float) -> Samples:
+def _make_shuttle(speeds: Iterable[float], span: float, longest: float) -> Samples:
     """Forth and back once at each speed, over `span` [rad] or as far as `longest` [s] allows."""
     moves = []
     for speed in speeds:
         distance = min(span, speed * longest)
-        moves += [_stroke(distance, speed), _stroke(-distance, speed)]
+        moves += [_make_stroke(distance, speed), _make_stroke(-distance, speed)]
     return np.concatenate(moves)
 
 
-def _multisine(duration: float, speed: float, span: float, rng: np.random.Generator) -> Samples:
+def _make_multisine(duration: float, speed: float, span: float, rng: np.random.Generator) -> Samples:
     """Five harmonics of 0.1 Hz, starting and ending at rest at the same place."""
     t = np.arange(0.0, duration, SAMPLE_PERIOD)
     orders, phases = np.arange(1, 6), rng.uniform(0.0, 2.0 * np.pi, 5)
@@ -97,7 +97,7 @@ def _multisine(duration: float, speed: float, span: float, rng: np.random.Genera
     return np.asarray(velocity * scale)
 
 
-def _chirp(duration: float, speed: float, span: float, top: float = 8.0) -> Samples:
+def _make_chirp(duration: float, speed: float, span: float, top: float = 8.0) -> Samples:
     """A chirp from 0.1 Hz to `top` [Hz] whose amplitude falls with frequency."""
     t = np.arange(0.0, duration, SAMPLE_PERIOD)
     frequency = 0.1 * (top / 0.1) ** (t / duration)
@@ -108,7 +108,7 @@ def _chirp(duration: float, speed: float, span: float, top: float = 8.0) -> Samp
     return np.asarray(np.gradient(amplitude * np.sin(phase) * window, SAMPLE_PERIOD))
 
 
-def _small_reversals(seconds: float, rng: np.random.Generator) -> Samples:
+def _make_small_reversals(seconds: float, rng: np.random.Generator) -> Samples:
     """Nested loops of 2 to 60 mrad, slow."""
     t = np.arange(0.0, seconds, SAMPLE_PERIOD)
     envelope = np.geomspace(0.06, 0.002, t.size)
@@ -124,68 +124,74 @@ def _repeat(piece: Callable[[], Samples], duration: float) -> Samples:
     return np.concatenate(pieces)
 
 
-def _sweep(duration: float, speed: float, rng: np.random.Generator) -> Samples:
+def _make_sweep(duration: float, speed: float, rng: np.random.Generator) -> Samples:
     """A staircase of constant speeds forth and back, log-spaced from 1 % of the top speed."""
     span, count = rng.uniform(1.6, 2.6), max(4, round(duration / 8.0))
     speeds = np.geomspace(0.012 * speed, speed, count)
-    once = _shuttle(speeds, span, longest=0.25 * duration / count * 1.4)
-    return _repeat(lambda: np.concatenate([once, _rest(0.5), _shuttle(speeds[count // 2 :], span, 2.0)]), duration)
+    once = _make_shuttle(speeds, span, longest=0.25 * duration / count * 1.4)
+    return _repeat(
+        lambda: np.concatenate([once, _make_rest(0.5), _make_shuttle(speeds[count // 2 :], span, 2.0)]), duration
+    )
 
 
-def _fourier(duration: float, speed: float, rng: np.random.Generator) -> Samples:
-    return _multisine(duration, speed, rng.uniform(1.8, 2.8), rng)
+def _make_fourier(duration: float, speed: float, rng: np.random.Generator) -> Samples:
+    return _make_multisine(duration, speed, rng.uniform(1.8, 2.8), rng)
 
 
-def _slow_reversals(duration: float, speed: float, rng: np.random.Generator) -> Samples:
+def _make_slow_reversals(duration: float, speed: float, rng: np.random.Generator) -> Samples:
     """One-directional strokes at slow speeds between reversals of different depth, a dozen of them at least."""
     depths, longest = rng.permutation(np.geomspace(0.02, 1.2, 7)), duration / 12.0
     slow = np.geomspace(0.02, 0.25, 7) * speed
 
     def piece() -> Samples:
         pairs = [(min(d, v * longest), v) for d, v in zip(depths, rng.permutation(slow), strict=True)]
-        moves = [move for d, v in pairs for move in (_stroke(d, v), _stroke(-d, v))]
-        return np.concatenate([*moves, _rest(0.4)])
+        moves = [move for d, v in pairs for move in (_make_stroke(d, v), _make_stroke(-d, v))]
+        return np.concatenate([*moves, _make_rest(0.4)])
 
     return _repeat(piece, duration)
 
 
-def _chirps(duration: float, speed: float, rng: np.random.Generator) -> Samples:
+def _make_chirps(duration: float, speed: float, rng: np.random.Generator) -> Samples:
     span = rng.uniform(1.2, 2.0)
-    return np.concatenate([_chirp(0.5 * duration, speed, span), _chirp(0.5 * duration, speed, span, 12.0)])
+    return np.concatenate([_make_chirp(0.5 * duration, speed, span), _make_chirp(0.5 * duration, speed, span, 12.0)])
 
 
-def _rich(duration: float, speed: float, rng: np.random.Generator) -> Samples:
+def _make_rich(duration: float, speed: float, rng: np.random.Generator) -> Samples:
     """Speeds from 1 % up, rests of 0.1 to 3 s, a multisine, nested reversals and a chirp."""
     span = rng.uniform(2.0, 3.2)
     speeds = np.geomspace(0.012, 1.0, 9) * speed
     rests = (0.1, 0.3, 1.0, 3.0)
-    shuttle = _shuttle(speeds, span, longest=0.018 * duration)
-    nudge = _stroke(0.15, 0.3)
-    waits = np.concatenate([np.concatenate([_rest(r), nudge, _rest(r), -nudge]) for r in rests])
+    shuttle = _make_shuttle(speeds, span, longest=0.018 * duration)
+    nudge = _make_stroke(0.15, 0.3)
+    waits = np.concatenate([np.concatenate([_make_rest(r), nudge, _make_rest(r), -nudge]) for r in rests])
     used = (shuttle.size + waits.size) * SAMPLE_PERIOD
     left = max(duration - used, 0.25 * duration)
-    parts = [shuttle, waits, _multisine(0.5 * left, speed, span, rng), _small_reversals(0.2 * left, rng)]
-    return np.concatenate([*parts, _chirp(0.3 * left, speed, span)])
+    parts = [shuttle, waits, _make_multisine(0.5 * left, speed, span, rng), _make_small_reversals(0.2 * left, rng)]
+    return np.concatenate([*parts, _make_chirp(0.3 * left, speed, span)])
 
 
-def _pick_and_place(duration: float, speed: float, rng: np.random.Generator) -> Samples:
+def _make_pick_and_place(duration: float, speed: float, rng: np.random.Generator) -> Samples:
     """Moves between five poses with waits, as in production."""
     poses = np.sort(rng.uniform(-1.2, 1.2, 5))
 
     def piece() -> Samples:
         order = rng.permutation(poses)
         steps = np.diff(np.concatenate([[0.0], order, [0.0]]))
-        moves = [m for d in steps for m in (_stroke(d, speed * rng.uniform(0.3, 1.0)), _rest(rng.uniform(0.2, 0.9)))]
+        moves = [
+            m
+            for d in steps
+            for m in (_make_stroke(d, speed * rng.uniform(0.3, 1.0)), _make_rest(rng.uniform(0.2, 0.9)))
+        ]
         return np.concatenate(moves)
 
     return _repeat(piece, duration)
 
 
 EXCITATIONS: dict[str, Callable[[float, float, np.random.Generator], Samples]] = {
-    "sweep": _sweep,
-    "fourier": _fourier,
-    "slow_reversals": _slow_reversals,
-    "chirp": _chirps,
-    "rich": _rich,
-    "pick_and_place": _pick_and_place,
+    "sweep": _make_sweep,
+    "fourier": _make_fourier,
+    "slow_reversals": _make_slow_reversals,
+    "chirp": _make_chirps,
+    "rich": _make_rich,
+    "pick_and_place": _make_pick_and_place,
 }

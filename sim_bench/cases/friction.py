@@ -9,15 +9,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from .compiled import Record, compiled
+from .compiled import Record, compile_cached
 
-__all__ = ["advance_bristles", "advance_memory", "base_level", "friction_level", "viscous_torque"]
+__all__ = [
+    "advance_bristles",
+    "advance_memory",
+    "compute_base_level",
+    "compute_friction_level",
+    "compute_viscous_torque",
+]
 
 _KELVIN = 273.15
 
 
-@compiled
-def base_level(v: float, p: Record) -> float:
+@compile_cached
+def compute_base_level(v: float, p: Record) -> float:
     """Dry level g(v) > 0 [N·m] of the joint without any effect."""
     if v >= 0.0:
         x = v / p.stribeck_forward
@@ -26,8 +32,8 @@ def base_level(v: float, p: Record) -> float:
     return float(p.coulomb_reverse + (p.static_reverse - p.coulomb_reverse) * np.exp(-x * x))
 
 
-@compiled
-def _fall(x: float, p: Record) -> float:
+@compile_cached
+def _compute_fall(x: float, p: Record) -> float:
     """How much of the static surplus is left at |v| / v_s = x."""
     if p.lorentzian > 0.0:
         return float(1.0 / (1.0 + x * x))
@@ -36,7 +42,7 @@ def _fall(x: float, p: Record) -> float:
     return float(np.exp(-(x**p.exponent)))
 
 
-@compiled
+@compile_cached
 def _load_level(v: float, fall: float, s: Record, p: Record) -> float:
     """What the transmitted load adds to the level [N·m]."""
     load = abs(s.load)
@@ -48,8 +54,8 @@ def _load_level(v: float, fall: float, s: Record, p: Record) -> float:
     return float(level)
 
 
-@compiled
-def _wave(q: float, p: Record) -> float:
+@compile_cached
+def _compute_wave(q: float, p: Record) -> float:
     """Relative change of the level with position."""
     angle = p.wave_order * q + p.wave_phase
     if p.wave_triangle > 0.0:
@@ -57,8 +63,8 @@ def _wave(q: float, p: Record) -> float:
     return float(p.wave * np.cos(angle))
 
 
-@compiled
-def _warmth(coefficient: float, temperature: float, p: Record) -> float:
+@compile_cached
+def _compute_warmth(coefficient: float, temperature: float, p: Record) -> float:
     """Viscosity relative to the reference temperature: exponential, Arrhenius or WLF, the same slope there."""
     rise = temperature - p.reference_temperature
     if p.heat_form == 1.0:
@@ -69,16 +75,16 @@ def _warmth(coefficient: float, temperature: float, p: Record) -> float:
     return float(np.exp(-coefficient * rise))
 
 
-@compiled
-def friction_level(v: float, temperature: float, factor: float, s: Record, p: Record) -> float:
+@compile_cached
+def compute_friction_level(v: float, temperature: float, factor: float, s: Record, p: Record) -> float:
     """Dry level g > 0 [N·m] with all that the effects do to it; `factor` scales it from outside."""
     if v >= 0.0:
         coulomb, surplus, width = p.coulomb_forward, p.static_forward - p.coulomb_forward, p.stribeck_forward
     else:
         coulomb, surplus, width = p.coulomb_reverse, p.static_reverse - p.coulomb_reverse, p.stribeck_reverse
-    fall = _fall(abs(v) / width, p)
+    fall = _compute_fall(abs(v) / width, p)
     level = coulomb * (1.0 + p.coulomb_heat * (temperature - p.reference_temperature)) + surplus * fall
-    level += coulomb * _wave(s.position, p) + _load_level(v, fall, s, p)
+    level += coulomb * _compute_wave(s.position, p) + _load_level(v, fall, s, p)
     level += p.dwell * s.aged
     if p.starvation > 0.0:
         phase = s.travel % p.starvation_period - 0.5 * p.starvation_period
@@ -86,12 +92,12 @@ def friction_level(v: float, temperature: float, factor: float, s: Record, p: Re
     return float(max(level * factor, 0.02 * coulomb))
 
 
-@compiled
-def viscous_torque(v: float, temperature: float, s: Record, p: Record) -> float:
+@compile_cached
+def compute_viscous_torque(v: float, temperature: float, s: Record, p: Record) -> float:
     """The part of friction that vanishes with speed [N·m]."""
     slope = p.viscous_forward if v >= 0.0 else p.viscous_reverse
     if p.viscous_heat != 0.0:
-        slope *= _warmth(p.viscous_heat, temperature, p)
+        slope *= _compute_warmth(p.viscous_heat, temperature, p)
     torque = slope * v + p.drag * v * abs(v)
     if p.power != 0.0:
         torque += p.power * np.sign(v) * abs(v) ** p.power_exponent
@@ -105,7 +111,7 @@ def viscous_torque(v: float, temperature: float, s: Record, p: Record) -> float:
     return float(torque)
 
 
-@compiled
+@compile_cached
 def advance_memory(v: float, dt: float, s: Record, p: Record) -> None:
     """Advance what friction remembers: lagging speed, age of the contact, structure of the grease, travel."""
     if p.lag > 0.0:
@@ -113,15 +119,15 @@ def advance_memory(v: float, dt: float, s: Record, p: Record) -> None:
     else:
         s.lagged_velocity = v
     if p.dwell != 0.0:
-        _age(v, dt, s, p)
+        _advance_age(v, dt, s, p)
     if p.thixotropy != 0.0:
         broken = 1.0 - np.exp(-abs(v) / 0.3)
         s.thixotropic += dt / p.thixotropy_time * (broken - s.thixotropic)
     s.travel += abs(v) * dt
 
 
-@compiled
-def _age(v: float, dt: float, s: Record, p: Record) -> None:
+@compile_cached
+def _advance_age(v: float, dt: float, s: Record, p: Record) -> None:
     """Ageing at rest, exponential or logarithmic, lost again over the slip distance."""
     slip = abs(v) * dt / p.dwell_slip
     resting = np.exp(-((v / 1e-3) ** 2))
@@ -132,7 +138,7 @@ def _age(v: float, dt: float, s: Record, p: Record) -> None:
     s.aged *= np.exp(-slip)
 
 
-@compiled
+@compile_cached
 def advance_bristles(
     v: float, dt: float, level: float, shape: tuple[float, float, float, float], z: np.ndarray, shares: np.ndarray
 ) -> float:
@@ -155,7 +161,7 @@ def advance_bristles(
     return float(z[0] + sigma_1 * (z[0] - before) / (sigma_0 * dt))
 
 
-@compiled
+@compile_cached
 def _advance_elements(
     v: float, dt: float, level: float, sigma_0: float, rate: float, z: np.ndarray, shares: np.ndarray
 ) -> float:

@@ -85,12 +85,12 @@ def draw_joint(rng: np.random.Generator, family: str | None = None, core: str | 
     family = family or str(rng.choice(list(FAMILIES)))
     core = core or str(rng.choice(list(CORES)))
     ranges = FAMILIES[family]
-    inertia, speed = _log_uniform(rng, ranges.inertia), rng.uniform(*ranges.speed)
-    coulomb, bits = _log_uniform(rng, ranges.coulomb), int(rng.choice(_BITS))
+    inertia, speed = _draw_log_uniform(rng, ranges.inertia), rng.uniform(*ranges.speed)
+    coulomb, bits = _draw_log_uniform(rng, ranges.coulomb), int(rng.choice(_BITS))
     fields = {
         "inertia": inertia,
         "link_inertia": inertia * rng.uniform(0.5, 0.7),
-        "gravity": _log_uniform(rng, ranges.gravity),
+        "gravity": _draw_log_uniform(rng, ranges.gravity),
         "gravity_angle": rng.uniform(-0.6, 0.6),
         "limit": ranges.limit,
         "resolution": 2.0 * np.pi / 2**bits,
@@ -104,13 +104,13 @@ def draw_joint(rng: np.random.Generator, family: str | None = None, core: str | 
     return Joint(family, core, gear, speed, noise, bits, fields, _draw_shares(rng))
 
 
-def _log_uniform(rng: np.random.Generator, limits: tuple[float, float]) -> float:
+def _draw_log_uniform(rng: np.random.Generator, limits: tuple[float, float]) -> float:
     return float(np.exp(rng.uniform(np.log(limits[0]), np.log(limits[1]))))
 
 
 def _draw_friction(rng: np.random.Generator, ranges: _Family, coulomb: float, speed: float) -> dict[str, float]:
     """A Stribeck curve for each direction, within ten per cent of each other."""
-    ratio, width = rng.uniform(*ranges.static_ratio), _log_uniform(rng, ranges.stribeck)
+    ratio, width = rng.uniform(*ranges.static_ratio), _draw_log_uniform(rng, ranges.stribeck)
     slope = coulomb * rng.uniform(*ranges.viscous) / speed
     fields = {}
     for direction in ("forward", "reverse"):
@@ -124,7 +124,7 @@ def _draw_friction(rng: np.random.Generator, ranges: _Family, coulomb: float, sp
 
 def _draw_bristles(rng: np.random.Generator, core: str, coulomb: float, inertia: float) -> dict[str, float]:
     """Stiff bristles: they break away within a few steps of the encoder."""
-    sigma_0 = coulomb / _log_uniform(rng, (2e-5, 1.5e-4))
+    sigma_0 = coulomb / _draw_log_uniform(rng, (2e-5, 1.5e-4))
     damping = rng.uniform(0.1, 0.6) * 2.0 * np.sqrt(sigma_0 * inertia) if core == "lugre" else 0.0
     return {"sigma_0": sigma_0, "base_sigma_0": sigma_0, "sigma_1": damping, "base_sigma_1": damping}
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from .joint import Joint
     from .sensing import Sensed
 
-__all__ = ["Rows", "build_rows", "compute_enr", "find_intervals", "left_after_refit", "weak_form"]
+__all__ = ["Rows", "build_rows", "compute_enr", "compute_left_after_refit", "compute_weak_form", "find_intervals"]
 
 _WIDTH, _STEP = 42, 21  # [samples] of a window, between windows
 _REST = 2e-3  # [rad/s] below it a joint counts as sticking
@@ -52,31 +52,31 @@ class Rows(NamedTuple):
     step: int = _STEP
 
 
-def _window() -> NDArray[np.float64]:
+def _compute_window() -> NDArray[np.float64]:
     values = np.sin(np.pi * (np.arange(_WIDTH) + 0.5) / _WIDTH) ** 2
     return np.asarray(values / values.sum())
 
 
-def weak_form(values: NDArray[np.float64], step: int = _STEP) -> NDArray[np.float64]:
+def compute_weak_form(values: NDArray[np.float64], step: int = _STEP) -> NDArray[np.float64]:
     """Means of columns under windows `step` samples apart; shape (n_samples, ...) to (n_rows, ...)."""
-    blocks = _windows(values, step)
-    return np.concatenate([np.einsum("rw...,w->r...", block, _window()) for block in blocks])
+    blocks = _list_windows(values, step)
+    return np.concatenate([np.einsum("rw...,w->r...", block, _compute_window()) for block in blocks])
 
 
-def _second_form(values: NDArray[np.float64], step: int) -> NDArray[np.float64]:
+def _compute_second_form(values: NDArray[np.float64], step: int) -> NDArray[np.float64]:
     """phi'' * values: the weak form of their second derivative."""
-    curvature = np.gradient(np.gradient(_window(), SAMPLE_PERIOD), SAMPLE_PERIOD)
-    return np.concatenate([block @ curvature for block in _windows(values, step)])
+    curvature = np.gradient(np.gradient(_compute_window(), SAMPLE_PERIOD), SAMPLE_PERIOD)
+    return np.concatenate([block @ curvature for block in _list_windows(values, step)])
 
 
-def _windows(values: NDArray[np.float64], step: int) -> Iterator[NDArray[np.float64]]:
+def _list_windows(values: NDArray[np.float64], step: int) -> Iterator[NDArray[np.float64]]:
     """The samples under each window; a window about each sample of a recording is more than memory should hold."""
     starts = step * np.arange((values.shape[0] - _WIDTH) // step + 1)
     for first in range(0, starts.size, _BLOCK):
         yield values[starts[first : first + _BLOCK, None] + np.arange(_WIDTH)]
 
 
-def _friction_columns(motion: Motion, joint: Joint) -> NDArray[np.float64]:
+def _compute_friction_columns(motion: Motion, joint: Joint) -> NDArray[np.float64]:
     """Level, static surplus, its derivative by Stribeck velocity, and slope, for each direction."""
     columns = []
     for direction, sign in (("forward", 1.0), ("reverse", -1.0)):
@@ -88,9 +88,11 @@ def _friction_columns(motion: Motion, joint: Joint) -> NDArray[np.float64]:
     return np.stack(columns, axis=1)
 
 
-def _row_noise(motion: Motion, sensed: Sensed, joint: Joint, step: int) -> NDArray[np.float64]:
-    noise = weak_form(sensed.torque_error, step) - joint.fields["inertia"] * _second_form(sensed.position_error, step)
-    sticking = weak_form((np.abs(motion.velocity) < _REST).astype(np.float64), step)
+def _compute_row_noise(motion: Motion, sensed: Sensed, joint: Joint, step: int) -> NDArray[np.float64]:
+    noise = compute_weak_form(sensed.torque_error, step) - joint.fields["inertia"] * _compute_second_form(
+        sensed.position_error, step
+    )
+    sticking = compute_weak_form((np.abs(motion.velocity) < _REST).astype(np.float64), step)
     moving = sticking == 0.0
     level = np.std(noise[moving]) if moving.sum() > 50 else np.std(noise)
     bristle = joint.fields["base_sigma_0"] * joint.fields["resolution"] / np.sqrt(12.0)
@@ -108,12 +110,12 @@ def build_rows(motion: Motion, sensed: Sensed, joint: Joint, step: int = _STEP) 
     """
     q = motion.position
     body = np.stack([motion.acceleration, np.sin(q), np.cos(q), np.ones_like(q)], axis=1)
-    deviation = _row_noise(motion, sensed, joint, step)
-    friction = weak_form(_friction_columns(motion, joint), step) / deviation[:, None]
-    return Rows(friction, weak_form(body, step) / deviation[:, None], deviation, step)
+    deviation = _compute_row_noise(motion, sensed, joint, step)
+    friction = compute_weak_form(_compute_friction_columns(motion, joint), step) / deviation[:, None]
+    return Rows(friction, compute_weak_form(body, step) / deviation[:, None], deviation, step)
 
 
-def left_after_refit(
+def compute_left_after_refit(
     torque: NDArray[np.float64],
     rows: Rows,
     against: Literal["refit", "friction", "nothing"],
@@ -127,9 +129,9 @@ def left_after_refit(
         against: Which terms are refitted.
         also: Further torques whose amplitudes are refitted with them.
     """
-    wanted = weak_form(torque, rows.step) / rows.deviation
+    wanted = compute_weak_form(torque, rows.step) / rows.deviation
     parts = {"refit": [rows.friction, rows.body], "friction": [rows.friction], "nothing": []}[against]
-    parts += [(weak_form(one, rows.step) / rows.deviation)[:, None] for one in also]
+    parts += [(compute_weak_form(one, rows.step) / rows.deviation)[:, None] for one in also]
     if not parts:
         return np.asarray(wanted)
     columns = np.concatenate(parts, axis=1)

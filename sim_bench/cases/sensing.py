@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .compiled import compiled
+from .compiled import compile_cached
 from .dynamics import SAMPLE_PERIOD
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .dynamics import Motion
     from .joint import Joint
 
-__all__ = ["NOISES", "Sensed", "Sensors", "distort_torque", "draw_sensors", "lagged", "sense"]
+__all__ = ["NOISES", "Sensed", "Sensors", "distort_torque", "draw_sensors", "lag_signal", "sense"]
 
 NOISES = ("white", "coloured", "heavy_tailed", "quantised", "jittered")
 
@@ -83,7 +83,7 @@ def draw_sensors(rng: np.random.Generator, joint: Joint, noise_kind: str | None 
     )
 
 
-def lagged(values: NDArray[np.float64], time: float) -> NDArray[np.float64]:
+def lag_signal(values: NDArray[np.float64], time: float) -> NDArray[np.float64]:
     """First-order low pass with a time constant [s], by the trapezoidal rule: slow signals are late by just that."""
     from scipy.signal import lfilter
 
@@ -94,7 +94,7 @@ def lagged(values: NDArray[np.float64], time: float) -> NDArray[np.float64]:
     return np.asarray(lfilter([gain, gain], [1.0, 2.0 * gain - 1.0], values, zi=start)[0])
 
 
-def _delayed(values: NDArray[np.float64], time: float) -> NDArray[np.float64]:
+def _delay_signal(values: NDArray[np.float64], time: float) -> NDArray[np.float64]:
     """Shift by any fraction of a sample, by cubic interpolation."""
     from scipy.interpolate import CubicSpline
 
@@ -104,8 +104,8 @@ def _delayed(values: NDArray[np.float64], time: float) -> NDArray[np.float64]:
     return np.asarray(CubicSpline(index, values)(np.maximum(index - time / SAMPLE_PERIOD, 0.0)))
 
 
-@compiled
-def _loop(torque: np.ndarray, width: float, form: float) -> np.ndarray:
+@compile_cached
+def _follow_loop(torque: np.ndarray, width: float, form: float) -> np.ndarray:
     """Hysteretic part of a torque cell: play of half width `width`, or the smooth loop of Bouc and Wen."""
     state, out = 0.0, np.empty_like(torque)
     last = torque[0]
@@ -126,9 +126,9 @@ def distort_torque(torque: NDArray[np.float64], sensors: Sensors) -> NDArray[np.
     """What the effects of measurement make of a torque, without noise."""
     seen = torque
     if sensors.hysteresis > 0.0:
-        loop = torque - _loop(torque, sensors.hysteresis_width, sensors.hysteresis_form)
+        loop = torque - _follow_loop(torque, sensors.hysteresis_width, sensors.hysteresis_form)
         seen = seen - sensors.hysteresis * loop
-    return _delayed(sensors.gain * seen + sensors.offset, sensors.delay)
+    return _delay_signal(sensors.gain * seen + sensors.offset, sensors.delay)
 
 
 def _draw_noise(rng: np.random.Generator, sensors: Sensors, n: int) -> NDArray[np.float64]:
@@ -153,13 +153,13 @@ def sense(motion: Motion, sensors: Sensors, joint: Joint, plant: dict[str, float
     step = joint.fields["resolution"]
     position = np.round((true + motion.velocity * late) / step) * step
     clean = distort_torque(motion.torque, sensors)
-    torque = lagged(clean, sensors.filter_time) + np.gradient(clean, SAMPLE_PERIOD) * late
+    torque = lag_signal(clean, sensors.filter_time) + np.gradient(clean, SAMPLE_PERIOD) * late
     torque = torque + _draw_noise(rng, sensors, n)
     if sensors.step > 0.0:
         torque = np.round(torque / sensors.step) * sensors.step
     # As a drive forms it: from the steps of its encoder, at instants of its own.
     difference = np.gradient(np.round(true / step) * step, SAMPLE_PERIOD)
-    velocity = lagged(difference, sensors.velocity_lag or sensors.velocity_filter)
+    velocity = lag_signal(difference, sensors.velocity_lag or sensors.velocity_filter)
     velocity = velocity + 5e-4 * joint.speed * rng.standard_normal(n)
     load = motion.load + joint.noise * rng.standard_normal(n)
     return Sensed(position, velocity, torque, load, position - true, torque - clean)

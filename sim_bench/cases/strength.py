@@ -11,7 +11,7 @@ from fricomp.errors import DiagnosisError
 
 from .effect import Change, Effect, Form
 from .effects import EFFECTS
-from .refit import compute_enr, left_after_refit
+from .refit import compute_enr, compute_left_after_refit
 from .spec import STRENGTHS
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ class Concealed:
 
 def _measure(trial: Trial, effect: Effect, change: Change) -> tuple[float, Outcome]:
     outcome = trial.run(change)
-    return compute_enr(left_after_refit(outcome.torque, outcome.rows, effect.against)), outcome
+    return compute_enr(compute_left_after_refit(outcome.torque, outcome.rows, effect.against)), outcome
 
 
 def conceal(trial: Trial, index: int, name: str) -> Concealed:
@@ -63,7 +63,7 @@ def conceal(trial: Trial, index: int, name: str) -> Concealed:
         return form.build(trial.scene, amplitude, rng)
 
     lower, high = effect.floor(trial.scene), effect.typical(trial.scene)[1]
-    upper, enr, outcome = _largest_stable(trial, effect, change_at, high)
+    upper, enr, outcome = _find_largest_stable(trial, effect, change_at, high)
     amplitude = upper
     for _ in range(_ATTEMPTS):
         if abs(np.log(max(enr, _TINY) / target)) < _TOLERANCE or (amplitude == upper and enr < target):
@@ -91,7 +91,7 @@ def conceal_again(trial: Trial, index: int, before: Concealed) -> Concealed:
     return Concealed(before.effect, before.form, before.amplitude, change, enr, outcome.torque)
 
 
-def _largest_stable(
+def _find_largest_stable(
     trial: Trial, effect: Effect, change_at: Callable[[float], Change], high: float
 ) -> tuple[float, float, Outcome]:
     """The largest amplitude, from `high` down, with which the loop still follows its reference."""

@@ -18,7 +18,7 @@ from .catalogue_fit import fit_catalogue
 from .dynamics import SAMPLE_PERIOD
 from .fault import apply_fault
 from .plant import CORES
-from .refit import compute_enr, left_after_refit
+from .refit import compute_enr, compute_left_after_refit
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from .spec import CaseSpec
     from .strength import Concealed
 
-__all__ = ["ANSWER_SCHEMA", "case_id", "expected_verdict", "write_answer", "write_case"]
+__all__ = ["ANSWER_SCHEMA", "choose_expected_verdict", "derive_case_id", "write_answer", "write_case"]
 
 ANSWER_SCHEMA = "fricomp.concealed/1"
 _VERDICTS = {
@@ -39,12 +39,12 @@ _VERDICTS = {
 _PARAMETERS = ("inertia_error", "payload_error")
 
 
-def case_id(spec: CaseSpec) -> str:
+def derive_case_id(spec: CaseSpec) -> str:
     """A name that says nothing about what is concealed."""
     return "case-" + hashlib.sha256(json.dumps(asdict(spec), sort_keys=True).encode()).hexdigest()[:12]
 
 
-def expected_verdict(case: Case) -> str:
+def choose_expected_verdict(case: Case) -> str:
     """The verdict of a right answer: that of the strongest kind."""
     if case.spec.fault:
         return "bad_data"
@@ -64,12 +64,12 @@ def write_case(case: Case, folder: Path) -> Path:
     Returns:
         The case's folder, `folder`/<id>.
     """
-    target = folder / case_id(case.spec)
+    target = folder / derive_case_id(case.spec)
     fields = {**case.scene.joint.fields, **case.change.plant, **case.belief}
-    _write_table(_channels(case), _metadata(case), target / "recording.parquet")
+    _write_table(_collect_channels(case), _collect_metadata(case), target / "recording.parquet")
     write_whole(target / "joint.xml", format_simulation(fields, fields["limit"]))
     write_whole(target / "loop.toml", format_controller(fields))
-    if any(each.effect.against == "nothing" for each in case.concealed) or _states_friction(case):
+    if any(each.effect.against == "nothing" for each in case.concealed) or _is_friction_stated(case):
         write_whole(target / "friction.json", format_friction(fields))
     return target
 
@@ -80,10 +80,10 @@ def write_answer(case: Case, folder: Path, salt: str | None = None) -> tuple[Pat
     Returns:
         The answer's path, `folder`/<id>.json, and the SHA-256 of its bytes, which hold the salt.
     """
-    name = case_id(case.spec)
+    name = derive_case_id(case.spec)
     truth = folder / f"{name}.parquet"
-    _write_table(_truth(case), {}, truth)
-    answer = _answer(case) | {
+    _write_table(_collect_truth(case), {}, truth)
+    answer = _build_answer(case) | {
         "truth_sha256": hashlib.sha256(truth.read_bytes()).hexdigest(),
         "salt": salt or secrets.token_hex(16),
     }
@@ -93,12 +93,12 @@ def write_answer(case: Case, folder: Path, salt: str | None = None) -> tuple[Pat
     return path, hashlib.sha256(data).hexdigest()
 
 
-def _channels(case: Case) -> dict[str, NDArray[np.float64]]:
+def _collect_channels(case: Case) -> dict[str, NDArray[np.float64]]:
     sensed, start = case.outcome.sensed, case.start
     n = sensed.position.size
     rng = np.random.default_rng([case.spec.seed, 77])
     channels = {
-        "time": _time(n),
+        "time": _sample_time(n),
         "position": sensed.position,
         "torque": sensed.torque,
         "position_reference": case.scene.reference[start:, 0],
@@ -106,30 +106,30 @@ def _channels(case: Case) -> dict[str, NDArray[np.float64]]:
         "torque_command": case.outcome.motion.command,
         "current": sensed.torque / (0.1 * case.scene.joint.gear_ratio),
     }
-    if _logs(case, "velocity_lag", rng):
+    if _is_logged(case, "velocity_lag", rng):
         channels["velocity"] = sensed.velocity
-    if not case.spec.hidden and (_logs(case, "load", rng)):
+    if not case.spec.hidden and (_is_logged(case, "load", rng)):
         channels["load_torque"] = sensed.load_torque
     if not case.spec.hidden and (case.change.temperature is not None or rng.random() < 0.5):
         channels["temperature"] = case.temperature + 0.05 * rng.standard_normal(n)
     return apply_fault(channels, case.spec.fault, rng) if case.spec.fault else channels
 
 
-def _time(n: int) -> NDArray[np.float64]:
+def _sample_time(n: int) -> NDArray[np.float64]:
     return np.asarray(SAMPLE_PERIOD * np.arange(n), dtype=np.float64)
 
 
-def _states_friction(case: Case) -> bool:
+def _is_friction_stated(case: Case) -> bool:
     return bool(np.random.default_rng([case.spec.seed, 78]).random() < 0.5)
 
 
-def _logs(case: Case, about: str, rng: np.random.Generator) -> bool:
+def _is_logged(case: Case, about: str, rng: np.random.Generator) -> bool:
     """A channel is there where an effect needs it, and by chance where none does, so that it gives nothing away."""
     needed = any(name.startswith(about) for name in (*case.change.plant, *case.change.sensing))
     return bool(rng.random() < 0.5) or needed
 
 
-def _metadata(case: Case) -> dict[str, Any]:
+def _collect_metadata(case: Case) -> dict[str, Any]:
     joint = case.scene.joint
     return {
         "schema": "fricomp.recording/1",
@@ -144,11 +144,11 @@ def _metadata(case: Case) -> dict[str, Any]:
     }
 
 
-def _truth(case: Case) -> dict[str, NDArray[np.float64]]:
+def _collect_truth(case: Case) -> dict[str, NDArray[np.float64]]:
     motion = case.outcome.motion
     alone = {f"concealed_{i}": each.torque for i, each in enumerate(case.concealed)}
     return {
-        "time": _time(motion.position.size),
+        "time": _sample_time(motion.position.size),
         "concealed_torque": case.outcome.torque,
         "position": motion.position,
         "velocity": motion.velocity,
@@ -158,13 +158,13 @@ def _truth(case: Case) -> dict[str, NDArray[np.float64]]:
     }
 
 
-def _answer(case: Case) -> dict[str, Any]:
+def _build_answer(case: Case) -> dict[str, Any]:
     shifted = list(_PARAMETERS) if case.spec.shifted else []
     return {
         "schema": ANSWER_SCHEMA,
-        "id": case_id(case.spec),
+        "id": derive_case_id(case.spec),
         "spec": asdict(case.spec),
-        "verdict": expected_verdict(case),
+        "verdict": choose_expected_verdict(case),
         "effects": [_describe(case, index) for index in range(len(case.concealed))],
         "shifted_parameters": shifted,
         "enr": case.enr,
@@ -173,14 +173,14 @@ def _answer(case: Case) -> dict[str, Any]:
         "joint": case.scene.joint.fields
         | {
             "family": case.scene.joint.family,
-            "core": _core_of(case),
+            "core": _name_core(case),
             "noise": case.scene.joint.noise,
             "noise_kind": case.sensors.noise_kind,
         },
     }
 
 
-def _core_of(case: Case) -> str:
+def _name_core(case: Case) -> str:
     """The friction core that was simulated; presliding brings its own."""
     number = case.change.plant.get("core")
     return case.scene.joint.core if number is None else next(name for name, own in CORES.items() if own == number)
@@ -198,7 +198,7 @@ def _describe(case: Case, index: int) -> dict[str, Any]:
         "shared_form": each.form.shared,
         "amplitude": each.amplitude,
         "enr": each.enr,
-        "separable_enr": _separable(case, index),
+        "separable_enr": _compute_separable(case, index),
         "localised": each.effect.localised,
         "accepted": [*each.effect.accepted, *(["unknown_physics"] if case.spec.hidden else [])],
         "parameters": {name: asdict(truth) for name, truth in each.change.parameters.items()},
@@ -206,7 +206,7 @@ def _describe(case: Case, index: int) -> dict[str, Any]:
     }
 
 
-def _separable(case: Case, index: int) -> float:
+def _compute_separable(case: Case, index: int) -> float:
     """Strength of one effect after the refit of everything else that is concealed, at most what it has alone.
 
     Each effect's torque is of a run with it alone. Where one changes how another acts, as presliding does with what
@@ -216,7 +216,7 @@ def _separable(case: Case, index: int) -> float:
     others = [other.torque for i, other in enumerate(case.concealed) if i != index]
     if not others:
         return each.enr
-    beside = compute_enr(left_after_refit(each.torque, case.outcome.rows, each.effect.against, others))
+    beside = compute_enr(compute_left_after_refit(each.torque, case.outcome.rows, each.effect.against, others))
     return min(beside, each.enr)
 
 

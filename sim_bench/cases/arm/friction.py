@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..compiled import compiled
+from ..compiled import compile_cached
 
 Floats = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ _SWEEPS = 60
 _TOLERANCE = 1e-10  # [rad/s] between two sweeps
 
 
-@compiled
+@compile_cached
 def _level(p: Floats, q: float, v: float, load: float, heat: float) -> tuple[float, float]:
     """Dry friction of one joint in both directions [N·m]."""
     more = p[_EX] * np.exp(-((v / p[_VS]) ** 2)) + p[_LC] * abs(load) + p[_LQ] * load * load
@@ -56,7 +56,7 @@ def _level(p: Floats, q: float, v: float, load: float, heat: float) -> tuple[flo
     return max(p[_CF] * fall + more, 0.0), max(p[_CR] * fall + more, 0.0)
 
 
-@compiled
+@compile_cached
 def _smooth(p: Floats, q: float, v: float) -> float:
     """Torques that do not jump at rest, viscous friction left out [N·m]."""
     result: float = p[_DR] * v * abs(v) + p[_ST] * (q - p[_MI])
@@ -65,13 +65,13 @@ def _smooth(p: Floats, q: float, v: float) -> float:
     return result
 
 
-@compiled
+@compile_cached
 def _viscous(p: Floats, heat: float) -> float:
     result: float = p[_VI] * max(1.0 + p[_WA] * heat, 0.1)
     return result
 
 
-@compiled
+@compile_cached
 def solve_step(
     table: Floats,
     q: Floats,
@@ -123,7 +123,7 @@ def solve_step(
     return new
 
 
-@compiled
+@compile_cached
 def _sweep(
     table: Floats,
     b: Floats,
@@ -151,7 +151,7 @@ def _sweep(
             break
 
 
-@compiled
+@compile_cached
 def _settle(
     p: Floats, r: float, before: float, bristle: float, forward: float, reverse: float, diagonal: float, step: float
 ) -> float:
@@ -168,7 +168,7 @@ def _settle(
     return 0.0
 
 
-@compiled
+@compile_cached
 def compute_friction(table: Floats, q: Floats, v: Floats, load: Floats, heat: Floats) -> Floats:
     """Friction of all joints along a motion in which they slide, presliding left out [N·m]. Shapes (n, n_joints)."""
     result = np.empty_like(q)

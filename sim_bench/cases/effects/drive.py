@@ -10,7 +10,7 @@ from ..effect import Change, Effect, Form, Scene, Truth
 __all__ = ["EFFECTS"]
 
 
-def _saturation(form: float) -> Form:
+def _make_saturation(form: float) -> Form:
     def build(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
         coefficient = amplitude / scene.load**2
         return Change(
@@ -21,7 +21,7 @@ def _saturation(form: float) -> Form:
     return Form("root" if form else "cubic", build, shared=not form)
 
 
-def _sag(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+def _make_sag(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     coefficient = amplitude / (scene.load * scene.joint.speed)
     return Change(plant={"sag": coefficient}, parameters={"loss_by_power": Truth(coefficient, "1/W")})
 
@@ -35,7 +35,7 @@ def _lag(order: float) -> Form:
     return Form(f"order {order:.0f}", build)
 
 
-def _heating(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+def _make_heating(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     time = rng.uniform(10.0, 25.0)
     gain = 40.0 / (time * (0.5 * scene.gravity**2 + scene.coulomb**2))  # about 40 K when the load is held
     return Change(
@@ -45,8 +45,8 @@ def _heating(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change
 
 
 EFFECTS = (
-    Effect("torque_saturation", "physics", (_saturation(0.0), _saturation(1.0)), lambda scene: (0.01, 0.35)),
-    Effect("supply_sag", "physics", (Form("power", _sag),), lambda scene: (0.02, 0.5)),
+    Effect("torque_saturation", "physics", (_make_saturation(0.0), _make_saturation(1.0)), lambda scene: (0.01, 0.35)),
+    Effect("supply_sag", "physics", (Form("power", _make_sag),), lambda scene: (0.02, 0.5)),
     Effect(
         "drive_lag",
         "measurement",
@@ -54,5 +54,5 @@ EFFECTS = (
         lambda scene: (1e-3, 1.2e-2),
         smallest=lambda scene: SAMPLE_PERIOD,  # less is where in its sample a torque belongs
     ),
-    Effect("torque_constant_heating", "physics", (Form("copper", _heating),), lambda scene: (5e-4, 8e-3)),
+    Effect("torque_constant_heating", "physics", (Form("copper", _make_heating),), lambda scene: (5e-4, 8e-3)),
 )

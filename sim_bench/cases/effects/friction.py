@@ -11,7 +11,7 @@ from ..temperature import warm_and_cool
 __all__ = ["EFFECTS"]
 
 
-def _presliding(core: str) -> Form:
+def _make_presliding(core: str) -> Form:
     def build(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
         sigma_0 = scene.coulomb / amplitude
         ratio = rng.uniform(0.1, 0.4) if core == "lugre" else 0.0
@@ -43,7 +43,7 @@ def _dwell(form: float) -> Form:
     return Form("logarithmic" if form else "exponential", build, shared=not form)
 
 
-def _thermal(name: str, number: float) -> Form:
+def _make_thermal(name: str, number: float) -> Form:
     def build(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
         temperature = warm_and_cool(scene.time, rng.uniform(12.0, 25.0), rng)
         level = -amplitude * rng.uniform(0.0, 0.3)
@@ -62,7 +62,7 @@ def _thermal(name: str, number: float) -> Form:
     return Form(name, build, shared=number == 0.0)
 
 
-def _exponent(low: bool) -> Form:
+def _make_exponent(low: bool) -> Form:
     def build(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
         exponent = 2.0 - 1.5 * amplitude if low else 2.0 + 2.0 * amplitude
         return Change(plant={"exponent": exponent}, parameters={"stribeck_exponent": Truth(exponent, "1")})
@@ -70,7 +70,7 @@ def _exponent(low: bool) -> Form:
     return Form("low exponent" if low else "high exponent", build)
 
 
-def _power(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+def _make_power(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     exponent = rng.uniform(0.5, 0.75)
     coefficient = amplitude * scene.viscous * scene.joint.speed ** (1.0 - exponent)
     return Change(
@@ -79,7 +79,7 @@ def _power(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     )
 
 
-def _eyring(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+def _make_eyring(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     velocity = scene.joint.speed * rng.uniform(0.05, 0.15)
     torque = amplitude * scene.viscous * scene.joint.speed / np.arcsinh(scene.joint.speed / velocity)
     return Change(
@@ -88,7 +88,7 @@ def _eyring(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     )
 
 
-def _drag(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+def _make_drag(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     coefficient = amplitude * scene.viscous / scene.joint.speed
     return Change(plant={"drag": coefficient}, parameters={"coefficient": Truth(coefficient, "N·m·s²/rad²")})
 
@@ -97,7 +97,7 @@ EFFECTS = (
     Effect(
         "presliding_hysteresis",
         "physics",
-        (_presliding("lugre"), _presliding("gms"), _presliding("dahl")),
+        (_make_presliding("lugre"), _make_presliding("gms"), _make_presliding("dahl")),
         lambda scene: (6e-4, 8e-3),
         localised=True,
         smallest=lambda scene: max(6e-4, 4.0 * scene.joint.breakaway),  # below it every joint is like that
@@ -113,15 +113,15 @@ EFFECTS = (
     Effect(
         "thermal_friction",
         "physics",
-        (_thermal("exponential", 0.0), _thermal("arrhenius", 1.0), _thermal("wlf", 2.0)),
+        (_make_thermal("exponential", 0.0), _make_thermal("arrhenius", 1.0), _make_thermal("wlf", 2.0)),
         lambda scene: (0.003, 0.04),
     ),
-    Effect("stribeck_shape", "physics", (_exponent(True), _exponent(False)), lambda scene: (0.1, 1.0)),
+    Effect("stribeck_shape", "physics", (_make_exponent(True), _make_exponent(False)), lambda scene: (0.1, 1.0)),
     Effect(
         "power_law_viscous",
         "physics",
-        (Form("power", _power), Form("eyring", _eyring, shared=False)),
+        (Form("power", _make_power), Form("eyring", _make_eyring, shared=False)),
         lambda scene: (0.05, 1.5),
     ),
-    Effect("quadratic_drag", "physics", (Form("quadratic", _drag),), lambda scene: (0.05, 1.5)),
+    Effect("quadratic_drag", "physics", (Form("quadratic", _make_drag),), lambda scene: (0.05, 1.5)),
 )

@@ -10,12 +10,12 @@ from ..effect import Change, Effect, Form, Scene, Truth
 __all__ = ["EFFECTS"]
 
 
-def _gain(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+def _make_gain(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     signed = amplitude * float(rng.choice([-1.0, 1.0]))
     return Change(sensing={"gain": 1.0 + signed}, parameters={"gain_error": Truth(signed, "1")})
 
 
-def _velocity_lag(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+def _make_velocity_lag(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     return Change(sensing={"velocity_lag": amplitude}, parameters={"time_constant": Truth(amplitude, "s")})
 
 
@@ -23,7 +23,7 @@ def _delay(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     return Change(sensing={"delay": amplitude}, parameters={"delay": Truth(amplitude, "s")})
 
 
-def _eccentricity(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+def _make_eccentricity(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     order, phase = float(rng.choice([1, 2])), rng.uniform(0.0, 2.0 * np.pi)
     return Change(
         plant={"eccentricity": amplitude, "eccentricity_order": order, "eccentricity_phase": phase},
@@ -35,7 +35,7 @@ def _eccentricity(scene: Scene, amplitude: float, rng: np.random.Generator) -> C
     )
 
 
-def _hysteresis(bouc_wen: float) -> Form:
+def _make_hysteresis(bouc_wen: float) -> Form:
     def build(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
         width = rng.uniform(0.15, 0.4) * scene.load
         sensing = {"hysteresis": amplitude, "hysteresis_width": width, "hysteresis_form": bouc_wen}
@@ -45,11 +45,13 @@ def _hysteresis(bouc_wen: float) -> Form:
 
 
 EFFECTS = (
-    Effect("torque_gain_error", "measurement", (Form("gain", _gain),), lambda scene: (0.01, 0.2), against="friction"),
+    Effect(
+        "torque_gain_error", "measurement", (Form("gain", _make_gain),), lambda scene: (0.01, 0.2), against="friction"
+    ),
     Effect(
         "velocity_filter_lag",
         "measurement",
-        (Form("first order", _velocity_lag),),
+        (Form("first order", _make_velocity_lag),),
         lambda scene: (4e-3, 3e-2),
         smallest=lambda scene: 4e-3,  # every drive filters its velocity by less
     ),
@@ -61,8 +63,11 @@ EFFECTS = (
         localised=True,
         smallest=lambda scene: SAMPLE_PERIOD,  # less is where in its sample a torque belongs
     ),
-    Effect("encoder_eccentricity", "measurement", (Form("sine", _eccentricity),), lambda scene: (1e-4, 4e-2)),
+    Effect("encoder_eccentricity", "measurement", (Form("sine", _make_eccentricity),), lambda scene: (1e-4, 4e-2)),
     Effect(
-        "torque_sensor_hysteresis", "measurement", (_hysteresis(0.0), _hysteresis(1.0)), lambda scene: (0.005, 0.15)
+        "torque_sensor_hysteresis",
+        "measurement",
+        (_make_hysteresis(0.0), _make_hysteresis(1.0)),
+        lambda scene: (0.005, 0.15),
     ),
 )

@@ -9,13 +9,13 @@ from ..effect import Change, Effect, Form, Scene, Truth
 __all__ = ["EFFECTS"]
 
 
-def _inertia(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+def _make_inertia(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     believed = scene.inertia / (1.0 + amplitude * float(rng.choice([-0.6, 1.0])))
     change = Truth(scene.inertia - believed, "kg·m²")
     return Change(belief={"inertia": believed}, parameters={"inertia_change": change})
 
 
-def _payload(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+def _make_payload(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     """An unmodelled payload at half a metre, for which the belief has less gravity torque and less inertia."""
     arm = 0.5
     mass = min(amplitude * scene.gravity / (9.81 * arm), 0.6 * scene.inertia / arm**2)
@@ -31,12 +31,12 @@ def _payload(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change
     )
 
 
-def _offset(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+def _make_offset(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     value = amplitude * scene.coulomb * float(rng.choice([-1.0, 1.0]))
     return Change(sensing={"offset": value}, parameters={"offset": Truth(value, "N·m")})
 
 
-def _asymmetry(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+def _make_asymmetry(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     """The truth differs by `amplitude` between directions, the believed friction is the mean of both."""
     forward, reverse = 1.0 + 0.5 * amplitude, 1.0 - 0.5 * amplitude
     plant: dict[str, float] = {}
@@ -54,12 +54,14 @@ def _asymmetry(scene: Scene, amplitude: float, rng: np.random.Generator) -> Chan
 
 
 EFFECTS = (
-    Effect("inertia_error", "parameter", (Form("inertia", _inertia),), lambda scene: (0.01, 0.4), against="friction"),
-    Effect("payload_error", "parameter", (Form("mass", _payload),), lambda scene: (0.01, 0.4), against="friction"),
+    Effect(
+        "inertia_error", "parameter", (Form("inertia", _make_inertia),), lambda scene: (0.01, 0.4), against="friction"
+    ),
+    Effect("payload_error", "parameter", (Form("mass", _make_payload),), lambda scene: (0.01, 0.4), against="friction"),
     Effect(
         "torque_offset",
         "parameter",
-        (Form("offset", _offset),),
+        (Form("offset", _make_offset),),
         lambda scene: (0.01, 0.4),
         against="nothing",
         accepted=("direction_asymmetry",),
@@ -67,7 +69,7 @@ EFFECTS = (
     Effect(
         "direction_asymmetry",
         "parameter",
-        (Form("levels", _asymmetry),),
+        (Form("levels", _make_asymmetry),),
         lambda scene: (0.02, 0.3),
         against="nothing",
         accepted=("torque_offset",),

@@ -9,7 +9,7 @@ from ..effect import Change, Effect, Form, Scene, Truth
 __all__ = ["EFFECTS"]
 
 
-def _kinematic(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+def _make_kinematic(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     order, phase = 2.0 * scene.joint.gear_ratio, rng.uniform(0.0, 2.0 * np.pi)
     return Change(
         plant={"kinematic": amplitude, "kinematic_order": order, "kinematic_phase": phase},
@@ -17,7 +17,7 @@ def _kinematic(scene: Scene, amplitude: float, rng: np.random.Generator) -> Chan
     )
 
 
-def _elastic(hardening: float) -> Form:
+def _make_elastic(hardening: float) -> Form:
     def build(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
         stiffness = 1.0 / amplitude
         damping = 0.03 * 2.0 * np.sqrt(stiffness * scene.inertia)
@@ -32,7 +32,7 @@ def _elastic(hardening: float) -> Form:
     return Form("cubic" if hardening else "linear", build, shared=not hardening)
 
 
-def _backlash(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+def _make_backlash(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     stiffness = 400.0**2 * scene.inertia * rng.uniform(1.0, 2.0)
     damping = 0.15 * 2.0 * np.sqrt(stiffness * scene.inertia)
     return Change(
@@ -41,7 +41,7 @@ def _backlash(scene: Scene, amplitude: float, rng: np.random.Generator) -> Chang
     )
 
 
-def _neighbour(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+def _make_neighbour(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
     t = scene.time
     w, phase = 2.0 * np.pi * rng.uniform(0.2, 0.4, 2), rng.uniform(0.0, 6.28, 2)
     window = np.clip(t / 2.0, 0.0, 1.0)
@@ -56,24 +56,24 @@ def _neighbour(scene: Scene, amplitude: float, rng: np.random.Generator) -> Chan
 
 
 EFFECTS = (
-    Effect("kinematic_error", "physics", (Form("lagrange", _kinematic),), lambda scene: (2e-5, 1e-3)),
+    Effect("kinematic_error", "physics", (Form("lagrange", _make_kinematic),), lambda scene: (2e-5, 1e-3)),
     Effect(
         "joint_elasticity",
         "physics",
-        (_elastic(0.0), _elastic(0.5)),
+        (_make_elastic(0.0), _make_elastic(0.5)),
         lambda scene: (1.0 / (250.0**2 * scene.inertia), 1.0 / (60.0**2 * scene.inertia)),
     ),
     Effect(
         "backlash",
         "physics",
-        (Form("dead zone", _backlash),),
+        (Form("dead zone", _make_backlash),),
         lambda scene: (2e-4, 8e-3 if scene.joint.family == "harmonic" else 2e-2),
         localised=True,
     ),
     Effect(
         "neighbour_coupling",
         "physics",
-        (Form("two joints", _neighbour),),
+        (Form("two joints", _make_neighbour),),
         lambda scene: (0.01 * scene.inertia, 1.5 * scene.inertia),
         accepted=("external_disturbance", "unknown_physics"),
     ),

@@ -10,7 +10,7 @@ import numpy as np
 from fricomp.errors import MissingExtraError
 from fricomp.laws import FloatArray
 
-from .comparators import Comparison, population_likelihood
+from .comparators import Comparison, build_population_likelihood
 from .problem import Draw
 
 __all__ = ["run_adam"]
@@ -67,17 +67,17 @@ def run_adam(draw: Draw, starts: FloatArray, steps: int) -> list[Comparison]:
         optimiser.step()
         if step % max(1, steps // 200) == 0:
             losses.append(np.column_stack([np.full(len(starts), step), loss.detach().numpy()]))
-            course.append(_values(parameters.detach().numpy()))
+            course.append(_copy_values(parameters.detach().numpy()))
     seconds = (time.perf_counter() - begun) / len(starts)
-    values = _values(parameters.detach().numpy())
-    likelihood = population_likelihood(draw)(values)
+    values = _copy_values(parameters.detach().numpy())
+    likelihood = build_population_likelihood(draw)(values)
     return [
         Comparison("Adam", values[k], float(likelihood[k]), seconds, np.array(losses)[:, k], np.array(course)[:, k])
         for k in range(len(starts))
     ]
 
 
-def _values(parameters: FloatArray) -> FloatArray:
+def _copy_values(parameters: FloatArray) -> FloatArray:
     """A copy; v_s enters squared, and its sign says nothing."""
     values = parameters.copy()
     values[:, [2, 6]] = np.abs(values[:, [2, 6]])

@@ -13,11 +13,11 @@ from fricomp.report import Chart, Line, Panel, Points, Rule
 from ..kit.store import RowStore
 from .printed import NOISE_FREE
 from .problem import NOISE_READINGS, PARAMETERS, PaperProblem, Reading
-from .rival_summary import best_adam, name_of
+from .rival_summary import find_best_adam, name_of
 from .rivals import PAPER_LENGTH
 from .study import SPREADS
 
-__all__ = ["benchmark_charts"]
+__all__ = ["draw_benchmark_charts"]
 
 _FIGURES = {
     "none": {"PSO": "figures 4 and 5", "GA": "figures 6 and 7", "Adam": "the paper's own training, figure 3"},
@@ -28,25 +28,25 @@ _ITERATION = "iteration [thousands]"
 _READINGS: tuple[Reading, ...] = ("none", *NOISE_READINGS)
 
 
-def benchmark_charts(ledger: RowStore) -> list[Chart]:
+def draw_benchmark_charts(ledger: RowStore) -> list[Chart]:
     """Charts of what the ledger holds."""
     rows = [
         row for row in ledger.rows(study="search", seed=0, iterations=PAPER_LENGTH) if row["method"] in ("PSO", "GA")
     ]
-    rows += [row for reading in _READINGS for row in best_adam(ledger, reading)]
+    rows += [row for reading in _READINGS for row in find_best_adam(ledger, reading)]
     known = [reading for reading in NOISE_READINGS if ledger.rows(study="statistics", reading=reading)]
     noise_free = [row for row in rows if row["method"] != "Adam" and row["reading"] == "none"]
-    noise_free += _median_and_best(ledger.rows(study="adam", reading="none", iterations=PAPER_LENGTH))
+    noise_free += _find_median_and_best(ledger.rows(study="adam", reading="none", iterations=PAPER_LENGTH))
     return [
-        _data(),
-        *([_convergence(noise_free)] if noise_free else []),
+        _draw_data(),
+        *([_draw_convergence(noise_free)] if noise_free else []),
         *(_ours(reading) for reading in _READINGS),
-        *(_course(row) for row in rows),
-        *(_errors(ledger, reading) for reading in known),
+        *(_draw_course(row) for row in rows),
+        *(_draw_errors(ledger, reading) for reading in known),
     ]
 
 
-def _data() -> Chart:
+def _draw_data() -> Chart:
     panels = []
     for reading in _READINGS:
         draw = PaperProblem().draw(reading, 0)
@@ -55,7 +55,7 @@ def _data() -> Chart:
     return Chart("data", "The data (figure 2)", tuple(panels), columns=3)
 
 
-def _convergence(rows: list[dict[str, Any]]) -> Chart:
+def _draw_convergence(rows: list[dict[str, Any]]) -> Chart:
     """Mean error over the iterations, without noise, beside what the paper prints."""
     printed = {row.method: float(row.recomputed().mean()) for row in NOISE_FREE}
     panels = []
@@ -63,7 +63,9 @@ def _convergence(rows: list[dict[str, Any]]) -> Chart:
         ("searches", ("PSO", "GA"), ("PSO", "GA"), 1e-14),
         ("Adam (factor of its starts)", ("Adam",), ("PINN",), 1e-6),
     ):
-        lines = [Line(*_mean_error(row), row.get("place", name_of(row))) for row in rows if row["method"] in methods]
+        lines = [
+            Line(*_compute_mean_error(row), row.get("place", name_of(row))) for row in rows if row["method"] in methods
+        ]
         rules = [Rule(printed[name], label=f"{name} as printed", color=k) for k, name in enumerate(named)]
         if lines:
             marks: tuple[Line | Rule, ...] = (*lines, *rules)
@@ -72,24 +74,24 @@ def _convergence(rows: list[dict[str, Any]]) -> Chart:
     return Chart("convergence-none", title, tuple(panels), columns=2, panel_height=380)
 
 
-def _median_and_best(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _find_median_and_best(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Of each spread of the starts the median training and the best, by where they end."""
     chosen = []
     for spread in SPREADS:
         started = [row for row in rows if row["spread"] == spread]
-        ranked = sorted(started, key=lambda row: float(_mean_error(row)[1][-1]))
+        ranked = sorted(started, key=lambda row: float(_compute_mean_error(row)[1][-1]))
         places = (("median", len(ranked) // 2), ("best", 0)) if ranked else ()
         chosen += [ranked[k] | {"place": f"{name} ({spread:g})"} for name, k in places]
     return chosen
 
 
-def _mean_error(row: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
+def _compute_mean_error(row: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
     """Thousands of iterations and mean |error| [%], down to rounding."""
-    error = np.mean([PaperProblem().error_percent(values) for values in _parameters(row)], axis=1)
+    error = np.mean([PaperProblem().error_percent(values) for values in _compute_parameters(row)], axis=1)
     return np.array(row["fitness"])[:, 0] / _THOUSAND, np.maximum(error, 1e-13)
 
 
-def _parameters(row: dict[str, Any]) -> FloatArray:
+def _compute_parameters(row: dict[str, Any]) -> FloatArray:
     """Course of the parameters. Shape (n, 8)."""
     return np.array(row["course"])
 
@@ -104,12 +106,12 @@ def _ours(reading: Reading) -> Chart:
     title = f"Our PINN from the start of variable projection, noise: {reading} (figure {figure})"
     losses = (Line(step, traces.data_loss, "data"), Line(step, traces.model_loss, "closed form"))
     loss = Panel(losses, "iteration", "mean squared error [(N·m)²]", "loss", y_scale="log")
-    return Chart(f"pinn-{reading}", title, (loss, *_directions(step, traces.parameters, "iteration")), columns=3)
+    return Chart(f"pinn-{reading}", title, (loss, *_draw_directions(step, traces.parameters, "iteration")), columns=3)
 
 
-def _course(row: dict[str, Any]) -> Chart:
+def _draw_course(row: dict[str, Any]) -> Chart:
     method, reading = row["method"], row["reading"]
-    fitness, course = np.array(row["fitness"]), _parameters(row)
+    fitness, course = np.array(row["fitness"]), _compute_parameters(row)
     figures = _FIGURES["none" if reading == "none" else "noise"][method]
     step = fitness[:, 0] / _THOUSAND
     if method == "Adam":
@@ -117,10 +119,10 @@ def _course(row: dict[str, Any]) -> Chart:
     else:
         first = Panel((Line(step, fitness[:, 1]),), _ITERATION, "negative log-likelihood of the best", "fitness")
     title = f"{name_of(row)}, noise: {reading} ({figures})"
-    return Chart(f"{method.lower()}-{reading}", title, (first, *_directions(step, course, _ITERATION)), columns=3)
+    return Chart(f"{method.lower()}-{reading}", title, (first, *_draw_directions(step, course, _ITERATION)), columns=3)
 
 
-def _directions(step: FloatArray, course: FloatArray, label: str) -> list[Panel]:
+def _draw_directions(step: FloatArray, course: FloatArray, label: str) -> list[Panel]:
     """Parameters over the iterations, each divided by its true value."""
     true = np.array(PaperProblem().true_values)
     panels = []
@@ -130,7 +132,7 @@ def _directions(step: FloatArray, course: FloatArray, label: str) -> list[Panel]
     return panels
 
 
-def _errors(ledger: RowStore, reading: Reading) -> Chart:
+def _draw_errors(ledger: RowStore, reading: Reading) -> Chart:
     rows = ledger.rows(study="statistics", reading=reading)
     errors = np.sort([float(np.mean(PaperProblem().error_percent(np.array(row["values"])))) for row in rows])
     share = np.linspace(0.0, 1.0, len(errors))

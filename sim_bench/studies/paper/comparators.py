@@ -13,7 +13,7 @@ from fricomp.laws import FloatArray
 
 from .problem import UPPER_BOUNDS, Draw
 
-__all__ = ["Comparison", "population_likelihood", "run_cma", "run_robust_nls"]
+__all__ = ["Comparison", "build_population_likelihood", "run_cma", "run_robust_nls"]
 
 
 @dataclass(frozen=True)
@@ -40,13 +40,13 @@ class Comparison:
 Likelihood = Callable[[FloatArray], FloatArray]
 
 
-def population_likelihood(draw: Draw) -> Likelihood:
+def build_population_likelihood(draw: Draw) -> Likelihood:
     """Negative log-likelihood of many parameter vectors at once, shape (n, 8) to (n,)."""
     points, relative = draw.points, draw.reading == "relative"
     n = points.size
 
     def negative(population: FloatArray) -> FloatArray:
-        model = _curves(population, points)
+        model = _compute_curves(population, points)
         error = points.magnitude - model
         if not relative:
             return np.asarray(0.5 * n * (np.log(2.0 * np.pi * np.mean(error**2, axis=1) + 1e-300) + 1.0))
@@ -57,7 +57,7 @@ def population_likelihood(draw: Draw) -> Likelihood:
     return negative
 
 
-def _curves(population: FloatArray, points: Observations) -> FloatArray:
+def _compute_curves(population: FloatArray, points: Observations) -> FloatArray:
     """Closed forms of many parameter vectors. Shape (n_population, n_points)."""
     curves = np.empty((len(population), points.size))
     for rows, at in ((points.forward, 0), (~points.forward, 4)):
@@ -72,7 +72,7 @@ def run_cma(draw: Draw, evaluations: int, seed: int) -> Comparison:
     """CMA-ES of the package cma in the scaled box, restarted with a doubled population (IPOP) within the budget."""
     import cma
 
-    likelihood = population_likelihood(draw)
+    likelihood = build_population_likelihood(draw)
     begun = time.perf_counter()
     best, best_value, used, population = UPPER_BOUNDS / 2.0, np.inf, 0, 16
     fitness: list[tuple[int, float]] = []
@@ -91,7 +91,7 @@ def run_cma(draw: Draw, evaluations: int, seed: int) -> Comparison:
                 fitness.append((used, best_value))
                 course.append(best)
         population *= 2
-    return _comparison("CMA-ES", draw, best, begun, (fitness, course))
+    return _build_comparison("CMA-ES", draw, best, begun, (fitness, course))
 
 
 def run_robust_nls(draw: Draw, seed: int) -> Comparison:
@@ -104,19 +104,19 @@ def run_robust_nls(draw: Draw, seed: int) -> Comparison:
     start = np.random.default_rng(seed).uniform(0.05, 0.95, 8) * UPPER_BOUNDS
 
     def residual(values: FloatArray) -> FloatArray:
-        return np.asarray((points.magnitude - _curves(values[None], points)[0]) / np.abs(scale))
+        return np.asarray((points.magnitude - _compute_curves(values[None], points)[0]) / np.abs(scale))
 
     fit = least_squares(
         residual, start, bounds=(np.full(8, 1e-9), UPPER_BOUNDS), loss="soft_l1", x_scale=UPPER_BOUNDS.tolist()
     )
-    return _comparison("robust NLS", draw, fit.x, begun, ([], []))
+    return _build_comparison("robust NLS", draw, fit.x, begun, ([], []))
 
 
-def _comparison(
+def _build_comparison(
     method: str, draw: Draw, values: FloatArray, begun: float, course: tuple[list[tuple[int, float]], list[FloatArray]]
 ) -> Comparison:
     seconds = time.perf_counter() - begun
-    likelihood = float(population_likelihood(draw)(values[None])[0])
+    likelihood = float(build_population_likelihood(draw)(values[None])[0])
     return Comparison(
         method, values, likelihood, seconds, np.array(course[0]).reshape(-1, 2), np.array(course[1]).reshape(-1, 8)
     )

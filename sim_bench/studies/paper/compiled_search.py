@@ -15,7 +15,7 @@ from numba import njit
 
 from fricomp.laws import FloatArray
 
-from .comparators import Comparison, population_likelihood
+from .comparators import Comparison, build_population_likelihood
 from .problem import UPPER_BOUNDS, Draw
 
 __all__ = ["run_compiled"]
@@ -39,17 +39,17 @@ def run_compiled(method: str, draw: Draw, iterations: int, seed: int) -> Compari
     points, relative = draw.points, draw.reading == "relative"
     order = np.argsort(~points.forward, kind="stable")
     data = (points.speed[order], points.magnitude[order], int(np.count_nonzero(points.forward)), relative)
-    search = _swarm if method == "PSO" else _genetic
+    search = _run_swarm if method == "PSO" else _run_genetic
     search(*data, UPPER_BOUNDS, 2, seed)  # compile first, so that the time is the search's
     begun = time.perf_counter()
     best, fitness, course = search(*data, UPPER_BOUNDS, iterations, seed)
     seconds = time.perf_counter() - begun
-    likelihood = float(population_likelihood(draw)(best[None])[0])
+    likelihood = float(build_population_likelihood(draw)(best[None])[0])
     return Comparison(method, best, likelihood, seconds, fitness, course)
 
 
 @njit(cache=True)
-def _likelihood(x: FloatArray, speed: FloatArray, torque: FloatArray, n_forward: int, relative: bool) -> float:
+def _compute_likelihood(x: FloatArray, speed: FloatArray, torque: FloatArray, n_forward: int, relative: bool) -> float:
     total, logs, product = 0.0, 0.0, 1.0
     n = len(speed)
     for i in range(n):
@@ -71,7 +71,7 @@ def _likelihood(x: FloatArray, speed: FloatArray, torque: FloatArray, n_forward:
 
 
 @njit(cache=True)
-def _swarm(
+def _run_swarm(
     speed: FloatArray, torque: FloatArray, n_forward: int, relative: bool, upper: FloatArray, iterations: int, seed: int
 ) -> Any:
     np.random.seed(seed)
@@ -85,7 +85,7 @@ def _swarm(
     taken = 0
     for k in range(iterations):
         for p in range(_POPULATION):
-            value = _likelihood(position[p], speed, torque, n_forward, relative)
+            value = _compute_likelihood(position[p], speed, torque, n_forward, relative)
             if value < own_value[p]:
                 own_value[p], own[p] = value, position[p]
                 if value < leader_value:
@@ -106,23 +106,23 @@ def _swarm(
 
 
 @njit(cache=True)
-def _genetic(
+def _run_genetic(
     speed: FloatArray, torque: FloatArray, n_forward: int, relative: bool, upper: FloatArray, iterations: int, seed: int
 ) -> Any:
     np.random.seed(seed)
     both = np.random.random((2 * _POPULATION, 8)) * upper
     value = np.full(2 * _POPULATION, np.inf)
     for p in range(_POPULATION):
-        value[p] = _likelihood(both[p], speed, torque, n_forward, relative)
+        value[p] = _compute_likelihood(both[p], speed, torque, n_forward, relative)
     every = max(1, iterations // _SNAPSHOTS)
     fitness, course = np.zeros((_SNAPSHOTS + 1, 2)), np.zeros((_SNAPSHOTS + 1, 8))
     taken = 0
     for k in range(iterations):
         for c in range(_POPULATION, 2 * _POPULATION):
-            mother, father = _tournament(value), _tournament(value)
+            mother, father = _select_by_tournament(value), _select_by_tournament(value)
             for j in range(8):
-                both[c, j] = _child(both[mother, j], both[father, j], upper[j])
-            value[c] = _likelihood(both[c], speed, torque, n_forward, relative)
+                both[c, j] = _breed_child(both[mother, j], both[father, j], upper[j])
+            value[c] = _compute_likelihood(both[c], speed, torque, n_forward, relative)
         order = np.argsort(value)
         both, value = both[order].copy(), value[order].copy()
         if k % every == 0 and taken <= _SNAPSHOTS:
@@ -133,13 +133,13 @@ def _genetic(
 
 
 @njit(cache=True)
-def _tournament(value: FloatArray) -> int:
+def _select_by_tournament(value: FloatArray) -> int:
     a, b = np.random.randint(0, _POPULATION), np.random.randint(0, _POPULATION)
     return a if value[a] < value[b] else b
 
 
 @njit(cache=True)
-def _child(mother: float, father: float, upper: float) -> float:
+def _breed_child(mother: float, father: float, upper: float) -> float:
     """One gene by simulated binary crossover, then polynomial mutation."""
     gene = mother
     if np.random.random() < 0.5:

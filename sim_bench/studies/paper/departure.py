@@ -45,21 +45,23 @@ CASES = tuple((case, points) for case in ("Stribeck", "departs") for points in (
 
 def measure_departure(case: str, points: int, seeds: int) -> DepartureFigures:
     """One of `CASES`."""
-    return _figures(case, float(case == "departs"), points, seeds)
+    return _collect_figures(case, float(case == "departs"), points, seeds)
 
 
-def _truth(velocity: FloatArray, size: float) -> FloatArray:
+def _collect_truth(velocity: FloatArray, size: float) -> FloatArray:
     speed = np.abs(velocity)
     extra = 0.15 * np.exp(-(((speed - 0.45) / 0.12) ** 2)) + 0.1 * speed**3
     return np.asarray(np.asarray(PaperProblem().law.torque(velocity)) + size * np.sign(velocity) * extra)
 
 
-def _figures(case: str, size: float, points: int, seeds: int) -> DepartureFigures:
+def _collect_figures(case: str, size: float, points: int, seeds: int) -> DepartureFigures:
     inside, outside, departed = [], [], 0
     for seed in range(seeds):
         side = np.linspace(2.0 / points, 1.0, points // 2)
         velocity = np.concatenate([-side[::-1], side])
-        torque = _truth(velocity, size) + _NOISE * np.random.default_rng([seed, points]).normal(size=len(velocity))
+        torque = _collect_truth(velocity, size) + _NOISE * np.random.default_rng([seed, points]).normal(
+            size=len(velocity)
+        )
         result = identify(velocity, torque, method="least_squares", noise="absolute", seed=seed)
         free = fit_discrepancy(result, seed=seed)
         driven = result.network
@@ -67,14 +69,16 @@ def _figures(case: str, size: float, points: int, seeds: int) -> DepartureFigure
             driven = train_towards(driven, result, result.optimum, result.observations, weight)
         departed += bool(np.isfinite(free.weight))
         models = (result.network if not np.isfinite(free.weight) else free.network, driven)
-        inside.append(_errors(result.model.torque, models, np.linspace(side[0], 1.0, 300), size))
-        outside.append(_errors(result.model.torque, models, np.linspace(1.0, 1.4, 100), size))
+        inside.append(_collect_errors(result.model.torque, models, np.linspace(side[0], 1.0, 300), size))
+        outside.append(_collect_errors(result.model.torque, models, np.linspace(1.0, 1.4, 100), size))
     a, b = np.mean(inside, axis=0).tolist(), np.mean(outside, axis=0).tolist()
     return DepartureFigures(case, points, seeds, a, b, departed)
 
 
-def _errors(closed: object, networks: tuple[TanhNetwork, TanhNetwork], side: FloatArray, size: float) -> list[float]:
+def _collect_errors(
+    closed: object, networks: tuple[TanhNetwork, TanhNetwork], side: FloatArray, size: float
+) -> list[float]:
     velocity = np.concatenate([-side[::-1], side])
-    exact = _truth(velocity, size)
+    exact = _collect_truth(velocity, size)
     functions = [closed, *(network.torque for network in networks)]
     return [float(np.sqrt(np.mean((np.asarray(f(velocity)) - exact) ** 2))) for f in functions]  # type: ignore[operator]

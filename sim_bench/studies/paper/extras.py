@@ -68,13 +68,13 @@ def measure_extras(draws: int, lugre_seeds: int) -> ExtraFigures:
     side = np.linspace(0.01, 1.0, _PLATEAUS // 2)
     uniform = np.concatenate([-side[::-1], side])
     planned = np.repeat(plan.velocity, plan.plateaus)
-    errors, held, converged = _lugre(lugre_seeds)
+    errors, held, converged = _measure_lugre(lugre_seeds)
     return ExtraFigures(
         uniform_percent=100.0 * _LEVEL * plan.uniform_deviation,
         planned_percent=100.0 * _LEVEL * plan.mean_deviation,
         ratio=plan.ratio,
         top_share=float(plan.share[top].sum()),
-        measured_ratio=_mean_error(planned, draws) / _mean_error(uniform, draws),
+        measured_ratio=_compute_mean_error(planned, draws) / _compute_mean_error(uniform, draws),
         lugre_seconds=_LUGRE_SECONDS,
         lugre_seeds=lugre_seeds,
         lugre_static_percent=float(errors[:8].max()),
@@ -85,7 +85,7 @@ def measure_extras(draws: int, lugre_seeds: int) -> ExtraFigures:
     )
 
 
-def _mean_error(velocity: FloatArray, draws: int) -> float:
+def _compute_mean_error(velocity: FloatArray, draws: int) -> float:
     """Mean over the parameters of the relative RMS error."""
     true, exact = np.array(PaperProblem().true_values), np.asarray(PaperProblem().law.torque(velocity))
     errors = []
@@ -96,7 +96,7 @@ def _mean_error(velocity: FloatArray, draws: int) -> float:
     return float(np.mean(np.sqrt(np.mean(np.square(errors), axis=0))))
 
 
-def _lugre(seeds: int) -> tuple[FloatArray, float, int]:
+def _measure_lugre(seeds: int) -> tuple[FloatArray, float, int]:
     """Largest error of each parameter [%], share of 95 % intervals that hold the truth, records that converged."""
     true = np.array([*PaperProblem().true_values, *BRISTLE])
     errors, held, converged = [], [], 0

@@ -53,8 +53,8 @@ def measure_loads(case: str, points: int, seeds: int) -> LoadFigures:
     departed = 0
     for seed in range(seeds):
         side = np.geomspace(_SLOWEST, 1.0, points // 2)
-        velocity, load = _grid(side, _LOADS)
-        torque = _truth(velocity, load, size)
+        velocity, load = _build_grid(side, _LOADS)
+        torque = _collect_truth(velocity, load, size)
         torque = torque + _NOISE * np.random.default_rng([seed, points, 3]).normal(size=len(velocity))
         result = identify(velocity, torque, load, "least_squares", "absolute", seed)
         free = fit_discrepancy(result, seed=seed)
@@ -64,19 +64,19 @@ def measure_loads(case: str, points: int, seeds: int) -> LoadFigures:
         departed += free.departs
         functions = (result.model.torque, free.network.torque, driven.torque)
         for errors, loads in ((between, _BETWEEN), (beyond, _BEYOND)):
-            v, n = _grid(np.linspace(side[0], 1.0, 200), loads)
-            exact = _truth(v, n, size)
+            v, n = _build_grid(np.linspace(side[0], 1.0, 200), loads)
+            exact = _collect_truth(v, n, size)
             errors.append([float(np.sqrt(np.mean((np.asarray(f(v, normal_load=n)) - exact) ** 2))) for f in functions])
     a, b = np.mean(between, axis=0).tolist(), np.mean(beyond, axis=0).tolist()
     return LoadFigures(case, points, seeds, a, b, departed)
 
 
-def _grid(side: FloatArray, loads: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
+def _build_grid(side: FloatArray, loads: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
     velocity = np.concatenate([-side[::-1], side])
     return np.tile(velocity, len(loads)), np.repeat(np.array(loads), len(velocity))
 
 
-def _truth(velocity: FloatArray, load: FloatArray, size: float) -> FloatArray:
+def _collect_truth(velocity: FloatArray, load: FloatArray, size: float) -> FloatArray:
     law = PaperProblem().law_under(LoadScaling(1.0, _REFERENCE))
     hump = 0.15 * np.exp(-(((np.abs(velocity) - 0.45) / 0.12) ** 2)) * load / _REFERENCE
     return np.asarray(np.asarray(law.torque(velocity, normal_load=load)) + size * np.sign(velocity) * hump)

@@ -36,20 +36,24 @@ def find_optimum(draw: Draw) -> OracleOptimum:
     relative = draw.reading == "relative"
     start = np.concatenate([_project(speed, torque, relative) for speed, torque in sides])
     if not relative:
-        error = np.concatenate([y - _curve(s, p)[0] for (s, y), p in zip(sides, np.split(start, 2), strict=True)])
+        error = np.concatenate(
+            [y - _compute_curve(s, p)[0] for (s, y), p in zip(sides, np.split(start, 2), strict=True)]
+        )
         n = len(error)
         return OracleOptimum(start, 0.5 * n * (np.log(2.0 * np.pi * np.mean(error**2)) + 1.0))
 
     def objective(scaled: FloatArray) -> tuple[float, FloatArray]:
-        return _relative_likelihood(scaled[:8] * start, float(scaled[8]), sides, start)
+        return _compute_relative_likelihood(scaled[:8] * start, float(scaled[8]), sides, start)
 
-    spread = np.concatenate([y / _curve(s, p)[0] - 1.0 for (s, y), p in zip(sides, np.split(start, 2), strict=True)])
+    spread = np.concatenate(
+        [y / _compute_curve(s, p)[0] - 1.0 for (s, y), p in zip(sides, np.split(start, 2), strict=True)]
+    )
     begin = np.append(np.ones(8), np.log(np.std(spread)))
     fit = minimize(objective, begin, jac=True, method="BFGS", options={"gtol": 1e-7, "maxiter": 500})
     return OracleOptimum(fit.x[:8] * start, float(fit.fun))
 
 
-def _curve(speed: FloatArray, p: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _compute_curve(speed: FloatArray, p: FloatArray) -> tuple[FloatArray, FloatArray]:
     e = np.exp(-((speed / p[2]) ** 2))
     slope = (p[1] - p[0]) * e * 2.0 * speed**2 / p[2] ** 3
     return p[0] * (1.0 - e) + p[1] * e + p[3] * speed, np.stack([1.0 - e, e, slope, speed])
@@ -72,17 +76,17 @@ def _project(speed: FloatArray, torque: FloatArray, relative: bool) -> FloatArra
         fc, fs, fv = linear(fit.x[0])[0]
         best = np.array([fc, fs, np.exp(fit.x[0]), fv])
         if relative:
-            weight = 1.0 / _curve(speed, best)[0]
+            weight = 1.0 / _compute_curve(speed, best)[0]
     return best
 
 
-def _relative_likelihood(
+def _compute_relative_likelihood(
     p: FloatArray, log_level: float, sides: list[tuple[FloatArray, FloatArray]], scale: FloatArray
 ) -> tuple[float, FloatArray]:
     """-log of the normal densities with standard deviation level * model, and its gradient."""
     value, gradient, level = 0.0, np.zeros(9), np.exp(log_level)
     for k, (speed, torque) in enumerate(sides):
-        model, slopes = _curve(speed, p[4 * k : 4 * k + 4])
+        model, slopes = _compute_curve(speed, p[4 * k : 4 * k + 4])
         z = (torque - model) / (level * model)
         value += float(np.sum(np.log(level * model) + 0.5 * z**2 + 0.5 * np.log(2.0 * np.pi)))
         by_model = 1.0 / model - z * torque / (level * model**2)

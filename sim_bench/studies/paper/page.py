@@ -16,10 +16,10 @@ from .printed import NOISE_FREE, NOISY
 from .problem import NOISE_READINGS
 from .rivals import FULL_SIZES
 
-__all__ = ["identification_page"]
+__all__ = ["format_identification_page"]
 
 
-def identification_page(ledger: RowStore, charts: Sequence[Chart], command: str, folder: str) -> str:
+def format_identification_page(ledger: RowStore, charts: Sequence[Chart], command: str, folder: str) -> str:
     """The whole page as Markdown.
 
     Args:
@@ -41,17 +41,17 @@ def identification_page(ledger: RowStore, charts: Sequence[Chart], command: str,
         readings=NOISE_READINGS,
         full_draws=FULL_SIZES.full,
         short_draws=FULL_SIZES.tenth,
-        targets=sections.target_table(ledger),
-        printed_noise_free=sections.printed_table(NOISE_FREE, ledger, ["none"]),
-        noise_free=sections.noise_free_section(ledger),
-        printed_noisy=sections.printed_table(NOISY, ledger, NOISE_READINGS),
-        statistics=[sections.statistics_section(ledger, reading) for reading in NOISE_READINGS],
+        targets=sections.format_target_table(ledger),
+        printed_noise_free=sections.format_printed_table(NOISE_FREE, ledger, ["none"]),
+        noise_free=sections.format_noise_free_section(ledger),
+        printed_noisy=sections.format_printed_table(NOISY, ledger, NOISE_READINGS),
+        statistics=[sections.format_statistics_section(ledger, reading) for reading in NOISE_READINGS],
         searches=sections.search_section(ledger),
-        times=sections.timing_section(ledger),
-        outliers=sections.outlier_section(ledger),
-        departure=sections.departure_section(ledger),
+        times=sections.format_timing_section(ledger),
+        outliers=sections.format_outlier_section(ledger),
+        departure=sections.format_departure_section(ledger),
         loads=sections.load_section(ledger),
-        extras=sections.extras_section(ledger),
+        extras=sections.format_extras_section(ledger),
     )
 
 

@@ -11,12 +11,12 @@ import msgspec
 from fricomp.report import draw_png
 
 from ..kit.store import RowStore
-from .charts import benchmark_charts
-from .page import identification_page
+from .charts import draw_benchmark_charts
+from .page import format_identification_page
 from .problem import NOISE_READINGS
 from .rival_summary import summarise_noise_free, summarise_searches
 from .summary import summarise_outliers, summarise_statistics
-from .targets import measured_targets
+from .targets import judge_targets
 from .timing import summarise_timing
 
 __all__ = ["publish"]
@@ -30,21 +30,21 @@ def publish(ledger: RowStore, pages: Sequence[Path], command: str) -> None:
         pages: Markdown files to write.
         command: What the page says wrote it.
     """
-    charts = benchmark_charts(ledger)
-    figures = msgspec.json.format(msgspec.json.encode(_figures(ledger)))
+    charts = draw_benchmark_charts(ledger)
+    figures = msgspec.json.format(msgspec.json.encode(_collect_figures(ledger)))
     for path in pages:
         folder = path.with_suffix("")
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "figures.json").write_bytes(figures + b"\n")
         for chart in charts:
             draw_png(chart, folder / f"{chart.name}.png")
-        path.write_text(identification_page(ledger, charts, command, folder.name), encoding="utf-8")
+        path.write_text(format_identification_page(ledger, charts, command, folder.name), encoding="utf-8")
 
 
-def _figures(ledger: RowStore) -> dict[str, Any]:
+def _collect_figures(ledger: RowStore) -> dict[str, Any]:
     single = ("departure", "loads", "further")
     return {study: [row["figures"] for row in ledger.rows(study=study)] for study in single} | {
-        "targets": measured_targets(ledger),
+        "targets": judge_targets(ledger),
         "noise_free": summarise_noise_free(ledger),
         "pinn": {reading: summarise_statistics(ledger, reading) for reading in NOISE_READINGS},
         "searches": {reading: summarise_searches(ledger, reading) for reading in NOISE_READINGS},

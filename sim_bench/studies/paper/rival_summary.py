@@ -11,7 +11,14 @@ import numpy as np
 from ..kit.store import RowStore
 from .problem import PaperProblem, Reading
 
-__all__ = ["NoiseFreeFigures", "SearchFigures", "best_adam", "name_of", "summarise_noise_free", "summarise_searches"]
+__all__ = [
+    "NoiseFreeFigures",
+    "SearchFigures",
+    "find_best_adam",
+    "name_of",
+    "summarise_noise_free",
+    "summarise_searches",
+]
 
 
 @dataclass(frozen=True)
@@ -50,18 +57,18 @@ def summarise_noise_free(ledger: RowStore) -> list[NoiseFreeFigures]:
         return []
     rows = [row for study in ("as_given", "adam", "search") for row in ledger.rows(study=study)]
     rows = [row for row in rows if row.get("reading", "none") == "none"]
-    kinds = list(dict.fromkeys(_kind(row) for row in rows))
-    others = [_noise_free(*kind, [row for row in rows if _kind(row) == kind]) for kind in kinds]
-    return [_noise_free("fricomp", "a Stribeck velocity, factor 30", 0, ours), *others]
+    kinds = list(dict.fromkeys(_read_kind(row) for row in rows))
+    others = [_collect_noise_free(*kind, [row for row in rows if _read_kind(row) == kind]) for kind in kinds]
+    return [_collect_noise_free("fricomp", "a Stribeck velocity, factor 30", 0, ours), *others]
 
 
-def _kind(row: dict[str, Any]) -> tuple[str, str, int]:
+def _read_kind(row: dict[str, Any]) -> tuple[str, str, int]:
     starts = f"all eight, factor {row['spread']:g}" if "spread" in row else "anywhere within the bounds"
     return str(row.get("method", "fricomp, this training alone")), starts, int(row.get("iterations", 0))
 
 
-def _noise_free(method: str, starts: str, iterations: int, rows: Sequence[dict[str, Any]]) -> NoiseFreeFigures:
-    errors = [_mean_error(row) for row in rows]
+def _collect_noise_free(method: str, starts: str, iterations: int, rows: Sequence[dict[str, Any]]) -> NoiseFreeFigures:
+    errors = [_compute_mean_error(row) for row in rows]
     return NoiseFreeFigures(
         method=method,
         starts=starts,
@@ -76,16 +83,16 @@ def _noise_free(method: str, starts: str, iterations: int, rows: Sequence[dict[s
     )
 
 
-def _mean_error(row: dict[str, Any]) -> float:
+def _compute_mean_error(row: dict[str, Any]) -> float:
     return float(np.mean(PaperProblem().error_percent(np.array(row["values"]))))
 
 
-def best_adam(ledger: RowStore, reading: Reading) -> list[dict[str, Any]]:
+def find_best_adam(ledger: RowStore, reading: Reading) -> list[dict[str, Any]]:
     """The training by Adam that came closest, of those of the greatest length; empty without one."""
     rows = ledger.rows(study="adam", reading=reading)
     length = max((int(row["iterations"]) for row in rows), default=0)
     longest = [row for row in rows if row["iterations"] == length]
-    return sorted(longest, key=_mean_error)[:1]
+    return sorted(longest, key=_compute_mean_error)[:1]
 
 
 def name_of(row: dict[str, Any]) -> str:

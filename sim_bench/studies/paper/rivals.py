@@ -11,7 +11,7 @@ import numpy as np
 from ..kit.store import RowStore
 from .comparators import Comparison, run_cma, run_robust_nls
 from .problem import NOISE_READINGS, Draw, PaperProblem
-from .study import SPREADS, random_values
+from .study import SPREADS, draw_random_values
 
 __all__ = [
     "CMA_EVALUATIONS",
@@ -54,7 +54,7 @@ def run_searches(ledger: RowStore, sizes: SearchSizes, progress: Progress) -> No
     short has some of both.
     """
     problem = PaperProblem()
-    for seed, iterations in _interleaved(sizes):
+    for seed, iterations in _interleave_seeds(sizes):
         draws = [problem.draw(reading, seed) for reading in NOISE_READINGS]
         if iterations == PAPER_LENGTH:
             draws.append(problem.draw("none", seed))
@@ -66,7 +66,7 @@ def run_searches(ledger: RowStore, sizes: SearchSizes, progress: Progress) -> No
             _compare(ledger, draw, what, progress)
 
 
-def _interleaved(sizes: SearchSizes) -> list[tuple[int, int]]:
+def _interleave_seeds(sizes: SearchSizes) -> list[tuple[int, int]]:
     """Seed and iterations of each run: one draw at full length, then ten at a tenth."""
     full = [(seed, PAPER_LENGTH) for seed in range(sizes.full)]
     short = [(seed, _TENTH) for seed in range(sizes.tenth)]
@@ -87,8 +87,8 @@ def run_adam_study(ledger: RowStore, starts: int, steps: int, progress: Progress
         """Rows of the trainings from these starts; without noise, where there is one draw, the seed is the start's."""
         key = {"study": "adam", "method": "Adam", "iterations": steps, "reading": draw.reading, "spread": spread}
         progress(f"Adam, {draw.reading} noise, {len(seeds)} starts within a factor of {spread:g}")
-        found = run_adam(draw, np.array([random_values(seed, spread) for seed in seeds]), steps)
-        return [_row(one, draw, key) | {"fitness": one.fitness, "course": one.course} for one in found]
+        found = run_adam(draw, np.array([draw_random_values(seed, spread) for seed in seeds]), steps)
+        return [_build_row(one, draw, key) | {"fitness": one.fitness, "course": one.course} for one in found]
 
     known = {"study": "adam", "iterations": steps}
     for spread in SPREADS:
@@ -108,7 +108,7 @@ def _compare(ledger: RowStore, draw: Draw, what: tuple[str, int], progress: Prog
     if ledger.rows(**key, seed=draw.seed):
         return
     progress(f"{method}, {draw.reading} noise, {iterations} iterations, draw {draw.seed + 1}")
-    ledger.append(_row(_search(method)(draw, iterations, draw.seed), draw, key))
+    ledger.append(_build_row(_search(method)(draw, iterations, draw.seed), draw, key))
 
 
 def _search(method: str) -> Callable[[Draw, int, int], Comparison]:
@@ -123,7 +123,7 @@ def _search(method: str) -> Callable[[Draw, int, int], Comparison]:
     return searches[method]
 
 
-def _row(found: Comparison, draw: Draw, key: dict[str, Any]) -> dict[str, Any]:
+def _build_row(found: Comparison, draw: Draw, key: dict[str, Any]) -> dict[str, Any]:
     row = key | {
         "seed": draw.seed,
         "values": found.values,

@@ -13,23 +13,23 @@ from .extras import ExtraFigures
 from .load_departure import LoadFigures
 from .printed import PrintedRow
 from .problem import NOISE_READINGS, PARAMETERS, PaperProblem, Reading
-from .rival_summary import SearchFigures, best_adam, name_of, summarise_noise_free, summarise_searches
+from .rival_summary import SearchFigures, find_best_adam, name_of, summarise_noise_free, summarise_searches
 from .rivals import PAPER_LENGTH
 from .summary import StatisticsFigures, summarise_outliers, summarise_statistics
-from .targets import measured_targets
+from .targets import judge_targets
 from .timing import OURS, summarise_timing
 
 __all__ = [
-    "departure_section",
-    "extras_section",
+    "format_departure_section",
+    "format_extras_section",
+    "format_noise_free_section",
+    "format_outlier_section",
+    "format_printed_table",
+    "format_statistics_section",
+    "format_target_table",
+    "format_timing_section",
     "load_section",
-    "noise_free_section",
-    "outlier_section",
-    "printed_table",
     "search_section",
-    "statistics_section",
-    "target_table",
-    "timing_section",
 ]
 
 
@@ -38,30 +38,30 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows]) + "\n"
 
 
-def _largest(ledger: RowStore, study: str) -> list[dict[str, Any]]:
+def _select_largest(ledger: RowStore, study: str) -> list[dict[str, Any]]:
     """Figures of the rows of the largest size, where a ledger has seen several."""
     rows = ledger.rows(study=study)
     size = max((int(row["size"]) for row in rows), default=0)
     return [row["figures"] for row in rows if row["size"] == size]
 
 
-def target_table(ledger: RowStore) -> str:
+def format_target_table(ledger: RowStore) -> str:
     """What was wanted beside what was measured."""
-    rows = [[t.what, t.wanted, t.measured, "yes" if t.reached else "**no**"] for t in measured_targets(ledger)]
+    rows = [[t.what, t.wanted, t.measured, "yes" if t.reached else "**no**"] for t in judge_targets(ledger)]
     return _table(["what", "wanted", "measured", "reached"], rows)
 
 
-def printed_table(printed: Sequence[PrintedRow], ledger: RowStore, readings: Sequence[Reading]) -> str:
+def format_printed_table(printed: Sequence[PrintedRow], ledger: RowStore, readings: Sequence[Reading]) -> str:
     """Values and errors as the paper prints them, and the same of ours and of our runs of its methods."""
     rows = []
     for row in printed:
-        rows += _pair(f"{row.method} (paper)", row.values, f"{row.average:.4f}")
+        rows += _list_pair(f"{row.method} (paper)", row.values, f"{row.average:.4f}")
     for reading in readings:
-        rows += [line for name, values in _ours(ledger, reading) for line in _pair(name, values, "")]
+        rows += [line for name, values in _ours(ledger, reading) for line in _list_pair(name, values, "")]
     return _table(["method", "", *PARAMETERS, "average printed", "average recomputed"], rows)
 
 
-def _pair(name: str, values: Sequence[float], printed: str) -> list[list[str]]:
+def _list_pair(name: str, values: Sequence[float], printed: str) -> list[list[str]]:
     error = PaperProblem().error_percent(np.array(values))
     shown = [f"{e:.1e}" if e < 1e-3 else f"{e:.3f}" for e in error]
     return [
@@ -76,11 +76,11 @@ def _ours(ledger: RowStore, reading: Reading) -> list[tuple[str, Sequence[float]
     noise = "" if reading == "none" else f", {reading} noise"
     found = [(f"fricomp{noise}", row["values"]) for row in ledger.rows(study=study, seed=0, **wanted)]
     rows = ledger.rows(study="search", reading=reading, seed=0, iterations=PAPER_LENGTH)
-    rows += best_adam(ledger, reading)
+    rows += find_best_adam(ledger, reading)
     return found + [(f"{name_of(row)}, {row['iterations']:,}{noise}", row["values"]) for row in rows]
 
 
-def noise_free_section(ledger: RowStore) -> str:
+def format_noise_free_section(ledger: RowStore) -> str:
     """Every method from many starts."""
     figures = summarise_noise_free(ledger)
     if not figures:
@@ -104,7 +104,7 @@ def noise_free_section(ledger: RowStore) -> str:
     )
 
 
-def statistics_section(ledger: RowStore, reading: Reading) -> str:
+def format_statistics_section(ledger: RowStore, reading: Reading) -> str:
     """Errors and intervals over many draws of one noise reading."""
     problem, f = PaperProblem(), summarise_statistics(ledger, reading)
     if f is None:
@@ -115,10 +115,10 @@ def statistics_section(ledger: RowStore, reading: Reading) -> str:
         ["RMS error / bound", *(f"{r:.3f}" for r in f.rms_over_bound)],
         ["coverage of 95 % intervals [%]", *(f"{100.0 * c:.1f}" for c in f.coverage)],
     ]
-    return f"**{reading} noise, {f.draws} draws**\n\n" + _table(["", *PARAMETERS], rows) + "\n" + _remarks(f)
+    return f"**{reading} noise, {f.draws} draws**\n\n" + _table(["", *PARAMETERS], rows) + "\n" + _format_remarks(f)
 
 
-def _remarks(f: StatisticsFigures) -> str:
+def _format_remarks(f: StatisticsFigures) -> str:
     return (
         f"Monte-Carlo error: ± {f.rms_error:.3f} of RMS / bound, ± {100.0 * f.coverage_error:.2f} % of the coverage. "
         f"{f.from_projection} of {f.draws} trainings from the projection ended at the optimum of least squares, where "
@@ -148,7 +148,7 @@ def _search_row(f: SearchFigures, reading: str) -> list[str]:
     ]  # fmt: skip
 
 
-def timing_section(ledger: RowStore) -> str:
+def format_timing_section(ledger: RowStore) -> str:
     """Processor time of every method."""
     figures = summarise_timing(ledger)
     ours = {f.reading: f.seconds for f in figures if f.method == OURS}
@@ -168,7 +168,7 @@ def timing_section(ledger: RowStore) -> str:
     return _table(heads, rows) if rows else ""
 
 
-def outlier_section(ledger: RowStore) -> str:
+def format_outlier_section(ledger: RowStore) -> str:
     """Robust fits of contaminated draws."""
     rows = []
     for reading in NOISE_READINGS:
@@ -187,11 +187,11 @@ def outlier_section(ledger: RowStore) -> str:
     return _table(heads, rows)
 
 
-def departure_section(ledger: RowStore) -> str:
+def format_departure_section(ledger: RowStore) -> str:
     """Closed form and networks on a joint that is no Stribeck joint."""
     rows = [
         [f.case, str(f.points), str(f.seeds), *(f"{e:.4f}" for e in (*f.inside, *f.outside)), str(f.departed)]
-        for f in (DepartureFigures(**figures) for figures in _largest(ledger, "departure"))
+        for f in (DepartureFigures(**figures) for figures in _select_largest(ledger, "departure"))
     ]
     heads = [
         "joint", "points", "data sets", "between points: closed form", "exported network", "data-driven network",
@@ -204,7 +204,7 @@ def load_section(ledger: RowStore) -> str:
     """The same at several normal loads."""
     rows = [
         [f.case, str(f.points), str(f.seeds), *(f"{e:.4f}" for e in (*f.between, *f.beyond)), str(f.departed)]
-        for f in (LoadFigures(**figures) for figures in _largest(ledger, "loads"))
+        for f in (LoadFigures(**figures) for figures in _select_largest(ledger, "loads"))
     ]
     heads = [
         "joint", "points at each load", "data sets", "between the loads: closed form", "exported network",
@@ -214,7 +214,7 @@ def load_section(ledger: RowStore) -> str:
     return _table(heads, rows) if rows else ""
 
 
-def extras_section(ledger: RowStore) -> str:
+def format_extras_section(ledger: RowStore) -> str:
     """Speeds chosen for information, and LuGre."""
     return "".join(
         f"For the paper's parameters and 100 plateaus a direction, planned speeds bring the mean standard deviation "
@@ -227,5 +227,5 @@ def extras_section(ledger: RowStore) -> str:
         f"of sigma_0 {f.lugre_stiffness_percent:.2f} %, of sigma_1 {f.lugre_damping_percent:.1f} %; "
         f"{f.lugre_coverage:.0%} of the 95 % intervals hold the truth, {f.lugre_converged} report `converged`. What "
         f"encoder and low-pass do to the velocity is not in the intervals; without a low-pass it is more.\n"
-        for f in (ExtraFigures(**figures) for figures in _largest(ledger, "further"))
+        for f in (ExtraFigures(**figures) for figures in _select_largest(ledger, "further"))
     )

@@ -22,8 +22,8 @@ from .problem import NOISE_READINGS, UPPER_BOUNDS, Draw, PaperProblem, Reading
 __all__ = [
     "SPREADS",
     "contaminate",
-    "random_start",
-    "random_values",
+    "draw_random_start",
+    "draw_random_values",
     "run_as_given",
     "run_departure",
     "run_extras",
@@ -43,11 +43,11 @@ def run_statistics(ledger: RowStore, draws: int, progress: Progress) -> None:
     problem = PaperProblem()
     for reading in NOISE_READINGS:
         for seed in ledger.find_missing(range(draws), study="statistics", reading=reading):
-            ledger.append({"study": "statistics"} | _one_draw(problem.draw(reading, seed), reading))
+            ledger.append({"study": "statistics"} | _run_one_draw(problem.draw(reading, seed), reading))
             progress(f"statistics, {reading} noise, draw {seed + 1} of {draws}")
 
 
-def _one_draw(draw: Draw, reading: Reading) -> dict[str, Any]:
+def _run_one_draw(draw: Draw, reading: Reading) -> dict[str, Any]:
     begun = time.perf_counter()
     result = identify(draw.velocity, draw.torque, noise=reading, seed=draw.seed)
     seconds = time.perf_counter() - begun
@@ -71,7 +71,7 @@ def run_noise_free(ledger: RowStore, starts: int, progress: Progress) -> None:
     draw = PaperProblem().draw("none", 0)
     for seed in ledger.find_missing(range(starts), study="noise_free"):
         begun = time.perf_counter()
-        result = identify(draw.velocity, draw.torque, noise="absolute", seed=seed, options=random_start(seed))
+        result = identify(draw.velocity, draw.torque, noise="absolute", seed=seed, options=draw_random_start(seed))
         ledger.append(
             {
                 "study": "noise_free",
@@ -94,7 +94,7 @@ def run_as_given(ledger: RowStore, starts: int, progress: Progress) -> None:
     draw, noise = problem.draw("none", 0), Noise("absolute")
     for spread in SPREADS:
         for seed in ledger.find_missing(range(starts), study="as_given", spread=spread):
-            start = optimum_at(np.log(random_values(seed, spread)), problem.form, draw.points, noise)
+            start = optimum_at(np.log(draw_random_values(seed, spread)), problem.form, draw.points, noise)
             trained = train_pinn(problem.form, draw.points, start, seed=seed)
             values = np.exp(trained.optimum.logs)
             ledger.append({"study": "as_given", "spread": spread, "seed": seed, "values": values})
@@ -107,13 +107,13 @@ def _start_of(result: IdentificationResult) -> str:
     return result.traces.start
 
 
-def random_start(seed: int) -> IdentificationOptions:
-    """`random_values` of the wider spread as options of `identify`."""
+def draw_random_start(seed: int) -> IdentificationOptions:
+    """`draw_random_values` of the wider spread as options of `identify`."""
     names = PaperProblem().form.names
-    return IdentificationOptions(start=dict(zip(names, random_values(seed, SPREADS[0]).tolist(), strict=True)))
+    return IdentificationOptions(start=dict(zip(names, draw_random_values(seed, SPREADS[0]).tolist(), strict=True)))
 
 
-def random_values(seed: int, spread: float) -> FloatArray:
+def draw_random_values(seed: int, spread: float) -> FloatArray:
     """Parameters anywhere within a factor of `spread` of the search box's middle, F_s above F_c. Shape (8,).
 
     Where both are equal no loss has a slope in the Stribeck velocity.

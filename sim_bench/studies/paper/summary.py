@@ -60,7 +60,7 @@ def summarise_statistics(ledger: RowStore, reading: Reading) -> StatisticsFigure
         return None
     problem = PaperProblem()
     bound, true = problem.cramer_rao(reading), np.array(problem.true_values)
-    values, oracle, deviations = (_column(rows, name) for name in ("values", "oracle", "deviations"))
+    values, oracle, deviations = (_collect_column(rows, name) for name in ("values", "oracle", "deviations"))
     covered = np.abs(values - true) <= _REACH * deviations
     apart = np.abs(values - oracle) / bound
     percent = 100.0 * np.abs(values - true) / true
@@ -81,7 +81,7 @@ def summarise_statistics(ledger: RowStore, reading: Reading) -> StatisticsFigure
     )
 
 
-def _column(rows: list[dict[str, Any]], name: str) -> FloatArray:
+def _collect_column(rows: list[dict[str, Any]], name: str) -> FloatArray:
     return np.array([row[name] for row in rows])
 
 
@@ -113,8 +113,11 @@ def summarise_outliers(ledger: RowStore, reading: Reading) -> OutlierFigures | N
     rows = ledger.rows(study="outliers", reading=reading)
     if not rows:
         return None
-    error = _column(rows, "values") - np.array(PaperProblem().true_values)
-    scaled, covered = error / _column(rows, "limit"), np.abs(error) <= _REACH * _column(rows, "deviations")
+    error = _collect_column(rows, "values") - np.array(PaperProblem().true_values)
+    scaled, covered = (
+        error / _collect_column(rows, "limit"),
+        np.abs(error) <= _REACH * _collect_column(rows, "deviations"),
+    )
     good = np.array([row["status"] == "converged" for row in rows])
     wrong = np.max(np.abs(scaled), axis=1) > 5.0
     return OutlierFigures(

@@ -14,7 +14,7 @@ from .rivals import PAPER_LENGTH
 from .summary import StatisticsFigures, summarise_outliers, summarise_statistics
 from .timing import OURS, TimeFigures, summarise_timing
 
-__all__ = ["Target", "measured_targets"]
+__all__ = ["Target", "judge_targets"]
 
 
 @dataclass(frozen=True)
@@ -34,25 +34,25 @@ class Target:
     reached: bool
 
 
-def measured_targets(ledger: RowStore) -> list[Target]:
+def judge_targets(ledger: RowStore) -> list[Target]:
     """The lines for which the ledger holds figures."""
     free = summarise_noise_free(ledger)
     found = [f for reading in NOISE_READINGS if (f := summarise_statistics(ledger, reading))]
     rivals = [f for reading in NOISE_READINGS for f in summarise_searches(ledger, reading)]
     times = summarise_timing(ledger)
     parts: Iterable[list[Target]] = (
-        _noise_free(free),
-        _statistics(found),
-        _likelihood(rivals),
-        _speed(times),
-        _adam(free, times),
-        _outliers(ledger),
-        _extras(ledger),
+        _judge_noise_free(free),
+        _judge_statistics(found),
+        _judge_likelihood(rivals),
+        _judge_speed(times),
+        _judge_adam(free, times),
+        _judge_outliers(ledger),
+        _judge_extras(ledger),
     )
     return [target for part in parts for target in part]
 
 
-def _noise_free(figures: list[NoiseFreeFigures]) -> list[Target]:
+def _judge_noise_free(figures: list[NoiseFreeFigures]) -> list[Target]:
     if not figures:
         return []
     f = figures[0]
@@ -67,7 +67,7 @@ def _noise_free(figures: list[NoiseFreeFigures]) -> list[Target]:
     ]
 
 
-def _statistics(figures: list[StatisticsFigures]) -> list[Target]:
+def _judge_statistics(figures: list[StatisticsFigures]) -> list[Target]:
     if not figures:
         return []
     draws = " and ".join(f"{f.draws}" for f in figures)
@@ -97,7 +97,7 @@ def _statistics(figures: list[StatisticsFigures]) -> list[Target]:
     ]
 
 
-def _likelihood(rivals: list[SearchFigures]) -> list[Target]:
+def _judge_likelihood(rivals: list[SearchFigures]) -> list[Target]:
     searches = [f for f in rivals if f.method != "Adam"]
     if not searches:
         return []
@@ -113,7 +113,7 @@ def _likelihood(rivals: list[SearchFigures]) -> list[Target]:
     ]
 
 
-def _speed(times: list[TimeFigures]) -> list[Target]:
+def _judge_speed(times: list[TimeFigures]) -> list[Target]:
     ours = {f.reading: f.seconds for f in times if f.method == OURS}
     searches = [f for f in times if f.length and f.method != "Adam"]
     if not searches:
@@ -122,12 +122,12 @@ def _speed(times: list[TimeFigures]) -> list[Target]:
     reached = [(f.method, f.seconds_to_optimum / ours[f.reading]) for f in searches if f.seconds_to_optimum]
     what = "processor time over ours: PSO and GA at the paper's length, CMA-ES"
     return [
-        _ratio(what, at_length),
-        *([_ratio("the same until they are at the optimum, where they get there", reached)] if reached else []),
+        _judge_ratio(what, at_length),
+        *([_judge_ratio("the same until they are at the optimum, where they get there", reached)] if reached else []),
     ]
 
 
-def _ratio(what: str, ratios: list[tuple[str, float]]) -> Target:
+def _judge_ratio(what: str, ratios: list[tuple[str, float]]) -> Target:
     least: dict[str, float] = {}
     for name, ratio in ratios:
         least[name] = min(ratio, least.get(name, ratio))
@@ -135,7 +135,7 @@ def _ratio(what: str, ratios: list[tuple[str, float]]) -> Target:
     return Target(what, "≥ 20", f"{measured} (the lowest over the kinds of noise)", min(least.values()) >= 20.0)
 
 
-def _adam(figures: list[NoiseFreeFigures], times: list[TimeFigures]) -> list[Target]:
+def _judge_adam(figures: list[NoiseFreeFigures], times: list[TimeFigures]) -> list[Target]:
     adam = [f for f in figures if f.method == "Adam" and f.iterations == PAPER_LENGTH]
     seconds = {f.method: f.seconds for f in times if f.reading == "none"}
     if not adam or "Adam" not in seconds:
@@ -152,7 +152,7 @@ def _adam(figures: list[NoiseFreeFigures], times: list[TimeFigures]) -> list[Tar
     ]
 
 
-def _outliers(ledger: RowStore) -> list[Target]:
+def _judge_outliers(ledger: RowStore) -> list[Target]:
     figures = [(r, f) for r in NOISE_READINGS if (f := summarise_outliers(ledger, r))]
     if not figures:
         return []
@@ -170,7 +170,7 @@ def _outliers(ledger: RowStore) -> list[Target]:
         Target(
             "the same: coverage of 95 % intervals, draws that report `converged`",
             "93.5 to 96.5 %",
-            _span([100.0 * c for _, f in figures for c in f.coverage]),
+            _format_span([100.0 * c for _, f in figures for c in f.coverage]),
             all(0.935 <= c <= 0.965 for _, f in figures for c in f.coverage),
         ),
         Target(
@@ -182,11 +182,11 @@ def _outliers(ledger: RowStore) -> list[Target]:
     ]
 
 
-def _span(values: list[float]) -> str:
+def _format_span(values: list[float]) -> str:
     return f"{min(values):.1f} to {max(values):.1f} %" if values else "no draw reports `converged`"
 
 
-def _extras(ledger: RowStore) -> list[Target]:
+def _judge_extras(ledger: RowStore) -> list[Target]:
     rows: list[dict[str, Any]] = ledger.rows(study="further")
     if not rows:
         return []

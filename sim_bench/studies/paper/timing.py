@@ -17,7 +17,7 @@ from .comparators import Comparison, run_cma
 from .oracle import find_optimum
 from .problem import NOISE_READINGS, Draw, PaperProblem, Reading
 from .rivals import CMA_EVALUATIONS, PAPER_LENGTH
-from .study import SPREADS, random_start, random_values
+from .study import SPREADS, draw_random_start, draw_random_values
 
 __all__ = ["OURS", "TimeFigures", "run_timing", "summarise_timing"]
 
@@ -79,10 +79,10 @@ def _measure(reading: Reading, length: int) -> list[TimeFigures]:
     from .compiled_search import run_compiled
 
     draw, part = PaperProblem().draw(reading, 0), length // _SLICES
-    ours = [_seconds(lambda s=s: _identify(reading, s, "pinn")) for s in range(_REPEATS)]  # type: ignore[misc]
-    plain = [_seconds(lambda s=s: _identify(reading, s, "least_squares")) for s in range(_REPEATS)]  # type: ignore[misc]
+    ours = [_compute_seconds(lambda s=s: _identify(reading, s, "pinn")) for s in range(_REPEATS)]  # type: ignore[misc]
+    plain = [_compute_seconds(lambda s=s: _identify(reading, s, "least_squares")) for s in range(_REPEATS)]  # type: ignore[misc]
     run_compiled("PSO", draw, 2, 0), run_compiled("GA", draw, 2, 0)  # compiled before they are timed
-    start, evaluations = random_values(0, SPREADS[1])[None], CMA_EVALUATIONS * length // PAPER_LENGTH
+    start, evaluations = draw_random_values(0, SPREADS[1])[None], CMA_EVALUATIONS * length // PAPER_LENGTH
     searches = [
         _search(f"{name}, compiled", reading, length, part, lambda d, n, s, name=name: run_compiled(name, d, n, s))  # type: ignore[misc]
         for name in ("PSO", "GA")
@@ -93,7 +93,7 @@ def _measure(reading: Reading, length: int) -> list[TimeFigures]:
         TimeFigures(OURS, reading, 0, float(np.median(ours))),
         TimeFigures("fricomp, least squares", reading, 0, float(np.median(plain))),
         *searches,
-        TimeFigures("Adam", reading, length, _SLICES * _seconds(lambda: run_adam(draw, start, part))),
+        TimeFigures("Adam", reading, length, _SLICES * _compute_seconds(lambda: run_adam(draw, start, part))),
     ]
 
 
@@ -106,14 +106,14 @@ def _search(
         draw, begun = PaperProblem().draw(reading, seed), time.process_time()
         found = run(draw, part, seed)
         seconds.append(time.process_time() - begun)
-        there = np.flatnonzero(_at_optimum(found, draw))
+        there = np.flatnonzero(_find_at_optimum(found, draw))
         reached.append(seconds[-1] * (found.fitness[there[0], 0] + 1.0) / part if len(there) else np.inf)
     middle = float(np.median(reached))
     whole = float(np.median(seconds)) * length / part
     return TimeFigures(name, reading, length, whole, middle if np.isfinite(middle) else None)
 
 
-def _at_optimum(found: Comparison, draw: Draw) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+def _find_at_optimum(found: Comparison, draw: Draw) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
     """Of each recorded iteration."""
     if draw.reading == "none":
         return np.array([np.mean(PaperProblem().error_percent(values)) <= _FREE_ERROR for values in found.course])
@@ -122,12 +122,12 @@ def _at_optimum(found: Comparison, draw: Draw) -> np.ndarray[tuple[int], np.dtyp
 
 def _identify(reading: Reading, seed: int, method: Any) -> None:
     draw = PaperProblem().draw(reading, seed)
-    options = random_start(seed) if reading == "none" else IdentificationOptions()
+    options = draw_random_start(seed) if reading == "none" else IdentificationOptions()
     noise = "absolute" if reading == "none" else reading
     identify(draw.velocity, draw.torque, method=method, noise=noise, seed=seed, options=options)
 
 
-def _seconds(work: Callable[[], Any]) -> float:
+def _compute_seconds(work: Callable[[], Any]) -> float:
     begun = time.process_time()
     work()
     return time.process_time() - begun

@@ -10,7 +10,7 @@ import numpy as np
 
 from fricomp.errors import DiagnosisError, FricompError
 
-from ...cases import CaseSpec, case_id, generate, record_again, write_answer, write_case
+from ...cases import CaseSpec, derive_case_id, generate, record_again, write_answer, write_case
 from ..real.injection import InjectedSpec, inject
 
 __all__ = ["Prepared", "name_case", "prepare", "prepare_follow_up", "write_command"]
@@ -38,7 +38,7 @@ class Prepared:
 
 def name_case(spec: CaseSpec | InjectedSpec) -> str:
     """A name that says nothing about what is concealed."""
-    return spec.name if isinstance(spec, InjectedSpec) else case_id(spec)
+    return spec.name if isinstance(spec, InjectedSpec) else derive_case_id(spec)
 
 
 def write_command(spec: CaseSpec | InjectedSpec) -> str:

@@ -7,7 +7,7 @@ from fricomp.calibration.identification.estimation.start import starting_points
 from fricomp.errors import IdentificationError
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, LoadScaling, StribeckCurve
 from fricomp.sim_bench.studies.paper.oracle import find_optimum
-from fricomp.sim_bench.studies.paper.study import contaminate, random_start
+from fricomp.sim_bench.studies.paper.study import contaminate, draw_random_start
 
 from .paper import PROBLEM, TRUE, noisy, values_of
 
@@ -15,7 +15,7 @@ from .paper import PROBLEM, TRUE, noisy, values_of
 @pytest.mark.parametrize("seed", range(2))
 def test_recovers_noise_free_parameters_from_random_starts(seed: int) -> None:
     draw = PROBLEM.draw("none", 0)
-    result = identify(draw.velocity, draw.torque, noise="absolute", seed=seed, options=random_start(seed))
+    result = identify(draw.velocity, draw.torque, noise="absolute", seed=seed, options=draw_random_start(seed))
     assert result.status is Status.CONVERGED
     assert result.traces is not None
     assert result.traces.start == "given"

@@ -23,9 +23,9 @@ from fricomp.sim_bench.cases import (
     write_case,
 )
 from fricomp.sim_bench.cases.dynamics import Motion
-from fricomp.sim_bench.cases.refit import build_rows, compute_enr, find_intervals, left_after_refit
+from fricomp.sim_bench.cases.refit import build_rows, compute_enr, compute_left_after_refit, find_intervals
 from fricomp.sim_bench.cases.sensing import Sensed
-from fricomp.sim_bench.cases.writing import expected_verdict
+from fricomp.sim_bench.cases.writing import choose_expected_verdict
 
 _NAMES_OF_THE_CATALOGUE = [
     "load_coulomb",
@@ -109,13 +109,13 @@ def test_another_seed_makes_another_joint(cogging: Case) -> None:
 def test_the_null_conceals_nothing() -> None:
     case = generate(_spec())
     assert case.enr < 1e-9
-    assert expected_verdict(case) == "consistent"
+    assert choose_expected_verdict(case) == "consistent"
 
 
 def test_hard_nulls_have_parameters_off_and_nothing_else() -> None:
     case = generate(_spec(shifted=True))
     assert case.enr < 1e-9
-    assert expected_verdict(case) == "parameters"
+    assert choose_expected_verdict(case) == "parameters"
     assert 0.07 < abs(case.belief["inertia"] / case.scene.joint.fields["inertia"] - 1.0) < 0.26
 
 
@@ -128,16 +128,16 @@ def test_noise_has_the_stated_size(cogging: Case) -> None:
 def test_the_refit_takes_up_what_the_simulation_has(cogging: Case) -> None:
     motion, rows = cogging.outcome.motion, cogging.outcome.rows
     in_span = 0.3 * motion.acceleration + 2.0 * np.sin(motion.position) + 0.5 * motion.sense + 0.1 * motion.velocity
-    assert compute_enr(left_after_refit(in_span, rows, "refit")) < 1e-9
-    assert compute_enr(left_after_refit(in_span, rows, "nothing")) > 1.0
+    assert compute_enr(compute_left_after_refit(in_span, rows, "refit")) < 1e-9
+    assert compute_enr(compute_left_after_refit(in_span, rows, "nothing")) > 1.0
 
 
 def test_what_is_concealed_besides_is_refitted_all_at_once(cogging: Case) -> None:
     position, rows = cogging.outcome.motion.position, cogging.outcome.rows
     others = [np.sin(7.0 * position), np.cos(7.0 * position)]
     both = others[0] + 0.5 * others[1]
-    assert compute_enr(left_after_refit(both, rows, "refit", others)) < 1e-9
-    assert all(compute_enr(left_after_refit(both, rows, "refit", [other])) > 1.0 for other in others)
+    assert compute_enr(compute_left_after_refit(both, rows, "refit", others)) < 1e-9
+    assert all(compute_enr(compute_left_after_refit(both, rows, "refit", [other])) > 1.0 for other in others)
 
 
 @pytest.mark.parametrize("soft", ["joint_elasticity", "backlash"])
@@ -181,7 +181,7 @@ def test_location_hangs_on_no_grid_of_rows() -> None:
     found = []
     for step in (1, 21):
         rows = build_rows(*cut, case.scene.joint, step)
-        intervals = find_intervals(left_after_refit(case.outcome.torque[later:], rows, "refit"), step)
+        intervals = find_intervals(compute_left_after_refit(case.outcome.torque[later:], rows, "refit"), step)
         found.append(_within([(a + 1e-3 * later, b + 1e-3 * later) for a, b in intervals], time))
     inside = _within(case.intervals, time)
     overlap = [float(np.sum(inside & one) / np.sum(inside | one)) for one in found]
@@ -330,7 +330,7 @@ def test_hidden_channels_are_not_logged(tmp_path: Path) -> None:
 def test_a_signal_fault_changes_the_recording_and_asks_for_bad_data(fault: str, tmp_path: Path) -> None:
     case = generate(_spec(fault=fault))
     recording = read_recording(write_case(case, tmp_path) / "recording.parquet")
-    assert expected_verdict(case) == "bad_data"
+    assert choose_expected_verdict(case) == "bad_data"
     same = recording.time.size == case.outcome.sensed.torque.size
     assert not same or not (
         np.array_equal(recording.torque, case.outcome.sensed.torque)

@@ -7,7 +7,7 @@ from fricomp.sim_bench.cases.dynamics import Motion, simulate
 from fricomp.sim_bench.cases.excitation import EXCITATIONS, build_reference
 from fricomp.sim_bench.cases.joint import Joint, draw_joint
 from fricomp.sim_bench.cases.plant import CORES, NEUTRAL, build_plant
-from fricomp.sim_bench.cases.sensing import Sensors, distort_torque, lagged
+from fricomp.sim_bench.cases.sensing import Sensors, distort_torque, lag_signal
 
 
 def _run(joint: Joint, excitation: str = "rich", duration: float = 12.0, **fields: float) -> Motion:
@@ -104,7 +104,7 @@ def test_a_motion_is_smooth_and_no_faster_than_allowed(kind: str) -> None:
 def test_a_lagging_channel_is_late_by_its_time_constant() -> None:
     time = np.arange(4000, dtype=np.float64) * 1e-3
     for constant in (2e-4, 3e-3, 2e-2):
-        ramp = lagged(np.asarray(2.0 * time, dtype=np.float64), constant)
+        ramp = lag_signal(np.asarray(2.0 * time, dtype=np.float64), constant)
         assert ramp[-1] == pytest.approx(2.0 * (time[-1] - constant), rel=1e-9)
 
 

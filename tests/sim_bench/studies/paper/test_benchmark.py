@@ -13,7 +13,7 @@ from fricomp.sim_bench.studies.paper.problem import NOISE_READINGS, PaperProblem
 from fricomp.sim_bench.studies.paper.rival_summary import summarise_noise_free
 from fricomp.sim_bench.studies.paper.study import (
     SPREADS,
-    random_values,
+    draw_random_values,
     run_as_given,
     run_noise_free,
     run_outliers,
@@ -73,7 +73,7 @@ def test_a_training_alone_reaches_the_parameters_from_starts_within_a_factor_of_
 
 
 def test_random_starts_leave_a_slope_in_the_stribeck_velocity() -> None:
-    starts = np.array([random_values(seed, spread) for seed in range(20) for spread in SPREADS])
+    starts = np.array([draw_random_values(seed, spread) for seed in range(20) for spread in SPREADS])
     assert np.all(starts[:, [1, 5]] > starts[:, [0, 4]])
 
 
@@ -81,7 +81,7 @@ def test_trainings_by_adam_from_several_starts_share_nothing() -> None:
     pytest.importorskip("torch")
     from fricomp.sim_bench.studies.paper.adam import run_adam
 
-    draw, starts = PaperProblem().draw("none", 0), np.array([random_values(seed, 3.0) for seed in range(3)])
+    draw, starts = PaperProblem().draw("none", 0), np.array([draw_random_values(seed, 3.0) for seed in range(3)])
     once, again = run_adam(draw, starts[[0, 1]], 20), run_adam(draw, starts[[0, 2]], 20)
     np.testing.assert_allclose(once[0].course, again[0].course, rtol=1e-12)
     assert once[0].fitness[-1, 1] < once[0].fitness[0, 1]
@@ -102,7 +102,7 @@ def test_adam_with_noise_starts_from_its_best_start_and_stands_beside_ours_on_th
     for reading in NOISE_READINGS:
         (row,) = ledger.rows(reading=reading)
         assert row["seed"] == 0
-        start = random_values(best["seed"], best["spread"])
+        start = draw_random_values(best["seed"], best["spread"])
         assert np.max(np.abs(np.array(row["course"][-1]) - start)) < 0.01
 
 

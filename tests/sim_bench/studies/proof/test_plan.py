@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from fricomp.errors import DiagnosisError
-from fricomp.sim_bench.cases import CATALOGUE, CHOICES, EXCITATIONS, OUTSIDE, CaseSpec, case_id
+from fricomp.sim_bench.cases import CATALOGUE, CHOICES, EXCITATIONS, OUTSIDE, CaseSpec, derive_case_id
 from fricomp.sim_bench.studies.proof import (
     GROUPS,
     PlannedCase,
@@ -65,7 +65,7 @@ def test_a_plan_of_nulls_alone_turns_through_motions_and_cores() -> None:
 
 def test_every_case_of_a_plan_is_another() -> None:
     planned = plan_cases(500, list_development_seeds())
-    assert len({case_id(spec) for spec in _specs(planned)}) == 500
+    assert len({derive_case_id(spec) for spec in _specs(planned)}) == 500
 
 
 def test_a_short_plan_is_the_beginning_of_a_long_one_in_fair_shares() -> None:
