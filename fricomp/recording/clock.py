@@ -22,6 +22,9 @@ _FEWEST = 50
 """Rows of a part below which its stamps are taken as they are."""
 _EXACT = 2e-3
 """Deviation from the grid that is not worth a new stamp, in periods."""
+_USUAL = 1.6
+"""Steps up to so many medians are steps of one period: stamps in milliseconds at 400 Hz are 2 and 3 ms apart, and 5 ms
+where a row is missing."""
 _SCATTER = 0.45
 """Standard deviation from the grid above which a part has no grid, in periods: rows could then change places."""
 _WANDER = 1.5
@@ -70,7 +73,7 @@ def mend_clock(recording: Recording) -> tuple[Recording, Clock]:
     Stamps that are right, however uneven, stay as they are.
     """
     time = np.asarray(recording.time)
-    period = _period(np.diff(time))
+    period = _period(np.diff(time), _find_tick(time))
     cuts = np.flatnonzero(np.diff(time) > GAP_PERIODS * period) + 1
     spans = list(pairwise([0, *cuts.tolist(), time.size]))
     grids = [_lay_grid(time[a:b], period) for a, b in spans]
@@ -88,10 +91,13 @@ def mend_clock(recording: Recording) -> tuple[Recording, Clock]:
     return recording.with_channels(time=mended).with_metadata(clock_error=error), clock
 
 
-def _period(step: Samples) -> float:
-    """Mean of the usual steps of time [s]: stamps in milliseconds have a median that no sample has."""
+def _period(step: Samples, tick: float) -> float:
+    """Mean of the usual steps of time [s]: stamps in milliseconds have a median that no sample has.
+
+    Where a row is missing the step is twice as long; it must not count, or rows are counted wrongly all along.
+    """
     middle = float(np.median(step))
-    return float(np.mean(step[step < 2.5 * middle]))
+    return float(np.mean(step[step < max(_USUAL * middle, middle + 1.01 * tick)]))
 
 
 def _lay_grid(time: Samples, period: float) -> Samples:

@@ -15,7 +15,7 @@ from fricomp.recording.resampling import resample_checked
 from fricomp.recording.sources import Columns, find_column, read_columns
 from fricomp.recording.stamps import spread_stamps
 from fricomp.recording.unit import find_unit
-from fricomp.recording.validity import find_usable_rows, tell_bad_rows
+from fricomp.recording.validity import drop_repeated_stamps, find_usable_rows, tell_bad_rows
 
 Samples = NDArray[np.float64]
 
@@ -130,6 +130,8 @@ def _build(plan: _Plan, columns: Columns, mapping: Mapping, path: Path) -> Named
     for name, rule in plan.channels.items():
         if rule.from_zero:
             channels[name] = channels[name] - channels[name][:1]
+    channels, repeated = drop_repeated_stamps(channels)
+    findings += repeated
     try:
         recording = Recording.from_channels(channels, plan.metadata)
     except RecordingError as error:

@@ -55,6 +55,27 @@ def drop_bad_rows(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], 
     return {name: values[keep] for name, values in channels.items()}, tell_bad_rows(keep)
 
 
+def drop_repeated_stamps(channels: Mapping[str, Samples]) -> tuple[dict[str, Samples], tuple[Finding, ...]]:
+    """Return the channels without rows that are stamped as the one before, and a note on how many there were.
+
+    The first of each is kept. Many such rows are a coarse clock, whose rows have instants of their own: they stay, and
+    are refused with what to write.
+
+    Args:
+        channels: As for `find_invalid`.
+    """
+    time = channels["time"]
+    same = {values.shape for values in channels.values()} == {time.shape} and time.ndim == 1
+    repeated = np.concatenate([[False], np.diff(time) == 0.0]) if same and time.size > 2 else np.zeros(0, dtype=bool)
+    if not repeated.any() or np.mean(repeated) > _MANY_REPEATED:
+        return dict(channels), ()
+    row = int(np.argmax(repeated)) + 1
+    message = f"{np.count_nonzero(repeated)} of {time.size} rows are stamped as the one before and were left out"
+    return {name: values[~repeated] for name, values in channels.items()}, (
+        Finding("repeated_rows", "note", message, "nothing to do", row, "time"),
+    )
+
+
 def tell_bad_rows(keep: NDArray[np.bool_]) -> tuple[Finding, ...]:
     """How many rows were left out; the more, the graver.
 

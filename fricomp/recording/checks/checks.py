@@ -17,6 +17,7 @@ from fricomp.recording.checks.timing_checks import (
     find_rate_change,
     find_wrong_time_unit,
 )
+from fricomp.recording.checks.torque_causes import find_unsigned_torque
 from fricomp.recording.checks.unit_checks import (
     find_degrees,
     find_flipped_reference,
@@ -43,6 +44,7 @@ _CHECKS: tuple[_Check, ...] = (
     find_spikes,
     find_motor_side,
     find_wrong_temperature,
+    find_unsigned_torque,
 )
 _OF_UNWRAPPED: tuple[_Check, ...] = (  # a wrap would look like many other things to them
     find_degrees,

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.recording.checks.quantum import measure_quantum, read_at_rest
+from fricomp.recording.checks.timing_checks import GAP_PERIODS
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
 
@@ -13,6 +14,7 @@ _FEW_STEPS = 20  # encoder steps of travel below which only presliding can be se
 _REST_PART = 0.5  # part of the time at rest that deserves a word
 _STUCK_TIME = 0.25  # [s]
 _STUCK_ROWS = 20
+_IDLE_TIME = 2.0  # [s] of a torque of exactly zero in motion; a held reading is no drive that is off
 _STUCK_TRAVEL = 0.05  # part of the travel covered while the channel stands still
 _STUCK_SHARE = 0.02  # step of a channel over its deviation, above which it may keep a value for long
 _BEYOND_LAG = 2.0  # usual distances from the reference, that it must move while the position stays
@@ -72,6 +74,20 @@ def find_stuck_rows(recording: Recording) -> NDArray[np.bool_]:
             for start, stop in runs:
                 rows[start : stop + 1] = True
     return rows
+
+
+def find_idle_rows(recording: Recording) -> NDArray[np.bool_]:
+    """Rows of long stretches in which the torque is exactly zero while the joint moves: its drive is off then.
+
+    Another motor or a hand moves the joint, and what friction takes is not in the torque. Shape (n_samples,).
+    """
+    rows = np.zeros(len(recording), dtype=bool)
+    if recording.metadata.torque_kind == "commanded":
+        return rows
+    for start, stop in _stuck_channels(recording).get("torque", []):
+        if recording.torque[start] == 0.0 and recording.time[stop] - recording.time[start] > _IDLE_TIME:
+            rows[start : stop + 1] = True
+    return rows if np.count_nonzero(~rows) > _STUCK_ROWS else np.zeros(len(recording), dtype=bool)
 
 
 def _stuck_channels(recording: Recording) -> dict[str, list[tuple[int, int]]]:
@@ -158,7 +174,8 @@ def _claimed_motion(recording: Recording) -> Samples | None:
     at_rest = read_at_rest(recording)
     velocity = recording.velocity - at_rest.bias
     velocity = np.where(np.abs(velocity) > at_rest.width, velocity, 0.0)
-    return np.concatenate([[0.0], np.cumsum(velocity[:-1] * np.diff(recording.time))])
+    step = np.minimum(np.diff(recording.time), GAP_PERIODS * recording.sample_period)  # nothing is claimed over gaps
+    return np.concatenate([[0.0], np.cumsum(velocity[:-1] * step)])
 
 
 def _find_stuck(recording: Recording, name: str, motion: Samples | None, travel: float) -> list[tuple[int, int]]:

@@ -14,7 +14,16 @@ from fricomp.recording.checks.quantum import measure_quantum
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
 
-__all__ = ["JointFit", "explain_energy", "find_delay", "find_signed_bits", "fit_joint", "read_signed"]
+__all__ = [
+    "JointFit",
+    "Register",
+    "explain_energy",
+    "find_delay",
+    "find_register",
+    "find_unsigned_torque",
+    "fit_joint",
+    "read_signed",
+]
 
 Samples = NDArray[np.float64]
 
@@ -32,6 +41,14 @@ _EXPLAINED = 0.5
 """Part of the torque's variance that a turned sign must explain."""
 _BITS = (8, 12, 14, 16, 24, 32)
 """Lengths of registers."""
+_USUAL_BITS = 16
+"""Length of most registers of currents."""
+_WHOLE_RANGE = 0.02
+"""Relative distance of a jump from the range of a register: the torque itself moves on meanwhile."""
+_WHOLE_JUMP = 0.8
+"""Part of the largest torque from which on a jump is a whole one; interpolation makes two of one."""
+_BETWEEN = 0.05
+"""Part of the rows that may lie between both ends of the range: interpolation puts them there."""
 _SURE = 3.0
 """Standard deviations beyond which a negative inertia is one."""
 _ALIKE = 5.0
@@ -68,6 +85,20 @@ class JointFit:
         return self.friction > 0.0 and self.inertia > -_SURE * self.deviations[0]
 
 
+class Register(NamedTuple):
+    """What a signed torque was stored in.
+
+    Attributes:
+        bits: Its length.
+        span: Its range [as torque].
+        sure: Whether the steps of the torque tell the length.
+    """
+
+    bits: int
+    span: float
+    sure: bool
+
+
 class _Motion(NamedTuple):
     """Block means; rows are those that slide and have both neighbours."""
 
@@ -102,16 +133,9 @@ def explain_energy(recording: Recording, symptom: str) -> Finding:
         recording: Its torque takes energy out of the joint.
         symptom: What was seen, in words.
     """
-    bits = find_signed_bits(recording)
-    if bits is not None:
-        message = f"{symptom}: it is a signed number of {bits} bits that was read as an unsigned one"
-        return Finding(
-            "unsigned_torque",
-            "error",
-            message,
-            f"write signed_bits = {bits} into the channel of the mapping",
-            column="torque",
-        )
+    unsigned = find_unsigned_torque(recording)
+    if unsigned:
+        return unsigned[0]
     delay = find_delay(recording)
     if delay is not None:
         message = f"{symptom}, because it acts {1e3 * delay:.3g} ms after its stamp"
@@ -128,28 +152,53 @@ def explain_energy(recording: Recording, symptom: str) -> Finding:
     return Finding("driven", "error", message, advice, column="torque")
 
 
-def find_signed_bits(recording: Recording) -> int | None:
-    """Bits of a signed torque that was read as an unsigned number; None where it was not."""
+def find_unsigned_torque(recording: Recording) -> tuple[Finding, ...]:
+    """A signed torque that was read as an unsigned number: it jumps by the whole range of its register."""
+    register = find_register(recording)
+    if register is None:
+        return ()
+    unit = recording.metadata.torque_unit
+    message = (
+        f"torque jumps by {register.span:.5g} {unit} and back, the range of a register: it is a signed number of "
+        f"{register.bits} bits that was read as an unsigned one"
+    )
+    if not register.sure:
+        message += " (16 where its steps do not tell the length; see the manual)"
+    advice = f"write signed_bits = {register.bits} into the channel of the mapping"
+    return (Finding("unsigned_torque", "error", message, advice, column="torque"),)
+
+
+def find_register(recording: Recording) -> Register | None:
+    """The register of a signed torque that was read as an unsigned number; None where it was not.
+
+    Its values lie next to zero and next to the range of the register, and nowhere between. Where the steps of the torque
+    are no power of two of the range, a torque in pulses looks alike: then only the motion tells.
+    """
     torque = np.asarray(recording.torque)
-    quantum = measure_quantum(torque)
-    if quantum <= 0.0 or torque.min() < 0.0:
+    torque = -torque if torque.max() < -torque.min() else torque
+    jumps = np.abs(np.diff(torque))
+    if not np.any(jumps > 0.5 * float(np.ptp(torque))):
         return None
-    counts = torque / quantum
-    for bits in _BITS:
-        full = 2.0**bits
-        if not 0.9 * full < counts.max() < full + 0.5:
-            continue
-        signed = read_signed(torque, quantum * full)
-        inside = np.abs(signed).max() < 0.25 * quantum * full
-        calmer = np.abs(np.diff(signed)).sum() < 0.5 * np.abs(np.diff(torque)).sum()
-        if inside and calmer:
-            return bits
-    return None
+    whole = jumps[jumps > _WHOLE_JUMP * torque.max()]
+    span = float(np.median(whole) if whole.size else torque.max())
+    low = np.abs(torque) < 0.25 * span
+    between = float(np.mean(~low & (np.abs(torque - span) >= 0.25 * span)))
+    quantum = measure_quantum(torque[low]) if np.count_nonzero(low) > 1 else 0.0
+    if between > _BETWEEN:
+        return None
+    bits = round(np.log2(span / quantum)) if quantum > 0.0 else 0
+    if bits in _BITS and abs(span / (quantum * 2.0**bits) - 1.0) < _WHOLE_RANGE:
+        return Register(bits, quantum * 2.0**bits, sure=True)
+    sign = 1.0 if recording.torque.max() >= -recording.torque.min() else -1.0
+    as_it_is, as_signed = fit_joint(recording), fit_joint(recording, sign * read_signed(torque, span))
+    if as_it_is is None or as_signed is None or as_it_is.can_be or not as_signed.can_be:
+        return None
+    return Register(_USUAL_BITS, span, sure=False)
 
 
-def read_signed(values: Samples, full: float) -> Samples:
-    """Unsigned readings of a counter of the range `full` as signed ones."""
-    return np.where(values >= 0.5 * full, values - full, values)
+def read_signed(values: Samples, span: float) -> Samples:
+    """Unsigned readings of a register of the range `span` as signed ones."""
+    return np.where(values >= 0.5 * span, values - span, values)
 
 
 def find_delay(recording: Recording) -> float | None:

@@ -15,7 +15,6 @@ _FAST = 3.0
 """Usual steps of position from one new value to the next that make a motion fast: each new reading differs then."""
 _HELD = 0.3
 """Part of the rows in fast motion that repeat the one before, above which rows are held."""
-_MEASURED = ("position", "velocity", "torque", "current", "load_torque", "acceleration")
 
 
 class Hold(NamedTuple):
@@ -33,9 +32,11 @@ class Hold(NamedTuple):
 def thin_held_rows(recording: Recording) -> tuple[Recording, Hold | None]:
     """The recording at the rate of its readings: of held rows the first is kept, where the reading came in.
 
-    At rest nothing changes either way; there rows are kept in the rhythm of the motion.
+    The position tells how long a reading lasts: torque or velocity may be read more often, but without a position there
+    is no motion to compare them with. At rest nothing changes either way; there rows are kept in the rhythm of the
+    motion.
     """
-    new = _changes(recording)
+    new = np.concatenate([[True], np.diff(recording.position) != 0.0])
     held = _typical_hold(recording, new)
     if held is None:
         return recording, None
@@ -45,15 +46,6 @@ def thin_held_rows(recording: Recording) -> tuple[Recording, Hold | None]:
     for row, following in zip(rows, [*rows[1:], len(recording)], strict=True):
         kept += range(int(row), int(following), spacing) if following - row > 2 * spacing else [int(row)]
     return recording.rows(np.array(kept, dtype=np.intp)), Hold(held, len(recording) - len(kept))
-
-
-def _changes(recording: Recording) -> Rows:
-    """Rows in which any measured channel has another value than in the one before. Shape (n_samples,)."""
-    names = [name for name in _MEASURED if name in recording.channels]
-    if recording.metadata.torque_kind == "commanded":
-        names.remove("torque")
-    moved = np.any([np.diff(recording.channels[name]) != 0.0 for name in names], axis=0)
-    return np.concatenate([[True], moved])
 
 
 def _typical_hold(recording: Recording, new: Rows) -> float | None:

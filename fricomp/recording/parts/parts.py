@@ -1,7 +1,7 @@
 """A recording cut into its usable parts: what is left out, why, and what is left.
 
 The order matters: a counter is unwrapped before anything is called a jump, others' rows are left out before the rate
-is told, held rows before the clock. Nothing is invented: rows are left out or given a better stamp, never filled in.
+is told, held rows and long rests before the clock, whose grid is laid through each part between them. Nothing is invented: rows are left out or given a better stamp, never filled in.
 """
 
 from collections.abc import Sequence
@@ -11,12 +11,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from fricomp.recording.checks.signal_checks import find_stuck_rows
+from fricomp.recording.checks.signal_checks import find_idle_rows, find_stuck_rows
 from fricomp.recording.checks.timing_checks import GAP_PERIODS, locate_rate_change
 from fricomp.recording.clock import Clock, mend_clock
 from fricomp.recording.parts.holds import thin_held_rows
 from fricomp.recording.parts.rests import find_rests
-from fricomp.recording.parts.strays import follow_motion, unwrap_position
+from fricomp.recording.parts.strays import find_wild_torque, follow_motion, unwrap_position
 from fricomp.recording.recording import Recording
 from fricomp.recording.resampling import resample
 
@@ -100,6 +100,9 @@ def find_usable_parts(recording: Recording) -> UsableParts:
     left_out = [_tell("rows of another publisher or outliers of position", whole, ~followed.keep)]
     jumps = np.asarray(whole.time)[followed.cuts]
     whole = _select(whole, followed.keep)
+    wild = find_wild_torque(whole)
+    left_out.append(_tell("rows with an outlier of torque", whole, wild))
+    whole = _select(whole, ~wild)
     thinned, hold = thin_held_rows(whole)
     if hold is not None:
         changes.append(
@@ -107,8 +110,11 @@ def find_usable_parts(recording: Recording) -> UsableParts:
             f"{1.0 / thinned.sample_period:.4g} Hz, which was used."
         )
         whole = thinned
+    rests = find_rests(whole)
+    left_out.append(_tell("rows of long rests", whole, rests))
+    whole = _select(whole, ~rests)
     begins = np.zeros(len(whole), dtype=bool)
-    begins[np.searchsorted(whole.time, jumps)] = True
+    begins[np.minimum(np.searchsorted(whole.time, jumps), len(whole) - 1)] = bool(jumps.size)
     mended, clock = mend_clock(whole)
     changes += [clock.sentence] if clock.mended else []
     rates = locate_rate_change(mended)
@@ -120,10 +126,10 @@ def find_usable_parts(recording: Recording) -> UsableParts:
     stuck = find_stuck_rows(mended)
     if stuck.mean() > _MOST_STUCK:  # then it is what was recorded, and the checks say what it looks like
         stuck[:] = False
-    left_out.append(_tell("rows of stuck or saturated stretches", mended, stuck))
-    rests = find_rests(mended) & ~stuck
-    left_out.append(_tell("rows of long rests", mended, rests))
-    kept, parts, short = _cut(mended, ~(stuck | rests), begins)
+    idle = find_idle_rows(mended)
+    left_out.append(_tell("rows in which the drive gives no torque while the joint is moved", mended, idle))
+    left_out.append(_tell("rows of stuck or saturated stretches", mended, stuck & ~idle))
+    kept, parts, short = _cut(mended, ~(stuck | idle), begins)
     left_out.append(short)
     return UsableParts(
         kept,

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from fricomp.recording.checks.quantum import measure_quantum
 from fricomp.recording.recording import Recording
 
-__all__ = ["Continuity", "Wrap", "find_period", "follow_motion", "unwrap_position"]
+__all__ = ["Continuity", "Wrap", "find_period", "find_wild_torque", "follow_motion", "unwrap_position"]
 
 Samples = NDArray[np.float64]
 Rows = NDArray[np.bool_]
@@ -33,12 +33,28 @@ _LEAP = 5.0
 """Usual large steps that make a leap."""
 _FEWEST_REPEATS, _MOST_REPEATS = 5, 0.45
 """Rows of equal values: at least so many, and at most this part of all."""
+_CANDIDATES = 6
+"""Most frequent rows that are looked at: a log has a few long rests, each of which repeats its own values."""
 _SHORT_RUN = 50.0
 """Mean rows of a stretch of equal values up to which it interrupts; a joint at rest holds its values for longer."""
 _KNOWN_PERIODS = (2.0 * np.pi, 4.0 * np.pi, np.pi, 8.0 * np.pi, 25.0, 1.0, 360.0, 4096.0, 16384.0, 65536.0)
 """Ranges of counters in use: turns, the position of MIT mode (±12.5 rad), counts."""
 _NEAR = 0.01
 """Relative distance within which a range that was measured is a known one."""
+
+
+_TORQUE_REACH = 3
+"""Rows before and after that a torque is compared with."""
+_FEWEST_TORQUES = 50
+"""Rows below which a torque has no outliers that could be told."""
+_USUAL_TORQUES = 0.9
+"""Part of the rows whose distance from their median is usual."""
+_WILD = 8.0
+"""Usual distances that make an outlier."""
+_LEAST_WILD = 0.03
+"""Part of the torque's range below which an outlier does no harm."""
+_MOST_WILD = 0.1
+"""Part of the rows above which the torque is what was recorded."""
 
 
 class Wrap(NamedTuple):
@@ -130,6 +146,29 @@ def follow_motion(recording: Recording) -> Continuity:
     return Continuity(keep, rows[cuts + 1])
 
 
+def find_wild_torque(recording: Recording) -> Rows:
+    """Rows whose torque is far from those before and after it, which hold together. Shape (n_samples,).
+
+    A torque that jumps often, such as one that a loop commands against a coarse encoder, has no outliers.
+    """
+    torque = np.asarray(recording.torque)
+    if torque.size < _FEWEST_TORQUES:
+        return np.zeros(torque.size, dtype=bool)
+    padded = np.pad(torque, _TORQUE_REACH, mode="edge")
+    around = np.lib.stride_tricks.sliding_window_view(padded, 2 * _TORQUE_REACH + 1)
+    middle = np.median(around, axis=1)
+    off = np.abs(torque - middle)
+    spread = np.median(np.abs(around - middle[:, None]), axis=1)  # of the stretch itself: a jolt is no outlier
+    usual = float(np.quantile(off, _USUAL_TORQUES))
+    least = max(usual, measure_quantum(torque))
+    wild = (off > _WILD * np.maximum(spread, least)) & (off > _LEAST_WILD * float(np.ptp(middle)))
+    if not wild.any() or np.mean(wild) > _MOST_WILD:
+        return np.zeros(torque.size, dtype=bool)
+    rest = np.flatnonzero(~wild)  # others may have stood beside them
+    wild[rest] = find_wild_torque(recording.rows(rest))
+    return wild
+
+
 def _chain(recording: Recording, jumps: NDArray[np.intp], around: Samples) -> Rows:
     """Rows of the stretches between jumps that go on from one another, from the longest stretch outwards."""
     position, time, period = recording.position, recording.time, recording.sample_period
@@ -178,25 +217,31 @@ def _top(step: Samples, jumps: NDArray[np.intp], periods: Samples) -> float:
 
 
 def _repeated_values(recording: Recording) -> Rows:
-    """Rows that all hold the same position and torque and interrupt the motion, as those of a second publisher do.
+    """Rows that all hold the same position, or position and torque, and interrupt the motion: a second publisher's.
 
-    They are strays also where the joint happens to pass there. Shape (n_samples,).
+    They are strays also where the joint happens to pass there. A long rest repeats its values more often than they do,
+    so that the most frequent ones are looked at in turn. Shape (n_samples,).
     """
-    none = np.zeros(len(recording), dtype=bool)
-    table = recording.position + 1j * recording.torque
-    values, counts = np.unique(table, return_counts=True)
-    most = int(np.argmax(counts))
-    same = table == values[most]
-    count = int(counts[most])
-    if count < _FEWEST_REPEATS or not count < _MOST_REPEATS * len(recording):
-        return none
+    position = np.asarray(recording.position)
+    for table in (position + 1j * np.asarray(recording.torque), position):
+        values, counts = np.unique(table, return_counts=True)
+        for most in np.argsort(counts)[::-1][:_CANDIDATES]:
+            same = np.asarray(table == values[most])
+            enough = _FEWEST_REPEATS <= counts[most] < _MOST_REPEATS * len(recording)
+            if enough and _interrupts(recording, same):
+                return same
+    return np.zeros(len(recording), dtype=bool)
+
+
+def _interrupts(recording: Recording, same: Rows) -> bool:
+    """Whether rows of one value come in short stretches, to which and from which the position leaps."""
     other = np.abs(np.diff(recording.position[~same]))
-    usual = float(np.quantile(other, 0.9))
+    usual = float(np.quantile(other[other > 0.0], 0.9)) if other.any() else np.inf
     before, after = np.flatnonzero(same[1:] & ~same[:-1]), np.flatnonzero(same[:-1] & ~same[1:])
     moved = np.abs(np.diff(recording.position))
     leaps = np.concatenate([moved[before], moved[after]])
     short = same.sum() < _SHORT_RUN * max(before.size, 1)
-    return np.asarray(same) if short and np.mean(leaps > _LEAP * usual) > _ALIKE else none
+    return bool(short and leaps.size and np.mean(leaps > _LEAP * usual) > _ALIKE)
 
 
 def _alternates(recording: Recording, period: float) -> bool:
