@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.ndimage import binary_opening
 from scipy.signal import butter, sosfiltfilt
 
 from fricomp.errors import IdentificationError
@@ -22,6 +23,7 @@ from .parts import MotionParts, split_motion
 
 __all__ = [
     "FEWEST_SAMPLES",
+    "FEWEST_SLIDING",
     "JointSamples",
     "RecordedMotion",
     "RegressionSettings",
@@ -53,7 +55,9 @@ class RegressionSettings:
 
 _DEFAULTS = RegressionSettings()
 FEWEST_SAMPLES = 200
-"""Least samples of a recording, and least of them that slide."""
+"""Least samples of a recording."""
+FEWEST_SLIDING = 200
+"""Least of them that slide: eight times as many as those over which errors go together."""
 
 _NOISE_SHARE = 1e-3
 """Share of the acceleration's power that may be noise: inertia comes out too small by it, less than by chance."""
@@ -62,12 +66,18 @@ _PERIODS = 20.0
 _LOWER = tuple(2.0 ** (-0.5 * step) for step in range(8))
 """Cutoffs to try, as fractions of the default ones; below the last, 4.4 Hz, few motions keep an acceleration."""
 
+_LOWEST_STEPS = 9
+"""Halvings of the power of a cutoff, with which a joint that sticks and slips is looked at; four octaves and a half."""
+
 _ROUNDING = 1e-6
 """Of a rate, which comes from differences of times: a factor of 1.9999999 is 2."""
 _MIXED = 0.01
 """Share of the low-pass, by weight, that may see rest or the other direction where a sample counts as sliding. Such a
 sample is wrong by that share of twice the friction, which is about the noise of a torque sensor. The low-pass rings: a
 share of 1.05 is as mixed as one of 0.95."""
+
+_RING = 0.5
+"""Periods of the low-pass's cutoff for which a direction must be one: where it rings it passes 1 for less."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +90,7 @@ class RecordedMotion:
         low_pass: Second-order sections of the filter, which each part has gone through on its own.
         index: Positions of the samples in the parts, one after the other. Shape (n,).
         period: Of the recording [s].
+        cutoff: Of the low-pass [Hz].
         clock_error: Standard deviation of the recording's stamps from the instants of the samples [s].
     """
 
@@ -88,7 +99,15 @@ class RecordedMotion:
     low_pass: FloatArray
     index: np.ndarray[tuple[int], np.dtype[np.intp]]
     period: float
+    cutoff: float
     clock_error: float = 0.0
+
+    def count_samples(self, periods: float) -> int:
+        """Samples in so many periods of the low-pass's cutoff, and at least one."""
+        if len(self.index) < 2:
+            return 1
+        step = float(np.median(np.diff(self.index))) * self.period
+        return max(1, round(periods / (self.cutoff * step)))
 
     @property
     def time(self) -> FloatArray:
@@ -167,7 +186,8 @@ class JointSamples:
             travel: after this way from rest or a reversal [rad] or [m].
         """
         direction = self.recorded.sliding_direction(slowest * self.top_speed, travel)
-        return np.asarray(np.abs(np.abs(direction) - 1.0) < _MIXED)
+        slides = np.abs(np.abs(direction) - 1.0) < _MIXED
+        return np.asarray(binary_opening(slides, np.ones(self.recorded.count_samples(_RING), dtype=bool)))
 
     @property
     def top_speed(self) -> float:
@@ -195,7 +215,8 @@ def sample_joint(recording: Recording, settings: RegressionSettings = _DEFAULTS)
         raise IdentificationError(
             f"a motion needs at least {FEWEST_SAMPLES} samples between gaps, this one has {count}"
         )
-    low_pass = butter(4, min(settings.torque_cutoff, 0.4 * rate), fs=rate, output="sos")
+    cutoff = min(settings.torque_cutoff, 0.4 * rate)
+    low_pass = butter(4, cutoff, fs=rate, output="sos")
     filtered, velocities, torques, kept = zip(
         *(_filter(even, recording, low_pass, settings) for even in times), strict=True
     )
@@ -203,7 +224,7 @@ def sample_joint(recording: Recording, settings: RegressionSettings = _DEFAULTS)
     index = np.concatenate([start + part for start, part in zip(starts, kept, strict=True)])
     position, velocity, acceleration, direction, torque = np.concatenate(filtered, axis=1)
     clock_error = recording.metadata.clock_error or 0.0
-    recorded = RecordedMotion(velocities, torques, low_pass, index, recording.sample_period, clock_error)
+    recorded = RecordedMotion(velocities, torques, low_pass, index, recording.sample_period, cutoff, clock_error)
     return JointSamples(position, velocity, acceleration, direction, torque, recorded)
 
 
@@ -224,14 +245,8 @@ def choose_settings(recording: Recording, *, gravity: bool = False) -> Regressio
     density = 2.0 * recording.sample_period * _position_noise(recording) ** 2
     best, least = replace(_DEFAULTS, gravity=gravity), np.inf
     for factor in _LOWER:
-        settings = RegressionSettings(
-            position_cutoff=_DEFAULTS.position_cutoff * factor,
-            torque_cutoff=_DEFAULTS.torque_cutoff * factor,
-            gravity=gravity,
-            margin=_DEFAULTS.margin / factor,
-        )
-        parts = split_for(recording, settings).parts
-        if min(part.time[-1] - part.time[0] for part in parts) < _PERIODS / settings.torque_cutoff:
+        settings = _lower(factor, gravity)
+        if not _has_room(recording, settings):
             break
         power = float(np.var(sample_joint(recording, settings).acceleration))
         share = (2.0 * np.pi) ** 4 * density * settings.torque_cutoff**5 / (5.0 * max(power, 1e-300))
@@ -239,7 +254,44 @@ def choose_settings(recording: Recording, *, gravity: bool = False) -> Regressio
             best, least = settings, share
         if share < _NOISE_SHARE:
             break
-    return best
+    return _lower_until_it_slides(recording, best)
+
+
+def _lower(factor: float, gravity: bool) -> RegressionSettings:
+    return RegressionSettings(
+        position_cutoff=_DEFAULTS.position_cutoff * factor,
+        torque_cutoff=_DEFAULTS.torque_cutoff * factor,
+        gravity=gravity,
+        margin=_DEFAULTS.margin / factor,
+    )
+
+
+def _has_room(recording: Recording, settings: RegressionSettings) -> bool:
+    """Whether each part between gaps is long enough for this low-pass."""
+    parts = split_for(recording, settings).parts
+    return bool(min(part.time[-1] - part.time[0] for part in parts) >= _PERIODS / settings.torque_cutoff)
+
+
+def _lower_until_it_slides(recording: Recording, settings: RegressionSettings) -> RegressionSettings:
+    """`settings`, or lower cutoffs through which the joint slides: one that sticks and slips does so on the mean only.
+
+    The friction that comes out is then the mean of sticking and slipping at that speed.
+    """
+    fewest = _count_sliding(recording, settings)
+    if fewest >= FEWEST_SLIDING:
+        return settings
+    factor = settings.torque_cutoff / _DEFAULTS.torque_cutoff
+    for step in range(1, _LOWEST_STEPS):
+        lower = _lower(factor * 2.0 ** (-0.5 * step), settings.gravity)
+        if not _has_room(recording, lower):
+            break
+        if _count_sliding(recording, lower) >= FEWEST_SLIDING:
+            return lower
+    return settings
+
+
+def _count_sliding(recording: Recording, settings: RegressionSettings) -> int:
+    return int(np.count_nonzero(sample_joint(recording, settings).sliding(settings.slowest)))
 
 
 def _position_noise(recording: Recording) -> float:
@@ -274,8 +326,9 @@ def _filter(
     position = np.interp(even, recording.time, recording.position)
     torque = np.interp(even, recording.time, recording.torque)
     smooth = sosfiltfilt(butter(4, min(settings.position_cutoff, 0.4 * rate), fs=rate, output="sos"), position)
-    velocity = np.gradient(smooth, 1.0 / rate)
-    columns = np.stack([smooth, velocity, np.gradient(velocity, 1.0 / rate), np.sign(velocity), torque])
+    curve = CubicSpline(even, smooth)  # differences would lose an eighth of an acceleration at a tenth of the rate
+    velocity = curve(even, 1)
+    columns = np.stack([smooth, velocity, curve(even, 2), np.sign(velocity), torque])
     factor = max(1, int(rate / (5.0 * settings.torque_cutoff) + _ROUNDING))
     skip = max(1, int(settings.margin * rate / factor))
     kept = np.arange(0, len(even), factor)[skip:-skip]

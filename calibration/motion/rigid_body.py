@@ -20,7 +20,7 @@ from ..identification import IdentificationOptions, IdentificationResult, identi
 from ..identification.doubt import with_covariance, with_open_profiles
 from ..identification.estimation.correlated_fit import CorrelatedFit, solve_correlated
 from ..identification.estimation.form import separable_law
-from .joint_samples import FEWEST_SAMPLES, JointSamples, RegressionSettings
+from .joint_samples import FEWEST_SLIDING, JointSamples, RegressionSettings
 from .torque_lag import TorqueLag, estimate_lag
 from .verdict import refuse_impossible, weigh_rivals, with_lag_note, with_offset_note
 
@@ -31,6 +31,8 @@ _Rows = np.ndarray[tuple[int], np.dtype[np.bool_]]
 _NOT_APART = (
     "the motion does not tell inertia, friction and gravity apart: record one with several speeds and both directions"
 )
+_SEEN = 2.0
+"""Periods of its cutoff that a low-pass sees: before and after a reversal it rings by more than a hundredth."""
 _REACH = 25
 """Samples over which errors go together: five periods of the low-pass's cutoff, over which its answer has died out."""
 _REFINEMENTS = 3
@@ -204,10 +206,12 @@ def _sliding(samples: JointSamples, slowest: float, travel: float = 0.0) -> _Row
     """Which samples slide; refuses a motion with too few. Shape (n,)."""
     rows = samples.sliding(slowest, travel)
     count = int(np.count_nonzero(rows))
-    if count < FEWEST_SAMPLES:
+    if count < FEWEST_SLIDING:
+        sees, rate = _SEEN / samples.recorded.cutoff, 1.0 / samples.recorded.period
         raise IdentificationError(
             f"{_NOT_APART}; of {len(rows)} filtered samples {count} slide in one direction for as long as the low-pass "
-            f"sees, and {FEWEST_SAMPLES} are needed"
+            f"sees, which is some {sees:.2g} s at {rate:.3g} Hz and with this encoder, and {FEWEST_SLIDING} are "
+            "needed: record for longer, faster, or let the joint move in one direction for longer"
         )
     return rows
 
@@ -263,7 +267,7 @@ def _fit_sliding(
     slope = np.gradient(rigid.rigid_torque(samples) + filtered, samples.recorded.time)[rows]
     measured = np.gradient(samples.torque, samples.recorded.time)[rows]
     targets = (slope, measured, left)
-    late = estimate_lag(lag, np.hstack([columns, _slopes(found)]), targets, rows, _REACH, samples.recorded.clock_error)
+    late = estimate_lag(lag, np.hstack([columns, _slopes(found)]), targets, rows, _REACH, samples.recorded)
     together = together._replace(covariance=late.widen(together.covariance))
     rigid = _with_body(rigid, together, settings.gravity, has_offset=not bidirectional)
     return _SlidingFit(samples, rows, columns, left, mixed, rigid, found, slope, late, shares_offset, symmetric_offset)

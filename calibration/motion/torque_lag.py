@@ -16,21 +16,32 @@ from scipy.ndimage import binary_erosion
 from fricomp.laws import FloatArray
 
 from ..identification.estimation.correlated_fit import solve_correlated
+from .joint_samples import RecordedMotion
 
 __all__ = ["UNKNOWN_LAG", "TorqueLag", "estimate_lag"]
+
+_Rows = np.ndarray[tuple[int], np.dtype[np.bool_]]
 
 UNKNOWN_LAG = 0.004
 """Standard deviation of the lag before the motion is seen [s]: filters, half a period and the way over a bus make a
 measured torque some 3 ms late, and as much makes a commanded one early."""
+_UNKNOWN_PERIODS = 0.5
+"""The same in periods of a slow recording: its readings come one after the other, and are held until the next."""
 _LEAST = 1e-5
 """Least standard deviation of the lag [s]: time stamps jitter by more, also where nothing is known of their clock."""
 _VAGUE = 0.5
 """Fraction of it above which a motion has told next to nothing."""
 _LARGE = 0.01
 """Lag that filters and a bus do not explain [s]."""
-_EDGE = 2
-"""Samples that have no say beside those that do not slide: when friction turned round between two samples of the
-recording nobody knows, and the low-pass rings of it."""
+_EDGE = 1.25
+"""Periods of the low-pass's cutoff that have no say beside samples that do not slide: when friction turned round between
+two samples of the recording nobody knows, nor how it built up, and the low-pass rings of it. In a slow motion that
+ringing is most of the slope, and a lag of 10 ms came out where there was none."""
+_LEAST_EDGE = 2
+"""Samples of it that are left out in any case."""
+_ENOUGH = 0.2
+"""Part of the samples that slide which must be left; strokes that are too short for that reverse quickly, and their
+ringing is known."""
 _COLLINEAR = 1e-10
 """Share of the slope's power that is rounding."""
 _WEAK = 0.02
@@ -46,12 +57,14 @@ class TorqueLag:
         deviation: Its standard deviation [s].
         taken_off: Lag that the samples were rid of before [s].
         shift: What a second of it does to the parameters of the fit, up to the sign. Shape (n_parameters,).
+        unknown: Its standard deviation before the motion was seen [s].
     """
 
     value: float
     deviation: float
     taken_off: float
     shift: FloatArray
+    unknown: float = UNKNOWN_LAG
 
     @property
     def settled(self) -> bool:
@@ -67,7 +80,7 @@ class TorqueLag:
     def sentence(self) -> str:
         """For people."""
         size = f"{1e3 * abs(self.value):.3g} ± {1e3 * self.deviation:.2g} ms"
-        if self.deviation > _VAGUE * UNKNOWN_LAG:
+        if self.deviation > _VAGUE * self.unknown:
             size = f"{1e3 * self.value:.2g} ± {1e3 * self.deviation:.2g} ms"
             return f"The motion does not tell how late the torque comes: {size} is taken, also in the deviations."
         comes = f"he torque comes {size} {'before' if self.value < 0.0 else 'after'} the motion"
@@ -86,9 +99,9 @@ def estimate_lag(
     taken_off: float,
     columns: FloatArray,
     targets: tuple[FloatArray, FloatArray, FloatArray],
-    rows: np.ndarray[tuple[int], np.dtype[np.bool_]],
+    rows: _Rows,
     reach: int,
-    clock_error: float = 0.0,
+    recorded: RecordedMotion,
 ) -> TorqueLag:
     """The lag by one Gauss-Newton step, weighed with what is known of it before.
 
@@ -99,12 +112,13 @@ def estimate_lag(
             or [N], at them. Shapes (n,).
         rows: Which samples slide. Shape (n_samples,).
         reach: Samples over which errors go together.
-        clock_error: Standard deviation of the time stamps [s].
+        recorded: What the samples were decimated from.
     """
+    before = float(np.hypot(UNKNOWN_LAG, _UNKNOWN_PERIODS * recorded.period))
     shift = solve_correlated(columns, targets[0], np.flatnonzero(rows), 1).solution
-    inner = binary_erosion(rows, iterations=_EDGE)
+    inner = _inside_strokes(rows, recorded.count_samples(_EDGE))
     at, chosen = np.flatnonzero(inner), inner[rows]
-    unknown = TorqueLag(0.0, UNKNOWN_LAG, taken_off, shift)
+    unknown = TorqueLag(0.0, before, taken_off, shift, before)
     if len(at) <= columns.shape[1]:
         return unknown
     slope, instrument, left = (solve_correlated(columns[chosen], target[chosen], at, 1).error for target in targets)
@@ -116,7 +130,16 @@ def estimate_lag(
     found = solve_correlated(instrument[:, None], -left, at, reach)
     size = float(instrument @ instrument) / common
     variance = size**2 * float(found.covariance[0, 0])
-    weight = UNKNOWN_LAG**2 / (UNKNOWN_LAG**2 + variance)
+    weight = before**2 / (before**2 + variance)
     value = weight * (taken_off + size * float(found.solution[0]))
-    least = max(_LEAST, clock_error)
-    return TorqueLag(value, float(np.hypot(np.sqrt(weight * variance), least)), taken_off, shift)
+    least = max(_LEAST, recorded.clock_error)
+    return TorqueLag(value, float(np.hypot(np.sqrt(weight * variance), least)), taken_off, shift, before)
+
+
+def _inside_strokes(rows: _Rows, edge: int) -> _Rows:
+    """Samples that slide, without so many at the ends of each stroke, fewer where little would be left."""
+    for margin in (edge, (edge + _LEAST_EDGE) // 2):
+        inner = binary_erosion(rows, iterations=max(margin, _LEAST_EDGE))
+        if np.count_nonzero(inner) >= _ENOUGH * np.count_nonzero(rows):
+            return np.asarray(inner)
+    return np.asarray(binary_erosion(rows, iterations=_LEAST_EDGE))

@@ -171,8 +171,8 @@ def find_unsigned_torque(recording: Recording) -> tuple[Finding, ...]:
 def find_register(recording: Recording) -> Register | None:
     """The register of a signed torque that was read as an unsigned number; None where it was not.
 
-    Its values lie next to zero and next to the range of the register, and nowhere between. Where the steps of the torque
-    are no power of two of the range, a torque in pulses looks alike: then only the motion tells.
+    Its values lie next to zero and next to the range of the register, and nowhere between. Where the range is no power
+    of two of the torque's steps, a torque in pulses looks alike: then only the motion tells.
     """
     torque = np.asarray(recording.torque)
     torque = -torque if torque.max() < -torque.min() else torque

@@ -1,7 +1,8 @@
 """A recording cut into its usable parts: what is left out, why, and what is left.
 
 The order matters: a counter is unwrapped before anything is called a jump, others' rows are left out before the rate
-is told, held rows and long rests before the clock, whose grid is laid through each part between them. Nothing is invented: rows are left out or given a better stamp, never filled in.
+is told, held rows and long rests before the clock, whose grid is laid through each part between
+them. Nothing is invented: rows are left out or given a better stamp, never filled in.
 """
 
 from collections.abc import Sequence
