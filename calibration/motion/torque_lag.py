@@ -34,9 +34,9 @@ _VAGUE = 0.5
 _LARGE = 0.01
 """Lag that filters and a bus do not explain [s]."""
 _EDGE = 1.25
-"""Periods of the low-pass's cutoff that have no say beside samples that do not slide: when friction turned round between
-two samples of the recording nobody knows, nor how it built up, and the low-pass rings of it. In a slow motion that
-ringing is most of the slope, and a lag of 10 ms came out where there was none."""
+"""Periods of the low-pass's cutoff that have no say beside samples that do not slide: when friction turned round
+between two samples of the recording nobody knows, nor how it built up, and the low-pass rings of it. In a slow motion
+that ringing is most of the slope, and a lag of 10 ms came out where there was none."""
 _LEAST_EDGE = 2
 """Samples of it that are left out in any case."""
 _ENOUGH = 0.2

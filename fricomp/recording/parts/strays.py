@@ -161,7 +161,7 @@ def find_wild_torque(recording: Recording) -> Rows:
     spread = np.median(np.abs(around - middle[:, None]), axis=1)  # of the stretch itself: a jolt is no outlier
     usual = float(np.quantile(off, _USUAL_TORQUES))
     least = max(usual, measure_quantum(torque))
-    wild = (off > _WILD * np.maximum(spread, least)) & (off > _LEAST_WILD * float(np.ptp(middle)))
+    wild = np.asarray((off > _WILD * np.maximum(spread, least)) & (off > _LEAST_WILD * float(np.ptp(middle))))
     if not wild.any() or np.mean(wild) > _MOST_WILD:
         return np.zeros(torque.size, dtype=bool)
     rest = np.flatnonzero(~wild)  # others may have stood beside them

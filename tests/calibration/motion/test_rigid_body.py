@@ -140,7 +140,7 @@ def test_a_torque_that_comes_late_or_early_is_shifted_and_gives_the_same_frictio
     found = identify_motion(sample_joint(_late(delay, inertia)))
     assert abs(found.lag.value - delay) < 3.0 * found.lag.deviation < 2e-4
     assert found.rigid_body.inertia == pytest.approx(inertia, rel=1e-3)
-    assert found.rigid_body.viscous_coefficient == pytest.approx(0.0134, abs=0.001)  # as without a delay
+    assert found.rigid_body.viscous_coefficient == pytest.approx(0.0179, abs=0.001)  # as without a delay
     assert _largest_error(found) < 3.0
     assert found.friction.model.provenance.notes["torque_age"].startswith(f"{found.lag.value:.3g} +- ")
     assert ("check both time stamps" in found.lag.sentence) == (delay == 0.02)
