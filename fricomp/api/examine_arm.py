@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from fricomp.arm import ArmExamination, ArmPrior
 from fricomp.arm import examine_arm as examine_recordings
 from fricomp.arm.log import ArmLog, read_arm_log
+from fricomp.arm.output.evaluation import add_file_errors
 from fricomp.arm.output.files import write_arm
 from fricomp.errors import RecordingError
 from fricomp.extras import require
@@ -70,13 +73,20 @@ def examine_arm(
     recordings, paths = _read(log, mapping, channels)
     settings = {"names": names, "gains": gains, "prior": prior, "seed": seed, "progress": progress}
     if out is None:
-        return examine_recordings(recordings, simulation, **settings)  # type: ignore[arg-type]
+        return _examine(recordings, Path(simulation), settings)
     with claim_folder(Path(out), ARM, overwrite=overwrite, inputs=(*paths, Path(simulation))) as claim:
-        found = examine_recordings(recordings, simulation, **settings)  # type: ignore[arg-type]
+        found = _examine(recordings, Path(simulation), settings)
         (progress or (lambda _: None))("writing the report")
         claim.clear()
         write_arm(found, Path(out), Path(simulation))
     return found
+
+
+def _examine(recordings: Sequence[Recording], simulation: Path, settings: dict[str, Any]) -> ArmExamination:
+    """The answer, with what the files made of it are worth."""
+    found = examine_recordings(recordings, simulation, **settings)
+    (settings["progress"] or (lambda _: None))("simulating the written files on held-out data")
+    return replace(found, record=add_file_errors(found.record, found.answer, simulation))
 
 
 def take_session(log: ArmLog) -> tuple[Recording, ...]:

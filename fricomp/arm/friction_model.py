@@ -21,11 +21,16 @@ from fricomp.model import FrictionModel, Provenance, Validity
 
 from .friction import TERMS
 from .identification import ArmIdentification
+from .law_fit import fit_within_law
 
 __all__ = ["build_friction_model"]
 
 _LEAST_PART = 1e-3
 """Of the mean Coulomb level, below which a level of one direction is not taken: a law has positive levels only."""
+
+
+_MOST_PART = 0.95
+"""Of the Coulomb level, from which all of it is taken to bend: what is left could not be told from none."""
 
 
 def build_friction_model(found: ArmIdentification, joint: int) -> FrictionModel:
@@ -35,13 +40,8 @@ def build_friction_model(found: ArmIdentification, joint: int) -> FrictionModel:
         found: The identified arm.
         joint: Number of the joint.
     """
-    values, form = found.fit.friction(joint), dict(found.fit.model.forms[joint].terms)
-    curves = _build_curves(found, joint, values, form)
-    core: Term = BidirectionalStribeck(*curves)
-    if "presliding_hysteresis" in form:
-        distance = _value_of("presliding_hysteresis", form)
-        core = LuGre(*curves, curves[0].coulomb_torque / distance, 0.0)
-    terms = [core, *_build_terms(found, joint, values, form)]
+    values, form = fit_within_law(found, joint), dict(found.fit.model.forms[joint].terms)
+    terms = [*_build_core(found, joint, values, form), *_build_terms(found, joint, values, form)]
     metadata, motion = found.recording.metadata[joint], found.rows.motion
     load = found.fit.compute_load(found.rows)[:, joint]
     return FrictionModel(
@@ -56,6 +56,22 @@ def build_friction_model(found: ArmIdentification, joint: int) -> FrictionModel:
         ),
         provenance=Provenance(method="arm", data_sha256=found.recording.recordings[joint].content_hash),
     )
+
+
+def _build_core(
+    found: ArmIdentification, joint: int, values: dict[str, float], form: dict[str, int]
+) -> tuple[Term, ...]:
+    """The curves of both directions, and the part of their level that a bristle builds up after a reversal."""
+    if "presliding_hysteresis" not in form:
+        return (BidirectionalStribeck(*_build_curves(found, joint, values, form)),)
+    level = values[TERMS["presliding_hysteresis"].names(form["presliding_hysteresis"])[0]]
+    distance = _value_of("presliding_hysteresis", form)
+    if level > _MOST_PART * values["coulomb"]:
+        curves = _build_curves(found, joint, values, form)
+        return (LuGre(*curves, curves[0].coulomb_torque / distance, 0.0),)
+    rest = _build_curves(found, joint, values | {"coulomb": values["coulomb"] - level}, form)
+    bent = StribeckCurve(level, level, 1.0, 0.0)
+    return (BidirectionalStribeck(*rest), LuGre(bent, bent, level / distance, 0.0))
 
 
 def _build_curves(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import msgspec
 
@@ -14,9 +14,12 @@ from fricomp.whole_file import whole_file
 __all__ = [
     "ARM_SCHEMA",
     "ArmRecord",
+    "FileErrors",
     "JointEffect",
     "JointRecord",
     "LinkRecord",
+    "PositionErrors",
+    "arm_json_schema",
     "load_arm_record",
     "save_arm_record",
 ]
@@ -48,6 +51,42 @@ class JointEffect(msgspec.Struct, frozen=True, kw_only=True):
     indistinguishable_from: tuple[str, ...] = ()
 
 
+class PositionErrors(msgspec.Struct, frozen=True, kw_only=True):
+    """Open-loop motion of the whole arm from measured states, driven by the recorded torques, on held-out data.
+
+    Attributes:
+        after: Time from the start [s].
+        simulation: Median error of the simulation with Coulomb, viscous and constant torques.
+        files: That of `arm.xml` with `friction.json`.
+        travel: Median of the way that the joint itself went.
+        unit: `rad` or `m`.
+    """
+
+    after: float
+    simulation: float
+    files: float
+    travel: float
+    unit: str
+
+
+class FileErrors(msgspec.Struct, frozen=True, kw_only=True):
+    """What the written files are worth, made without the blocks that they are measured on.
+
+    Attributes:
+        torque_simulation: RMS error of the simulation with Coulomb, viscous and constant torques, in motion.
+        torque_fit: That of the fit, on the same blocks.
+        torque: That of `arm.xml` with `friction.json`.
+        band: Upper end of the band in which torques are compared [Hz].
+        positions: Errors of open-loop motion.
+    """
+
+    torque_simulation: float
+    torque_fit: float
+    torque: float
+    band: float
+    positions: tuple[PositionErrors, ...] = ()
+
+
 class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
     """One joint.
 
@@ -60,6 +99,7 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
         error_simulation: Held-out RMS error of the simulation's inverse dynamics, Coulomb and viscous friction fitted.
         error_plain: The same with links and rotors fitted as well.
         error_model: Of the whole model.
+        files: Errors of the written files; None where the recording is too short for them.
     """
 
     name: str
@@ -70,6 +110,7 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
     error_simulation: float
     error_plain: float
     error_model: float
+    files: FileErrors | None = None
 
 
 class LinkRecord(msgspec.Struct, frozen=True, kw_only=True):
@@ -118,6 +159,11 @@ class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):
     left_out: float
     held_joints: tuple[str, ...] = ()
     still_joints: tuple[str, ...] = ()
+
+
+def arm_json_schema() -> dict[str, Any]:
+    """JSON schema of `arm.json`, as docs/arm.schema.json publishes it."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **msgspec.json.schema(ArmRecord)}
 
 
 def save_arm_record(record: ArmRecord, path: Path) -> None:

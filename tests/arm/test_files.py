@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from fricomp.arm import load_arm_record
+from fricomp.arm.record import arm_json_schema
 from fricomp.cli.main import app
 from fricomp.errors import DiagnosisError
 from fricomp.model import load_model
@@ -80,6 +82,25 @@ def test_the_corrected_simulation_weighs_what_was_found(folder: Path) -> None:
         assert model.body(link.name).mass[0] + carried == pytest.approx(link.mass.value, rel=1e-4)
     assert np.all(np.isfinite(model.body_inertia))
     assert model.body("finger").mass[0] == pytest.approx(0.05)
+
+
+def test_the_written_files_predict_what_they_were_not_fitted_to(folder: Path) -> None:
+    """The hand is a kilogram heavier than simulated: torque and motion of all joints in line with it are better."""
+    for joint in load_arm_record(folder / "arm.json").joints:
+        files = joint.files
+        assert files is not None
+        assert files.torque < 1.2 * files.torque_fit + 0.002
+        assert [each.after for each in files.positions] == pytest.approx([0.1, 0.5, 2.0], abs=0.01)
+        if joint.name != "wrist":
+            assert files.torque < 0.2 * files.torque_simulation
+            assert files.positions[1].files < 0.3 * files.positions[1].simulation
+
+
+def test_the_record_obeys_the_schema_that_is_published(folder: Path) -> None:
+    """`python -c "import json; from fricomp.arm.record import arm_json_schema as s; print(json.dumps(s(), indent=2))"`."""
+    published = json.loads((Path(__file__).parents[2] / "docs" / "arm.schema.json").read_text(encoding="utf-8"))
+    assert published == json.loads(json.dumps(arm_json_schema()))
+    pytest.importorskip("jsonschema").validate(json.loads((folder / "arm.json").read_bytes()), published)
 
 
 def test_the_page_names_every_joint(folder: Path) -> None:

@@ -30,6 +30,8 @@ def write_arm(examination: ArmExamination, folder: Path, simulation: str | Path)
     Returns:
         The files, in the order of writing.
     """
+    for old in sorted(folder.glob("joints/*/friction.json")):
+        old.unlink()  # of joints that another log had
     record, found = examination.record, examination.answer.identification
     files, notes = [folder / "arm.json"], ["arm.json: this page in numbers (fricomp.arm/1)."]
     save_arm_record(record, files[0])

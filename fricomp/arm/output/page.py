@@ -11,7 +11,7 @@ from fricomp.report import Bars, Chart, Line, Panel, ReportPage, Section, Table
 from ..examination import ArmExamination
 from ..record import ArmRecord
 
-__all__ = ["build_arm_page", "build_joint_table", "build_link_table", "draw_arm_charts"]
+__all__ = ["build_arm_page", "build_file_table", "build_joint_table", "build_link_table", "draw_arm_charts"]
 
 _STATES = {"as_simulated": "as simulated", "off": "off", "not_determined": "not determined"}
 _MOST_JOINTS = 8
@@ -42,6 +42,30 @@ def build_link_table(record: ArmRecord) -> Table:
     return Table(("link", "simulated [kg]", "found [kg]", "95 %", "state"), rows, "What the links weigh.")
 
 
+def build_file_table(record: ArmRecord) -> Table | None:
+    """What the written files are worth, one joint a row; None where it was not measured."""
+    known = [(joint, joint.files) for joint in record.joints if joint.files is not None]
+    if not known:
+        return None
+    times = [each.after for each in known[0][1].positions]
+    rows = tuple(
+        (
+            joint.name,
+            f"{files.torque_simulation:.3g} → {files.torque:.3g} {joint.unit}",
+            f"{files.torque_fit:.3g} {joint.unit}",
+            *(f"{1e3 * at.simulation:.3g} → {1e3 * at.files:.3g} m{at.unit}" for at in files.positions),
+        )
+        for joint, files in known
+    )
+    heads = ("joint", "torque error", "of the fit", *(f"position after {time:g} s" for time in times))
+    caption = (
+        "Simulation with Coulomb and viscous friction → arm.xml with friction.json, made without the blocks on which "
+        "they are measured. Positions: median error of the whole arm in MuJoCo from measured states, driven by the "
+        "recorded torques."
+    )
+    return Table(heads, rows, caption)
+
+
 def draw_arm_charts(examination: ArmExamination) -> dict[str, Chart]:
     """Errors by joint, and what each joint's torque leaves over time."""
     return {"errors": _draw_errors(examination.record), "residuals": _draw_residuals(examination)}
@@ -52,6 +76,7 @@ def build_arm_page(examination: ArmExamination, charts: Mapping[str, Chart], not
     record = examination.record
     sections = [
         Section("Joint by joint", (build_joint_table(record), charts["errors"])),
+        *([Section("The written files", (files,))] if (files := build_file_table(record)) is not None else []),
         Section("Link by link", (build_link_table(record),)),
         Section("Before and after", (charts["residuals"],)),
         Section("Files", notes),

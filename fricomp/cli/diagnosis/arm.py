@@ -117,7 +117,7 @@ def run_arm(
         FricompError: It cannot be examined, or the folder holds something else.
     """
     from fricomp.api.examine_arm import examine_arm
-    from fricomp.arm.output.page import build_joint_table, build_link_table
+    from fricomp.arm.output.page import build_file_table, build_joint_table, build_link_table
     from fricomp.cli.answer import print_json
     from fricomp.cli.fleet import rich_table
     from fricomp.cli.terminal import console, progress
@@ -139,7 +139,8 @@ def run_arm(
         return found
     for number, sentence in enumerate(found.record.sentences):
         show.print(sentence, style="bold" if number == 0 else None, markup=False)
-    for table in (build_joint_table(found.record), build_link_table(found.record)):
+    builders = (build_joint_table, build_file_table, build_link_table)
+    for table in (one for build in builders if (one := build(found.record)) is not None):
         show.print()
         show.print(rich_table(table))
     listed = ", ".join(sorted(path.name for path in out.iterdir() if path.suffix != ".png"))
