@@ -97,7 +97,7 @@ def test_the_written_files_predict_what_they_were_not_fitted_to(folder: Path) ->
 
 
 def test_the_record_obeys_the_schema_that_is_published(folder: Path) -> None:
-    """`python -c "import json; from fricomp.arm.record import arm_json_schema as s; print(json.dumps(s(), indent=2))"`."""
+    """Where the record changes, write `json.dumps(arm_json_schema(), indent=2)` there."""
     published = json.loads((Path(__file__).parents[2] / "docs" / "arm.schema.json").read_text(encoding="utf-8"))
     assert published == json.loads(json.dumps(arm_json_schema()))
     pytest.importorskip("jsonschema").validate(json.loads((folder / "arm.json").read_bytes()), published)
