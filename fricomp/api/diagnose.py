@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from fricomp.arm.payload import diagnose_payload, group_sessions
 from fricomp.diagnosis import Controller, Diagnosis, RigidJoint, diagnose_against, read_controller
 from fricomp.diagnosis import diagnose as diagnose_joint
 from fricomp.errors import DiagnosisError
@@ -35,6 +36,7 @@ def diagnose(
     thorough: bool = False,
     seed: int = 0,
     names: Sequence[str] | None = None,
+    payload: bool = False,
     out: str | os.PathLike[str] | None = None,
     overwrite: bool = False,
     progress: Callable[[str], None] | None = None,
@@ -63,6 +65,8 @@ def diagnose(
         thorough: Take more nulls for the thresholds: for an answer near one of them. It takes longer.
         seed: Of nulls and bootstraps; the same seed gives the same answer.
         names: What each recording is called in the answer; the names of their files if None.
+        payload: With the recordings of all joints of an arm from one session: its simulation is right, but for what
+            the arm carries at its end. Two sessions of an arm are compared for their payloads without it.
         out: Folder for the report, the record and the models, as the command writes it; nothing is written if None.
         overwrite: Replace the diagnosis that `out` holds already.
         progress: Called with a few words before each step.
@@ -79,6 +83,7 @@ def diagnose(
     settings: dict[str, Any] = {
         "joint": joint, "thorough": thorough, "seed": seed, "progress": progress,
         "controller": read_controller(Path(controller)) if isinstance(controller, str | os.PathLike) else controller,
+        "payload": payload,
         "names": names or [_name_of(one, number) for number, one in enumerate(given, 1)],
     }  # fmt: skip
     if out is None:
@@ -116,10 +121,31 @@ def _diagnose(
     if simulated is not None:
         if simulation is not None or friction is not None:
             raise DiagnosisError("simulated is the simulation: leave out simulation and friction")
+        settings.pop("payload")
         return diagnose_against(series, _load(simulated), **settings)
+    payload = settings.pop("payload")
+    several = len({one.metadata.joint for one in series} - {"", "joint"}) > 1
+    if several and settings["joint"] is None and isinstance(simulation, str | os.PathLike):
+        return _compare_payloads(series, Path(simulation), settings["names"], payload=payload)
     model = load_model(friction) if isinstance(friction, str | os.PathLike) else friction
     joint = Path(simulation) if isinstance(simulation, str | os.PathLike) else simulation
     return diagnose_joint(series, joint, friction=model, **settings)
+
+
+def _compare_payloads(
+    series: Sequence[Recording], simulation: Path, names: Sequence[str], *, payload: bool
+) -> Diagnosis:
+    """What an arm carries at its end, from two sessions, or from one where that is asked for.
+
+    Raises:
+        DiagnosisError: It is one session, and nobody says that it is the payload that is looked for.
+    """
+    if len(group_sessions(series)) == 1 and not payload:
+        raise DiagnosisError(
+            "the recordings are one session of an arm: fricomp.examine_arm says what its simulation leaves out, and "
+            "payload=True what it carries if the simulation is right; two sessions compare their payloads"
+        )
+    return diagnose_payload(series, simulation, names)
 
 
 def _load(source: Source) -> Recording:

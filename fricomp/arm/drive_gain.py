@@ -9,7 +9,7 @@ import numpy as np
 from fricomp.errors import RecordingError
 from fricomp.recording import Recording
 
-__all__ = ["find_drive_gain", "take_torques"]
+__all__ = ["find_drive_gain", "take_given_gains", "take_torques"]
 
 _TORQUES = ("N·m", "N")
 
@@ -24,6 +24,12 @@ def find_drive_gain(recording: Recording) -> float | None:
     if isinstance(gain, int | float):
         return float(gain)
     return float(constant) * ratio if isinstance(constant, int | float) and ratio is not None else None
+
+
+def take_given_gains(recordings: Sequence[Recording], gains: Mapping[str, float]) -> list[Recording]:
+    """The recordings of the joints that a gain is given for in N·m or N, the others as they are."""
+    named = (gains.get(one.metadata.joint) if one.metadata.torque_unit == "A" else None for one in recordings)
+    return [one if gain is None else _convert(one, gain) for one, gain in zip(recordings, named, strict=True)]
 
 
 def take_torques(recordings: Sequence[Recording], gains: Mapping[str, float]) -> list[Recording]:

@@ -129,6 +129,11 @@ class SimulatedArm:
         return tuple(sorted(range(len(ids)), key=ids.__getitem__))
 
     @property
+    def last_link(self) -> int:
+        """Number of the link at the end of the chain."""
+        return self._bodies.index(int(self._model.jnt_bodyid[self._model.joint(self.joints[self.order[-1]]).id]))
+
+    @property
     def moving_joints(self) -> frozenset[str]:
         """Names of the joints that were recorded, and of those that follow them."""
         return frozenset((*self.joints, *(one.name for one in self.followers)))

@@ -11,7 +11,17 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from fricomp.cli.answer import AsJson
-from fricomp.cli.diagnosis.arm import ArmOptions, Channel, Gain, LogMapping, Match, find_arm_log, run_arm
+from fricomp.cli.diagnosis.arm import (
+    ArmOptions,
+    Channel,
+    Gain,
+    LogMapping,
+    Match,
+    Payload,
+    find_arm_log,
+    find_payload,
+    run_arm,
+)
 from fricomp.cli.fleet import Executor, FailIf, FleetRun, Resume, Workers, rich_table, run_joints, show_fleet
 from fricomp.cli.out_folder import Overwrite
 from fricomp.extras import REPORT, require
@@ -118,6 +128,7 @@ def diagnose(
     gain: Gain = None,
     channel: Channel = None,
     mapping: LogMapping = "",
+    payload: Payload = False,
     seed: Annotated[
         int,
         typer.Option(
@@ -159,13 +170,15 @@ def diagnose(
     _refuse_fleet_options(fleet)
     arm = ArmOptions(match, gain, channel, mapping, as_json)
     log = None if joint is not None else find_arm_log(recordings, simulation, arm)
-    if log is not None and simulation is not None and len(log.sessions) == 1:
+    if log is not None and simulation is not None and len(log.sessions) == 1 and not payload:
         run_arm(log, simulation, out, arm, seed, overwrite=overwrite)
         return
-    arm.refuse("is of an arm: leave it out, or give the log of all joints and their --simulation")
-    paths = find_recordings(recordings)
     with _interruptible(out):
-        run = run_diagnosis(paths, out, options, given, overwrite=overwrite)
+        if log is not None and simulation is not None:
+            run = DiagnosisRun(find_payload(log, simulation, out, arm, overwrite=overwrite), (), ())
+        else:
+            arm.refuse("is of an arm: leave it out, or give the log of all joints and their --simulation")
+            run = run_diagnosis(find_recordings(recordings), out, options, given, overwrite=overwrite)
     if as_json:
         _print_record(out)
     else:

@@ -25,7 +25,6 @@ from .joint.base import unpack
 from .joint.loading import build_tracks, has_low_rate
 from .joint.observer import Observer
 from .joint.weak_form import estimate_rest_speed
-from .payload import diagnose_arm
 from .record.result import Diagnosis, Forward
 from .samples.second_look import look_into_samples
 from .search.late_creep import has_late_creep
@@ -98,7 +97,11 @@ def diagnose(
         raise DiagnosisError("no recording was given: diagnose needs at least one")
     joints = {one.metadata.joint for one in series} - {"", "joint"}
     if len(joints) > 1 and joint is None:
-        return diagnose_arm(series, simulation, names)
+        raise DiagnosisError(
+            f"the recordings are of several joints ({', '.join(sorted(joints))}): diagnose one joint at a time, or "
+            "give the simulation of the arm to fricomp.examine_arm, and two sessions of it to fricomp.diagnose to "
+            "compare payloads"
+        )
     _report(progress, "checking the data")
     given = read_given(series, simulation, joint=joint, friction=friction, controller=controller, names=names)
     return diagnose_given(given, thorough=thorough, seed=seed, progress=progress)

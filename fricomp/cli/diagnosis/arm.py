@@ -15,8 +15,9 @@ from fricomp.extras import REPORT, require
 if TYPE_CHECKING:
     from fricomp.arm import ArmExamination
     from fricomp.arm.log import ArmLog
+    from fricomp.diagnosis import Diagnosis
 
-__all__ = ["ArmOptions", "Channel", "Gain", "LogMapping", "Match", "find_arm_log", "run_arm"]
+__all__ = ["ArmOptions", "Channel", "Gain", "LogMapping", "Match", "Payload", "find_arm_log", "find_payload", "run_arm"]
 
 _PANEL = "Of an arm"
 Match = Annotated[
@@ -33,6 +34,10 @@ Channel = Annotated[
 ]
 LogMapping = Annotated[
     str, typer.Option(rich_help_panel=_PANEL, help="Mapping file, or one in the package, for a log without such names.")
+]
+Payload = Annotated[
+    bool,
+    typer.Option("--payload", rich_help_panel=_PANEL, help="The simulation is right but for what the arm carries."),
 ]
 
 
@@ -106,6 +111,27 @@ def find_arm_log(sources: Sequence[str], simulation: Path | None, options: ArmOp
             f"{files[0]} is the log of {count} joints: give the --simulation of the arm (MJCF or URDF)"
         )
     return log if log.is_arm else None
+
+
+def find_payload(log: ArmLog, simulation: Path, out: Path, options: ArmOptions, *, overwrite: bool) -> Diagnosis:
+    """Say what an arm carries at its end, from one session or two, and write the folder of a diagnosis.
+
+    Raises:
+        FricompError: It cannot be found, or the folder holds something else.
+    """
+    from fricomp.arm.drive_gain import take_given_gains
+    from fricomp.arm.payload import diagnose_payload
+    from fricomp.cli.terminal import progress
+    from fricomp.diagnosis.report import write_diagnosis
+    from fricomp.results import DIAGNOSIS, claim_folder
+
+    with claim_folder(out, DIAGNOSIS, overwrite=overwrite, inputs=(*log.files, simulation)) as claim, progress() as bar:
+        bar.add_task("weighing the payload", total=None)
+        recordings = take_given_gains(log.recordings, options.gains)
+        diagnosis = diagnose_payload(recordings, simulation, match=options.names)
+        claim.clear()
+        write_diagnosis(diagnosis, out, facts={"log": ", ".join(map(str, log.files)), "simulation": str(simulation)})
+    return diagnosis
 
 
 def run_arm(

@@ -14,10 +14,6 @@ __all__ = ["INPUT", "InputSettings"]
 class InputSettings:
     """What is read out of recordings and simulations before anything is fitted."""
 
-    mass_distance: float = 0.1
-    """Distance of the point masses from a body's origin [m]; any one of the size of a link spans the same."""
-    still_mass: float = 1e-9
-    """Mass of a body while another one is weighed [kg], small enough to leave no trace."""
     loop_explains: float = 0.9
     """Part of the torque's variance that a loop must explain, on blocks left out. A lower one takes other loops for
     a PID."""

@@ -8,6 +8,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 
+from fricomp.arm.payload import diagnose_payload
 from fricomp.diagnosis import Diagnosis, DiagnosisRecord, Quantity, diagnose, load_diagnosis
 from fricomp.diagnosis.report import derive_parameters, write_diagnosis
 from fricomp.errors import FricompError
@@ -156,7 +157,12 @@ def _diagnose(case: RealCase, place: Path, seed: int) -> RealOutcome:
         named = [(source, recording) for source in case.sources for recording in read_public(source)]
         names = [f"{source}/{one.metadata.joint}" if case.arm else source for source, one in named]
         simulation = _write_arm(case.arm, place) if case.arm else None
-        diagnosis: Diagnosis = diagnose([one for _, one in named], simulation, seed=seed, names=names)
+        series = [one for _, one in named]
+        diagnosis: Diagnosis = (
+            diagnose(series, seed=seed, names=names)
+            if simulation is None
+            else diagnose_payload(series, simulation, names)
+        )
     except FricompError as error:
         return RealOutcome(case, None, str(error), time.perf_counter() - start)
     seconds = time.perf_counter() - start

@@ -12,7 +12,6 @@ from fricomp.diagnosis import RigidJoint, diagnose
 from fricomp.diagnosis.effects.forward_part import ForwardPart
 from fricomp.diagnosis.effects.spring import combine_springs
 from fricomp.diagnosis.forward.forward import add_spring
-from fricomp.diagnosis.inputs.arm_dynamics import ArmMotion, read_arm
 from fricomp.diagnosis.inputs.rigid import Spring, read_simulation
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Contribution, Plant
@@ -96,13 +95,3 @@ def test_a_spring_of_the_simulation_that_the_joint_lacks_is_said_plainly() -> No
     assert term.stiffness < 0.2
     same = replace(given, spring=None)
     assert diagnose(recording(joint, "rich", 40.0), same).verdict == "consistent"
-
-
-def test_a_spring_is_no_mass_of_an_arm(tmp_path: Path) -> None:
-    columns, motion = [], ArmMotion(*(np.array([[0.1], [0.7]]) for _ in range(3)))
-    for spring in ("", 'stiffness="6" springref="0.3"'):
-        path = tmp_path / "arm.xml"
-        path.write_text(_MJCF.format(spring=spring))
-        arm = read_arm(path)
-        columns.append(arm.compute_body_columns(motion, arm.last))
-    np.testing.assert_allclose(columns[1], columns[0])

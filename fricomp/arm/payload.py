@@ -1,34 +1,36 @@
-"""What an arm carries in one session more than in another: mass and first moments at its end, from joint torques.
+"""What an arm carries at its end, from joint torques: more in one session than in another, or than its simulation.
 
     tau_j = sum over bodies Y_jb(q, v, a) w_b + [session] Y_je(q, v, a) w_p + friction_j(v, tau_j)
 
 The weights w_b of the bodies are whatever the recordings say, for each joint on its own; only w_p is shared by all
-joints. So the simulation need not know what its links weigh, and no motion has to be repeated [hollerbach2016].
+joints. So the simulation need not know what its links weigh, and no motion has to be repeated [hollerbach2016]. Of one
+session alone the bodies weigh what the simulation says, and w_p is what they leave.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from scipy.signal import butter, filtfilt
 
+from fricomp.diagnosis.inputs.checks import reasons_against
+from fricomp.diagnosis.inputs.given import Given
+from fricomp.diagnosis.record.result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord, NamedEffect, Quantity
+from fricomp.diagnosis.record.sentence import Notes, write_record
+from fricomp.diagnosis.samples.sample_finding import compute_held_out
+from fricomp.diagnosis.verdict.writing import write_refusal
 from fricomp.errors import DiagnosisError
+from fricomp.laws import FloatArray
 from fricomp.recording import Recording
 
-from .inputs.arm_dynamics import ArmDynamics, ArmMotion, place_points, read_arm
-from .inputs.checks import reasons_against
-from .inputs.given import Given
-from .inputs.rigid import RigidJoint
-from .inputs.track import FloatArray
-from .record.result import DIAGNOSIS_SCHEMA, Diagnosis, DiagnosisRecord, NamedEffect, Quantity
-from .record.sentence import Notes, write_record
-from .samples.sample_finding import compute_held_out
-from .verdict.writing import write_refusal
+from .inertia import N_INERTIA, combine_inertia
+from .regressor import compute_regressor
+from .simulated_arm import SimulatedArm, read_arm
 
-__all__ = ["Payload", "diagnose_arm", "find_payload", "group_sessions"]
+__all__ = ["Payload", "diagnose_payload", "find_payload", "group_sessions"]
 
 
 @dataclass(frozen=True)
@@ -111,46 +113,47 @@ def group_sessions(recordings: Sequence[Recording]) -> list[Session]:
     return sessions
 
 
-def diagnose_arm(
+def diagnose_payload(
     recordings: Sequence[Recording],
-    simulation: RigidJoint | str | Path | None,
+    simulation: str | Path,
     names: Sequence[str] | None = None,
+    *,
+    match: Mapping[str, str] | None = None,
 ) -> Diagnosis:
-    """Say whether an arm carries another payload in its last session than in its first.
+    """Say what an arm carries at its end: more than in its first session, or more than its simulation.
 
     Args:
-        recordings: Two sessions of all joints, one after the other.
-        simulation: MJCF or URDF file with the kinematics of the arm.
+        recordings: Two sessions of all joints, one after the other; or one, which is compared with the simulation.
+        simulation: MJCF or URDF of the arm. Of two sessions it gives the kinematics alone; of one its links must weigh
+            what it says, as in the `arm.xml` of a session without the payload.
         names: What each recording is called; None for its session and its joint.
+        match: Names in the simulation by names in the recordings, where they differ.
 
     Raises:
-        DiagnosisError: There is no such file, the recordings are not two sessions of all joints, or no joint's torque
-            is in N·m.
+        DiagnosisError: The recordings are not one or two sessions of the same joints, or no joint's torque is in N·m.
+        SimulationFileError: The simulation cannot be read, or lacks a joint.
     """
-    if simulation is None or isinstance(simulation, RigidJoint):
-        joints = sorted({one.metadata.joint for one in recordings} - {"", "joint"})
-        raise DiagnosisError(
-            f"the recordings are of several joints ({', '.join(joints)}): diagnose one joint at a time, or give two "
-            "sessions of all joints and the simulation of the arm to compare payloads"
-        )
     reasons = [f"{one.metadata.joint}: {reason}" for one in recordings for reason in reasons_against([one], None)]
     if reasons:
         called = tuple(names or (f"recording {i + 1}" for i in range(len(recordings))))
         return write_refusal(Given(tuple(recordings), called), reasons)
-    arm, sessions = read_arm(simulation), group_sessions([one.on_joint_side() for one in recordings])
-    for session in sessions:
-        missing = sorted(set(arm.joints) - set(session))
-        if missing or len(sessions) != 2:
-            raise DiagnosisError(
-                f"an arm is diagnosed from two sessions with a recording of every joint ({', '.join(arm.joints)}); "
-                f"got {len(sessions)}" + (f", one without {', '.join(missing)}" if missing else "")
-            )
+    sessions = group_sessions([one.on_joint_side() for one in recordings])
+    joints = list(sessions[0])
+    if len(sessions) > 2 or any(set(one) != set(joints) for one in sessions):
+        told = "; ".join(", ".join(one) for one in sessions)
+        raise DiagnosisError(f"a payload is found from one or two sessions with the same joints; got {told}")
+    arm = read_arm(simulation, joints, match)
+    renamed = [dict(zip(arm.joints, (one[name] for name in joints), strict=True)) for one in sessions]
     counted = tuple(f"session {i + 1}, {name}" for i, session in enumerate(sessions) for name in session)
-    return _write_answer(find_payload(arm, sessions), tuple(names or counted))
+    return _write_answer(find_payload(arm, renamed), tuple(names or counted), single=len(sessions) == 1)
 
 
-def find_payload(arm: ArmDynamics, sessions: Sequence[Session]) -> Payload:
-    """Identify arm, friction and the difference in payload between two sessions."""
+def find_payload(arm: SimulatedArm, sessions: Sequence[Session]) -> Payload:
+    """Identify friction and the payload: what two sessions differ by, or what one has more than the simulation.
+
+    Raises:
+        DiagnosisError: No joint's torque is known in N·m or N.
+    """
     rows = [_Rows.build(arm, session) for session in sessions]
     gains = [_list_gains(session) for session in sessions]
     joints = [name for name in arm.joints if all(name in known for known in gains)]
@@ -185,8 +188,24 @@ def find_payload(arm: ArmDynamics, sessions: Sequence[Session]) -> Payload:
 
 
 _NAMES = ("mass", "first_moment_x", "first_moment_y", "first_moment_z")
-_MOMENTS = np.column_stack([np.ones(10), place_points()])
+_DISTANCE = 0.1
+"""[m] of the point masses that make up a body from its origin: about the size of a link, so that all of their columns
+are of one size."""
+
+
+def _place_points() -> FloatArray:
+    """Where ten point masses sit on a body: their masses and moments are independent [m]. Shape (10, 3)."""
+    e = np.eye(3)
+    points = [np.zeros(3), *e, *-e, e[0] + e[1], e[1] + e[2], e[0] + e[2]]
+    return np.asarray(_DISTANCE * np.array(points))
+
+
+_POINTS = _place_points()
+_MOMENTS = np.column_stack([np.ones(10), _POINTS])
 """Mass and first moments of ten unit masses at the points that a body is made of. Shape (10, 4)."""
+
+_INERTIA = np.stack([combine_inertia(1.0, point, np.zeros((3, 3))) for point in _POINTS], axis=1)
+"""Ten numbers of a link for each of these masses. Shape (10, 10)."""
 
 
 @dataclass(frozen=True)
@@ -194,19 +213,23 @@ class _Rows:
     """Filtered motion and torques of one session at `SETTINGS.rate`.
 
     Attributes:
-        motion: Of all joints.
-        torque: As recorded. Shape (n, n_joints).
-        bodies: Columns of all bodies. Shape (n, n_joints, 10 n_bodies).
-        payload: Columns of the last body. Shape (n, n_joints, 10).
+        velocity: Of all joints. Shape (n, n_joints), like the others.
+        acceleration: [rad/s²] or [m/s²].
+        torque: As recorded.
+        simulated: Of the simulation's links and rotors [N·m] or [N].
+        bodies: Columns of all links. Shape (n, n_joints, 10 n_links).
+        payload: Columns of the last link. Shape (n, n_joints, 10).
     """
 
-    motion: ArmMotion
+    velocity: FloatArray
+    acceleration: FloatArray
     torque: FloatArray
+    simulated: FloatArray
     bodies: FloatArray
     payload: FloatArray
 
     @classmethod
-    def build(cls, arm: ArmDynamics, session: Session) -> _Rows:
+    def build(cls, arm: SimulatedArm, session: Session) -> _Rows:
         series = [session[name] for name in arm.joints]
         dt = float(np.median([one.sample_period for one in series]))
         first, last = max(one.time[0] for one in series), min(one.time[-1] for one in series)
@@ -220,9 +243,12 @@ class _Rows:
         acceleration = np.gradient(velocity, dt, axis=0)
         edge = round(SETTINGS.edge / dt)
         kept = slice(edge, grid.size - edge, max(1, round(1.0 / (SETTINGS.rate * dt))))
-        motion = ArmMotion(position[kept], velocity[kept], acceleration[kept])
-        columns = [arm.compute_body_columns(motion, body) for body in arm.bodies]
-        return cls(motion, torque[kept], np.concatenate(columns, axis=2), columns[-1])
+        columns = compute_regressor(arm, position[kept], velocity[kept], acceleration[kept])
+        links = columns.reshape(*columns.shape[:2], -1, N_INERTIA) @ _INERTIA
+        simulated = columns @ arm.inertia.ravel() + acceleration[kept] * arm.armature
+        last_link = links[:, :, arm.last_link]
+        bodies = links.reshape(columns.shape)
+        return cls(velocity[kept], acceleration[kept], torque[kept], simulated, bodies, last_link)
 
 
 def _list_gains(session: Session) -> dict[str, float]:
@@ -251,14 +277,20 @@ class _JointRows:
 
 
 def _build_joint_rows(j: int, rows: Sequence[_Rows], gains: Sequence[float]) -> _JointRows:
+    """Of one joint; of a single session the links are known, and the payload is what they leave."""
     torque = np.concatenate([one.torque[:, j] * gain for one, gain in zip(rows, gains, strict=True)])
-    bodies = np.concatenate([one.bodies[:, j] for one in rows])
-    payload = np.concatenate([k * one.payload[:, j] for k, one in enumerate(rows)])
-    v = np.concatenate([one.motion.velocity[:, j] for one in rows])
-    sign = np.tanh(v / (SETTINGS.slow * float(np.quantile(np.abs(v), SETTINGS.top))))
-    plain = np.column_stack([bodies, np.ones_like(v), v, sign])
-    rigid = np.column_stack([plain, payload])
-    load = rigid[:, : bodies.shape[1]] @ np.linalg.lstsq(rigid, torque, rcond=SETTINGS.rank)[0][: bodies.shape[1]]
+    v = np.concatenate([one.velocity[:, j] for one in rows])
+    sign = np.tanh(v / (SETTINGS.slow * max(float(np.quantile(np.abs(v), SETTINGS.top)), 1e-12)))
+    friction = np.column_stack([np.ones_like(v), v, sign])
+    if len(rows) == 1:
+        payload, load = rows[0].payload[:, j], rows[0].simulated[:, j]
+        torque, plain = torque - load, np.column_stack([friction, rows[0].acceleration[:, j]])
+    else:
+        bodies = np.concatenate([one.bodies[:, j] for one in rows])
+        payload = np.concatenate([k * one.payload[:, j] for k, one in enumerate(rows)])
+        plain, n = np.column_stack([bodies, friction]), bodies.shape[1]
+        rigid = np.column_stack([plain, payload])
+        load = rigid[:, :n] @ np.linalg.lstsq(rigid, torque, rcond=SETTINGS.rank)[0][:n]
     own = np.column_stack([plain, v * np.abs(v), np.abs(load) * sign])
     size = np.linalg.norm(own, axis=0)
     seen = size > SETTINGS.dust * size.max()
@@ -316,7 +348,7 @@ def _compute_rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _write_answer(found: Payload, names: tuple[str, ...]) -> Diagnosis:
+def _write_answer(found: Payload, names: tuple[str, ...], *, single: bool) -> Diagnosis:
     noise = float(np.sqrt(np.mean([value**2 for value in found.noise.values()])))
     held = compute_held_out(found.before, found.after, noise, ("N·m", 0))
     seen = found.significance > SETTINGS.significant and held.rmse_after < held.rmse_before
@@ -331,7 +363,7 @@ def _write_answer(found: Payload, names: tuple[str, ...]) -> Diagnosis:
         parameters=parameters,
         share=held.explained,
         equation="tau_j = ... + Y_je(q, v, a) w_p",
-        sentence=_describe_payload(found),
+        sentence=_describe_payload(found, single=single),
         citation="hollerbach2016",
     )
     fields = DiagnosisRecord(
@@ -342,7 +374,7 @@ def _write_answer(found: Payload, names: tuple[str, ...]) -> Diagnosis:
         recordings=names,
         joint="arm",
     )
-    notes = Notes(lead=(_describe_joints(found),)) if seen else Notes(opening=_describe_likeness(found))
+    notes = Notes(lead=(_describe_joints(found),)) if seen else Notes(opening=_describe_likeness(found, single=single))
     return Diagnosis(write_record(fields, notes))
 
 
@@ -353,19 +385,25 @@ def _describe_joints(found: Payload) -> str:
     return f"It shows most in the torque of {', '.join(shown)}: the fall of each one's held-out error."
 
 
-def _describe_likeness(found: Payload) -> str:
+def _describe_likeness(found: Payload, *, single: bool) -> str:
     mass, error = found.moments.get("mass", (0.0, 0.0))
+    head = (
+        "The arm carries at its end what its simulation does"
+        if single
+        else ("Both sessions carry the same at the end of the arm")
+    )
     return (
-        "Both sessions carry the same at the end of the arm, as far as these motions show"
+        f"{head}, as far as these motions show"
         + (f": the masses differ by {mass:.2g} ± {1.96 * error:.2g} kg" if "mass" in found.moments else "")
         + ". Nothing else was looked for; diagnose the joints one at a time."
     )
 
 
-def _describe_payload(found: Payload) -> str:
+def _describe_payload(found: Payload, *, single: bool) -> str:
+    who, other = ("the arm", "in its simulation") if single else ("the last session", "the first")
     if "mass" not in found.moments:
-        return "the last session carries another load at the end of the arm than the first"
+        return f"{who} carries another load at the end of the arm than {other}"
     mass = found.moments["mass"][0]
-    single = ", ".join(f"{name} {value:.3g}" for name, value in found.by_joint.items())
+    joints = ", ".join(f"{name} {value:.3g}" for name, value in found.by_joint.items())
     more = f"{abs(mass):.3g} kg {'more' if mass > 0.0 else 'less'}"
-    return f"the last session carries {more} than the first at the end of the arm (by single joints: {single} kg)"
+    return f"{who} carries {more} than {other} at the end of the arm (by single joints: {joints} kg)"

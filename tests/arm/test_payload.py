@@ -1,0 +1,140 @@
+"""What an arm carries more in one session than in another is found from joint torques, its links unknown."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fricomp import diagnose
+from fricomp.arm.payload import diagnose_payload
+from fricomp.arm.regressor import compute_regressor
+from fricomp.arm.simulated_arm import read_arm
+from fricomp.cli.main import app
+from fricomp.diagnosis import load_diagnosis
+from fricomp.errors import DiagnosisError
+from fricomp.recording import Recording, RecordingMetadata, find_public_data, read_public
+from fricomp.sim_bench.studies.real.arm import ARMS, arm_xml
+
+_ARM = """<mujoco><worldbody>
+<body><joint name="shoulder" axis="0 1 0"/><inertial pos="0.2 0 0" mass="3" diaginertia="0.1 0.1 0.1"/>
+<body pos="0.5 0 0"><joint name="elbow" axis="0 1 0"/><inertial pos="0.15 0 0" mass="1.5" diaginertia="0.05 0.05 0.05"/>
+</body></body></worldbody></mujoco>"""
+
+
+def _session(payload: float, seed: int, seconds: float = 25.0) -> list[Recording]:
+    """Both joints of the arm on a motion of their own, with a point mass 0.3 m along the forearm."""
+    mujoco = pytest.importorskip("mujoco")
+    model = mujoco.MjModel.from_xml_string(_ARM)
+    data, rng = mujoco.MjData(model), np.random.default_rng(seed)
+    t = np.arange(int(seconds * 200)) / 200.0
+    q, v, a = (np.zeros((t.size, 2)) for _ in range(3))
+    for joint in range(2):
+        for w in (0.7, 1.6, 2.9):
+            size, angle = 0.5 * rng.uniform(0.6, 1.0), rng.uniform(0.0, 6.0)
+            q[:, joint] += size * np.sin(w * t + angle)
+            v[:, joint] += size * w * np.cos(w * t + angle)
+            a[:, joint] -= size * w * w * np.sin(w * t + angle)
+    model.body_mass[2], total = 1.5 + payload, 1.5 + payload
+    centre = (1.5 * 0.15 + payload * 0.3) / total
+    model.body_ipos[2] = [centre, 0.0, 0.0]
+    model.body_inertia[2] += 1.5 * (0.15 - centre) ** 2 + payload * (0.3 - centre) ** 2
+    mujoco.mj_setConst(model, data)
+    torque = np.empty_like(q)
+    for k in range(t.size):
+        data.qpos[:], data.qvel[:], data.qacc[:] = q[k], v[k], a[k]
+        mujoco.mj_inverse(model, data)
+        torque[k] = data.qfrc_inverse
+    torque += 1.2 * np.sign(v) + 0.6 * v + 0.1 * rng.standard_normal(q.shape)
+    names = ("shoulder", "elbow")
+    return [Recording(t, q[:, i], torque[:, i], metadata=RecordingMetadata(joint=names[i])) for i in range(2)]
+
+
+@pytest.fixture
+def arm(tmp_path: Path) -> Path:
+    path = tmp_path / "arm.xml"
+    path.write_text(_ARM)
+    return path
+
+
+def test_a_payload_is_found_with_its_mass(arm: Path) -> None:
+    diagnosis = diagnose([*_session(0.0, 1), *_session(0.8, 2)], arm)
+    assert diagnosis.verdict == "parameters"
+    (effect,) = diagnosis.effects
+    assert effect.name == "payload_error"
+    mass = effect.parameters["mass"]
+    assert mass.value == pytest.approx(0.8, rel=0.05)
+    assert mass.ci95[0] < 0.8 < mass.ci95[1]
+    assert effect.parameters["first_moment_x"].value == pytest.approx(0.24, rel=0.05)
+    assert "first_moment_y" not in effect.parameters, "both axes are parallel to it"
+    assert diagnosis.sentences[1].startswith("It shows most in the torque of shoulder (")
+    assert ", elbow (" in diagnosis.sentences[1]
+
+
+def test_a_payload_is_found_in_one_session_where_the_simulation_is_right(arm: Path) -> None:
+    diagnosis = diagnose(_session(0.8, 2), arm, payload=True)
+    mass = diagnosis.effects[0].parameters["mass"]
+    assert mass.value == pytest.approx(0.8, rel=0.03)
+    assert mass.ci95[0] < 0.8 < mass.ci95[1]
+    assert "more than in its simulation" in diagnosis.effects[0].sentence
+    assert diagnose(_session(0.0, 2), arm, payload=True).verdict == "consistent"
+
+
+@pytest.mark.parametrize("single", [False, True])
+def test_the_command_takes_sessions_as_they_were_logged(arm: Path, tmp_path: Path, single: bool) -> None:
+    logs = []
+    for name, payload, seed in (("light", 0.0, 1), ("heavy", 0.8, 2)):
+        session = _session(payload, seed)
+        q, tau = (np.stack([getattr(one, key) for one in session], axis=1) for key in ("position", "torque"))
+        np.savez(tmp_path / f"{name}.npz", t=session[0].time, q=q, tau=tau)
+        logs.append(str(tmp_path / f"{name}.npz"))
+    given = [logs[1], "--payload"] if single else logs
+    options = ["--simulation", str(arm), "--match", "joint_1=shoulder,joint_2=elbow", "--out", str(tmp_path / "out")]
+    done = CliRunner().invoke(app, ["diagnose", *given, *options])
+    assert done.exit_code == 0, done.output
+    (effect,) = load_diagnosis(tmp_path / "out" / "diagnosis.json").effects
+    assert effect.parameters["mass"].value == pytest.approx(0.8, rel=0.05)
+
+
+def test_a_spring_is_no_mass(tmp_path: Path) -> None:
+    columns = []
+    for spring in ("", 'stiffness="6" springref="0.3"'):
+        path = tmp_path / "arm.xml"
+        path.write_text(_ARM.replace('name="elbow"', f'name="elbow" {spring}'))
+        columns.append(compute_regressor(read_arm(path, ("shoulder", "elbow")), *np.full((3, 2, 2), 0.7)))
+    np.testing.assert_allclose(columns[1], columns[0])
+
+
+def test_the_same_payload_twice_is_none(arm: Path) -> None:
+    diagnosis = diagnose([*_session(0.3, 1), *_session(0.3, 2)], arm)
+    assert diagnosis.verdict == "consistent"
+    assert diagnosis.effects == ()
+    assert "carry the same" in diagnosis.sentences[0]
+
+
+def test_several_joints_without_an_arm_are_refused_by_name(arm: Path) -> None:
+    light = _session(0.0, 1, 6.0)
+    with pytest.raises(DiagnosisError, match="elbow, shoulder"):
+        diagnose(light)
+    with pytest.raises(DiagnosisError, match="payload=True"):
+        diagnose(light, arm)
+    with pytest.raises(DiagnosisError, match="one or two sessions"):
+        diagnose(light * 3, arm)
+    amperes = [replace(one, metadata=replace(one.metadata, torque_unit="A")) for one in light]
+    with pytest.raises(DiagnosisError, match="drive_gain"):
+        diagnose([*amperes, *amperes], arm)
+
+
+@pytest.mark.parametrize("light", ["ur10e/fourier", "ur10e/points"])
+def test_the_known_payload_of_a_real_arm(tmp_path: Path, light: str) -> None:
+    """Weighed: 2.805 kg. The motion without it is the same one, or another."""
+    if find_public_data("ur10e") is None:
+        pytest.skip("the public data of ur10e are not here: set FRICOMP_DATA")
+    path = tmp_path / "ur10e.xml"
+    path.write_text(arm_xml("ur10e", ARMS["ur10e"]))
+    diagnosis = diagnose_payload([*read_public(light), *read_public("ur10e/fourier_load")], path)
+    assert [effect.name for effect in diagnosis.effects] == ["payload_error"]
+    mass = diagnosis.effects[0].parameters["mass"]
+    assert mass.value == pytest.approx(2.805, rel=0.03)
+    assert mass.ci95[0] < 2.805 < mass.ci95[1]
