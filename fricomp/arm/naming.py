@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from fricomp.errors import SimulationFileError
-
-from .log.column import simplify_joint
+from fricomp.recording.named.column import simplify_joint
 
 __all__ = ["match_joints", "parse_names"]
 

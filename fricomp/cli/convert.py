@@ -19,6 +19,10 @@ __all__ = ["app", "convert"]
 app = typer.Typer(add_completion=False)
 
 _EPILOG = """
+fricomp convert log.csv --inspect
+
+fricomp convert log.csv --inspect --out log.toml
+
 fricomp convert DATA_EMPS.mat --mapping emps --out train.csv
 
 fricomp convert log.mcap --mapping my_robot.toml --rate 500 --out elbow.parquet
@@ -32,9 +36,16 @@ docs/recordings.md says what a mapping file holds.
 @app.command(epilog=_EPILOG)
 def convert(
     source: Annotated[Path, typer.Argument(help="MAT, NPZ, NPY, JSON, CSV, text, Parquet, binary, MCAP or rosbag2.")],
-    out: Annotated[Path, typer.Option(help="CSV or Parquet file; several recordings add their names to it.")],
+    out: Annotated[
+        Path | None, typer.Option(help="CSV or Parquet file; several recordings add their names to it.")
+    ] = None,
+    inspect: Annotated[
+        bool,
+        typer.Option("--inspect", help="Say what each column is taken for and why; --out FILE.toml writes a mapping."),
+    ] = False,
     mapping: Annotated[
-        str, typer.Option(help="TOML file, or the name of a mapping in the package; empty for a native recording.")
+        str,
+        typer.Option(help="TOML file, or the name of a mapping in the package; without it names of columns decide."),
     ] = "",
     only: Annotated[list[str] | None, typer.Option(help="Joint or recording to take; repeat for more.")] = None,
     rate: Annotated[float | None, typer.Option(help="Resample to this rate \\[Hz].")] = None,
@@ -51,6 +62,11 @@ def convert(
     """Bring recordings of other formats into the native one, and check them."""
     from fricomp.recording import check_recording, raise_errors, write_recording
 
+    if inspect:
+        _inspect(source, out, overwrite=overwrite)
+        return
+    if out is None:
+        raise RecordingError("say where with --out FILE.csv, or look at the log with --inspect")
     if rate is not None and not 0.0 < rate < float("inf"):
         raise RecordingError(f"--rate is {rate:g}: give samples a second above 0 [Hz], or leave it out")
     if row_rate is not None and not 0.0 < row_rate < float("inf"):
@@ -103,23 +119,64 @@ def _with_note(named: NamedRecording) -> NamedRecording:
 def _read(
     source: Path, mapping: str, rate: float | None, row_rate: float | None, *, skip_bad_rows: bool
 ) -> list[NamedRecording]:
-    from fricomp.recording import NamedRecording, convert
-    from fricomp.recording.file import read_content
-    from fricomp.recording.resampling import resample_checked
+    from fricomp.recording import Finding, NamedRecording, convert
+    from fricomp.recording.file import is_own, read_content
+    from fricomp.recording.named.log import read_named_log
 
     if mapping:
         return list(convert(source, _adjust(mapping, rate, row_rate, skip_bad_rows=skip_bad_rows)))
-    try:
+    if is_own(source):
         recording, findings = read_content(source, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
-    except RecordingError as error:
-        from fricomp.recording import list_mappings
+        found = [NamedRecording(source.stem, recording, findings)]
+    else:
+        log = read_named_log(source, row_rate=row_rate)
+        told = tuple(Finding("named_columns", "note", note.rstrip("."), "--inspect tells why") for note in log.notes)
+        found = [NamedRecording(one.metadata.joint, one, told) for one in log.recordings]
+    return found if rate is None else [_resample(named, rate) for named in found]
 
-        known = ", ".join(list_mappings())
-        raise RecordingError(f"{error}; without --mapping only native recordings are read (known: {known})") from error
-    if rate is not None:
-        recording, before = resample_checked(recording, rate)
-        findings += before
-    return [NamedRecording(source.stem, recording, findings)]
+
+def _resample(named: NamedRecording, rate: float) -> NamedRecording:
+    from dataclasses import replace
+
+    from fricomp.recording.resampling import resample_checked
+
+    recording, before = resample_checked(named.recording, rate)
+    return replace(named, recording=recording, findings=named.findings + before)
+
+
+def _inspect(source: Path, out: Path | None, *, overwrite: bool) -> None:
+    """Say what a log holds, and write the mapping or show it."""
+    from rich.table import Table
+
+    from fricomp.cli.terminal import console
+    from fricomp.recording.named.inspection import inspect_log
+    from fricomp.recording.named.mapping_text import render_mapping
+    from fricomp.results import require_free_file
+    from fricomp.whole_file import write_whole
+
+    if out is not None:
+        require_free_file(out, overwrite=overwrite, inputs=[source])
+    seen, screen = inspect_log(source), console()
+    table = Table("column", "numbers", "from", "to", "taken for", "why", box=None, pad_edge=False)
+    for column in seen.columns:
+        edges = (f"{column.lowest:.4g}", f"{column.highest:.4g}")
+        table.add_row(column.name, str(column.rows), *edges, column.taken_for or "–", column.why)
+    screen.print(table)
+    if seen.log is None:
+        raise RecordingError(seen.refusal)
+    for one in seen.log.recordings:
+        rate = 1.0 / one.sample_period
+        screen.print(f"\n{one.metadata.joint}: {len(one)} samples, {one.duration:.4g} s at {rate:.5g} Hz", style="bold")
+        for finding in seen.findings[one.metadata.joint]:
+            screen.print(f"  {finding.severity}: {finding}", soft_wrap=True)
+    text = render_mapping(source, seen.log)
+    if out is None:
+        screen.print(f"\nAs a mapping (--out FILE.toml writes it):\n\n{text}", soft_wrap=True)
+    else:
+        write_whole(out, text, RecordingError)
+        screen.print(
+            f"\nMapping {out}: edit it, then fricomp convert {source} --mapping {out} --out FILE.csv", soft_wrap=True
+        )
 
 
 def _adjust(name: str, rate: float | None, row_rate: float | None, *, skip_bad_rows: bool) -> Mapping:

@@ -5,7 +5,9 @@ from pathlib import Path
 
 from fricomp.errors import RecordingError
 from fricomp.recording.csv_file import FileContent, read_csv, write_csv
-from fricomp.recording.finding import RecordingWarning
+from fricomp.recording.finding import Finding, RecordingWarning, raise_errors
+from fricomp.recording.named.log import is_native, read_named_log
+from fricomp.recording.named.source import is_bag_folder
 from fricomp.recording.parquet_file import read_parquet, write_parquet
 from fricomp.recording.recording import Recording
 
@@ -28,7 +30,10 @@ def write_recording(recording: Recording, path: str | Path) -> None:
 
 
 def read_recording(path: str | Path) -> Recording:
-    """Read a CSV or Parquet recording.
+    """Read a recording: a CSV or Parquet file of the project's own, or the log of one joint whose columns have names.
+
+    Of such a log (CSV, Parquet, MAT, NPZ, JSON, MCAP, a bag) names such as `t_ms`, `q_deg` and `tau` say what the
+    columns hold; a warning tells what was taken for what.
 
     Warns with `RecordingWarning` when the file ends in an unfinished line.
     `check_recording` looks for what may mislead: units, signs, gaps, wraps.
@@ -59,11 +64,34 @@ def read_content(path: Path, *, skip_bad_rows: bool = False, row_rate: float | N
     """
     if not path.exists():
         raise RecordingError(f"no recording at {path}: check the path")
-    if path.is_dir():
+    if path.is_dir() and not is_bag_folder(path):
         raise RecordingError(f"{path} is a folder: name the recording inside it")
-    if _suffix(path) in _PARQUET:
+    if not is_own(path):
+        return _read_named(path, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
+    if path.suffix.lower() in _PARQUET:
         return read_parquet(path, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
     return read_csv(path, skip_bad_rows=skip_bad_rows, row_rate=row_rate)
+
+
+def is_own(path: Path) -> bool:
+    """Whether a file is of the project's own form, or is not there; else the names of its columns say what it holds."""
+    return not path.exists() or (path.is_file() and path.suffix.lower() in _CSV + _PARQUET and is_native(path))
+
+
+def _read_named(path: Path, *, skip_bad_rows: bool, row_rate: float | None) -> FileContent:
+    """The one joint of a log whose columns say by their names what they hold."""
+    log = read_named_log(path, row_rate=row_rate)
+    if len(log.recordings) > 1:
+        names = ", ".join(one.metadata.joint for one in log.recordings)
+        raise RecordingError(
+            f"{path} is the log of {len(log.recordings)} joints, {names}: give the --simulation of their arm, or take "
+            "one by 'fricomp convert LOG --only JOINT --out joint.csv'"
+        )
+    if not skip_bad_rows:
+        raise_errors(log.findings, str(path))
+    advice = "if it is wrong, 'fricomp convert LOG --inspect' writes a mapping to edit"
+    told = tuple(Finding("named_columns", "note", note.rstrip("."), advice) for note in log.notes)
+    return FileContent(log.recordings[0], (*told, *log.findings))
 
 
 def _suffix(path: Path) -> str:

@@ -48,7 +48,10 @@ def test_plain_csv_of_a_spreadsheet_is_read(tmp_path: Path) -> None:
         ("time,position,torque\n0,1,2\n0.1,1,abc\n", "row 2, column torque holds 'abc'"),
         ("time,position,torque\n0,1,2\n0.1,1\n0.2,1,2\n", "row 2 has 2 cells where the header has 3"),
         ("time,position,torque\n0,1,2\n0.1,nan,2\n", "row 2, column position: nan"),
-        ("time,position,effort\n0,1,2\n", "unknown column 'effort'; valid are time, position"),
+        (
+            "time,position,wobble\n0,1,2\n1,1,2\n",
+            "does not say where the torque .* are time, position, wobble",
+        ),
         ("time,position\n0,1\n", "column 'torque' is missing"),
         ("time,position,torque,torque\n0,1,2,2\n", "'torque' appears twice"),
         ("# fricomp.recording/9\ntime,position,torque\n0,1,2\n", "schema fricomp.recording/9.*update fricomp"),
@@ -71,8 +74,11 @@ def test_missing_file_folder_and_foreign_suffix_are_refused(tmp_path: Path) -> N
     with pytest.raises(RecordingError, match="is a folder"):
         read_recording(tmp_path)
     (tmp_path / "data.mat").write_bytes(b"MATLAB")
-    with pytest.raises(RecordingError, match="fricomp convert"):
+    with pytest.raises(RecordingError, match="is no MATLAB file"):
         read_recording(tmp_path / "data.mat")
+    (tmp_path / "data.xyz").write_text("time,position,torque")
+    with pytest.raises(RecordingError, match="unknown suffix"):
+        read_recording(tmp_path / "data.xyz")
     (tmp_path / "binary.csv").write_bytes(bytes(range(128, 256)))
     with pytest.raises(RecordingError, match="no text file"):
         read_recording(tmp_path / "binary.csv")

@@ -98,10 +98,11 @@ def find_arm_log(sources: Sequence[str], simulation: Path | None, options: ArmOp
         RecordingError: A source cannot be read.
         ParameterError: It is the log of an arm, and no simulation is given.
     """
-    from fricomp.arm.log import is_recording, list_log_files, read_arm_log
+    from fricomp.arm.log import list_log_files, read_arm_log
+    from fricomp.recording.named.log import is_native
 
     files = list_log_files(sources) if simulation is not None or options.mapping else [Path(one) for one in sources]
-    native = all(is_recording(path) for path in files) and not (options.channels or options.mapping)
+    native = all(is_native(path) for path in files) and not (options.channels or options.mapping)
     if native and (len(files) == 1 or simulation is None):
         return None
     log = read_arm_log(files, mapping=options.mapping, channels=options.channels)

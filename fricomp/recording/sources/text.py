@@ -1,5 +1,6 @@
 """Text tables: comma, tab or space separated, with or without a header line."""
 
+import codecs
 import re
 from collections.abc import Collection
 from datetime import UTC, datetime
@@ -11,6 +12,9 @@ from fricomp.errors import RecordingError
 from fricomp.recording.mapping import Column, Source
 from fricomp.recording.sources.columns import Columns
 
+_MARKED = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
+_SAMPLE = 2**20
+"""Bytes by which an encoding is told."""
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")
 
 
@@ -27,10 +31,10 @@ def read_text(path: Path, source: Source, keys: Collection[Column], *, skip_bad_
         RecordingError: A wanted cell is missing or no number, or a column is asked for by a name that no header gives.
     """
     _refuse_names(path, source, keys)
-    lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()[source.skip_lines :]
+    lines = path.read_text(encoding=find_encoding(path), errors="replace").splitlines()[source.skip_lines :]
     separator = source.delimiter or None
     decimal = source.decimal or ("." if separator == "," else ",")
-    header = [cell.strip() for cell in lines.pop(0).split(separator)] if source.header and lines else []
+    header = [cell.strip().strip('"') for cell in lines.pop(0).split(separator)] if source.header and lines else []
     if len(header) == 1 and any(mark in header[0] for mark in ";\t") and not set(header) & set(keys):
         raise RecordingError(f"{path}: the header {header[0][:60]!r} is one name; {_hint(header, 0)}")
     first_line = source.skip_lines + bool(source.header) + 1
@@ -43,6 +47,27 @@ def read_text(path: Path, source: Source, keys: Collection[Column], *, skip_bad_
     return {key: _parse_column(rows, k, key, path, decimal) for key, k in indices.items()} | _names_only(
         header, indices
     )
+
+
+def find_encoding(path: Path) -> str:
+    """Encoding of a text file: what its byte order mark says, else UTF-8, else that of western Windows.
+
+    Raises:
+        RecordingError: It is none of them, or has bytes that no text has.
+    """
+    with path.open("rb") as stream:
+        start = stream.read(_SAMPLE)
+    for mark, encoding in _MARKED.items():
+        if start.startswith(mark):
+            return encoding
+    for encoding in ("utf-8", "cp1252"):
+        try:
+            text = codecs.getincrementaldecoder(encoding)().decode(start)
+        except UnicodeDecodeError:
+            continue
+        if "\0" not in text:
+            return encoding
+    raise RecordingError(f"{path} is no text file: name its format in a mapping, or give another file")
 
 
 def _refuse_names(path: Path, source: Source, keys: Collection[Column]) -> None:
@@ -70,7 +95,7 @@ def _parse_column(
     rows: list[tuple[int, list[str]]], index: int, key: Column, path: Path, decimal: str
 ) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     try:
-        return np.array([_number(cells[index], decimal) for _, cells in rows])
+        return np.array([parse_number(cells[index], decimal) for _, cells in rows])
     except (ValueError, IndexError):
         for number, cells in rows:
             if not np.isfinite(_number_or_nan(cells, index, decimal)):
@@ -90,7 +115,7 @@ def _hint(cells: list[str], index: int) -> str:
     return "set skip_bad_rows, or header, delimiter, decimal and skip_lines in the mapping"
 
 
-def _number(cell: str, decimal: str) -> float:
+def parse_number(cell: str, decimal: str) -> float:
     """A number, also with a decimal comma; of a date and time by ISO 8601 the seconds since 1970 [s].
 
     Raises:
@@ -108,6 +133,6 @@ def _number(cell: str, decimal: str) -> float:
 
 def _number_or_nan(cells: list[str], index: int, decimal: str) -> float:
     try:
-        return _number(cells[index], decimal)
+        return parse_number(cells[index], decimal)
     except (ValueError, IndexError):
         return float("nan")

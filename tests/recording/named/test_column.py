@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from fricomp.arm.log.column import read_column_name, simplify_joint
+from fricomp.recording.named.column import read_column_name, simplify_joint
 
 
 @pytest.mark.parametrize(

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import re
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,14 +14,24 @@ from fricomp.errors import RecordingError
 from fricomp.laws import FloatArray
 from fricomp.recording.mapping import Source
 from fricomp.recording.sources import read_columns
+from fricomp.recording.sources.text import find_encoding, parse_number
 from fricomp.untrusted import find_size_limit
 
 from .column import read_column_name
 
-__all__ = ["is_bag_folder", "read_named_columns", "read_quantity_files"]
+__all__ = [
+    "FirstLines",
+    "find_delimiter",
+    "is_bag_folder",
+    "read_first_lines",
+    "read_named_columns",
+    "read_quantity_files",
+]
 
 _TEXT = (".csv", ".txt", ".dat", ".tsv")
-_MARKS = ",;\t"
+_MARKS = ",;\t|"
+_LONGEST_LINE = 10_000
+"""Characters of a first line that are looked at."""
 _TIME_FILE = re.compile(r"(^|[_\W])(t|time|times|stamps?|timestamps?)$", re.IGNORECASE)
 
 
@@ -45,14 +57,40 @@ def read_named_columns(path: Path, topic: str = "") -> dict[str, FloatArray]:
     return {name: np.asarray(values) for name, values in columns.items() if isinstance(name, str)}
 
 
+class FirstLines(NamedTuple):
+    """How a text file begins.
+
+    Attributes:
+        states_schema: Its first line says that it is a recording.
+        rows: The first lines that are neither empty nor comments, each cut to 10,000 characters.
+    """
+
+    states_schema: bool
+    rows: tuple[str, ...]
+
+
+def read_first_lines(path: Path, count: int) -> FirstLines:
+    """The first lines of a text file that hold something."""
+    with path.open(encoding=find_encoding(path), errors="replace") as stream:
+        first = stream.readline(_LONGEST_LINE)
+        lines = (line for line in itertools.chain([first], stream) if line.strip() and not line.startswith("#"))
+        rows = tuple(line[:_LONGEST_LINE] for line in itertools.islice(lines, count))
+    return FirstLines(first.startswith("# fricomp.recording/"), rows)
+
+
+def find_delimiter(head: str) -> str:
+    """The mark between the names in the first line of a text table."""
+    return max(_MARKS, key=head.count)
+
+
 def _read_text(path: Path) -> dict[str, FloatArray]:
     """Columns of a text table with a header; a cell such as `[0.1, 0.2]` is several."""
     if path.stat().st_size > find_size_limit(path):
-        raise RecordingError(f"{path} is too large for a log of an arm: cut it, or write it as Parquet")
-    with path.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
+        raise RecordingError(f"{path} is too large for a log of text: cut it, or write it as Parquet")
+    with path.open(encoding=find_encoding(path), errors="replace", newline="") as stream:
         lines = (line for line in stream if line.strip() and not line.startswith("#"))
         head = next(lines, "")
-        mark = max(_MARKS, key=head.count)
+        mark = find_delimiter(head)
         names = [cell.strip() for cell in next(csv.reader([head], delimiter=mark), [])]
         if all(np.isfinite(_to_number(name)) for name in names):
             raise RecordingError(
@@ -60,16 +98,15 @@ def _read_text(path: Path) -> dict[str, FloatArray]:
                 "(docs/recordings.md)"
             )
         rows = [row for row in csv.reader(lines, delimiter=mark) if row]
-    comma = mark != "," and any("," in cell and "[" not in cell for cell in rows[0]) if rows else False
+    decimal = "," if mark != "," else "."
     columns: dict[str, FloatArray] = {}
     for k, name in enumerate(names):
-        cells = [row[k].strip() if k < len(row) else "" for row in rows]
-        columns.update(_read_cells(name, cells, decimal_comma=comma))
+        columns.update(_read_cells(name, [row[k].strip() if k < len(row) else "" for row in rows], decimal))
     return columns
 
 
-def _read_cells(name: str, cells: list[str], *, decimal_comma: bool) -> dict[str, FloatArray]:
-    """A column of numbers, or one for each entry of its lists; nothing of a column of words."""
+def _read_cells(name: str, cells: list[str], decimal: str) -> dict[str, FloatArray]:
+    """A column of numbers or of dates, or one for each entry of its lists; nothing of a column of words."""
     if cells and cells[0][:1] in ("[", "("):
         entries = [[_to_number(each) for each in cell.strip("[]()").replace(",", " ").split()] for cell in cells]
         width = max(map(len, entries))
@@ -77,13 +114,13 @@ def _read_cells(name: str, cells: list[str], *, decimal_comma: bool) -> dict[str
         for row, numbers in zip(matrix, entries, strict=True):
             row[: len(numbers)] = numbers
         return {f"{name}:{k}": column for k, column in enumerate(matrix.T, start=1)}
-    values = np.array([_to_number(cell.replace(",", ".") if decimal_comma else cell) for cell in cells])
+    values = np.array([_to_number(cell, decimal) for cell in cells])
     return {name: values} if np.isfinite(values).any() else {}
 
 
-def _to_number(text: str) -> float:
+def _to_number(text: str, decimal: str = ".") -> float:
     try:
-        return float(text)
+        return parse_number(text, decimal)
     except ValueError:
         return float("nan")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-__all__ = ["ColumnMeaning", "name_joint", "read_column_name", "simplify_joint"]
+__all__ = ["RAW_UNIT", "ColumnMeaning", "name_joint", "read_column_name", "simplify_joint"]
 
 _TOKEN = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 
@@ -13,7 +13,7 @@ _QUANTITIES = {
     "position": ("q", "pos", "position", "positions", "angle", "angles", "theta", "qpos"),
     "velocity": ("dq", "qd", "qdot", "vel", "velocity", "velocities", "speed", "omega", "qvel"),
     "acceleration": ("ddq", "qdd", "qddot", "acc", "acceleration", "accelerations", "qacc"),
-    "torque": ("tau", "torque", "torques", "effort", "efforts", "moment", "trq", "tq"),
+    "torque": ("tau", "torque", "torques", "effort", "efforts", "moment", "trq", "tq", "force"),
     "current": ("current", "currents", "amps"),
     "temperature": ("temp", "temperature", "temperatures"),
 }
@@ -44,15 +44,39 @@ _MOTOR = ("motor", "rotor")
 
 _REFERENCES = {"position": "position_reference", "velocity": "velocity_reference", "torque": "torque_command"}
 
-_UNIT = re.compile(r"(?<![A-Za-z])(deg/s|rad/s|degps|deg|mrad|rad|rpm|mNm|Nm|N·m|mA|mm|A(?!\d)|m(?!\d))(?![A-Za-z])")
+_UNIT = re.compile(
+    r"(?<![A-Za-z])((?i:deg/s|degps|dps|deg|degrees|rad/s|mrad|rad|rpm|turns/s|turns|rev|mnm|nm|n·m|ma|mm/s|mm|degc|kn)"
+    r"|A(?!\d)|m(?!\d)|N|°C|C(?!\d))(?![A-Za-z])"
+)
 _UNITS = {
-    "position": {"deg": "deg", "mrad": "mrad", "mm": "mm"},
-    "velocity": {"deg": "deg/s", "deg/s": "deg/s", "degps": "deg/s", "rpm": "rpm", "mm": "mm/s"},
+    "position": {
+        "deg": "deg",
+        "degrees": "deg",
+        "mrad": "mrad",
+        "m": "m",
+        "mm": "mm",
+        "turns": "turns",
+        "rev": "turns",
+    },
+    "velocity": {
+        "deg": "deg/s",
+        "deg/s": "deg/s",
+        "degps": "deg/s",
+        "dps": "deg/s",
+        "rpm": "rpm",
+        "turns/s": "turns/s",
+        "mm": "mm/s",
+        "mm/s": "mm/s",
+    },
     "acceleration": {"deg": "deg/s^2", "mm": "mm/s^2"},
-    "torque": {"mNm": "mNm", "A": "A", "mA": "mA"},
-    "current": {"mA": "mA"},
+    "torque": {"mnm": "mNm", "A": "A", "ma": "mA", "N": "N", "kn": "kN"},
+    "current": {"ma": "mA"},
 }
-"""Unit that a word means for a quantity; where none is given it means that of SI."""
+"""Unit that a word means for a quantity, longer words in small letters; where none is given it means that of SI."""
+
+_RAW = ("count", "counts", "tick", "ticks", "raw", "lsb", "increments", "pulses", "codes", "steps", "encoder")
+"""Words of columns in units of a device, which no name says the size of."""
+RAW_UNIT = "counts"
 
 
 @dataclass(frozen=True)
@@ -63,7 +87,7 @@ class ColumnMeaning:
         channel: Channel of a recording.
         joint: What is left of the name: the joint's own, or a number.
         certainty: How surely the name says that it was measured, from 0.
-        unit: Name of its unit; empty where it is that of SI, or not said.
+        unit: Name of its unit; empty where it is that of SI, or not said; `RAW_UNIT` where it is that of a device.
     """
 
     channel: str
@@ -84,7 +108,8 @@ def read_column_name(name: str) -> ColumnMeaning | None:
     at = known[-1]
     quantity, start = _WORDS[words[at][0]], words[at][1][0]
     said = [match for match in _UNIT.finditer(name) if match.start() > start]
-    dropped, is_wanted, is_motor, certainty = [words[at][1], *(match.span() for match in said)], False, False, 0
+    dropped, certainty = [words[at][1], *(match.span() for match in said)], 0
+    is_wanted = is_motor = is_raw = False
     for k, (word, span) in enumerate(words):
         if word in _WANTED or (word == "d" and k > at):
             is_wanted = True
@@ -92,14 +117,21 @@ def read_column_name(name: str) -> ColumnMeaning | None:
             certainty = max(certainty, _MEASURED[word])
         elif word in _MOTOR and quantity == "position":
             is_motor = True
+        elif word in _RAW and not said:
+            is_raw, certainty = True, -1
         else:
             continue
         dropped.append(span)
     if is_wanted and quantity not in _REFERENCES:
         return None
     channel = _REFERENCES[quantity] if is_wanted else "motor_position" if is_motor else quantity
-    unit = _UNITS.get(quantity, {}).get(said[0].group(), "") if said else ""
+    unit = RAW_UNIT if is_raw else _find_unit(quantity, said[0].group()) if said else ""
     return ColumnMeaning(channel, _cut_out(name, sorted(dropped)), certainty, unit)
+
+
+def _find_unit(quantity: str, word: str) -> str:
+    known = _UNITS.get(quantity, {})
+    return known.get(word if len(word) == 1 else word.lower(), "")
 
 
 def _cut_out(name: str, spans: list[tuple[int, int]]) -> str:
