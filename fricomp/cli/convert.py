@@ -39,10 +39,6 @@ def convert(
     out: Annotated[
         Path | None, typer.Option(help="CSV or Parquet file; several recordings add their names to it.")
     ] = None,
-    inspect: Annotated[
-        bool,
-        typer.Option("--inspect", help="Say what each column is taken for and why; --out FILE.toml writes a mapping."),
-    ] = False,
     mapping: Annotated[
         str,
         typer.Option(help="TOML file, or the name of a mapping in the package; without it names of columns decide."),
@@ -57,6 +53,10 @@ def convert(
         bool, typer.Option("--split", help="Write the usable parts, each into a file of its own, without the rest.")
     ] = False,
     force: Annotated[bool, typer.Option(help="Write even what the checks call an error.")] = False,
+    inspect: Annotated[
+        bool,
+        typer.Option("--inspect", help="Say what each column is taken for and why; --out FILE.toml writes a mapping."),
+    ] = False,
     overwrite: Overwrite = False,
 ) -> None:
     """Bring recordings of other formats into the native one, and check them."""

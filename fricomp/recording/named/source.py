@@ -52,7 +52,10 @@ def read_named_columns(path: Path, topic: str = "") -> dict[str, FloatArray]:
         MissingExtraError: The package that reads it is not installed.
     """
     if path.is_file() and path.suffix.lower() in _TEXT:
-        return _read_text(path)
+        try:
+            return _read_text(path)
+        except csv.Error as error:
+            raise RecordingError(f"{path} is no table of text: {error}") from error
     columns = read_columns(path, Source(topic=topic), ())
     return {name: np.asarray(values) for name, values in columns.items() if isinstance(name, str)}
 
