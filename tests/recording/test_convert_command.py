@@ -78,7 +78,7 @@ def test_flipped_torque_is_status_2_without_force_and_nothing_is_written(source:
         ("log.npz", "a.csv", "robot.toml", ["wrist"], "valid are hip, knee"),
         ("log.npz", "a.xlsx", "robot.toml", ["hip"], "is neither .csv"),
         ("log.npz", "a.csv", "nowhere", [], "no mapping 'nowhere'"),
-        ("log.npz", "a.csv", "", [], "does not say where"),
+        ("log.npz", "a.csv", "", [], "knee: column torque: torque against the motion"),
         ("log.npz", "log.npz/a.csv", "robot.toml", ["hip"], "cannot make the folder log.npz"),
     ],
 )
