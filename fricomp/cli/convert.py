@@ -149,8 +149,8 @@ def _inspect(source: Path, out: Path | None, *, overwrite: bool) -> None:
     from rich.table import Table
 
     from fricomp.cli.terminal import console
-    from fricomp.recording.named.inspection import inspect_log
-    from fricomp.recording.named.mapping_text import render_mapping
+    from fricomp.recording.inspection.inspection import inspect_log
+    from fricomp.recording.inspection.mapping_text import render_mapping
     from fricomp.results import require_free_file
     from fricomp.whole_file import write_whole
 

@@ -1,5 +1,4 @@
 """Logs that say by the names of their columns what they hold, so that nobody has to write a mapping.
 
-`column` says what a name means, `source` reads a file's columns, `log` makes a recording of each joint, `inspection`
-tells what was believed and why, `mapping_text` writes it as a mapping to edit.
+`column` says what a name means, `source` reads a file's columns, `log` makes a recording of each joint.
 """

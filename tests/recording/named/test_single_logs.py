@@ -14,9 +14,9 @@ from fricomp.cli.main import app
 from fricomp.errors import RecordingError
 from fricomp.recording import RecordingWarning, convert, load_mapping, read_recording
 from fricomp.recording.file import read_content
-from fricomp.recording.named.inspection import inspect_log
+from fricomp.recording.inspection.inspection import inspect_log
+from fricomp.recording.inspection.mapping_text import render_mapping
 from fricomp.recording.named.log import read_named_log
-from fricomp.recording.named.mapping_text import render_mapping
 
 N_ROWS, RATE = 2000, 200.0
 TIME = np.arange(N_ROWS) / RATE

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from .log import NamedLog
-from .source import find_delimiter, read_first_lines
+from fricomp.recording.named.log import NamedLog
+from fricomp.recording.named.source import find_delimiter, read_first_lines
 
 __all__ = ["render_mapping"]
 

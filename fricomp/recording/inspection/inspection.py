@@ -12,10 +12,9 @@ from fricomp.errors import RecordingError
 from fricomp.laws import FloatArray
 from fricomp.recording.checks.checks import check_recording
 from fricomp.recording.finding import Finding
-
-from .column import read_column_name
-from .log import NamedLog, separate_joints
-from .source import read_named_columns
+from fricomp.recording.named.column import read_column_name
+from fricomp.recording.named.log import NamedLog, separate_joints
+from fricomp.recording.named.source import read_named_columns
 
 __all__ = ["InspectedColumn", "Inspection", "inspect_log"]
 
