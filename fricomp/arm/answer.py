@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from .confirmation import HeldOutErrors, measure_held_out, measure_model, measure_stability, without_term
-from .equations import ArmEquations
+from .confirmation import ConfirmedData, HeldOutErrors, without_term
 from .fit import ArmFit
 from .identification import ArmIdentification, fit_robustly
 
@@ -59,13 +58,14 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
     arm, rows, prior = found.fit.arm, found.rows, found.prior
     fit, equations = found.fit, found.equations
     while True:
-        recurrence = measure_stability(arm, equations, fit, prior, rows, seed)
-        errors = measure_held_out(arm, equations, fit, prior, rows)
+        data = ConfirmedData(arm, equations, prior, rows)
+        recurrence = data.measure_stability(fit, seed)
+        errors = data.measure_errors(fit)
         evidence = {
             (j, name): TermEvidence(
                 share,
                 found.trials.get(f"{arm.joints[j]}: {name}", 0.0),
-                _measure_fall(found, equations, fit, errors, (j, name)),
+                _measure_fall(data, fit, errors, (j, name)),
             )
             for (j, name), share in recurrence.items()
         }
@@ -73,7 +73,7 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
         if not weak:
             return ArmAnswer(replace(found, fit=fit, equations=equations), evidence, errors)
         weakest = min(weak, key=lambda key: (weak[key].recurrence, weak[key].fall))
-        fit, equations = fit_robustly(arm, rows, without_term(fit.model, *weakest), prior)
+        fit, equations = fit_robustly(arm, rows, equations, without_term(fit.model, *weakest), prior)
 
 
 def _is_confirmed(name: str, evidence: TermEvidence) -> bool:
@@ -81,10 +81,7 @@ def _is_confirmed(name: str, evidence: TermEvidence) -> bool:
     return evidence.recurrence >= _RECURRENCE and (name == "stribeck" or evidence.fall >= _LEAST_FALL)
 
 
-def _measure_fall(
-    found: ArmIdentification, equations: ArmEquations, fit: ArmFit, errors: HeldOutErrors, term: tuple[int, str]
-) -> float:
+def _measure_fall(data: ConfirmedData, fit: ArmFit, errors: HeldOutErrors, term: tuple[int, str]) -> float:
     """Part by which a joint's held-out error falls with a term."""
-    less = without_term(fit.model, *term)
-    before = measure_model(fit.arm, equations, less, fit, found.prior, found.rows)
+    before = data.measure_model(without_term(fit.model, *term), fit)
     return 1.0 - float(errors.model[term[0]] / max(before[term[0]], 1e-300))

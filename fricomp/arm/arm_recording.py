@@ -11,7 +11,7 @@ from fricomp.errors import RecordingError
 from fricomp.laws import FloatArray
 from fricomp.recording import Recording, RecordingMetadata
 
-__all__ = ["ArmPart", "ArmRecording", "join_joints", "require_single"]
+__all__ = ["ArmPart", "ArmRecording", "find_start_temperature", "join_joints", "require_single"]
 
 _GAP_SAMPLES, _GAP_TIME = 5.0, 0.05
 """A pause of more samples than this, and longer than this [s], ends a part: a spline across it would be a guess."""
@@ -28,11 +28,13 @@ class ArmPart:
         time: [s]. Shape (n,).
         position: [rad] or [m]. Shape (n, n_joints).
         torque: [N·m] or [N]. Shape (n, n_joints).
+        warmth: Temperature over that of the joint's start [K]; 0 where none was recorded. Shape (n, n_joints).
     """
 
     time: FloatArray
     position: FloatArray
     torque: FloatArray
+    warmth: FloatArray
 
     @property
     def period(self) -> float:
@@ -131,4 +133,19 @@ def _sample(series: Sequence[Recording], first: float, last: float, period: floa
         name: np.stack([np.interp(grid, one.time, getattr(one, name)) for one in series], axis=1)
         for name in ("position", "torque")
     }
-    return ArmPart(grid, columns["position"], columns["torque"])
+    warmth = np.stack([_measure_warmth(one, grid) for one in series], axis=1)
+    return ArmPart(grid, columns["position"], columns["torque"], warmth)
+
+
+def find_start_temperature(recording: Recording) -> float:
+    """Temperature at which a joint starts: the mean of its first second [°C]; 0 where none was recorded."""
+    if recording.temperature is None:
+        return 0.0
+    first = np.asarray(recording.time) <= recording.time[0] + 1.0
+    return float(np.mean(np.asarray(recording.temperature)[first]))
+
+
+def _measure_warmth(recording: Recording, grid: FloatArray) -> FloatArray:
+    if recording.temperature is None:
+        return np.zeros_like(grid)
+    return np.interp(grid, recording.time, recording.temperature) - find_start_temperature(recording)

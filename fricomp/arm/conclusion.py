@@ -10,6 +10,7 @@ from fricomp.diagnosis.record.result import Quantity
 from fricomp.laws import FloatArray
 
 from .answer import ArmAnswer, TermEvidence
+from .equations import BoolArray
 from .friction import TERMS
 from .inertia import N_INERTIA, LinkCoordinates
 from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord, LinkRecord, LinkState
@@ -100,12 +101,15 @@ def _describe_effect(
     columns = zip(TERMS[term].columns, TERMS[term].names(variant), strict=True)
     parameters = {short: values[long] for short, long in columns}
     value = TERMS[term].values[variant]
+    position = found.recording.metadata[joint].position_unit
     if value is not None:
-        unit = found.recording.metadata[joint].position_unit if term == "presliding_hysteresis" else "1"
-        label = "breakaway_distance" if term == "presliding_hysteresis" else "exponent"
+        unit = {"breakaway_distance": position, "order": f"1/{position}"}.get(TERMS[term].label, "1")
         steps = [one for one in TERMS[term].values if one is not None]
-        below, above = _neighbours(steps, value)
-        parameters[label] = Quantity(value, unit, (below, above))
+        parameters[TERMS[term].label] = Quantity(value, unit, _neighbours(steps, value))
+    if term == "cogging":
+        order = float(found.equations.ripple[joint])
+        reach = float(np.ptp(np.concatenate([q[:, joint] for q, _, _ in found.rows.motion])))
+        parameters["order"] = Quantity(order, f"1/{position}", (order - np.pi / reach, order + np.pi / reach))
     return JointEffect(
         name=term,
         parameters=parameters,
@@ -113,7 +117,7 @@ def _describe_effect(
         log_bayes_factor=evidence.log_bayes_factor,
         fall=evidence.fall,
         equation=EFFECTS[term].equation,
-        indistinguishable_from=tuple(one.split(": ")[1] for one in found.rivals.get(name, ())),
+        indistinguishable_from=(*(one.split(": ")[1] for one in found.rivals.get(name, ())), *TERMS[term].alike),
     )
 
 
@@ -130,7 +134,11 @@ def _unit_of(name: str, torque: str, position: str) -> str:
         return f"{torque}·s²/{position}²"
     if name.startswith("spring_torque"):
         return f"{torque}/{position}"
-    if name.startswith("load_coulomb"):
+    if name.startswith("thermal_friction"):
+        return f"{torque}·s/{position}/K" if ".viscous" in name else f"{torque}/K"
+    if name.startswith("torque_delay"):
+        return "s"
+    if name.startswith(("load_coulomb", "torque_gain_error")):
         return "1"
     return f"1/{torque}" if name.startswith("load_quadratic") else torque
 
@@ -143,20 +151,19 @@ def _describe_link(answer: ArmAnswer, link: int) -> LinkRecord:
     before = np.sqrt(np.diag(slope @ np.diag(fit.prior_deviation[at] ** 2) @ slope.T))
     value, simulated = fit.inertia[link], fit.arm.inertia[link]
     mass = _quantity(value[0], spread[0], "kg")
+    determined = spread[:4] < _DETERMINED * before[:4]
     return LinkRecord(
         name=fit.arm.links[link],
         simulated_mass=float(simulated[0]),
         mass=mass,
         first_moment={axis: _quantity(value[1 + k], spread[1 + k], "kg·m") for k, axis in enumerate(_AXES)},
-        state=_judge_link(value[:4], spread[:4], before[:4], simulated[:4], link in fit.model.opened),
+        state=_judge_link(value[:4] - simulated[:4], spread[:4], determined, link in fit.model.opened),
+        determined=tuple(name for name, known in zip(("mass", *_AXES), determined, strict=True) if known),
     )
 
 
-def _judge_link(
-    value: FloatArray, spread: FloatArray, before: FloatArray, simulated: FloatArray, opened: bool
-) -> LinkState:
-    determined = spread < _DETERMINED * before
-    off = determined & (np.abs(value - simulated) > _Z_OFF * spread)
+def _judge_link(gap: FloatArray, spread: FloatArray, determined: BoolArray, opened: bool) -> LinkState:
+    off = determined & (np.abs(gap) > _Z_OFF * spread)
     if opened or np.any(off):
         return "off"
     return "as_simulated" if np.any(determined) else "not_determined"

@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 
 from fricomp.laws import FloatArray
 
-from .equations import ArmEquations, BoolArray
+from .equations import ArmEquations, BoolArray, EquationSums
 from .fit import ArmFit, ArmModel, fit_arm
 from .friction import JointForm
 from .prior import ArmPrior
 from .rows import ArmRows
 from .simulated_arm import SimulatedArm
 
-__all__ = ["HeldOutErrors", "measure_held_out", "measure_model", "measure_stability", "without_term"]
+__all__ = ["ConfirmedData", "HeldOutErrors", "without_term"]
 
 _PAIRS = 5
 _BLOCKS = 20
@@ -53,46 +53,53 @@ def without_term(model: ArmModel, joint: int, term: str) -> ArmModel:
     return replace(model, forms=tuple(forms))
 
 
-def measure_stability(
-    arm: SimulatedArm, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, rows: ArmRows, seed: int = 0
-) -> dict[tuple[int, str], float]:
-    """Share of halves of the recording in which each term of each joint makes it more probable."""
-    rng, block = np.random.default_rng(seed), _number_blocks(rows, _BLOCKS)
-    votes: dict[tuple[int, str], list[bool]] = {
-        (j, name): [] for j, form in enumerate(fit.model.forms) for name, _ in form.terms
-    }
-    for _ in range(_PAIRS) if votes else ():
-        first = rng.permutation(_BLOCKS) % 2 == 0
-        for half in (first[block], ~first[block]):
-            part = equations.with_rows(half)
-            whole = fit_arm(arm, part, fit.model, prior, fit, steps=3)
-            for (j, name), seen in votes.items():
-                less = fit_arm(arm, part, without_term(fit.model, j, name), prior, whole, steps=3)
-                seen.append(whole.log_evidence > less.log_evidence)
-    return {key: float(np.mean(seen)) for key, seen in votes.items()}
+class ConfirmedData:
+    """A recording cut into blocks, whose sums are added up once.
 
+    Attributes:
+        equations: Of all rows.
+    """
 
-def measure_held_out(
-    arm: SimulatedArm, equations: ArmEquations, fit: ArmFit, prior: ArmPrior, rows: ArmRows
-) -> HeldOutErrors:
-    """Errors of the simulation, of a plain model and of the whole model, each fitted to the other blocks."""
-    block = _number_blocks(rows, _BLOCKS) % _FOLDS
-    plain = replace(fit.model, forms=tuple(JointForm() for _ in fit.model.forms))
-    simulated = [_simulate_plainly(arm, equations, block != fold) for fold in range(_FOLDS)]
-    return HeldOutErrors(
-        simulation=_join_folds(equations, block, simulated),
-        plain=measure_model(arm, equations, plain, fit, prior, rows),
-        model=measure_model(arm, equations, fit.model, fit, prior, rows),
-    )
+    def __init__(self, arm: SimulatedArm, equations: ArmEquations, prior: ArmPrior, rows: ArmRows) -> None:
+        self.equations = equations
+        self._arm, self._prior = arm, prior
+        self._block = np.arange(len(rows)) * _BLOCKS // len(rows)
+        self._sums = equations.split(self._block)
+        self._trained = [
+            EquationSums.join([one for k, one in enumerate(self._sums) if k % _FOLDS != fold]) for fold in range(_FOLDS)
+        ]
 
+    def measure_stability(self, fit: ArmFit, seed: int = 0) -> dict[tuple[int, str], float]:
+        """Share of halves of the recording in which each term of each joint makes it more probable."""
+        rng = np.random.default_rng(seed)
+        votes: dict[tuple[int, str], list[bool]] = {
+            (j, name): [] for j, form in enumerate(fit.model.forms) for name, _ in form.terms
+        }
+        for _ in range(_PAIRS) if votes else ():
+            first = rng.permutation(_BLOCKS) % 2 == 0
+            for half in (first, ~first):
+                part = EquationSums.join([one for one, kept in zip(self._sums, half, strict=True) if kept])
+                whole = fit_arm(self._arm, part, fit.model, self._prior, fit, steps=3)
+                for (j, name), seen in votes.items():
+                    less = fit_arm(self._arm, part, without_term(fit.model, j, name), self._prior, whole, steps=3)
+                    seen.append(whole.log_evidence > less.log_evidence)
+        return {key: float(np.mean(seen)) for key, seen in votes.items()}
 
-def measure_model(
-    arm: SimulatedArm, equations: ArmEquations, model: ArmModel, start: ArmFit, prior: ArmPrior, rows: ArmRows
-) -> FloatArray:
-    """Held-out error of one model, fitted from `start` to the other blocks [N·m] or [N]. Shape (n_joints,)."""
-    block = _number_blocks(rows, _BLOCKS) % _FOLDS
-    fits = [fit_arm(arm, equations.with_rows(block != fold), model, prior, start, steps=5) for fold in range(_FOLDS)]
-    return _join_folds(equations, block, [one.residuals(equations) for one in fits])
+    def measure_errors(self, fit: ArmFit) -> HeldOutErrors:
+        """Errors of the simulation, of a plain model and of the whole model, each fitted to the other blocks."""
+        plain = replace(fit.model, forms=tuple(JointForm() for _ in fit.model.forms))
+        fold = self._block % _FOLDS
+        simulated = [_simulate_plainly(self._arm, self.equations, fold != k) for k in range(_FOLDS)]
+        return HeldOutErrors(
+            simulation=_join_folds(self.equations, fold, simulated),
+            plain=self.measure_model(plain, fit),
+            model=self.measure_model(fit.model, fit),
+        )
+
+    def measure_model(self, model: ArmModel, start: ArmFit) -> FloatArray:
+        """Held-out error of one model, fitted from `start` to the other blocks [N·m] or [N]. Shape (n_joints,)."""
+        fits = [fit_arm(self._arm, part, model, self._prior, start, steps=5) for part in self._trained]
+        return _join_folds(self.equations, self._block % _FOLDS, [one.residuals(self.equations) for one in fits])
 
 
 def _join_folds(equations: ArmEquations, block: NDArray[np.intp], left: Sequence[FloatArray]) -> FloatArray:
@@ -114,7 +121,3 @@ def _simulate_plainly(arm: SimulatedArm, equations: ArmEquations, trained: BoolA
         kept = trained & equations.moving[:, j]
         left.append(torque - friction @ np.linalg.lstsq(friction[kept], torque[kept], rcond=None)[0])
     return np.stack(left, axis=1)
-
-
-def _number_blocks(rows: ArmRows, blocks: int) -> NDArray[np.intp]:
-    return np.arange(len(rows)) * blocks // len(rows)

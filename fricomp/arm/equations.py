@@ -7,20 +7,22 @@ A fit is then a matter of small matrices, so that a hundred models cost what one
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.laws import FloatArray
 
-from .friction import column_names, friction_columns, load_columns
+from .friction import Filled, column_names, find_columns, friction_columns, load_columns, ripple_columns
 from .rows import ArmRows
 from .simulated_arm import SimulatedArm
 
 BoolArray = NDArray[np.bool_]
 
-__all__ = ["ArmEquations", "BoolArray", "Weights", "build_equations"]
+__all__ = ["ArmEquations", "BoolArray", "EquationSums", "Weights", "build_equations"]
 
 _SLOW = 0.02
 """Speeds below this part of a joint's top speed leave its sign to noise; such rows of that joint are not compared."""
@@ -53,29 +55,65 @@ class ArmEquations:
 
     Attributes:
         columns: Columns of each joint; torque comes last, its rate before it. Shape (n_joints, n, n_columns).
-        sums: G of each joint. Shape (n_joints, n_columns, n_columns).
-        counts: Rows that count, of each joint. Shape (n_joints,).
         weights: Of the rows.
         top_speed: Of each joint [rad/s] or [m/s]. Shape (n_joints,).
+        ripple: Waves a radian times 2 pi in the columns of each joint's ripple; 0 for none. Shape (n_joints,).
     """
 
     columns: FloatArray
-    sums: FloatArray
-    counts: FloatArray
     weights: Weights
     top_speed: FloatArray
+    ripple: FloatArray
 
-    def with_rows(self, kept: BoolArray) -> ArmEquations:
-        """The same over some of the rows. Shape (n,), bool."""
-        weights = Weights(self.weights.rows * kept[:, None], self.weights.noise, self.weights.inflation)
-        return _sum_up(self.columns, weights, self.top_speed)
+    @cached_property
+    def sums(self) -> FloatArray:
+        """G of each joint. Shape (n_joints, n_columns, n_columns)."""
+        return np.stack([Z.T @ (Z * w[:, None]) for Z, w in zip(self.columns, self.weights.rows.T, strict=True)])
+
+    @cached_property
+    def counts(self) -> FloatArray:
+        """Rows that count, of each joint. Shape (n_joints,)."""
+        return np.sum(self.weights.rows > 0.0, axis=0).astype(np.float64)
+
+    def split(self, block: NDArray[np.intp]) -> list[EquationSums]:
+        """Sums over the rows of each block, so that any choice of blocks is a sum of them.
+
+        Args:
+            block: Number of the block of each row. Shape (n,).
+        """
+        chosen = [np.flatnonzero(block == k) for k in range(int(block.max()) + 1)]
+        rows = self.weights.rows
+        return [
+            EquationSums(
+                sums=np.stack([Z[at].T @ (Z[at] * w[at, None]) for Z, w in zip(self.columns, rows.T, strict=True)]),
+                counts=np.sum(rows[at] > 0.0, axis=0).astype(np.float64),
+                weights=self.weights,
+                top_speed=self.top_speed,
+            )
+            for at in chosen
+        ]
 
     def with_load(self, load: FloatArray) -> ArmEquations:
         """The same with friction that follows this load [N·m] or [N]. Shape (n, n_joints)."""
-        columns = self.columns.copy()
-        for j, one in enumerate(columns):
-            one[:, -4:-2] = load_columns(load[:, j], one[:, self._sign_place])
-        return _sum_up(columns, self.weights, self.top_speed)
+        signs = self.columns[:, :, self._friction + column_names().index("coulomb")]
+        return self._fill("load", [load_columns(*pair) for pair in zip(load.T, signs, strict=True)])
+
+    def with_torque(self, rows: ArmRows) -> ArmEquations:
+        """The same motion with the torques of these rows."""
+        changed = self._fill("delay", [-rate[:, None] for rate in rows.torque_rate.T])
+        changed.columns[:, :, -2], changed.columns[:, :, -1] = rows.torque_rate.T, rows.torque.T
+        return changed
+
+    def with_ripple(self, rows: ArmRows, orders: FloatArray) -> ArmEquations:
+        """The same with waves of these orders over the positions of the joints. Shape (n_joints,)."""
+        waves = [ripple_columns(rows, j, order) * (order > 0.0) for j, order in enumerate(orders.tolist())]
+        return replace(self._fill("ripple", waves), ripple=orders)
+
+    def _fill(self, filled: Filled, values: Sequence[FloatArray]) -> ArmEquations:
+        columns, place = self.columns.copy(), find_columns(filled)
+        for one, value in zip(columns, values, strict=True):
+            one[:, self._friction + place.start : self._friction + place.stop] = value
+        return replace(self, columns=columns)
 
     def with_residuals(self, residuals: FloatArray, rows: ArmRows, *, robust: bool = True) -> ArmEquations:
         """The same with weights and noise as the residuals of a fit have them.
@@ -86,7 +124,7 @@ class ArmEquations:
             robust: Hold outliers down; otherwise all rows count alike, and what few of them leave counts as noise.
         """
         most = _HUBER if robust else np.inf
-        return _sum_up(self.columns, _weigh(residuals, self.moving, rows, most), self.top_speed)
+        return replace(self, weights=_weigh(residuals, self.moving, rows, most))
 
     @property
     def moving(self) -> BoolArray:
@@ -94,9 +132,35 @@ class ArmEquations:
         return np.asarray(self.weights.rows > 0.0)
 
     @property
-    def _sign_place(self) -> int:
-        """Number of the column of the sign of the velocity: the first of friction's."""
+    def _friction(self) -> int:
+        """Number of the first column of friction."""
         return int(self.columns.shape[2]) - 2 - len(column_names())
+
+
+@dataclass(frozen=True)
+class EquationSums:
+    """All that a fit needs of some of the rows.
+
+    Attributes:
+        sums: G of each joint. Shape (n_joints, n_columns, n_columns).
+        counts: Rows that count, of each joint. Shape (n_joints,).
+        weights: Noise and inflation of all rows.
+        top_speed: Of each joint [rad/s] or [m/s]. Shape (n_joints,).
+    """
+
+    sums: FloatArray
+    counts: FloatArray
+    weights: Weights
+    top_speed: FloatArray
+
+    @staticmethod
+    def join(blocks: Sequence[EquationSums]) -> EquationSums:
+        """Of several blocks together."""
+        return replace(
+            blocks[0],
+            sums=np.sum([one.sums for one in blocks], axis=0),
+            counts=np.sum([one.counts for one in blocks], axis=0),
+        )
 
 
 def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray) -> ArmEquations:
@@ -110,30 +174,18 @@ def build_equations(arm: SimulatedArm, rows: ArmRows, load: FloatArray) -> ArmEq
     acceleration = rows.compare(lambda _, __, a: a)
     speed = np.abs(rows.compare(lambda _, v, __: v))
     top = np.maximum(np.quantile(speed, 0.99, axis=0), 1e-9)
-    signs = rows.compare(lambda _, v, __: np.sign(v))
-    columns = np.stack(
-        [
-            np.column_stack(
-                [
-                    rows.links[:, j],
-                    acceleration[:, j],
-                    friction_columns(rows, j, float(top[j])),
-                    load_columns(load[:, j], signs[:, j]),
-                    rows.torque_rate[:, j],
-                    rows.torque[:, j],
-                ]
-            )
-            for j in range(len(arm.joints))
-        ]
-    )
+    n = len(arm.joints)
+    size = rows.links.shape[2] + 1 + len(column_names()) + 2
+    columns = np.zeros((n, len(rows), size))
+    place = find_columns("motion")
+    first = rows.links.shape[2] + 1
+    for j, one in enumerate(columns):
+        one[:, : first - 1], one[:, first - 1] = rows.links[:, j], acceleration[:, j]
+        one[:, first + place.start : first + place.stop] = friction_columns(rows, j, float(top[j]))
     moving = (speed > _SLOW * top).astype(np.float64)
     noise = np.maximum(np.std(rows.torque, axis=0), 1e-9)
-    return _sum_up(columns, Weights(moving, noise, np.ones(len(arm.joints))), top)
-
-
-def _sum_up(columns: FloatArray, weights: Weights, top_speed: FloatArray) -> ArmEquations:
-    sums = np.stack([Z.T @ (Z * w[:, None]) for Z, w in zip(columns, weights.rows.T, strict=True)])
-    return ArmEquations(columns, sums, np.sum(weights.rows > 0.0, axis=0), weights, top_speed)
+    bare = ArmEquations(columns, Weights(moving, noise, np.ones(n)), top, np.zeros(n))
+    return bare.with_load(load).with_torque(rows)
 
 
 def _weigh(residuals: FloatArray, used: BoolArray, rows: ArmRows, most: float) -> Weights:

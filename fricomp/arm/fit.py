@@ -12,20 +12,24 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fricomp.laws import FloatArray
 
-from .equations import ArmEquations
-from .friction import JointForm, column_names
+from .equations import ArmEquations, EquationSums
+from .friction import TERMS, JointForm, column_names
 from .inertia import N_INERTIA, LinkCoordinates
 from .prior import ArmPrior
 from .rows import ArmRows
 from .simulated_arm import SimulatedArm
 
-__all__ = ["ArmFit", "ArmModel", "fit_arm"]
+__all__ = ["ArmFit", "ArmModel", "Glance", "fit_arm"]
 
 _CONVERGED = 1e-8
 """Fall of the objective in a step, as part of it, below which the fit stands still."""
+
+_WARMTH = 10.0
+"""[K] over which friction may change by all of its prior: joints at work get that much warmer."""
 
 _PARTS = (1.0, 0.5, 0.25, 0.1, 0.03)
 """Of a Gauss-Newton step that are tried, longest first: inertia is quadratic in its coordinates."""
@@ -121,7 +125,7 @@ class ArmFit:
 
 def fit_arm(
     arm: SimulatedArm,
-    equations: ArmEquations,
+    equations: ArmEquations | EquationSums,
     model: ArmModel,
     prior: ArmPrior,
     start: ArmFit | None = None,
@@ -158,9 +162,56 @@ def fit_arm(
     )
 
 
+class Glance:
+    """How much more probable other models make a recording, by the slope and curvature at a fit of one of them.
+
+    One linearisation with all terms serves every model that has some of them: their evidence is exact as far as the
+    equations are linear, which all of friction is.
+
+    Args:
+        equations: Of all joints.
+        fit: Where they are linearised.
+        prior: How far the simulation is trusted.
+    """
+
+    def __init__(self, equations: ArmEquations, fit: ArmFit, prior: ArmPrior) -> None:
+        whole = JointForm(tuple((term.name, k) for term in TERMS.values() for k in range(len(term.values))))
+        self._coordinates = _Coordinates(fit.arm, ArmModel(tuple(whole for _ in fit.arm.joints)))
+        self._equations, self._fit, self._prior = equations, fit, prior
+        zero = np.zeros(self._coordinates.size)
+        self._x = self._coordinates.take_over(fit, zero)
+        self._H, self._g, _ = _linearise(self._coordinates, equations, self._x)
+        self._now = self._measure(fit.model)
+
+    def measure_gain(self, model: ArmModel) -> float:
+        """Logarithm of the Bayes factor of a model against the one that was fitted."""
+        return self._measure(model) - self._now
+
+    def _measure(self, model: ArmModel) -> float:
+        own = _Coordinates(self._fit.arm, model)
+        mean, deviation = own.place_prior(self._equations, self._prior)
+        at = self._find(own)
+        away = (self._x[at] - mean) / deviation
+        scaled = self._H[np.ix_(at, at)] * np.outer(deviation, deviation) + np.eye(at.size)
+        pull = deviation * self._g[at] - away
+        gain = float(pull @ np.linalg.solve(scaled, pull)) - float(away @ away)
+        return 0.5 * (gain - float(np.linalg.slogdet(scaled)[1]))
+
+    def _find(self, own: _Coordinates) -> NDArray[np.intp]:
+        """Places of a model's parameters among all."""
+        rigid = self._coordinates.n_inertial + len(self._fit.arm.joints)
+        at = list(range(rigid))
+        for form, whole, place in zip(
+            own.model.forms, self._coordinates.model.forms, self._coordinates.places, strict=True
+        ):
+            every = {name: k for k, name in enumerate(whole.columns)}
+            at += [place.start + every[name] for name in form.columns]
+        return np.array([*at, self._coordinates.size - 2, self._coordinates.size - 1])
+
+
 def _descend(
     coordinates: _Coordinates,
-    equations: ArmEquations,
+    equations: ArmEquations | EquationSums,
     x: FloatArray,
     mean: FloatArray,
     deviation: FloatArray,
@@ -188,13 +239,13 @@ def _descend(
     return x
 
 
-def _cost(coordinates: _Coordinates, equations: ArmEquations, x: FloatArray) -> float:
+def _cost(coordinates: _Coordinates, equations: ArmEquations | EquationSums, x: FloatArray) -> float:
     z, weights = coordinates.expand(x), equations.weights
     return float(np.sum(np.einsum("jk,jkl,jl->j", z, equations.sums, z) / (weights.noise**2 * weights.inflation)))
 
 
 def _linearise(
-    coordinates: _Coordinates, equations: ArmEquations, x: FloatArray
+    coordinates: _Coordinates, equations: ArmEquations | EquationSums, x: FloatArray
 ) -> tuple[FloatArray, FloatArray, float]:
     """Half the curvature and half the downward slope of the weighted squares, and their sum."""
     z, slopes, weights = coordinates.expand(x), coordinates.slopes(x), equations.weights
@@ -263,7 +314,7 @@ class _Coordinates:
             x[place] = [before.get(name, 0.0) for name in self.model.forms[j].columns]
         return x
 
-    def place_prior(self, equations: ArmEquations, prior: ArmPrior) -> tuple[FloatArray, FloatArray]:
+    def place_prior(self, equations: ArmEquations | EquationSums, prior: ArmPrior) -> tuple[FloatArray, FloatArray]:
         """Mean and standard deviation of x before the recording. Shapes (size,)."""
         arm, mean, deviation = self.arm, np.zeros(self.size), np.ones(self.size)
         wide = [prior.opened if i in self.model.opened else prior.links for i in range(len(arm.links))]
@@ -284,6 +335,12 @@ class _Coordinates:
 
 def _size_column(name: str, torque: float, speed: float, prior: ArmPrior) -> float:
     """Prior deviation of a friction parameter, from a typical torque [N·m] and the joint's top speed [rad/s]."""
+    if name.startswith("torque_delay"):
+        return prior.delay
+    if name.startswith("torque_gain_error"):
+        return prior.gain
+    if name.startswith("thermal_friction"):
+        return torque / _WARMTH / (speed if ".viscous" in name else 1.0)
     if name.startswith("load_coulomb"):
         return prior.load_friction
     if name.startswith("load_quadratic"):

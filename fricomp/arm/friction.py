@@ -4,8 +4,11 @@
     (E + D_e s) s exp(-(v/v_s)²)                     Stribeck effect
     P (z - s),  z' = v (1 - z s) / d                 presliding: what is missing until a bristle has turned [dahl1968]
     c |τ_l| s,  c_q τ_l² s                           friction that follows the load
-    (A cos q + B sin q) s,  k (q - q_0)              friction over position, a spring
+    (A cos nq + B sin nq) s,  k (q - q_0)            friction over position, a spring
     C v |v|,  W (|v|/v_top)ⁿ s                       drag, and viscous friction that falls behind the speed
+    A cos nq + B sin nq                              torque that waves with the position, n from what is left
+    (G s + H v) (T - T_0)                            friction that follows the temperature, where it is recorded
+    e τ_l,  -T_d τ'                                  a torque in another unit than those beside it, or later
 
 with s = sign v, and τ_l the torque that the joint transmits.
 """
@@ -13,6 +16,7 @@ with s = sign v, and τ_l the torque that the joint transmits.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -21,13 +25,16 @@ from fricomp.laws import FloatArray
 from .rows import ArmRows
 
 __all__ = [
+    "LOWEST_RIPPLE",
     "PLAIN",
     "TERMS",
     "JointForm",
     "JointTerm",
     "column_names",
+    "find_columns",
     "friction_columns",
     "load_columns",
+    "ripple_columns",
     "turn_bristle",
 ]
 
@@ -44,6 +51,16 @@ _BREAKAWAY = (0.5e-3, 1e-3, 2e-3, 4e-3, 8e-3, 16e-3)
 _EXPONENTS = (0.5, 0.7)
 """Of viscous friction to choose from; the catalogue has 0.5 to 0.9."""
 
+_ORDERS = (1.0, 2.0)
+"""Waves of friction a turn: of a shaft that is off its axis, and of one that is oval."""
+
+LOWEST_RIPPLE = 4.0
+"""Least waves of torque a radian times 2 pi: slower ones are gravity's, which the links have."""
+
+Filled = Literal["motion", "delay", "ripple", "load"]
+"""What the columns of a term are made of: the motion, the torque's own rate, a wave of an order that is found, or the
+transmitted torque."""
+
 
 @dataclass(frozen=True)
 class JointTerm:
@@ -53,13 +70,17 @@ class JointTerm:
         name: In the catalogue of effects; "stribeck" for what every friction law has.
         columns: Its parameters.
         values: Of the variants to choose from; one that has none is None.
-        follows_load: Whether its columns need the transmitted torque.
+        filled: What its columns are made of.
+        label: What differs between its variants.
+        alike: Names that no recording of an arm tells from it.
     """
 
     name: str
     columns: tuple[str, ...]
     values: tuple[float | None, ...] = (None,)
-    follows_load: bool = False
+    filled: Filled = "motion"
+    label: str = ""
+    alike: tuple[str, ...] = ()
 
     def names(self, variant: int) -> tuple[str, ...]:
         """Names of its columns in one variant."""
@@ -70,13 +91,17 @@ TERMS = {
     term.name: term
     for term in (
         JointTerm("stribeck", ("excess", "excess_difference"), _STRIBECK),
-        JointTerm("presliding_hysteresis", ("level",), _BREAKAWAY),
-        JointTerm("position_coulomb", ("cosine", "sine")),
+        JointTerm("presliding_hysteresis", ("level",), _BREAKAWAY, label="breakaway_distance"),
+        JointTerm("position_coulomb", ("cosine", "sine"), _ORDERS, label="order"),
         JointTerm("quadratic_drag", ("coefficient",)),
-        JointTerm("power_law_viscous", ("torque_at_top_speed",), _EXPONENTS),
+        JointTerm("power_law_viscous", ("torque_at_top_speed",), _EXPONENTS, label="exponent"),
         JointTerm("spring_torque", ("stiffness",)),
-        JointTerm("load_coulomb", ("coefficient",), follows_load=True),
-        JointTerm("load_quadratic", ("coefficient",), follows_load=True),
+        JointTerm("thermal_friction", ("coulomb_slope", "viscous_slope")),
+        JointTerm("torque_delay", ("delay",), filled="delay", alike=("drive_lag",)),
+        JointTerm("cogging", ("cosine", "sine"), filled="ripple"),
+        JointTerm("load_coulomb", ("coefficient",), filled="load"),
+        JointTerm("load_quadratic", ("coefficient",), filled="load"),
+        JointTerm("torque_gain_error", ("gain_error",), filled="load"),
     )
 }
 """What is tried in every joint."""
@@ -106,14 +131,28 @@ class JointForm:
         return JointForm(tuple(term for term in self.terms if term[0] != name))
 
 
+_FILLED: tuple[Filled, ...] = ("motion", "delay", "ripple", "load")
+
+
 def column_names() -> tuple[str, ...]:
-    """All columns of a joint, in order; those that follow the load come last."""
-    terms = sorted(TERMS.values(), key=lambda term: term.follows_load)
-    return (*PLAIN, *(name for term in terms for k in range(len(term.values)) for name in term.names(k)))
+    """All columns of a joint, in order: those of the motion first, those that follow the load last."""
+    return (*PLAIN, *(name for filled in _FILLED for name in _list_columns(filled)))
+
+
+def find_columns(filled: Filled) -> slice:
+    """Where the columns stand that are made of one thing, among all of a joint's friction."""
+    sizes = [len(_list_columns(each)) + (len(PLAIN) if each == "motion" else 0) for each in _FILLED]
+    at = _FILLED.index(filled)
+    return slice(sum(sizes[:at]), sum(sizes[: at + 1]))
+
+
+def _list_columns(filled: Filled) -> tuple[str, ...]:
+    terms = [term for term in TERMS.values() if term.filled == filled]
+    return tuple(name for term in terms for k in range(len(term.values)) for name in term.names(k))
 
 
 def friction_columns(rows: ArmRows, joint: int, top_speed: float) -> FloatArray:
-    """Columns of one joint, but for those that follow the load.
+    """Columns of one joint that are made of its motion and temperature.
 
     Args:
         rows: The equations.
@@ -121,7 +160,7 @@ def friction_columns(rows: ArmRows, joint: int, top_speed: float) -> FloatArray:
         top_speed: Of the joint [rad/s] or [m/s].
 
     Returns:
-        Shape (n, len(column_names()) - 2).
+        Shape (n, n_columns).
     """
     middle = float(np.mean(np.concatenate([q[:, joint] for q, _, _ in rows.motion])))
 
@@ -132,26 +171,49 @@ def friction_columns(rows: ArmRows, joint: int, top_speed: float) -> FloatArray:
             fall = np.exp(-((v / (part * top_speed)) ** 2))
             columns += [s * fall, fall]
         columns += [turn_bristle(q, distance) - s for distance in _BREAKAWAY]
-        columns += [np.cos(q) * s, np.sin(q) * s, v * np.abs(v)]
+        columns += [wave(n * q) * s for n in _ORDERS for wave in (np.cos, np.sin)]
+        columns += [v * np.abs(v)]
         columns += [s * (np.abs(v) / top_speed) ** n for n in _EXPONENTS]
         columns += [q - middle]
         return np.stack([s, np.ones_like(v), v, np.abs(v), *columns], axis=1)
 
-    return rows.compare(build)
+    warmth = [each[:, joint] for each in rows.warmth]
+    warm = [
+        np.stack([np.sign(v[:, joint]) * w, v[:, joint] * w], axis=1)
+        for (_, v, _), w in zip(rows.motion, warmth, strict=True)
+    ]
+    return np.column_stack([rows.compare(build), rows.compare_samples(warm)])
 
 
 def load_columns(load: FloatArray, sign: FloatArray) -> FloatArray:
-    """Columns that follow the transmitted torque [N·m] or [N], in the order of `column_names`. Shape (n, 2)."""
-    return np.column_stack([np.abs(load) * sign, load**2 * sign])
+    """Columns that follow the transmitted torque [N·m] or [N], in the order of `column_names`. Shape (n, 3)."""
+    return np.column_stack([np.abs(load) * sign, load**2 * sign, load])
+
+
+def ripple_columns(rows: ArmRows, joint: int, order: float) -> FloatArray:
+    """A wave over the position of a joint. Shape (n, 2)."""
+
+    def build(position: FloatArray, _: FloatArray, __: FloatArray) -> FloatArray:
+        angle = order * position[:, joint]
+        return np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+    return rows.compare(build)
 
 
 def turn_bristle(position: FloatArray, distance: float) -> FloatArray:
-    """Part of its level that a bristle holds along a path, from -1 to 1, by Dahl's law [dahl1968]. Shape (n,)."""
-    steps = np.diff(position, prepend=position[0])
-    z, result = 0.0, np.empty_like(position)
-    for k, (step, decay) in enumerate(
-        zip(np.sign(steps).tolist(), np.exp(-np.abs(steps) / distance).tolist(), strict=True)
-    ):
-        z = step + (z - step) * decay if step else z
-        result[k] = z
+    """Part of its level that a bristle holds along a path, from -1 to 1, by Dahl's law [dahl1968]. Shape (n,).
+
+    Between two turns the path runs one way, and z - s falls by exp(-travel / distance).
+    """
+    steps = np.diff(position)
+    moving = np.flatnonzero(steps)
+    result = np.zeros_like(position)
+    if not moving.size:
+        return result
+    ways = np.sign(steps[moving])
+    turns = [0, *(np.flatnonzero(np.diff(ways)) + 1).tolist()]
+    starts = [int(moving[k]) for k in turns]
+    for k, first, last in zip(turns, starts, [*starts[1:], len(steps)], strict=True):
+        travel = np.abs(position[first + 1 : last + 1] - position[first])
+        result[first + 1 : last + 1] = ways[k] + (result[first] - ways[k]) * np.exp(-travel / distance)
     return result

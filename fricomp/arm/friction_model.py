@@ -6,6 +6,7 @@ import numpy as np
 
 from fricomp.laws import (
     BidirectionalStribeck,
+    Cogging,
     FrictionLaw,
     LoadCoulomb,
     LoadQuadratic,
@@ -16,9 +17,11 @@ from fricomp.laws import (
     SpringTorque,
     StribeckCurve,
     Term,
+    ThermalFriction,
 )
 from fricomp.model import FrictionModel, Provenance, Validity
 
+from .arm_recording import find_start_temperature
 from .friction import TERMS
 from .identification import ArmIdentification
 from .law_fit import fit_within_law
@@ -27,6 +30,9 @@ __all__ = ["build_friction_model"]
 
 _LEAST_PART = 1e-3
 """Of the mean Coulomb level, below which a level of one direction is not taken: a law has positive levels only."""
+
+_LEAST_VISCOUS = 1e-6
+"""[N·m·s/rad] of a joint that has none: its change with the temperature needs a positive one."""
 
 
 _MOST_PART = 0.95
@@ -105,12 +111,20 @@ def _build_terms(found: ArmIdentification, joint: int, values: dict[str, float],
         terms.append(LoadQuadratic(max(parameters("load_quadratic")[0], 0.0)))
     if "position_coulomb" in form:
         cosine, sine = parameters("position_coulomb")
-        terms.append(PositionCoulomb(sine, cosine, 1.0))
+        terms.append(PositionCoulomb(sine, cosine, _value_of("position_coulomb", form)))
     if "quadratic_drag" in form:
         terms.append(QuadraticDrag(max(parameters("quadratic_drag")[0], 0.0)))
     if "power_law_viscous" in form:
         exponent, top = _value_of("power_law_viscous", form), float(found.equations.top_speed[joint])
         terms.append(PowerLawViscous(max(parameters("power_law_viscous")[0], 0.0) / top**exponent, exponent))
+    if "cogging" in form:
+        cosine, sine = parameters("cogging")
+        terms.append(Cogging(sine, cosine, float(found.equations.ripple[joint])))
+    if "thermal_friction" in form:
+        level, slope = parameters("thermal_friction")
+        viscous = max(values["viscous"], _LEAST_VISCOUS)
+        start = find_start_temperature(found.recording.recordings[joint])
+        terms.append(ThermalFriction(viscous, viscous, -slope, -level, start))
     if "spring_torque" in form:
         middle = float(np.mean(np.concatenate([q[:, joint] for q, _, _ in found.rows.motion])))
         terms.append(SpringTorque(max(parameters("spring_torque")[0], 0.0), middle))

@@ -17,10 +17,11 @@ from fricomp.errors import IdentificationError
 
 from .arm_recording import ArmRecording
 from .equations import ArmEquations, build_equations
-from .fit import ArmFit, ArmModel, fit_arm
+from .fit import ArmFit, ArmModel, Glance, fit_arm
 from .friction import TERMS, JointForm
 from .physics import is_physical
 from .prior import ArmPrior
+from .ripple import propose_ripples
 from .rows import ArmRows, build_rows
 from .simulated_arm import SimulatedArm
 
@@ -42,6 +43,9 @@ _ALIKE = 3.0
 
 _GLANCE, _LOOK = 2, 15
 """Gauss-Newton steps in which a term is weighed, and a link that may be far off, which is not linear."""
+
+_GLANCE_ERROR = 3.0
+"""By how much a glance may be wrong about the logarithm of a Bayes factor: links are not linear in their coordinates."""
 
 _SURE = 2.0
 """Standard deviations that a delay must have to be allowed for."""
@@ -94,26 +98,39 @@ def identify_arm(
         raise IdentificationError("no joint moves in this recording")
     model = ArmModel(tuple(JointForm() for _ in arm.joints))
     say("choosing the bandwidth")
-    rows = _choose_rows(arm, recording, model, prior)
+    rows, equations = _choose_rows(arm, recording, model, prior)
     trials: dict[str, float] = {}
     rivals: dict[str, tuple[str, ...]] = {}
     delay, deviation = 0.0, 0.0
     for _ in range(_PASSES):
         say("finding the delay of the torques")
-        rows, delay, deviation = _take_off_delay(arm, recording, rows, model, prior, delay)
+        rows, equations, delay, deviation = _take_off_delay(recording, rows, equations, model, prior, delay, arm)
         say("weighing what the simulation may have wrong")
         before = model
-        model, fit, equations = _take_in(arm, rows, before, prior, trials, rivals)
+        model, fit, equations = _take_in(rows, equations, before, prior, trials, rivals, arm)
         if model == before:
             break
     return ArmIdentification(recording, rows, equations, fit, (delay, deviation), prior, trials, rivals)
 
 
 def fit_robustly(
-    arm: SimulatedArm, rows: ArmRows, model: ArmModel, prior: ArmPrior, start: ArmFit | None = None
+    arm: SimulatedArm,
+    rows: ArmRows,
+    equations: ArmEquations,
+    model: ArmModel,
+    prior: ArmPrior,
+    start: ArmFit | None = None,
 ) -> tuple[ArmFit, ArmEquations]:
-    """A fit in which rows count by what it leaves of them, and friction follows the load that it finds."""
-    equations = build_equations(arm, rows, rows.links @ arm.inertia.ravel())
+    """A fit in which rows count by what it leaves of them, and friction follows the load that it finds.
+
+    Args:
+        arm: The simulation.
+        rows: Motion and torques.
+        equations: Of these rows, with whatever weights and load.
+        model: What is fitted.
+        prior: How far the simulation is trusted.
+        start: A fit to begin with.
+    """
     fit = fit_arm(arm, equations, model, prior, start)
     for _ in range(_REWEIGHTINGS):
         fresh = equations.with_load(fit.compute_load(rows))
@@ -122,58 +139,66 @@ def fit_robustly(
     return fit, equations
 
 
-def _choose_rows(arm: SimulatedArm, recording: ArmRecording, model: ArmModel, prior: ArmPrior) -> ArmRows:
+def _choose_rows(
+    arm: SimulatedArm, recording: ArmRecording, model: ArmModel, prior: ArmPrior
+) -> tuple[ArmRows, ArmEquations]:
     """Rows at the cutoff at which the parameters' covariance has the least volume, all that is left being noise."""
-    best: tuple[float, ArmRows] | None = None
+    best: tuple[float, ArmRows, ArmEquations] | None = None
     for cutoff in _CUTOFFS:
         if best is not None and cutoff > _MOST_OF_RATE / recording.period:
             break
         rows = build_rows(arm, recording, cutoff)
         if len(rows) < 3 * len(arm.joints):
             continue
-        fit, equations = fit_robustly(arm, rows, model, prior)
+        bare = build_equations(arm, rows, rows.links @ arm.inertia.ravel())
+        fit, equations = fit_robustly(arm, rows, bare, model, prior)
         whole = equations.with_residuals(fit.residuals(equations), rows, robust=False)
         fit = fit_arm(arm, whole, model, prior, fit)
         size = np.sqrt(np.diag(fit.covariance))
         volume = float(np.linalg.slogdet(fit.covariance / np.outer(size, size))[1]) + 2.0 * float(np.sum(np.log(size)))
         if best is None or volume < best[0]:
-            best = volume, rows
+            best = volume, rows, equations
     if best is None:
         raise IdentificationError(f"the recording of {recording.duration:.3g} s is too short for an arm")
-    return best[1]
+    return best[1], best[2]
 
 
 def _take_off_delay(
-    arm: SimulatedArm, recording: ArmRecording, rows: ArmRows, model: ArmModel, prior: ArmPrior, start: float
-) -> tuple[ArmRows, float, float]:
+    recording: ArmRecording,
+    rows: ArmRows,
+    equations: ArmEquations,
+    model: ArmModel,
+    prior: ArmPrior,
+    start: float,
+    arm: SimulatedArm,
+) -> tuple[ArmRows, ArmEquations, float, float]:
     """Rows in which the torques are as early as the positions, the delay that was taken off [s], and its deviation."""
     total, deviation = start, 0.0
     for _ in range(_DELAY_ROUNDS):
-        fit, _ = fit_robustly(arm, rows, model, prior)
+        fit, equations = fit_robustly(arm, rows, equations, model, prior)
         more, deviation = fit.delay
         if abs(more) < (0.5 if total else _SURE) * deviation:
             break
         total += more
-        rows = build_rows(arm, recording, rows.cutoff, total)
-    return rows, total, deviation
+        rows = rows.with_delay(recording, total)
+        equations = equations.with_torque(rows)
+    return rows, equations, total, deviation
 
 
 def _take_in(
-    arm: SimulatedArm,
     rows: ArmRows,
+    equations: ArmEquations,
     model: ArmModel,
     prior: ArmPrior,
     trials: dict[str, float],
     rivals: dict[str, tuple[str, ...]],
+    arm: SimulatedArm,
 ) -> tuple[ArmModel, ArmFit, ArmEquations]:
     """Take in one thing at a time, the most probable first, until none makes the recording much more probable."""
-    fit, equations = fit_robustly(arm, rows, model, prior)
+    fit, equations = fit_robustly(arm, rows, equations, model, prior)
     while True:
-        tried = [
-            (name, fit_arm(arm, equations, other, prior, fit, steps=_GLANCE if other.opened == model.opened else _LOOK))
-            for name, other in _propose(arm, model)
-        ]
-        tried = [(name, one) for name, one in tried if is_physical(one)]
+        equations = propose_ripples(rows, equations, fit)
+        tried = _try_out(equations, fit, prior, trials)
         gains = {name: one.log_evidence - fit.log_evidence for name, one in sorted(tried, key=_evidence_of)}
         trials |= gains  # of the best variant of each
         best = max(gains, key=lambda name: gains[name], default=None)
@@ -183,7 +208,34 @@ def _take_in(
         rivals[alike[0]] = tuple(alike[1:])
         chosen = max((one for name, one in tried if name == alike[0]), key=lambda one: one.log_evidence)
         model = chosen.model
-        fit, equations = fit_robustly(arm, rows, model, prior, chosen)
+        fit, equations = fit_robustly(arm, rows, equations, model, prior, chosen)
+
+
+def _try_out(
+    equations: ArmEquations, fit: ArmFit, prior: ArmPrior, trials: dict[str, float]
+) -> list[tuple[str, ArmFit]]:
+    """Fits of what a glance finds most promising and friction can do, in the order in which models are proposed."""
+    glance = Glance(equations, fit, prior)
+    gains = [(name, other, glance.measure_gain(other)) for name, other in _propose(fit.arm, fit.model)]
+    for name, _, gain in sorted(gains, key=lambda each: each[2]):
+        trials[name] = gain
+    open_ones = [each for each in gains if each[2] > _EVIDENCE - _GLANCE_ERROR]
+    while open_ones:
+        best = max(gain for _, _, gain in open_ones)
+        now = [each for each in open_ones if each[2] >= best - _ALIKE - _GLANCE_ERROR]
+        tried = [
+            (name, fit_arm(fit.arm, equations, other, prior, fit, steps=_count_steps(fit, other)))
+            for name, other, _ in now
+        ]
+        tried = [(name, one) for name, one in tried if is_physical(one)]
+        if tried:
+            return tried
+        open_ones = [each for each in open_ones if each not in now]
+    return []
+
+
+def _count_steps(fit: ArmFit, other: ArmModel) -> int:
+    return _GLANCE if other.opened == fit.model.opened else _LOOK
 
 
 def _evidence_of(tried: tuple[str, ArmFit]) -> float:

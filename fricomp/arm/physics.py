@@ -39,5 +39,6 @@ def _can_exist(fit: ArmFit, joint: int) -> bool:
         and is_positive(presliding_hysteresis__level=1.0)
         and is_positive(coulomb=1.0, presliding_hysteresis__level=-1.0)
         and is_positive(quadratic_drag__coefficient=1.0)
+        and is_positive(spring_torque__stiffness=1.0)
         and is_positive(power_law_viscous__torque_at_top_speed=1.0)
     )

@@ -122,6 +122,8 @@ class LinkRecord(msgspec.Struct, frozen=True, kw_only=True):
         mass: As the recording has it, the simulation being trusted where the recording says little.
         first_moment: Mass times place of its centre, in the frame of the link: x, y, z.
         state: Whether it is as simulated, off, or not determined by this motion.
+        determined: Which of "mass", "x", "y", "z" this motion determines: the recording at least halves what was
+            uncertain before. The others are mostly what the simulation has.
     """
 
     name: str
@@ -129,6 +131,7 @@ class LinkRecord(msgspec.Struct, frozen=True, kw_only=True):
     mass: Quantity
     first_moment: dict[str, Quantity]
     state: LinkState
+    determined: tuple[str, ...] = ()
 
 
 class ArmRecord(msgspec.Struct, frozen=True, kw_only=True):

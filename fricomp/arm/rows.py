@@ -8,7 +8,7 @@ torque is: a reversal lies between two of them wherever the rows are.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +51,7 @@ class ArmRows:
         time: Of the rows [s]. Shape (n,).
         part: Number of the part that a row is of. Shape (n,).
         motion: Smoothed motion of each part, sample by sample.
+        warmth: Temperature of the joints over that of their start, part by part [K].
         torque: Of the rows [N·m] or [N]. Shape (n, n_joints).
         torque_rate: Its derivative [N·m/s] or [N/s]. Shape (n, n_joints).
         links: Columns of the links. Shape (n, n_joints, 10 n_links).
@@ -60,6 +61,7 @@ class ArmRows:
     time: FloatArray
     part: NDArray[np.intp]
     motion: tuple[Motion, ...]
+    warmth: tuple[FloatArray, ...]
     torque: FloatArray
     torque_rate: FloatArray
     links: FloatArray
@@ -79,7 +81,16 @@ class ArmRows:
         Returns:
             Shape (n, ...).
         """
-        return np.concatenate([way.take(column(*m)) for way, m in zip(self._ways, self.motion, strict=True)])
+        return self.compare_samples([column(*motion) for motion in self.motion])
+
+    def compare_samples(self, columns: Sequence[FloatArray]) -> FloatArray:
+        """Samples of each part, through all filters that the torques pass. Shapes (n_samples, ...), and (n, ...)."""
+        return np.concatenate([way.take(one) for way, one in zip(self._ways, columns, strict=True)])
+
+    def with_delay(self, recording: ArmRecording, delay: float) -> ArmRows:
+        """The same motion with torques that are taken to be late by `delay` [s]."""
+        torque, rate = _compare_torques(self._ways, recording, delay)
+        return replace(self, torque=torque, torque_rate=rate)
 
 
 @dataclass(frozen=True)
@@ -126,8 +137,7 @@ def build_rows(arm: SimulatedArm, recording: ArmRecording, cutoff: float, delay:
     """
     ways = tuple(_Way.plan(part, cutoff) for part in recording.parts)
     motions = tuple(_differentiate(way.smooth(part.position), part.period) for way, part in _pair(ways, recording))
-    torques = [_advance(part, delay) for part in recording.parts]
-    rates = [np.gradient(torque, part.period, axis=0) for torque, part in zip(torques, recording.parts, strict=True)]
+    torque, rate = _compare_torques(ways, recording, delay)
     times = [part.time[:: way.step][way.kept] for way, part in _pair(ways, recording)]
     links = [
         way.compare(compute_regressor(arm, *(column[:: way.step] for column in motion)))
@@ -137,11 +147,22 @@ def build_rows(arm: SimulatedArm, recording: ArmRecording, cutoff: float, delay:
         time=np.concatenate(times),
         part=np.concatenate([np.full(len(time), i) for i, time in enumerate(times)]),
         motion=motions,
-        torque=np.concatenate([way.take(one) for way, one in zip(ways, torques, strict=True)]),
-        torque_rate=np.concatenate([way.take(one) for way, one in zip(ways, rates, strict=True)]),
+        warmth=tuple(part.warmth for part in recording.parts),
+        torque=torque,
+        torque_rate=rate,
         links=np.concatenate(links),
         cutoff=cutoff,
         _ways=ways,
+    )
+
+
+def _compare_torques(ways: Sequence[_Way], recording: ArmRecording, delay: float) -> tuple[FloatArray, FloatArray]:
+    """Torques and their rates at the rows, as early as the positions."""
+    torques = [_advance(part, delay) for part in recording.parts]
+    rates = [np.gradient(torque, part.period, axis=0) for torque, part in zip(torques, recording.parts, strict=True)]
+    return (
+        np.concatenate([way.take(one) for way, one in zip(ways, torques, strict=True)]),
+        np.concatenate([way.take(one) for way, one in zip(ways, rates, strict=True)]),
     )
 
 

@@ -16,6 +16,7 @@ BENCHMARKS = {
     "adapters": "Every adapter against its twin and an independent peer.",
     "fleet": "Joints a second, identified in one call and one by one.",
     "mismatch": "Named physics in concealed cases: run, page, gap, replay, speed-up.",
+    "arms": "Named physics and links of concealed arms: run, page.",
     "second-generator": "Named physics in joints that MuJoCo makes.",
     "real": "Diagnosis on public recordings of real joints.",
 }

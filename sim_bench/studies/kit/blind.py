@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 
 from fricomp import version
 
-__all__ = ["BlindAnswer", "Diagnose", "diagnose_blind"]
+__all__ = ["BlindAnswer", "Diagnose", "diagnose_arm_blind", "diagnose_blind"]
 
 _ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 _PACKAGES = str(Path(version.__file__).resolve().parents[1])
@@ -43,21 +43,34 @@ Diagnose = Callable[[dict[str, bytes]], BlindAnswer]
 """Diagnoses the files of a case, given by their names."""
 
 
+_JOINT, _ARM = "blind_diagnosis", "blind_arm"
+"""Modules of the blind side."""
+
+
 def diagnose_blind(files: dict[str, bytes]) -> BlindAnswer:
     """Diagnose the files of one case in another process and a folder that holds nothing else."""
+    return _diagnose(files, _JOINT)
+
+
+def diagnose_arm_blind(files: dict[str, bytes]) -> BlindAnswer:
+    """The same of an arm: the diagnosis is then the content of `arm.json`."""
+    return _diagnose(files, _ARM)
+
+
+def _diagnose(files: dict[str, bytes], module: str) -> BlindAnswer:
     with TemporaryDirectory() as place:
         folder = Path(place)
         for name, content in files.items():
             (folder / name).write_bytes(content)
         start = time.perf_counter()
-        error = _run(folder)
+        error = _run(folder, module)
         seconds = time.perf_counter() - start
         return BlindAnswer(_read(folder / "diagnosis.json"), _read(folder / "motion.csv"), seconds, error)
 
 
-def _run(folder: Path) -> str:
+def _run(folder: Path, module: str) -> str:
     """What the command in this folder wrote where it failed; empty where it did not."""
-    command = [sys.executable, "-m", "fricomp.sim_bench.studies.kit.blind_diagnosis"]
+    command = [sys.executable, "-m", f"fricomp.sim_bench.studies.kit.{module}"]
     # The fricomp of this process, whatever else the interpreter would find in that folder.
     path = os.pathsep.join(filter(None, [_PACKAGES, os.environ.get("PYTHONPATH")]))
     environment = {**os.environ, **_ONE_THREAD, "PYTHONPATH": path}
