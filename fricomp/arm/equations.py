@@ -73,7 +73,7 @@ class ArmEquations:
     @cached_property
     def counts(self) -> FloatArray:
         """Rows that count, of each joint. Shape (n_joints,)."""
-        return np.sum(self.weights.rows > 0.0, axis=0).astype(np.float64)
+        return np.asarray(np.sum(self.weights.rows > 0.0, axis=0), dtype=np.float64)
 
     def split(self, block: NDArray[np.intp]) -> list[EquationSums]:
         """Sums over the rows of each block, so that any choice of blocks is a sum of them.

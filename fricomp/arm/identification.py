@@ -45,7 +45,7 @@ _GLANCE, _LOOK = 2, 15
 """Gauss-Newton steps in which a term is weighed, and a link that may be far off, which is not linear."""
 
 _GLANCE_ERROR = 3.0
-"""By how much a glance may be wrong about the logarithm of a Bayes factor: links are not linear in their coordinates."""
+"""By how much a glance may be wrong about the logarithm of a Bayes factor: links are not linear."""
 
 _SURE = 2.0
 """Standard deviations that a delay must have to be allowed for."""
@@ -217,8 +217,7 @@ def _try_out(
     """Fits of what a glance finds most promising and friction can do, in the order in which models are proposed."""
     glance = Glance(equations, fit, prior)
     gains = [(name, other, glance.measure_gain(other)) for name, other in _propose(fit.arm, fit.model)]
-    for name, _, gain in sorted(gains, key=lambda each: each[2]):
-        trials[name] = gain
+    trials |= {name: gain for name, _, gain in sorted(gains, key=lambda each: each[2])}
     open_ones = [each for each in gains if each[2] > _EVIDENCE - _GLANCE_ERROR]
     while open_ones:
         best = max(gain for _, _, gain in open_ones)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..kit.figure import Figure, measure_coverage, measure_median, require_at_least, require_at_most
 from .score import CLEAR, ArmScore, TrueEffect
@@ -35,7 +35,7 @@ def _fall(one: JointOf) -> float:
     return after / max(before, 1e-300)
 
 
-def compute_figures(scores: Sequence[ArmScore]) -> list[Figure]:
+def compute_figures(scores: Sequence[ArmScore]) -> list[Figure[Any]]:
     """All figures; those of effects are of the clear ones, in clusters of an arm."""
     clear = list_concealed(scores, CLEAR)
     healthy = [JointOf(score, joint) for score in scores for joint in score.healthy]
