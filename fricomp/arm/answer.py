@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from fricomp.diagnosis.effects import EFFECTS
+
 from .confirmation import ConfirmedData, HeldOutErrors, without_term
 from .fit import ArmFit
 from .identification import ArmIdentification, fit_robustly
@@ -16,6 +18,10 @@ _RECURRENCE = 0.9
 _LEAST_FALL = 0.1
 """Least part by which a named term lowers its joint's held-out error. On real arms further terms gain up to a tenth
 whatever they are."""
+
+_LEAST_FALL_OF_A_SIGNAL = 0.25
+"""The same of what would be wrong with one joint's torque signal. Its scale and delay are known only by comparison with
+other joints, so that what is wrong with their models looks like it: on a real arm one joint gains a sixth by a gain."""
 
 
 @dataclass(frozen=True)
@@ -69,16 +75,21 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
             )
             for (j, name), share in recurrence.items()
         }
-        weak = {key: one for key, one in evidence.items() if not _is_confirmed(key[1], one)}
+        heads = {(j, name): fit.model.forms[j].find_head(name) == name for j, name in evidence}
+        weak = {key: one for key, one in evidence.items() if not _is_confirmed(key[1], one, named=heads[key])}
         if not weak:
             return ArmAnswer(replace(found, fit=fit, equations=equations), evidence, errors)
         weakest = min(weak, key=lambda key: (weak[key].recurrence, weak[key].fall))
         fit, equations = fit_robustly(arm, rows, equations, without_term(fit.model, *weakest), prior)
 
 
-def _is_confirmed(name: str, evidence: TermEvidence) -> bool:
-    """A Stribeck effect is part of every friction law and need not matter much; an effect is named, and must."""
-    return evidence.recurrence >= _RECURRENCE and (name == "stribeck" or evidence.fall >= _LEAST_FALL)
+def _is_confirmed(name: str, evidence: TermEvidence, *, named: bool) -> bool:
+    """What is named must recur and matter; a Stribeck curve, and what mends another term's form, need only recur."""
+    if evidence.recurrence < _RECURRENCE:
+        return False
+    if not named or name not in EFFECTS:
+        return True
+    return evidence.fall >= (_LEAST_FALL_OF_A_SIGNAL if EFFECTS[name].kind == "measurement" else _LEAST_FALL)
 
 
 def _measure_fall(data: ConfirmedData, fit: ArmFit, errors: HeldOutErrors, term: tuple[int, str]) -> float:

@@ -59,6 +59,7 @@ def _describe_joint(answer: ArmAnswer, joint: int) -> JointRecord:
     found = answer.identification
     fit, metadata = found.fit, found.recording.metadata[joint]
     torque, position = metadata.torque_unit, metadata.position_unit
+    form = fit.model.forms[joint]
     place, names = fit.find_friction(joint)
     spread = np.sqrt(np.diag(fit.covariance)[place])
     values = {
@@ -67,17 +68,18 @@ def _describe_joint(answer: ArmAnswer, joint: int) -> JointRecord:
     }
     effects = [
         _describe_effect(answer, joint, term, variant, values)
-        for term, variant in fit.model.forms[joint].terms
-        if _is_effect(term, variant)
+        for term, variant in form.terms
+        if form.find_head(term) == term and _is_effect(term, variant)
     ]
-    named = {name for term, k in fit.model.forms[joint].terms if _is_effect(term, k) for name in TERMS[term].names(k)}
+    named = {one.name for one in effects}
+    own = {name for term, k in form.terms if form.find_head(term) in named for name in TERMS[term].names(k)}
     first = N_INERTIA * len(fit.arm.links) + joint
     rotor = float(np.sqrt(fit.covariance[first, first]))
     inertia = f"{torque}·s²/{position}" if metadata.motion == "linear" else "kg·m²"
     return JointRecord(
         name=fit.arm.joints[joint],
         unit=torque,
-        friction={name: value for name, value in values.items() if name not in named},
+        friction={name: value for name, value in values.items() if name not in own},
         effects=tuple(sorted(effects, key=lambda one: -one.fall)),
         rotor_inertia=_quantity(float(fit.armature[joint]), rotor, inertia),
         error_simulation=float(answer.errors.simulation[joint]),
@@ -100,6 +102,10 @@ def _describe_effect(
     name = f"{found.fit.arm.joints[joint]}: {term}"
     columns = zip(TERMS[term].columns, TERMS[term].names(variant), strict=True)
     parameters = {short: values[long] for short, long in columns}
+    for other, k in found.fit.model.forms[joint].terms:
+        if other != term and found.fit.model.forms[joint].find_head(other) == term:
+            pairs = zip(TERMS[other].columns, TERMS[other].names(k), strict=True)
+            parameters |= {f"{other}_{short}": values[long] for short, long in pairs}
     value = TERMS[term].values[variant]
     position = found.recording.metadata[joint].position_unit
     if value is not None:

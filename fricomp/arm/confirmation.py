@@ -19,6 +19,7 @@ from .equations import ArmEquations, BoolArray, EquationSums
 from .fit import ArmFit, ArmModel, fit_arm
 from .friction import JointForm
 from .prior import ArmPrior
+from .ripple import RippleSearch
 from .rows import ArmRows
 from .simulated_arm import SimulatedArm
 
@@ -62,7 +63,7 @@ class ConfirmedData:
 
     def __init__(self, arm: SimulatedArm, equations: ArmEquations, prior: ArmPrior, rows: ArmRows) -> None:
         self.equations = equations
-        self._arm, self._prior = arm, prior
+        self._arm, self._prior, self._ripples = arm, prior, RippleSearch(rows)
         self._block = np.arange(len(rows)) * _BLOCKS // len(rows)
         self._sums = equations.split(self._block)
         self._trained = [
@@ -82,8 +83,15 @@ class ConfirmedData:
                 whole = fit_arm(self._arm, part, fit.model, self._prior, fit, steps=3)
                 for (j, name), seen in votes.items():
                     less = fit_arm(self._arm, part, without_term(fit.model, j, name), self._prior, whole, steps=3)
-                    seen.append(whole.log_evidence > less.log_evidence)
+                    again = name != "cogging" or self._finds_order_again(j, less, half[self._block])
+                    seen.append(whole.log_evidence > less.log_evidence and again)
         return {key: float(np.mean(seen)) for key, seen in votes.items()}
+
+    def _finds_order_again(self, joint: int, without: ArmFit, kept: BoolArray) -> bool:
+        """Whether these rows alone have their strongest wave where the whole recording has it."""
+        left = without.residuals(self.equations)[:, joint] * self.equations.weights.rows[:, joint]
+        order = self._ripples.find_order(joint, left, kept)
+        return abs(order - float(self.equations.ripple[joint])) < self._ripples.resolve(joint)
 
     def measure_errors(self, fit: ArmFit) -> HeldOutErrors:
         """Errors of the simulation, of a plain model and of the whole model, each fitted to the other blocks."""

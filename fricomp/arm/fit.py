@@ -183,6 +183,11 @@ class Glance:
         self._H, self._g, _ = _linearise(self._coordinates, equations, self._x)
         self._now = self._measure(fit.model)
 
+    @property
+    def n_links(self) -> int:
+        """Number of links."""
+        return len(self._fit.arm.links)
+
     def measure_gain(self, model: ArmModel) -> float:
         """Logarithm of the Bayes factor of a model against the one that was fitted."""
         return self._measure(model) - self._now

@@ -73,6 +73,8 @@ class JointTerm:
         filled: What its columns are made of.
         label: What differs between its variants.
         alike: Names that no recording of an arm tells from it.
+        family: Of forms of the same physics: a second one of a family mends the form of the first and is no effect of
+            its own; by default a term stands alone.
     """
 
     name: str
@@ -81,6 +83,7 @@ class JointTerm:
     filled: Filled = "motion"
     label: str = ""
     alike: tuple[str, ...] = ()
+    family: str = ""
 
     def names(self, variant: int) -> tuple[str, ...]:
         """Names of its columns in one variant."""
@@ -93,14 +96,14 @@ TERMS = {
         JointTerm("stribeck", ("excess", "excess_difference"), _STRIBECK),
         JointTerm("presliding_hysteresis", ("level",), _BREAKAWAY, label="breakaway_distance"),
         JointTerm("position_coulomb", ("cosine", "sine"), _ORDERS, label="order"),
-        JointTerm("quadratic_drag", ("coefficient",)),
-        JointTerm("power_law_viscous", ("torque_at_top_speed",), _EXPONENTS, label="exponent"),
+        JointTerm("quadratic_drag", ("coefficient",), family="speed"),
+        JointTerm("power_law_viscous", ("torque_at_top_speed",), _EXPONENTS, label="exponent", family="speed"),
         JointTerm("spring_torque", ("stiffness",)),
         JointTerm("thermal_friction", ("coulomb_slope", "viscous_slope")),
         JointTerm("torque_delay", ("delay",), filled="delay", alike=("drive_lag",)),
         JointTerm("cogging", ("cosine", "sine"), filled="ripple"),
-        JointTerm("load_coulomb", ("coefficient",), filled="load"),
-        JointTerm("load_quadratic", ("coefficient",), filled="load"),
+        JointTerm("load_coulomb", ("coefficient",), filled="load", family="load"),
+        JointTerm("load_quadratic", ("coefficient",), filled="load", family="load"),
         JointTerm("torque_gain_error", ("gain_error",), filled="load"),
     )
 }
@@ -127,8 +130,19 @@ class JointForm:
         return JointForm((*self.terms, (name, variant)))
 
     def without_term(self, name: str) -> JointForm:
-        """This form with one term less."""
-        return JointForm(tuple(term for term in self.terms if term[0] != name))
+        """This form without a term, and without what mends the form of it."""
+        mends = {other for other in self.names if self.find_head(other) == name}
+        return JointForm(tuple(term for term in self.terms if term[0] != name and term[0] not in mends))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the terms, in the order in which they were taken in."""
+        return tuple(name for name, _ in self.terms)
+
+    def find_head(self, name: str) -> str:
+        """The term whose form this one mends: the first of its family, or itself."""
+        family = TERMS[name].family
+        return next(other for other in self.names if other == name or (family and TERMS[other].family == family))
 
 
 _FILLED: tuple[Filled, ...] = ("motion", "delay", "ripple", "load")

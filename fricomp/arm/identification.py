@@ -216,7 +216,7 @@ def _try_out(
 ) -> list[tuple[str, ArmFit]]:
     """Fits of what a glance finds most promising and friction can do, in the order in which models are proposed."""
     glance = Glance(equations, fit, prior)
-    gains = [(name, other, glance.measure_gain(other)) for name, other in _propose(fit.arm, fit.model)]
+    gains = [(name, other, _weigh(glance, fit.model, other)) for name, other in _propose(fit.arm, fit.model)]
     trials |= {name: gain for name, _, gain in sorted(gains, key=lambda each: each[2])}
     open_ones = [each for each in gains if each[2] > _EVIDENCE - _GLANCE_ERROR]
     while open_ones:
@@ -231,6 +231,25 @@ def _try_out(
             return tried
         open_ones = [each for each in open_ones if each not in now]
     return []
+
+
+def _weigh(glance: Glance, model: ArmModel, other: ArmModel) -> float:
+    """Logarithm of a Bayes factor by a glance.
+
+    A joint whose torque is in another unit looks like links that weigh something else: it counts for no more than it
+    has beyond links that may weigh anything.
+    """
+    gain = glance.measure_gain(other)
+    scaled = [
+        j
+        for j, (form, before) in enumerate(zip(other.forms, model.forms, strict=True))
+        if form != before and form.terms[-1][0] == "torque_gain_error"
+    ]
+    if not scaled:
+        return gain
+    free = frozenset(range(scaled[0], glance.n_links)) | model.opened
+    beyond = glance.measure_gain(replace(other, opened=free)) - glance.measure_gain(replace(model, opened=free))
+    return min(gain, beyond)
 
 
 def _count_steps(fit: ArmFit, other: ArmModel) -> int:

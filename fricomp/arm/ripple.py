@@ -6,12 +6,12 @@ import numpy as np
 
 from fricomp.laws import FloatArray
 
-from .equations import ArmEquations
+from .equations import ArmEquations, BoolArray
 from .fit import ArmFit
 from .friction import LOWEST_RIPPLE
 from .rows import ArmRows
 
-__all__ = ["propose_ripples"]
+__all__ = ["RippleSearch", "propose_ripples"]
 
 _HIGHEST = 400.0
 """Most waves a radian times 2 pi that are looked for: at 1 rad/s they pass at 64 Hz, beyond what is compared."""
@@ -20,20 +20,47 @@ _STEPS = 4.0
 """Orders a resolvable line: between two of them no line is missed by more than a tenth of its power."""
 
 
+class RippleSearch:
+    """Looks for waves in what a fit leaves.
+
+    The filters are symmetric in time, so that the residuals, which passed them, can be compared with waves that did
+    not.
+
+    Args:
+        rows: Motion.
+    """
+
+    def __init__(self, rows: ArmRows) -> None:
+        self._position = rows.compare(lambda q, _, __: q)
+        speed = np.median(np.abs(rows.compare(lambda _, v, __: v)), axis=0)
+        self._highest = np.minimum(2.0 * np.pi * rows.cutoff / np.maximum(speed, 1e-9), _HIGHEST)
+
+    def find_order(self, joint: int, left: FloatArray, kept: BoolArray | None = None) -> float:
+        """Order of the strongest line in the residuals of a joint, or of some of their rows; 0 for no room.
+
+        Args:
+            joint: Number of the joint.
+            left: Weighted residuals [N·m] or [N]. Shape (n,).
+            kept: Rows that count; all by default. Shape (n,).
+        """
+        rows = slice(None) if kept is None else kept
+        return _find_order(self._position[rows, joint], left[rows], float(self._highest[joint]))
+
+    def resolve(self, joint: int) -> float:
+        """Difference of two orders that the range of the joint can tell apart."""
+        return 2.0 * np.pi / max(float(np.ptp(self._position[:, joint])), 1e-9)
+
+
 def propose_ripples(rows: ArmRows, equations: ArmEquations, fit: ArmFit) -> ArmEquations:
     """The equations with a wave in the columns of each joint, of the order at which the residuals have most power.
 
-    A wave that the fit has already keeps its order. The filters are symmetric in time, so that the residuals, which
-    passed them, can be compared with waves that did not.
+    A wave that the fit has already keeps its order.
     """
     left = fit.residuals(equations) * equations.weights.rows
-    position = rows.compare(lambda q, _, __: q)
-    speed = np.abs(rows.compare(lambda _, v, __: v))
-    orders = equations.ripple.copy()
+    search, orders = RippleSearch(rows), equations.ripple.copy()
     for j, form in enumerate(fit.model.forms):
         if "cogging" not in dict(form.terms):
-            highest = 2.0 * np.pi * rows.cutoff / max(float(np.median(speed[:, j])), 1e-9)
-            orders[j] = _find_order(position[:, j], left[:, j], min(highest, _HIGHEST))
+            orders[j] = search.find_order(j, left[:, j])
     return equations.with_ripple(rows, orders)
 
 

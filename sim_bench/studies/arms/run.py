@@ -25,6 +25,9 @@ __all__ = ["read_arm_scores", "run_arms"]
 
 _SCORES, _SEALS, _ANSWERS, _DIAGNOSES = "scores.jsonl", "seals.jsonl", "answers", "diagnoses"
 
+_BATCH = 3
+"""Arms for each worker between two questions whether to go on."""
+
 
 def run_arms(
     settings: RunSettings,
@@ -46,12 +49,15 @@ def run_arms(
         go_on: Asked before each arm; once it says no, the rest is left.
     """
     store = RowStore(out / _SCORES)
-    done = store.index_by_case()
-    for seed in islice(draw_seeds(settings), settings.cases):
-        name = f"{seed}, {duration:g} s"
-        if name not in done and not go_on():
+    seeds = list(islice(draw_seeds(settings), settings.cases))
+    size = _BATCH * executor[1]
+    for first in range(0, len(seeds), size):
+        batch = {
+            f"{seed}, {duration:g} s": (seed, duration, out, settings.salt) for seed in seeds[first : first + size]
+        }
+        if not batch.keys() <= store.index_by_case().keys() and not go_on():
             break
-        run_cases({name: (seed, duration, out, settings.salt)}, _make_row, store, executor, progress=progress)
+        run_cases(batch, _make_row, store, executor, progress=progress)
     return read_arm_scores(out)
 
 
