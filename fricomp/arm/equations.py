@@ -93,6 +93,10 @@ class ArmEquations:
             for at in chosen
         ]
 
+    def with_rows(self, kept: BoolArray) -> ArmEquations:
+        """The same over some of the rows. Shape (n,), bool."""
+        return replace(self, weights=replace(self.weights, rows=self.weights.rows * kept[:, None]))
+
     def with_load(self, load: FloatArray) -> ArmEquations:
         """The same with friction that follows this load [N·m] or [N]. Shape (n, n_joints)."""
         signs = self.columns[:, :, self._friction + column_names().index("coulomb")]
