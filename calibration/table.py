@@ -11,6 +11,7 @@ import numpy as np
 
 from fricomp.errors import RecordingError
 from fricomp.laws import FloatArray
+from fricomp.recording.number_rows import read_head, read_number_rows
 
 __all__ = ["FrictionTable", "is_friction_table", "read_friction_table"]
 
@@ -39,7 +40,7 @@ def is_friction_table(path: str | os.PathLike[str]) -> bool:
     """
     if Path(path).suffix.lower() not in (".csv", ".txt"):
         return False
-    columns = _rows(path)[0]
+    columns = _read_header(Path(path)) or _rows(path)[0]
     if "time" in columns:
         return False
     if not set(_REQUIRED) <= set(columns):
@@ -53,6 +54,9 @@ def read_friction_table(path: str | os.PathLike[str]) -> FrictionTable:
     Raises:
         RecordingError: A column is missing or there twice, a row is too short, or a cell is not a finite number.
     """
+    fast = _read_fast(Path(path))
+    if fast is not None:
+        return fast
     header, *rows = _rows(path)
     missing = [name for name in _REQUIRED if name not in header]
     if missing:
@@ -63,6 +67,31 @@ def read_friction_table(path: str | os.PathLike[str]) -> FrictionTable:
     if not rows:
         raise RecordingError(f"{path} has a header and no rows")
     values = {name: _column(path, rows, header, name) for name in (*_REQUIRED, "normal_load") if name in header}
+    return FrictionTable(values["velocity"], values["torque"], values.get("normal_load"))
+
+
+def _read_header(path: Path) -> list[str]:
+    """The columns of a large file; empty where it is small or has to be read with care."""
+    text, _ = read_head(path) or ("", 0)
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    return [cell.strip() for cell in lines[0].split(",")] if lines and '"' not in lines[0] else []
+
+
+def _read_fast(path: Path) -> FrictionTable | None:
+    """A large table that holds nothing but finite numbers; None where it has to be read with care."""
+    header, head = _read_header(path), read_head(path)
+    wanted = [name for name in (*_REQUIRED, "normal_load") if name in header]
+    if head is None or not set(_REQUIRED) <= set(header) or len(set(header)) < len(header):
+        return None
+    text, before = head
+    skipped = 0
+    for line in text.splitlines(keepends=True):
+        skipped += len(line.encode())
+        if line.strip() and not line.startswith("#"):
+            break
+    values = read_number_rows(path, before + skipped, header, wanted)
+    if values is None or not all(np.all(np.isfinite(one)) for one in values.values()):
+        return None
     return FrictionTable(values["velocity"], values["torque"], values.get("normal_load"))
 
 

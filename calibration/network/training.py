@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import cho_solve, cholesky
 
+from fricomp.blas import one_blas_thread
 from fricomp.laws import FloatArray
 
 from .architecture import LAYER_SIZES, Layer, TanhNetwork, forward_with_jacobian
-from .blas import one_blas_thread
 
 __all__ = [
     "Damping",

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fricomp.blas import one_blas_thread
 from fricomp.errors import DiagnosisError, ParameterError
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
@@ -109,6 +110,7 @@ def diagnose(
 
 # Points of a search that do not simulate overflow; they are left out where they come up.
 @np.errstate(over="ignore", invalid="ignore")
+@one_blas_thread()
 def diagnose_given(
     given: Given,
     simulated: SimulationEffects | None = None,

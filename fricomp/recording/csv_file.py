@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from fricomp.errors import RecordingError
 from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import RecordingMetadata, metadata_from_fields, metadata_to_fields
+from fricomp.recording.number_rows import read_head, read_number_rows
 from fricomp.recording.recording import CHANNELS, REQUIRED_CHANNELS, Recording
 from fricomp.recording.stamps import with_row_rate
 from fricomp.recording.validity import drop_bad_rows
@@ -76,6 +77,10 @@ def read_csv(path: Path, *, skip_bad_rows: bool = False, row_rate: float | None 
         RecordingError: The file is no recording, holds something that is no number, or its
             samples cannot be used; the message names row, column and what to do.
     """
+    fast = None if skip_bad_rows else _read_fast(path)
+    if fast is not None:
+        fields, columns = fast
+        return FileContent(_build_recording(path, fields, with_row_rate(columns, row_rate)), ())
     text = _read_text(path)
     fields, header, start = _split_preamble(text, path)
     names = _parse_header(header, path)
@@ -86,10 +91,31 @@ def read_csv(path: Path, *, skip_bad_rows: bool = False, row_rate: float | None 
         if skip_bad_rows:
             columns, left_out = drop_bad_rows(columns)
             findings += left_out
-        recording = Recording.from_channels(columns, metadata_from_fields(fields))
     except RecordingError as error:
         raise RecordingError(f"{path}: {error}") from error
-    return FileContent(recording, findings)
+    return FileContent(_build_recording(path, fields, columns), findings)
+
+
+def _read_fast(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]] | None:
+    """Metadata and columns of a large file that holds nothing but numbers; None where it must be read with care."""
+    head = read_head(path)
+    if head is None:
+        return None
+    text, before = head
+    try:
+        fields, header, start = _split_preamble(text, path)
+        names = _parse_header(header, path)
+    except RecordingError:  # which the careful way says of the whole file
+        return None
+    columns = read_number_rows(path, before + len(text[:start].encode()), names)
+    return None if columns is None else (fields, columns)
+
+
+def _build_recording(path: Path, fields: dict[str, Any], columns: dict[str, NDArray[np.float64]]) -> Recording:
+    try:
+        return Recording.from_channels(columns, metadata_from_fields(fields))
+    except RecordingError as error:
+        raise RecordingError(f"{path}: {error}") from error
 
 
 def _read_text(path: Path) -> str:

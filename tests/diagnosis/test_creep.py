@@ -26,7 +26,7 @@ def _held(plant: Plant, speed: float, substeps: int) -> FloatArray:
     """Dry friction of a joint held tightly to a constant speed [N·m]. Shape (n,)."""
     time = np.arange(1000) * DT
     settings, steps = np.array([DT, 1e6, 2e3, 1e-3, 200.0]), np.full(time.size, substeps)
-    lanes = tuple(range(LANES[0]))
+    lanes = tuple(range(LANES[1]))
     signals = (speed * time, np.full_like(time, speed), 0 * time, 0 * time)
     rows = np.zeros((4, len(lanes)), dtype=np.int64)
     plants, out = np.tile(plant.to_slots()[:, None], len(lanes)), np.empty((4, len(lanes), time.size))

@@ -66,7 +66,7 @@ def reversal_torque(plant: Plant, travel: float) -> FloatArray:
     position = np.concatenate([there, back])
     velocity = np.gradient(position, DT)
     settings, substeps = np.array([DT, 1e6, 2e3, 0.0, 0.0]), np.full(position.size, 10)
-    lanes = tuple(range(LANES[0]))
+    lanes = tuple(range(LANES[1]))
     signals = (position, velocity, 0.0 * position, 0.0 * position)
     rows = np.zeros((4, len(lanes)), dtype=np.int64)
     plants, out = np.tile(plant.to_slots()[:, None], len(lanes)), np.empty((4, len(lanes), position.size))

@@ -22,10 +22,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.linalg import solve_triangular
 
+from fricomp.blas import one_blas_thread
 from fricomp.laws import FloatArray
 
 from ...network import TanhNetwork, forward, forward_with_jacobian
-from ...network.blas import one_blas_thread
 from ...network.training import Damping, damped_kernel, damped_step, initial_layers, solve_output_layer
 from .form import SeparableLaw
 from .gathering import gather_points

@@ -11,7 +11,7 @@ from ..inputs.track import FloatArray
 from .base import BASE_NAMES, align_falls, even_directions, unpack
 from .problem import Problem
 from .settings import JOINT
-from .solver import Box, Fit, minimise
+from .solver import Box, Fit, Race, descend, minimise, run_together, split_evaluation
 
 __all__ = ["fit_base", "fit_creep", "is_loud", "propose_creep_starts", "try_other_bristle"]
 
@@ -84,11 +84,14 @@ def fit_creep(problem: Problem, fit: Fit, box: Box, top_speed: float) -> tuple[F
         top_speed: Largest speed of the recorded motion [rad/s].
     """
     evaluate = problem.build_residual(problem.add_nothing, len(BASE_NAMES))
-    tried = [
-        (minimise(evaluate, start, free, iterations=JOINT.creep_steps, refresh=2), free)
-        for start, free in propose_creep_starts(fit.theta, box, top_speed)
+    starts, boxes = zip(*propose_creep_starts(fit.theta, box, top_speed), strict=True)
+    race = Race(JOINT.hopeless_cost * fit.cost, JOINT.hopeless_cost * fit.cost)
+    descents = [
+        descend(start, free, iterations=JOINT.creep_steps, refresh=2, race=race)
+        for start, free in zip(starts, boxes, strict=True)
     ]
-    best, free = min(tried, key=lambda one: one[0].cost)
+    fits = run_together(descents, split_evaluation(evaluate))
+    best, free = min(zip(fits, boxes, strict=True), key=lambda one: one[0].cost)
     return (fit_base(problem, best.theta, free), free) if best.cost < JOINT.hopeless_cost * fit.cost else None
 
 

@@ -144,6 +144,11 @@ class JointSettings:
     kept_promise: float = 0.7
     """Part of the fall of the cost promised by the linear model from which the least damped step is taken without the
     others. A lower one follows bent valleys by longer ways, a higher one simulates steps that do not win."""
+    lost_share: float = 0.2
+    """Part of the fall of the leader's cost that a rival may end behind it and still count. Effects are weighed beside
+    each other within half of that."""
+    lost_promises: float = 3.0
+    """Times the fall promised by a line that a descent may still make. Bent valleys have brought twice as much."""
     further_damping: tuple[float, ...] = (0.1, 10.0, 300.0, 1.0, 1.0)
     """Factor on the damping after each of those trials has won."""
     largest_derivative: float = 1e50

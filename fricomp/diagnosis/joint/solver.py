@@ -12,7 +12,18 @@ from scipy.linalg import block_diag
 from ..inputs.track import FloatArray
 from .settings import JOINT
 
-__all__ = ["Box", "Descent", "Fit", "choose_steps", "descend", "minimise", "raise_diagonal", "run_together"]
+__all__ = [
+    "Box",
+    "Descent",
+    "Fit",
+    "Race",
+    "choose_steps",
+    "descend",
+    "minimise",
+    "raise_diagonal",
+    "run_together",
+    "split_evaluation",
+]
 
 
 Residual = Callable[[Sequence[FloatArray]], list[FloatArray]]
@@ -73,6 +84,27 @@ class Fit:
     cost: float
 
 
+@dataclass
+class Race:
+    """Descents of which only the best counts: one that cannot come near it any more ends early.
+
+    Attributes:
+        start: Cost that all of them are to lower.
+        lead: The lowest cost of any of them so far.
+        at_once: End before the first step what cannot win. What starts far away has a long way to go first.
+    """
+
+    start: float
+    lead: float = np.inf
+    at_once: bool = False
+
+    def is_lost(self, cost: float, promised: float) -> bool:
+        """Whether a descent at `cost` stays behind, even if it falls by several times what a line promises."""
+        self.lead = min(self.lead, cost)
+        bar = self.lead + JOINT.lost_share * max(self.start - self.lead, 0.0)
+        return cost - JOINT.lost_promises * promised > bar
+
+
 def raise_diagonal(matrix: FloatArray, floor: float) -> FloatArray:
     """`matrix` with its diagonal raised to `floor`. Shape (p, p)."""
     result: FloatArray = matrix + np.diag(np.maximum(floor - np.diag(matrix), 0.0))
@@ -94,8 +126,18 @@ def minimise(
 ) -> Fit:
     """Least squares from `theta`, for residuals that are evaluated at several points at once."""
     descent = descend(theta, box, iterations=iterations, refresh=refresh, tolerance=tolerance)
-    (fit,) = run_together([descent], lambda asked: [evaluate(asked[0])])
+    (fit,) = run_together([descent], split_evaluation(evaluate))
     return fit
+
+
+def split_evaluation(evaluate: Residual) -> Callable[[list[list[FloatArray]]], list[list[FloatArray]]]:
+    """The residuals of several minimisations of one problem, evaluated all at once."""
+
+    def evaluate_all(asked: list[list[FloatArray]]) -> list[list[FloatArray]]:
+        values = iter(evaluate([point for points in asked for point in points]))
+        return [[next(values) for _ in points] for points in asked]
+
+    return evaluate_all
 
 
 def run_together(
@@ -128,6 +170,7 @@ def descend(
     iterations: int = 8,
     refresh: int = 1,
     tolerance: float = JOINT.tolerance,
+    race: Race | None = None,
 ) -> Descent:
     """Least squares from `theta`.
 
@@ -138,6 +181,7 @@ def descend(
         iterations: Most steps.
         refresh: Compute the Jacobian afresh every so many steps; between them it is updated by Broyden's formula.
         tolerance: Fall of the cost in a step that ends the descent, in units of the mean squared residual.
+        race: The race that it runs in; None where it runs to its end.
     """
     theta = box.clip(theta)
     known = np.zeros((0, 0)) if jacobian is None else jacobian
@@ -150,10 +194,10 @@ def descend(
     J = _build_columns(moved, at, steps, free)
     J[:, : known.shape[1]] = known.reshape(at.size, -1)
     damping, age = 1e-3, 0
+    if race is not None and race.at_once and _is_lost(race, _Normal(J, residual, box), theta, cost, damping):
+        iterations = 0
     for _ in range(iterations):
-        normal = _Normal(J, residual, box)
-        trials = _propose_steps(normal, theta, damping)
-        promised = cost - normal.predict_cost(theta, trials[0])
+        trials, promised = _propose_steps(_Normal(J, residual, box), theta, cost, damping)
         values = yield from _try_steps(trials, cost, promised, box)
         costs = [_compute_cost(value, trial, box) for value, trial in zip(values, trials, strict=False)]
         best = int(np.argmin(costs))
@@ -174,16 +218,25 @@ def descend(
         # A short step by an old Jacobian may only mean that it is old.
         if gain < tolerance * cost / residual.size and (age == 1 or refresh > iterations):
             break
+        look = race is not None and (age >= refresh or refresh > iterations)
+        if race is not None and look and _is_lost(race, _Normal(J, residual, box), theta, cost, damping):
+            break
         if age >= refresh:
             J, age = (yield from _compute_jacobian(theta, residual, box)), 0
     return Fit(theta, residual, J, cost)
 
 
-def _propose_steps(normal: _Normal, theta: FloatArray, damping: float) -> list[FloatArray]:
-    """Points to try: the least damped step, more damped ones, and parts of the first."""
+def _is_lost(race: Race, normal: _Normal, theta: FloatArray, cost: float, damping: float) -> bool:
+    """Whether a descent that is at `theta` cannot win its race any more."""
+    return race.is_lost(cost, _propose_steps(normal, theta, cost, damping)[1])
+
+
+def _propose_steps(normal: _Normal, theta: FloatArray, cost: float, damping: float) -> tuple[list[FloatArray], float]:
+    """Points to try: the least damped step, more damped ones, parts of the first; and what a line promises of that."""
     box = normal.box
     trials = [_compute_step(normal, theta, box, damping * factor) for factor in JOINT.dampings]
-    return trials + [theta + part * (trials[0] - theta) for part in JOINT.step_parts]
+    trials += [theta + part * (trials[0] - theta) for part in JOINT.step_parts]
+    return trials, cost - normal.predict_cost(theta, trials[0])
 
 
 def _try_steps(

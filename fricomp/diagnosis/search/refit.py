@@ -12,7 +12,7 @@ from ..effects.context import move_context
 from ..effects.structure import N_BASE, Candidate, Structure, fit_all
 from ..inputs.track import FloatArray
 from ..joint.base import even_directions
-from ..joint.solver import Box, Descent
+from ..joint.solver import Box, Descent, Race
 from .explanation import Explanation, judge
 from .preparation import Baseline
 from .settings import SEARCH
@@ -24,12 +24,14 @@ def refit(
     baseline: Baseline, wanted: Sequence[tuple[tuple[Candidate, ...], Baseline | Explanation]]
 ) -> list[Explanation]:
     """Fit base and candidates jointly in the simulator, each set from what was fitted without some of them, and judge
-    what they leave."""
-    descents = []
+    what they leave. One that cannot come near the best of them ends early."""
+    descents, race = [], Race(baseline.fit.cost)
     for candidates, before in wanted:
         structure, fit = Structure(before.structure.contexts, candidates), before.fit
         start = np.concatenate([fit.theta[:N_BASE], structure.build_start()])
-        descent = structure.start_descent(start, baseline.box, jacobian=fit.jacobian, iterations=5, refresh=99)
+        descent = structure.start_descent(
+            start, baseline.box, jacobian=fit.jacobian, iterations=5, refresh=99, race=race
+        )
         descents.append((structure, descent))
     return _fit_and_judge(baseline, descents, [baseline.box] * len(descents))
 
@@ -83,11 +85,13 @@ def _polish_once(
 ) -> list[Explanation]:
     """Each at the best minimum from its starts with the contexts of its own joint, or as it was if that is better."""
     descents, owners = [], []
+    lead = min((one.fit.cost for one in explanations if not one.refused), default=np.inf)
+    race = Race(baseline.fit.cost, lead, at_once=True)
     for i, (explanation, own) in enumerate(zip(explanations, starts, strict=True)):
         structure = Structure(_rebuild_contexts(baseline, explanation), explanation.settled)
         for start in own:
             descent = structure.start_descent(
-                start.theta, explanation.box, jacobian=start.jacobian, iterations=iterations, refresh=refresh
+                start.theta, explanation.box, jacobian=start.jacobian, iterations=iterations, refresh=refresh, race=race
             )
             descents.append((structure, descent))
             owners.append(i)
@@ -106,7 +110,11 @@ def _rebuild_contexts(baseline: Baseline, explanation: Explanation) -> tuple[Con
 
 
 def fit_from(
-    baseline: Baseline, wanted: Sequence[tuple[Sequence[Candidate], FloatArray]], box: Box
+    baseline: Baseline,
+    wanted: Sequence[tuple[Sequence[Candidate], FloatArray]],
+    box: Box,
+    *,
+    race: Race | None = None,
 ) -> list[Explanation]:
     """Fit base and candidates jointly and with care, maybe in another domain than the usual one.
 
@@ -114,12 +122,14 @@ def fit_from(
         baseline: The base fitted to the recordings, with its nulls.
         wanted: For each explanation its effects with their starting values, and the start of the base, shape (N_BASE,).
         box: Domain and priors of the base.
+        race: The race that they run in; None where each runs to its end.
     """
     descents = []
     for candidates, theta in wanted:
         structure = Structure(baseline.structure.contexts, tuple(candidates))
         start = np.concatenate([theta, structure.build_start()])
-        descents.append((structure, structure.start_descent(start, box, iterations=SEARCH.last_steps, refresh=2)))
+        descent = structure.start_descent(start, box, iterations=SEARCH.last_steps, refresh=2, race=race)
+        descents.append((structure, descent))
     return _fit_and_judge(baseline, descents, [box] * len(descents))
 
 

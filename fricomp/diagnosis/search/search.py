@@ -9,7 +9,7 @@ import numpy as np
 
 from ..effects import EFFECTS
 from ..effects.structure import N_BASE, Candidate, Structure
-from ..joint.solver import Fit
+from ..joint.solver import Fit, Race
 from .choice import choose, rank_acceptable, select_finalists
 from .explanation import Explanation, compute_spread_excess, curb
 from .hypotheses import narrow_starts
@@ -155,7 +155,7 @@ def _fit_singles(baseline: Baseline, first: Screen) -> list[Explanation]:
     tried += _fit_with_care(baseline, replacing, (), baseline.fit)
     if baseline.noise_ratio > SEARCH.bent and all(explanation.coverage < SEARCH.most_covered for explanation in tried):
         tried += _refit_groups(baseline, [group for group in _group_columns(first) if group not in groups])
-        tried += _fit_from_afar(baseline)
+        tried += _fit_from_afar(baseline, min((one.fit.cost for one in tried if not one.refused), default=np.inf))
     return sorted(tried, key=compute_preference, reverse=True)
 
 
@@ -185,11 +185,12 @@ def _fit_with_care(
     return fit_from(baseline, wanted, baseline.box)
 
 
-def _fit_from_afar(baseline: Baseline) -> list[Explanation]:
-    """Fit effects with many minima from starts far from each other."""
+def _fit_from_afar(baseline: Baseline, lead: float) -> list[Explanation]:
+    """Fit effects with many minima from starts far from each other, as long as they may come near the cost `lead`."""
     contexts, theta = baseline.structure.contexts, baseline.fit.theta
     starts = [(name, start) for name, effect in EFFECTS.items() for start in effect.propose_far_starts(contexts)]
-    return fit_from(baseline, [((Candidate(name, tuple(s.items())),), theta) for name, s in starts], baseline.box)
+    wanted = [((Candidate(name, tuple(start.items())),), theta) for name, start in starts]
+    return fit_from(baseline, wanted, baseline.box, race=Race(baseline.fit.cost, lead))
 
 
 def _refit_groups(baseline: Baseline, groups: Sequence[Sequence[Column]]) -> list[Explanation]:

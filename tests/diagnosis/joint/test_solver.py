@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis.inputs.track import FloatArray
-from fricomp.diagnosis.joint.solver import Box, descend, minimise, raise_diagonal, run_together
+from fricomp.diagnosis.joint.solver import Box, Race, descend, minimise, raise_diagonal, run_together, split_evaluation
 
 _A = np.random.default_rng(3).standard_normal((20, 3)) @ np.diag([1.0, 4.0, 0.5])
 _Y = np.random.default_rng(4).standard_normal(20)
@@ -135,3 +135,26 @@ def test_a_start_that_does_not_simulate_ends_its_own_descent_only() -> None:
     lost, found = run_together([descend(np.zeros(3), _box(), jacobian=_A), descend(np.zeros(3), _box())], evaluate)
     assert not np.isfinite(lost.cost)
     np.testing.assert_allclose(found.theta, np.linalg.lstsq(_A, _Y, rcond=None)[0], atol=1e-4)
+
+
+def test_a_descent_that_cannot_win_ends_without_a_step() -> None:
+    asked: list[int] = []
+
+    def evaluate(points: Sequence[FloatArray]) -> list[FloatArray]:
+        asked.append(len(points))
+        return [np.concatenate([_line([point])[0], np.full(5, 10.0)]) for point in points]
+
+    race = Race(start=600.0, lead=1.0, at_once=True)
+    descent = descend(np.zeros(3), _box(), race=race)
+    (lost,) = run_together([descent], split_evaluation(evaluate))
+    assert asked == [4]  # its own residual and three derivatives
+    assert lost.cost > 500.0
+
+
+def test_the_leader_of_a_race_runs_to_its_end() -> None:
+    alone = minimise(_valley, np.array([-1.2, 1.0, 0.0]), _box(), iterations=20)
+    race = Race(start=1e3)
+    (found,) = run_together(
+        [descend(np.array([-1.2, 1.0, 0.0]), _box(), iterations=20, race=race)], split_evaluation(_valley)
+    )
+    np.testing.assert_array_equal(found.theta, alone.theta)

@@ -82,7 +82,7 @@ def test_distillation_over_loads_holds_between_them() -> None:
 
 def test_training_holds_linear_algebra_to_one_thread_and_gives_it_back() -> None:
     pools = pytest.importorskip("threadpoolctl")
-    from fricomp.calibration.network.blas import one_blas_thread
+    from fricomp.blas import one_blas_thread
 
     def threads() -> list[int]:
         return [pool["num_threads"] for pool in pools.threadpool_info() if pool["user_api"] == "blas"]

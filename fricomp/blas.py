@@ -1,7 +1,8 @@
-"""Linear algebra on one thread while a small network is trained.
+"""Linear algebra on one thread, where its problems are small.
 
-Its matrices have a few hundred rows. Shared among threads, such a product takes as long as they wait for each other:
-on two cores a training is 3 to 50 times slower, most where other work keeps the cores busy.
+Matrices of some thousand rows and a few dozen columns: shared among threads, such a product takes as long as these
+wait for each other. On two cores the training of a network is 3 to 50 times slower, most where other work keeps the
+cores busy.
 """
 
 from __future__ import annotations

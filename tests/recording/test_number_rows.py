@@ -1,0 +1,101 @@
+"""Large CSV files of numbers, read by pyarrow: the same as the careful reader gives, and what it leaves to that one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fricomp.calibration.table import is_friction_table, read_friction_table
+from fricomp.errors import RecordingError
+from fricomp.recording import Recording, RecordingMetadata, csv_file, read_recording, write_recording
+from fricomp.recording.number_rows import read_head, read_number_rows
+
+pytest.importorskip("pyarrow")
+
+_ROWS = 40_000
+
+
+def _record() -> Recording:
+    random, time = np.random.default_rng(0), np.arange(_ROWS) * 1e-3
+    return Recording(
+        time=time,
+        position=np.sin(time),
+        torque=random.standard_normal(_ROWS),
+        metadata=RecordingMetadata(joint="Ellbogen links ü", torque_unit="N·m"),
+    )
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    write_recording(_record(), tmp_path / "large.csv")
+    assert read_head(tmp_path / "large.csv") is not None
+    return tmp_path / "large.csv"
+
+
+def _read_carefully(path: Path, patch: pytest.MonkeyPatch) -> Recording:
+    with patch.context() as slow:
+        slow.setattr(csv_file, "read_head", lambda _: None)
+        return read_recording(path)
+
+
+def test_a_large_file_reads_to_the_same_bits(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fast, slow = read_recording(path), _read_carefully(path, monkeypatch)
+    for name, values in slow.channels.items():
+        np.testing.assert_array_equal(fast.channels[name], values)
+        np.testing.assert_array_equal(values, _record().channels[name])
+    assert fast.metadata == slow.metadata
+
+
+@pytest.mark.parametrize("line", ["# block 3: motion\n", "# a, comment\n", "\n"])
+def test_comments_between_rows_are_left_out(path: Path, line: str) -> None:
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    path.write_text("".join([*lines[:900], line, *lines[900:]]), encoding="utf-8")
+    np.testing.assert_array_equal(read_recording(path).torque, _record().torque)
+
+
+@pytest.mark.parametrize("cell", ["", "abc", "1_0"])
+def test_a_bad_cell_is_named_as_in_a_small_file(path: Path, cell: str) -> None:
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    time, _, torque = lines[20_000].split(",")
+    lines[20_000] = f"{time},{cell},{torque}"
+    path.write_text("".join(lines), encoding="utf-8")
+    with pytest.raises(RecordingError, match="column 'position'|column position"):
+        read_recording(path)
+
+
+def test_a_file_that_was_cut_off_is_read_with_care(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[:-7])
+    assert read_head(path) is None
+    assert len(read_recording(path)) == _ROWS - 1
+
+
+def test_a_byte_order_mark_counts(path: Path) -> None:
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    np.testing.assert_array_equal(read_recording(path).torque, _record().torque)
+
+
+def test_a_large_friction_table_has_the_columns_it_needs(tmp_path: Path) -> None:
+    velocity, torque = np.linspace(-2.0, 2.0, _ROWS), np.linspace(-1.0, 1.0, _ROWS)
+    rows = "".join(f"run,{v!r},{t!r}\n" for v, t in zip(velocity.tolist(), torque.tolist(), strict=True))
+    path = tmp_path / "points.csv"
+    path.write_text(f"# joint 3\nlabel, velocity, torque\n{rows}", encoding="utf-8")
+    assert is_friction_table(path)
+    table = read_friction_table(path)
+    np.testing.assert_array_equal(table.velocity, velocity)
+    np.testing.assert_array_equal(table.torque, torque)
+    assert table.normal_load is None
+
+
+def test_a_row_of_a_large_table_that_is_not_finite_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "points.csv"
+    rows = [f"{v!r},{v!r}\n" for v in np.linspace(0.1, 2.0, 2 * _ROWS).tolist()]
+    rows[50_000] = "nan,1.0\n"
+    path.write_text("velocity,torque\n" + "".join(rows), encoding="utf-8")
+    with pytest.raises(RecordingError, match="row 50001, column velocity"):
+        read_friction_table(path)
+
+
+def test_rows_that_are_no_numbers_are_left_to_others(path: Path) -> None:
+    assert read_number_rows(path, 0, ("time", "position", "torque")) is None
