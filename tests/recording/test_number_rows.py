@@ -9,7 +9,7 @@ import pytest
 
 from fricomp.calibration.table import is_friction_table, read_friction_table
 from fricomp.errors import RecordingError
-from fricomp.recording import Recording, RecordingMetadata, csv_file, read_recording, write_recording
+from fricomp.recording import Recording, RecordingMetadata, RecordingWarning, csv_file, read_recording, write_recording
 from fricomp.recording.number_rows import read_head, read_number_rows
 
 pytest.importorskip("pyarrow")
@@ -61,14 +61,15 @@ def test_a_bad_cell_is_named_as_in_a_small_file(path: Path, cell: str) -> None:
     time, _, torque = lines[20_000].split(",")
     lines[20_000] = f"{time},{cell},{torque}"
     path.write_text("".join(lines), encoding="utf-8")
-    with pytest.raises(RecordingError, match="column 'position'|column position"):
+    with pytest.raises(RecordingError, match=r"column '?position"):
         read_recording(path)
 
 
 def test_a_file_that_was_cut_off_is_read_with_care(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:-7])
     assert read_head(path) is None
-    assert len(read_recording(path)) == _ROWS - 1
+    with pytest.warns(RecordingWarning, match="unfinished"):
+        assert len(read_recording(path)) == _ROWS - 1
 
 
 def test_a_byte_order_mark_counts(path: Path) -> None:
