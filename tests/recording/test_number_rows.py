@@ -18,7 +18,7 @@ _ROWS = 40_000
 
 
 def _record() -> Recording:
-    random, time = np.random.default_rng(0), np.arange(_ROWS) * 1e-3
+    random, time = np.random.default_rng(0), np.asarray(np.arange(_ROWS) * 1e-3, dtype=np.float64)
     return Recording(
         time=time,
         position=np.sin(time),
