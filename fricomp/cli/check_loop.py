@@ -90,7 +90,7 @@ def check_loop(
     else:
         _print_check(result, friction, travels)
     if out is not None:
-        from fricomp.cli.loop_charts import gain_scan_chart
+        from fricomp.control.loop.loop_charts import gain_scan_chart
         from fricomp.report import draw_png
 
         chart = draw_png(gain_scan_chart(result, f"joint {friction.joint}"), out / "gain-scan.png")

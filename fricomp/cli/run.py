@@ -117,7 +117,7 @@ def _write_results(
     """Write plots and figures; gives the figures."""
     import msgspec
 
-    from fricomp.cli.loop_charts import run_chart, timing_chart
+    from fricomp.control.loop.loop_charts import run_chart, timing_chart
     from fricomp.report import draw_png
     from fricomp.whole_file import write_whole
 

@@ -11,7 +11,7 @@ from fricomp.cli.out_folder import Overwrite
 
 if TYPE_CHECKING:
     from fricomp.sim_bench.studies.adapters.calibration import CalibrationComparison
-    from fricomp.sim_bench.studies.adapters.page import AdapterFigures
+    from fricomp.sim_bench.studies.adapters.outcome import AdapterFigures
 
 __all__ = ["app"]
 
@@ -37,34 +37,16 @@ def adapters(
     no reason, a calibration does not agree, something foreign was raised, a healthy joint was stopped, or torque went
     beyond the gate's limit.
     """
-    import msgspec
-    from rich.table import Table as Printed
-
-    from fricomp.cli.terminal import console
-    from fricomp.extras import REPORT, require
-    from fricomp.report import write_report
-    from fricomp.results import require_free_file
-    from fricomp.sim_bench.studies.adapters.page import adapter_page, adapter_tables
+    from fricomp.cli.bench.outcome import begin_study, end_study
+    from fricomp.extras import require
+    from fricomp.sim_bench.studies.adapters.outcome import summarise_adapters
     from fricomp.sim_bench.studies.adapters.peers import PEER_MODULES
-    from fricomp.whole_file import write_whole
 
-    require_free_file(out / "figures.json", overwrite=overwrite)
-
+    begin_study(out, overwrite=overwrite)
     require(*PEER_MODULES, extra="dev")
-    require(*REPORT, "serial")
+    require("serial")
     full = 20_000 if quick else 1_000_000
-    figures = _measure(commands, frames or full, ticks or full, only, quick)
-    write_whole(out / "figures.json", msgspec.json.format(msgspec.json.encode(figures)))
-    write_report(adapter_page(figures), out / "report.html")
-    screen = console()
-    for title, table in adapter_tables(figures):
-        printed = Printed(*table.columns, title=title)
-        for row in table.rows:
-            printed.add_row(*row)
-        screen.print(printed)
-    screen.print(f"Figures and report in {out}")
-    if not figures.passed:
-        raise typer.Exit(1)
+    end_study(summarise_adapters(_measure(commands, frames or full, ticks or full, only, quick)), out)
 
 
 def _measure(n_commands: int, n_frames: int, n_ticks: int, only: str, quick: bool) -> AdapterFigures:
@@ -74,7 +56,7 @@ def _measure(n_commands: int, n_frames: int, n_ticks: int, only: str, quick: boo
     from fricomp.sim_bench.studies.adapters.calibration import compare_all
     from fricomp.sim_bench.studies.adapters.cost import measure_cost
     from fricomp.sim_bench.studies.adapters.fuzz import fuzz_adapter
-    from fricomp.sim_bench.studies.adapters.page import AdapterFigures
+    from fricomp.sim_bench.studies.adapters.outcome import AdapterFigures
     from fricomp.sim_bench.studies.adapters.peers import PEERS, compare_with_peer
     from fricomp.sim_bench.studies.adapters.serial_can import ECHOES, compare_slcan
     from fricomp.sim_bench.studies.adapters.soak import soak_adapter

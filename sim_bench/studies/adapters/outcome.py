@@ -1,12 +1,13 @@
-"""The figures of all measurements as tables and as a page."""
+"""The figures of all measurements, as one outcome."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from fricomp.report import ReportPage, Section, Table
+from fricomp.report import Section, Table
 
+from ..kit.outcome import StudyOutcome
 from .calibration import CalibrationComparison, chance_explains
 from .cost import LARGEST_COST, CycleCost
 from .fuzz import FuzzResult
@@ -14,7 +15,7 @@ from .peers import PeerComparison
 from .serial_can import RoundTrip
 from .soak import SoakResult
 
-__all__ = ["AdapterFigures", "adapter_page", "adapter_tables"]
+__all__ = ["AdapterFigures", "summarise_adapters"]
 
 
 @dataclass(frozen=True)
@@ -49,26 +50,22 @@ class AdapterFigures:
         return all(verdicts) and chance_explains(self.calibrations)
 
 
-def adapter_tables(figures: AdapterFigures) -> Sequence[tuple[str, Table]]:
-    """A title and a table for each measurement."""
-    return (
-        ("Frames against independent encoders", _peers(figures.peers)),
-        ("Calibration of one joint through adapter and twin, beside the same joint alone", _calibrations(figures)),
-        ("Random and damaged frames", _fuzz(figures.fuzz)),
-        ("A joint in its loop, with faults at random", _soak(figures.soak)),
-        ("Encode, gate and decode, a joint, without the bus", _cost(figures.cost)),
-        ("Round trip over slcan on one pseudo-terminal", _slcan(figures.slcan)),
-    )
-
-
-def adapter_page(figures: AdapterFigures) -> ReportPage:
-    """The page."""
+def summarise_adapters(figures: AdapterFigures) -> StudyOutcome:
+    """A table for each measurement."""
     summary = (
         "Every adapter's frames beside those of an independent package, a joint calibrated through it, its behaviour "
         "under garbage, and what a control cycle costs it in units of one bare Stribeck curve timed beside it.",
     )
-    sections = tuple(Section(title, (table,)) for title, table in adapter_tables(figures))
-    return ReportPage("Adapters", summary, sections)
+    tables = {
+        "Frames against independent encoders": _peers(figures.peers),
+        "Calibration of one joint through adapter and twin, beside the same joint alone": _calibrations(figures),
+        "Random and damaged frames": _fuzz(figures.fuzz),
+        "A joint in its loop, with faults at random": _soak(figures.soak),
+        "Encode, gate and decode, a joint, without the bus": _cost(figures.cost),
+        "Round trip over slcan on one pseudo-terminal": _slcan(figures.slcan),
+    }
+    sections = tuple(Section(title, (table,)) for title, table in tables.items())
+    return StudyOutcome("Adapters", summary, figures, sections, figures.passed)
 
 
 def _peers(peers: Sequence[PeerComparison]) -> Table:
