@@ -19,11 +19,15 @@ __all__ = [
     "Simulate",
     "Spans",
     "Starts",
+    "TorqueLeft",
+    "compare_positions",
+    "compare_torque",
     "measure_positions",
     "measure_torque",
     "select_rows",
     "select_starts",
     "summarise_positions",
+    "summarise_torque",
 ]
 
 Index = NDArray[np.intp]
@@ -43,6 +47,18 @@ def select_rows(part: MotionPart, spans: Spans | None) -> Rows:
     return part.moves & inside
 
 
+class TorqueLeft(NamedTuple):
+    """What a model leaves of the torque, at the samples that count.
+
+    Attributes:
+        error: Recorded torque less that of the model, in the band. Shape (n,).
+        recorded: The recorded torque, in the band. Shape (n,).
+    """
+
+    error: FloatArray
+    recorded: FloatArray
+
+
 def measure_torque(
     motion: RecordedMotion, recorded: Sequence[FloatArray], model: Sequence[FloatArray], spans: Spans | None = None
 ) -> TorqueError:
@@ -57,12 +73,28 @@ def measure_torque(
     Raises:
         RecordingError: The joint does not move in these times.
     """
+    return summarise_torque(motion, [compare_torque(motion, recorded, model, spans)])
+
+
+def compare_torque(
+    motion: RecordedMotion, recorded: Sequence[FloatArray], model: Sequence[FloatArray], spans: Spans | None = None
+) -> TorqueLeft:
+    """What a model leaves; see `measure_torque`."""
     error, size = [], []
     for part, torque, predicted in zip(motion.parts, recorded, model, strict=True):
         rows = select_rows(part, spans)
         error.append(low_pass(torque - predicted, motion.band, part.dt)[rows])
         size.append(low_pass(torque, motion.band, part.dt)[rows])
-    left, whole = np.concatenate(error), np.concatenate(size)
+    return TorqueLeft(np.concatenate(error), np.concatenate(size))
+
+
+def summarise_torque(motion: RecordedMotion, found: Sequence[TorqueLeft]) -> TorqueError:
+    """The figures of what models leave, pooled over the times of each.
+
+    Raises:
+        RecordingError: The joint does not move in these times.
+    """
+    left, whole = (np.concatenate([getattr(one, name) for one in found]) for name in ("error", "recorded"))
     if left.size < EVALUATION.blocks:
         raise RecordingError("the joint hardly moves in the time that is evaluated: give a longer one")
     blocks = np.array([float(np.mean(one**2)) for one in np.array_split(left, EVALUATION.blocks)])
@@ -93,8 +125,15 @@ def measure_positions(
     motion: RecordedMotion, simulate: Simulate, spans: Spans | None = None
 ) -> tuple[PositionError, ...]:
     """Simulate from many measured states, and compare where the model comes to with where the joint came to."""
+    return summarise_positions(motion, compare_positions(motion, simulate, spans))
+
+
+def compare_positions(
+    motion: RecordedMotion, simulate: Simulate, spans: Spans | None = None, count: int = EVALUATION.starts
+) -> dict[float, list[tuple[FloatArray, FloatArray]]]:
+    """Error of each start, and the way that the joint went, by the time after the start [s]."""
     found: dict[float, list[tuple[FloatArray, FloatArray]]] = {}
-    starts = select_starts([one.time for one in motion.parts], [one.moves for one in motion.parts], spans)
+    starts = select_starts([one.time for one in motion.parts], [one.moves for one in motion.parts], spans, count)
     for number, part in enumerate(motion.parts):
         horizons, chosen = starts.horizons[number], starts.chosen[number]
         if chosen.size == 0 or not horizons:
@@ -103,7 +142,7 @@ def measure_positions(
         for horizon, length, reached in zip(horizons, lengths, simulate(number, chosen, lengths), strict=True):
             true = part.position[chosen + length]
             found.setdefault(horizon, []).append((reached - true, np.abs(true - part.position[chosen])))
-    return summarise_positions(motion, found)
+    return found
 
 
 def select_starts(

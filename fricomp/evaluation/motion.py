@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -16,7 +16,7 @@ from fricomp.recording import Recording, resample
 
 from .settings import EVALUATION
 
-__all__ = ["MotionPart", "RecordedMotion", "low_pass", "read_motion"]
+__all__ = ["MotionPart", "RecordedMotion", "join_motions", "low_pass", "read_motion"]
 
 Rows = NDArray[np.bool_]
 
@@ -216,3 +216,26 @@ def _estimate_velocity(recording: Recording, band: float) -> FloatArray:
     window = int(np.clip(window, 5, (len(recording) - 1) // 2 * 2 - 1))
     result: FloatArray = savgol_filter(np.asarray(recording.position), window, _DEGREE, deriv=1, delta=dt)
     return result
+
+
+def join_motions(motions: Sequence[RecordedMotion]) -> RecordedMotion:
+    """Motions of one joint in one band as parts of one, in the order given.
+
+    Where their times overlap, as those of recordings do that all begin at 0, the later ones are moved behind them.
+
+    Args:
+        motions: At least one.
+    """
+    parts: list[MotionPart] = []
+    for motion in motions:
+        end = parts[-1].time[-1] if parts else -np.inf
+        late = max(0.0, end + 1.0 - motion.parts[0].time[0]) if motion.parts[0].time[0] <= end else 0.0
+        parts += [replace(part, time=part.time + late) for part in motion.parts]
+    return replace(
+        motions[0],
+        parts=tuple(parts),
+        band=min(one.band for one in motions),
+        rest_speed=max(one.rest_speed for one in motions),
+        velocity_recorded=all(one.velocity_recorded for one in motions),
+        range=max(one.range for one in motions),
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["EVALUATION", "HORIZONS", "EvaluationSettings"]
+__all__ = ["EVALUATION", "HORIZONS", "REFIT", "EvaluationSettings", "RefitSettings"]
 
 HORIZONS = (0.1, 0.5, 2.0)
 """Times after which the position error of an open-loop simulation is measured [s]."""
@@ -18,7 +18,8 @@ class EvaluationSettings:
         bands: Upper ends of the band of the torque error that are tried [Hz], widest first. Friction, gravity and
             inertia of a joint act below 50 Hz; below 2 Hz hardly any motion is left.
         of_rate: Part of the sample rate that the band may reach at most, so that a filter has room.
-        noise_share: Part of the acceleration's power that may be noise of the encoder in the band: a tenth of its size.
+        noise_share: Part of the acceleration's power that may be noise of the encoder in the band. Inertia that is
+            fitted in the band comes out too small by it, less than by chance.
         wider: Cutoff of the position over the band: the same low-pass for the torque then shapes both alike.
         order: Order of the Butterworth low-pass, which is run forward and backward.
         margin: Periods of the band that are left out at both ends of a part, where filters start.
@@ -41,7 +42,7 @@ class EvaluationSettings:
 
     bands: tuple[float, ...] = (50.0, 35.0, 25.0, 17.0, 12.0, 8.0, 6.0, 4.0, 3.0, 2.0)
     of_rate: float = 0.2
-    noise_share: float = 0.01
+    noise_share: float = 1e-3
     wider: float = 1.2
     order: int = 4
     margin: float = 2.0
@@ -61,3 +62,37 @@ class EvaluationSettings:
 
 
 EVALUATION = EvaluationSettings()
+
+
+@dataclass(frozen=True)
+class RefitSettings:
+    """How all numbers of a model are fitted together.
+
+    Attributes:
+        steps: Steps of Gauss and Newton at most: all but speeds and orders act linearly, and those start near.
+        shares: Parts of a step that are tried.
+        settled: Fall of the mean square below which another step is not worth taking.
+        difference: Step of a number over its size, for derivatives.
+        least: Size of a number at the end of its domain, over where it started.
+        rank: Ratio of singular values of the scaled columns below which a direction is not determined.
+        rate: Samples that are kept, in bands: more say the same again.
+        folds: Parts of the data that are left out in turn.
+        blocks: Blocks of each fold in a part at most: long ones leave room for simulations.
+        block: Shortest block [s].
+        gap: Time around a block that no other fold is fitted to, in periods of the band.
+    """
+
+    steps: int = 4
+    shares: tuple[float, ...] = (1.0, 0.3)
+    settled: float = 1e-3
+    difference: float = 1e-4
+    least: float = 1e-6
+    rank: float = 1e-4
+    rate: float = 4.0
+    folds: int = 4
+    blocks: int = 2
+    block: float = 3.0
+    gap: float = 1.0
+
+
+REFIT = RefitSettings()

@@ -9,11 +9,12 @@ from fricomp.laws.lagged import LaggedLuGre, LaggedStribeck
 from fricomp.laws.law import FrictionLaw, LawState
 from fricomp.laws.load import LoadScaling
 from fricomp.laws.load_coulomb import LoadCoulomb
+from fricomp.laws.load_driving import LoadDriving
 from fricomp.laws.load_quadratic import LoadQuadratic
 from fricomp.laws.load_stribeck import LoadStribeck
 from fricomp.laws.power_law_viscous import PowerLawViscous
 from fricomp.laws.quadratic_drag import QuadraticDrag
-from fricomp.laws.ripple import Cogging, PositionCoulomb
+from fricomp.laws.ripple import COGGING_TERMS, POSITION_COULOMB_TERMS, Cogging, PositionCoulomb
 from fricomp.laws.spring_torque import SpringTorque
 from fricomp.laws.stribeck import BidirectionalStribeck, Stribeck, StribeckCurve
 from fricomp.laws.term import (
@@ -32,7 +33,9 @@ from fricomp.laws.thermal_viscous import ThermalViscous
 from fricomp.laws.tracing import INPUTS, TracedPoint, TracedStep, find_inputs, trace_parts, trace_step
 
 __all__ = [
+    "COGGING_TERMS",
     "INPUTS",
+    "POSITION_COULOMB_TERMS",
     "BidirectionalStribeck",
     "Cogging",
     "Coulomb",
@@ -47,6 +50,7 @@ __all__ = [
     "LaggedStribeck",
     "LawState",
     "LoadCoulomb",
+    "LoadDriving",
     "LoadQuadratic",
     "LoadScaling",
     "LoadStribeck",

@@ -1,4 +1,7 @@
-"""What waves with the position: the torque itself, or the level of friction."""
+"""What waves with the position: the torque itself, or the level of friction.
+
+A law holds a term of each name once. A ripple of several orders is several terms: `cogging`, `cogging_2` and so on.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ import numpy as np
 
 from fricomp.laws.term import OperatingPoint, Parts, Ranges, Term, require_finite, require_nonnegative
 
-__all__ = ["Cogging", "PositionCoulomb"]
+__all__ = ["COGGING_TERMS", "POSITION_COULOMB_TERMS", "Cogging", "PositionCoulomb"]
 
 
 @dataclass(frozen=True)
@@ -69,3 +72,52 @@ class PositionCoulomb(_Ripple):
     def parts(self, point: OperatingPoint) -> Parts:
         """Torque at `point`."""
         return Parts(dry=self._wave(point))
+
+
+class Cogging2(Cogging):
+    """A second order of the torque ripple."""
+
+    name: ClassVar[str] = "cogging_2"
+
+
+class Cogging3(Cogging):
+    """A third order of the torque ripple."""
+
+    name: ClassVar[str] = "cogging_3"
+
+
+class Cogging4(Cogging):
+    """A fourth order of the torque ripple."""
+
+    name: ClassVar[str] = "cogging_4"
+
+
+class Cogging5(Cogging):
+    """A fifth order of the torque ripple."""
+
+    name: ClassVar[str] = "cogging_5"
+
+
+class Cogging6(Cogging):
+    """A sixth order of the torque ripple."""
+
+    name: ClassVar[str] = "cogging_6"
+
+
+class PositionCoulomb2(PositionCoulomb):
+    """A second order of friction over the position."""
+
+    name: ClassVar[str] = "position_coulomb_2"
+
+
+class PositionCoulomb3(PositionCoulomb):
+    """A third order of friction over the position."""
+
+    name: ClassVar[str] = "position_coulomb_3"
+
+
+COGGING_TERMS: tuple[type[Cogging], ...] = (Cogging, Cogging2, Cogging3, Cogging4, Cogging5, Cogging6)
+"""Terms that a ripple of several orders is made of, strongest first."""
+
+POSITION_COULOMB_TERMS: tuple[type[PositionCoulomb], ...] = (PositionCoulomb, PositionCoulomb2, PositionCoulomb3)
+"""The same of friction over the position."""

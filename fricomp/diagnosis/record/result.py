@@ -10,6 +10,7 @@ import msgspec
 from fricomp.model import FrictionModel
 
 from ..inputs.track import FloatArray
+from .file_errors import FileErrors
 from .overview import DiagnosisOverview
 
 __all__ = [
@@ -19,6 +20,7 @@ __all__ = [
     "DiagnosisRecord",
     "Distinguishability",
     "Evidence",
+    "FileSeries",
     "Forward",
     "HeldOut",
     "NamedEffect",
@@ -167,7 +169,8 @@ class DiagnosisRecord(msgspec.Struct, frozen=True, kw_only=True):
         verdict: The answer in one word.
         effects: What was named, of any kind, strongest first.
         sentences: The answer in plain words, most important first.
-        heldout: Errors before and after; None where nothing could be simulated.
+        errors: Of the models that are written, in the units of the recording, on held-out data; None where none is.
+        heldout: Whitened errors of the rows that decide, before and after; None where nothing could be simulated.
         forward: Errors of a forward simulation; None where no loop is known or no reference was recorded.
         location: Where the mismatch of the base model sits, as intervals by quantity.
         next_experiment: What to record next, where something could not be told apart.
@@ -185,6 +188,7 @@ class DiagnosisRecord(msgspec.Struct, frozen=True, kw_only=True):
     verdict: VerdictName
     effects: tuple[NamedEffect, ...] = ()
     sentences: tuple[str, ...] = ()
+    errors: FileErrors | None = None
     heldout: HeldOut | None = None
     forward: Forward | None = None
     location: Location = {}
@@ -231,6 +235,25 @@ class RowSeries:
 
 
 @dataclass(frozen=True)
+class FileSeries:
+    """Torque that the written models leave, over a part of a recording. Arrays of shape (n,).
+
+    Attributes:
+        name: Name of the recording.
+        time: [s].
+        before: Of the base model; NaN where the joint rests.
+        after: Of the model that is written.
+        band: It is shown up to here [Hz].
+    """
+
+    name: str
+    time: FloatArray
+    before: FloatArray
+    after: FloatArray
+    band: float
+
+
+@dataclass(frozen=True)
 class Evidence:
     """The curves behind a diagnosis, for plots.
 
@@ -239,12 +262,14 @@ class Evidence:
         maps: Excess energy over bins of each quantity, in units of the noise: edges, excess, and its 95 % band.
         orders: Order over position and the energy each explains, before and after.
         change_points: Times at which the size of the residual changes [s], for each recording.
+        files: Torque that the written models leave.
     """
 
     series: tuple[RowSeries, ...] = ()
     maps: dict[str, dict[str, FloatArray]] = field(default_factory=dict)
     orders: dict[str, FloatArray] = field(default_factory=dict)
     change_points: tuple[tuple[float, ...], ...] = ()
+    files: tuple[FileSeries, ...] = ()
 
 
 @dataclass(frozen=True, repr=False)
@@ -259,6 +284,7 @@ class Diagnosis(DiagnosisOverview):
         motion: Columns of the motion that would tell the aliases apart; None where none is needed.
         detent_order: Order over the position of torque and friction that one unknown part ripples [1/rad] or [1/m];
             None where none was seen.
+        folds: Models that the held-out errors are of: base, and extended where there is one, one a fold.
         covariance: Of the refitted base, shape (p, p), in the order and coordinates of `BASE_NAMES`; None where
             the verdict is not about such a fit.
     """
@@ -270,6 +296,7 @@ class Diagnosis(DiagnosisOverview):
     motion: dict[str, FloatArray] | None = None
     detent_order: float | None = None
     covariance: FloatArray | None = None
+    folds: tuple[tuple[FrictionModel, ...], ...] = ()
 
     @property
     def verdict(self) -> VerdictName:

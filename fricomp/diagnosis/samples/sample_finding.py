@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fricomp.laws import Cogging, FrictionLaw, Term
+from fricomp.laws import COGGING_TERMS, POSITION_COULOMB_TERMS, FrictionLaw, Term
 from fricomp.model import FrictionModel
 
 from ..effects import EFFECTS
@@ -84,7 +84,6 @@ def describe_ripple(findings: Findings, ripples: Sequence[FineRipple]) -> Sample
         f"{h.order:.5g} ({h.amplitude:.3g} {unit})" for h in ripples[0].harmonics[1 : 1 + LOOK.further_orders]
     )
     more = f"; further orders {others}" if others else ""
-    waves = [one for one in ripples[0].harmonics if not one.level][:1]  # a law holds one term of each name
     return SampleFinding(
         name=name,
         kind="physics",
@@ -95,8 +94,17 @@ def describe_ripple(findings: Findings, ripples: Sequence[FineRipple]) -> Sample
         series=_collect_series(findings, ripples),
         orders=ripples[0].orders,
         ripple=(strongest.order, strongest.amplitude),
-        terms=tuple(Cogging(wave.sine, wave.cosine, wave.order) for wave in waves),
+        terms=_list_waves(ripples[0].harmonics),
     )
+
+
+def _list_waves(harmonics: Sequence[Harmonic]) -> tuple[Term, ...]:
+    """The strongest orders of the torque and of the level of friction, as many as a law has terms for."""
+    terms: list[Term] = []
+    for kinds, level in ((COGGING_TERMS, False), (POSITION_COULOMB_TERMS, True)):
+        waves = [one for one in harmonics if one.level == level]
+        terms += [kind(wave.sine, wave.cosine, wave.order) for kind, wave in zip(kinds, waves, strict=False)]
+    return tuple(terms)
 
 
 def describe_presliding(findings: Findings, soft: Sequence[SoftPresliding]) -> SampleFinding:

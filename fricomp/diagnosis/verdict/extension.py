@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, LaggedLuGre, LaggedStribeck, LuGre, StribeckCurve, Term
-from fricomp.model import FrictionModel, Provenance, Validity
+from fricomp.model import FrictionModel, JointDynamics, Provenance, Validity
 from fricomp.recording import Recording
 
 from ..effects import Context
@@ -15,7 +16,7 @@ from ..effects.spring import SPRING, combine_springs
 from ..effects.structure import N_BASE
 from ..inputs.rigid import Spring
 from ..inputs.track import FloatArray
-from ..joint.observer import Plant
+from ..joint.observer import Contribution, Plant
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from .settings import VERDICT
@@ -28,9 +29,8 @@ _OF_THE_CORE = ("stribeck_exponent", "sigma_0", "sigma_1", "lag")  # fields of a
 def write_base_model(recordings: Sequence[Recording], baseline: Baseline) -> FrictionModel:
     """Friction of the refitted base."""
     plant = baseline.structure.unpack_plant(baseline.fit.theta)
-    return _write_model(
-        recordings, baseline.structure.contexts, (BidirectionalStribeck(*_build_pair(plant, VERDICT.exponent)),), plant
-    )
+    terms = (BidirectionalStribeck(*_build_pair(plant, VERDICT.exponent)),)
+    return _write_model(recordings, baseline.structure.contexts, terms, _describe_dynamics(plant))
 
 
 def write_extended_model(
@@ -46,7 +46,8 @@ def write_extended_model(
     plant = chosen.structure.unpack_plant(chosen.fit.theta)
     terms: list[Term] = []
     changes: dict[str, float] = {}
-    for candidate in chosen.structure.candidates:
+    candidates = chosen.structure.candidates
+    for candidate in candidates:
         contribution = candidate.effect.compute_contribution(chosen.structure.contexts[0], values[candidate.name])
         changes |= {name: value for name, value in contribution.plant.items() if name in _OF_THE_CORE}
         if candidate.name == SPRING and given is not None:
@@ -56,7 +57,32 @@ def write_extended_model(
         terms += [term] if term is not None else []
     if not terms and not changes:
         return None
-    return _write_model(recordings, chosen.structure.contexts, (_build_core(plant, changes), *terms), plant)
+    shares = [one["inertia_share"] for one in values.values() if "inertia_share" in one]
+    late = sum(
+        (one.effect.compute_contribution(chosen.structure.contexts[0], values[one.name]) for one in candidates),
+        Contribution(),
+    )
+    dynamics = _describe_dynamics(plant, max(shares, default=0.0), late.delay + sum(late.lags))
+    return _write_model(recordings, chosen.structure.contexts, (_build_core(plant, changes), *terms), dynamics)
+
+
+def _describe_dynamics(plant: Plant, load_share: float = 0.0, late: float = 0.0) -> JointDynamics:
+    """What moves with the joint beside its friction.
+
+    Args:
+        plant: The joint.
+        load_share: Part of its inertia that the gear feels as load [1].
+        late: Time by which effects make the torque late, beside the joint's own delay [s]. A low-pass counts as its
+            time constant, by which it is late in the mean.
+    """
+    return JointDynamics(
+        inertia=plant.inertia,
+        gravity_cosine=plant.gravity[0],
+        gravity_sine=plant.gravity[1],
+        offset=plant.offset - _share_offset(plant),
+        load_inertia=load_share * plant.inertia,
+        torque_delay=plant.delay + late,
+    )
 
 
 def _build_core(plant: Plant, changes: Mapping[str, float]) -> Term:
@@ -93,11 +119,9 @@ def _share_offset(plant: Plant) -> float:
 
 
 def _write_model(
-    recordings: Sequence[Recording], contexts: Sequence[Context], terms: tuple[Term, ...], plant: Plant
+    recordings: Sequence[Recording], contexts: Sequence[Context], terms: tuple[Term, ...], dynamics: JointDynamics
 ) -> FrictionModel:
-    metadata, shift = recordings[0].metadata, _share_offset(plant)
-    said = f"{shift:.4g} {metadata.torque_unit} in the forward curve, less it in the reverse curve"
-    said = said if shift == plant.offset else f"{plant.offset:.4g} {metadata.torque_unit}, not part of this model"
+    metadata = recordings[0].metadata
     warm = all("temperature" in context.channels for context in contexts)
     return FrictionModel(
         law=FrictionLaw(terms),
@@ -111,9 +135,8 @@ def _write_model(
             acceleration=_find_range(context.acceleration for context in contexts),
             temperature=_find_range(context.channels["temperature"] for context in contexts) if warm else None,
         ),
-        provenance=Provenance(
-            method="diagnosis", data_sha256=recordings[0].content_hash, notes={"torque_offset": said}
-        ),
+        provenance=Provenance(method="diagnosis", data_sha256=recordings[0].content_hash),
+        dynamics=dynamics if metadata.motion == "rotary" else replace(dynamics, gravity_cosine=0.0, gravity_sine=0.0),
     )
 
 

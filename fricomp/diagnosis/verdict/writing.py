@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..delivery.models import Delivery, deliver_models
+from ..effects import EFFECTS
 from ..evidence.findings import Findings
 from ..evidence.location import map_excess
 from ..inputs.given import Given
@@ -18,7 +20,6 @@ from ..record.sentence import (
     describe_detent,
     write_record,
 )
-from ..samples.sample_finding import SampleFinding
 from .experiment import Proposal
 from .extension import write_base_model, write_extended_model
 from .judging import Verdict
@@ -43,10 +44,12 @@ def write_diagnosis(
         remarks: What the checks of the data noticed.
     """
     case, sample = findings.case, verdict.sample
+    delivery = _deliver(findings, verdict)
     fields = DiagnosisRecord(
         schema=DIAGNOSIS_SCHEMA,
         verdict=verdict.word,
         effects=verdict.effects,
+        errors=None if delivery is None else delivery.errors,
         heldout=verdict.held,
         forward=forward,
         location=verdict.location,
@@ -61,17 +64,38 @@ def write_diagnosis(
         joint=case.recordings[0].metadata.joint,
     )
     record = write_record(fields, _collect_notes(findings, verdict, proposal, remarks))
-    if sample is not None:
-        return _write_with_samples(findings, sample, record)
+    files = () if delivery is None else delivery.series
+    if sample is None:
+        evidence = Evidence(findings.series, findings.maps, findings.orders, findings.change_points, files)
+    else:
+        evidence = Evidence(sample.series, map_excess(sample.series, case.seed), sample.orders, files=files)
+    covariance = findings.refitted.covariance[: len(BASE_NAMES), : len(BASE_NAMES)]
     return Diagnosis(
         record=record,
-        evidence=Evidence(findings.series, findings.maps, findings.orders, findings.change_points),
-        base_model=write_base_model(case.recordings, case.baseline),
-        extended_model=write_extended_model(case.recordings, findings.chosen, case.spring),
+        evidence=evidence,
+        base_model=None if delivery is None else delivery.base,
+        extended_model=None if delivery is None else delivery.extended,
         motion=None if proposal is None else proposal.motion,
-        detent_order=findings.detent_order,
-        covariance=findings.refitted.covariance[: len(BASE_NAMES), : len(BASE_NAMES)],
+        detent_order=findings.detent_order if sample is None else None,
+        covariance=covariance if sample is None else None,
+        folds=() if delivery is None else delivery.folds,
     )
+
+
+def _deliver(findings: Findings, verdict: Verdict) -> Delivery | None:
+    """The models that are handed over with the answer; None where the joint obeys no law of its own motion."""
+    case, sample = findings.case, verdict.sample
+    if sample is not None and sample.lawless:
+        return None
+    base = write_base_model(case.recordings, case.baseline)
+    if sample is None:
+        extended = write_extended_model(case.recordings, findings.chosen, case.spring)
+    else:
+        extended = sample.extend(base)
+    named = [one.name for one in verdict.effects if one.kind == "physics"]
+    missing = [name for name in named if extended is None or not EFFECTS[name].is_in_law(extended.law)]
+    names = [rows.name for rows in findings.series]
+    return deliver_models(case.recordings, base, extended, missing, names=names)
 
 
 def write_refusal(given: Given, reasons: Sequence[str], remarks: Sequence[str] = ()) -> Diagnosis:
@@ -89,15 +113,6 @@ def write_refusal(given: Given, reasons: Sequence[str], remarks: Sequence[str] =
         joint=given.recordings[0].metadata.joint,
     )
     return Diagnosis(write_record(fields, Notes(facts=tuple(reasons), remarks=tuple(remarks))))
-
-
-def _write_with_samples(findings: Findings, sample: SampleFinding, record: DiagnosisRecord) -> Diagnosis:
-    """The diagnosis with curves and models of the samples."""
-    evidence = Evidence(sample.series, map_excess(sample.series, findings.case.seed), sample.orders)
-    if sample.lawless:
-        return Diagnosis(record, evidence)
-    base = write_base_model(findings.case.recordings, findings.case.baseline)
-    return Diagnosis(record, evidence, base, sample.extend(base))
 
 
 def _describe_experiment(proposal: Proposal, unit: str) -> NextExperiment:

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from fricomp.laws import FrictionLaw, LoadDriving, Term
 from fricomp.laws import LoadQuadratic as LoadQuadraticTerm
-from fricomp.laws import Term
 
 from ...joint.observer import Contribution, Plant
 from ..context import Context
@@ -48,4 +48,9 @@ class LoadQuadratic(Effect):
         return "friction would fall with load" if values["split"] < 0.5 and values["coefficient"] <= 0.0 else None
 
     def build_term(self, values: Values, plant: Plant, contexts: Sequence[Context]) -> Term | None:
-        return LoadQuadraticTerm(values["coefficient"]) if values["split"] < 0.5 else None
+        if values["split"] < 0.5:
+            return LoadQuadraticTerm(values["coefficient"])
+        return LoadDriving(values["coefficient"] * contexts[0].usual_load)
+
+    def is_in_law(self, law: FrictionLaw) -> bool:
+        return any(term.name in (self.name, LoadDriving.name) for term in law.terms)
