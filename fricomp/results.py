@@ -85,7 +85,8 @@ CALIBRATION = Results(
 )  # fmt: skip
 DIAGNOSIS = Results(
     "a diagnosis",
-    ("diagnosis.json", "friction.json", "friction.onnx", "friction.xml", "report.html", "motion.csv",
+    ("diagnosis.json", "friction.json", "friction.onnx", "friction.xml", "held_out.json", "report.html", "motion.csv",
+     "torque-error.png",
      "over-time-[0-9]*.png", "where.png", "planes.png", "orders.png", "rivals.png",
      "distinguishability.png", "motion.png"),
     "diagnosis.json", "fricomp.diagnosis/",

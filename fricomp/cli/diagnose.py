@@ -220,11 +220,12 @@ def _changed_at(path: Path) -> float | None:
 
 
 class DiagnosisRun(NamedTuple):
-    """A diagnosis, the files that it wrote, and what the checks of its recordings warn of, in sentences."""
+    """A diagnosis, the files that it wrote, what the checks of its recordings warn of, and what each file loses."""
 
     diagnosis: Diagnosis
     files: tuple[Path, ...]
     warnings: tuple[str, ...]
+    notes: tuple[str, ...] = ()
 
 
 def run_diagnosis(
@@ -281,7 +282,7 @@ def run_diagnosis(
         claim.clear()
         settings = {"simulation": options["simulation"], "joint": options["joint"]}
         written = write_diagnosis(diagnosis, out, **settings, facts=facts)
-    return DiagnosisRun(diagnosis, written.files, warnings)
+    return DiagnosisRun(diagnosis, written.files, warnings, written.notes)
 
 
 def _diagnose(
@@ -323,6 +324,7 @@ def _print_diagnosis(run: DiagnosisRun, out: Path) -> None:
         build_effect_table,
         build_error_table,
         build_forward_table,
+        build_residual_table,
         describe_next_step,
     )
 
@@ -335,11 +337,14 @@ def _print_diagnosis(run: DiagnosisRun, out: Path) -> None:
     step = describe_next_step(record, out)
     if step is not None:
         show.print(step, markup=False, soft_wrap=True)
-    for build in (build_effect_table, build_change_table, build_error_table, build_forward_table):
+    tables = (build_effect_table, build_change_table, build_error_table, build_residual_table, build_forward_table)
+    for build in tables:
         table = build(record)
         if table is not None:
             show.print()
             show.print(rich_table(table))
+    for note in run.notes:
+        show.print(note, markup=False)
     files = ", ".join(sorted(path.name for path in run.files if path.suffix != ".png"))
     show.print(f"\nVerdict: {record.verdict}. In {out}: {files}", soft_wrap=True, markup=False)
 

@@ -116,7 +116,7 @@ def build_steady(
 def clip_lines(bounds: dict[str, tuple[float, float]], symbols: frozenset[str]) -> list[str]:
     """Lines of Python that hold the inputs among `symbols` to their ranges."""
     lines = []
-    needed = symbols | ({"velocity"} if symbols & {"speed", "is_forward", TURNS_FORWARD} else set())
+    needed = symbols | ({"velocity"} if symbols & {"speed", "is_forward"} else set())
     for name, edges in bounds.items():
         if name in needed:
             (low, high) = (print_python([Number(edge)])[1][0] for edge in edges)

@@ -7,7 +7,7 @@ parts, such as a ripple in single samples, becomes one model by it. Numbers that
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import msgspec
 import numpy as np
@@ -22,8 +22,9 @@ from fricomp.evaluation import (
     measure_torque_error,
     read_motion,
     refit_model,
+    split_folds,
 )
-from fricomp.model import FrictionModel
+from fricomp.model import FrictionModel, JointDynamics
 from fricomp.recording import Recording
 
 from ..record.file_errors import FileErrors, ModelErrors
@@ -32,6 +33,7 @@ from .settings import DELIVERY
 
 __all__ = ["Delivery", "deliver_models"]
 
+_GIVEN = ("inertia", "gravity_cosine", "gravity_sine")
 _BASE, _NAMED, _FILE = "the base model", "the model with what was named", "friction.json"
 
 
@@ -45,6 +47,7 @@ class Delivery:
         errors: Of both; None where the recording is too short for them.
         series: Torque that they leave, over time.
         folds: The models that the held-out errors are of: base, and extended where there is one, one a fold.
+        times: Of each fold [s].
     """
 
     base: FrictionModel
@@ -52,6 +55,7 @@ class Delivery:
     errors: FileErrors | None = None
     series: tuple[FileSeries, ...] = ()
     folds: tuple[tuple[FrictionModel, ...], ...] = ()
+    times: tuple[tuple[tuple[float, float], ...], ...] = ()
 
 
 def deliver_models(
@@ -61,6 +65,7 @@ def deliver_models(
     missing: Sequence[str] = (),
     *,
     names: Sequence[str] = (),
+    given: JointDynamics | None = None,
 ) -> Delivery:
     """Fit the models once more, and measure what they are worth.
 
@@ -70,12 +75,16 @@ def deliver_models(
         extended: With what was named; None where no law holds it.
         missing: What was named and is in no law.
         names: Of the recordings.
+        given: Inertia and gravity of a simulation that were found to be off: the error before is then that with them,
+            and friction refitted; None where they were not.
     """
     try:
         band = min(read_motion(one).band for one in recordings)
         each = [read_motion(one, band=band) for one in recordings]
         motion = join_motions(each)
         models = [_settle(one, motion) for one in (base, extended) if one is not None]
+        if given is not None and extended is None:
+            models.insert(0, _settle(replace(base, dynamics=given), motion, _GIVEN))
         held = [evaluate_folds(name, one.folds, motion) for name, one in zip((_BASE, _NAMED), models, strict=False)]
         whole = measure_torque_error(models[-1].model, motion)
     except (RecordingError, ParameterError, np.linalg.LinAlgError):
@@ -91,7 +100,12 @@ def deliver_models(
     called = names or [f"recording {k + 1}" for k in range(len(each))]
     series = tuple(one for name, part in zip(called, each, strict=False) for one in _list_series(name, written, part))
     return Delivery(
-        written[0], written[1] if extended is not None else None, errors, series, tuple(one.folds for one in models)
+        written[0] if extended is not None else written[-1],
+        written[-1] if extended is not None else None,
+        errors,
+        series,
+        tuple(one.folds for one in models),
+        split_folds(motion),
     )
 
 
@@ -101,9 +115,9 @@ class _Settled:
     folds: tuple[FrictionModel, ...]
 
 
-def _settle(model: FrictionModel, motion: RecordedMotion) -> _Settled:
+def _settle(model: FrictionModel, motion: RecordedMotion, held: Sequence[str] = ()) -> _Settled:
     """The model refitted, or as it was where that is as good; with the fits to all but each fold."""
-    refit = refit_model(model, [motion], held=_list_held(model))
+    refit = refit_model(model, [motion], held=(*_list_held(model), *held))
     before, after = (measure_torque_error(one, motion).rms for one in (model, refit.model))
     kept = before <= (1.0 + DELIVERY.as_good) * after
     return _Settled(model if kept else refit.model, refit.folds)

@@ -285,6 +285,7 @@ class Diagnosis(DiagnosisOverview):
         detent_order: Order over the position of torque and friction that one unknown part ripples [1/rad] or [1/m];
             None where none was seen.
         folds: Models that the held-out errors are of: base, and extended where there is one, one a fold.
+        fold_times: Times of each fold [s].
         covariance: Of the refitted base, shape (p, p), in the order and coordinates of `BASE_NAMES`; None where
             the verdict is not about such a fit.
     """
@@ -297,6 +298,7 @@ class Diagnosis(DiagnosisOverview):
     detent_order: float | None = None
     covariance: FloatArray | None = None
     folds: tuple[tuple[FrictionModel, ...], ...] = ()
+    fold_times: tuple[tuple[Interval, ...], ...] = ()
 
     @property
     def verdict(self) -> VerdictName:

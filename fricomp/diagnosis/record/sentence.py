@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from msgspec.structs import replace
 
+from .file_errors import FileErrors, ModelErrors
 from .result import DiagnosisRecord, Forward, HeldOut, NamedEffect, Quantity
 from .whereabouts import describe_whereabouts
 
@@ -18,6 +19,7 @@ __all__ = [
     "NO_MOTION",
     "Notes",
     "describe_detent",
+    "describe_errors",
     "describe_forward",
     "describe_parameter",
     "write_record",
@@ -91,6 +93,7 @@ def write_sentences(record: DiagnosisRecord, notes: Notes = Notes()) -> tuple[st
     if record.verdict == "unknown_physics" or record.effects:
         lines.append(_describe_vibration(record) or describe_whereabouts(record))
     lines += [_describe_effect(effect) for effect in record.effects]
+    lines += [] if record.errors is None else describe_errors(record.errors, record.heldout)
     if record.heldout is not None and record.effects and record.heldout.explained > 0.0:
         lines.append(f"{_describe_improvement(record.heldout)} {_describe_share(record.heldout, record.effects)}")
     lines += notes.facts
@@ -118,6 +121,43 @@ def describe_forward(forward: Forward) -> str:
     )
 
 
+def describe_errors(errors: FileErrors, held: HeldOut | None = None) -> list[str]:
+    """What the written models are worth on held-out data, in the units of the recording; what they do not hold."""
+    before, after = errors.before, errors.written
+    first, last = before.torque, after.torque
+    band = f"in the band up to {last.band:g} Hz, while the joint moves"
+    if errors.after is None:
+        text = f"On held-out data friction.json misses {last.rms:.3g} {last.unit} of the torque ({band})"
+    else:
+        given = " with the parameters as given" if held is not None and held.before == "given" else ""
+        way = "falls" if last.rms < first.rms else "rises"
+        text = f"On held-out data the torque error{given} {way} from {first.rms:.3g} to {last.rms:.3g} {last.unit} ({band})"
+    lines = [f"{text}{_describe_motion(before, after, moved=errors.after is not None)}."]
+    if errors.missing:
+        lines.append(
+            f"Careful: friction.json has no term for {', '.join(errors.missing)}: what it leaves of the torque is "
+            f"{errors.file.torque.rms:.3g} {errors.file.torque.unit}"
+            + (
+                f", and what was found leaves {held.rmse_after:.3g} {held.unit} (whitened)."
+                if held is not None
+                else "."
+            )
+        )
+    return lines
+
+
+def _describe_motion(before: ModelErrors, after: ModelErrors, *, moved: bool) -> str:
+    """The position error of open-loop simulations at the first time that both have."""
+    if not before.position or not after.position:
+        return ""
+    first, last = before.position[0], after.position[0]
+    was = f", before by {first.median:.3g} {first.unit}" if moved else ""
+    return (
+        f"; simulated from measured states under the recorded torque, the position is off after {last.after:g} s by "
+        f"{last.median:.3g} {last.unit}{was} (median)"
+    )
+
+
 def describe_detent(order: float, unit: str) -> str:
     """What a torque and a friction in one rhythm over the position are."""
     return (
@@ -135,8 +175,8 @@ def _describe_improvement(held: HeldOut) -> str:
     low, high = held.ci95_reduction
     refitted = " with these parameters refitted" if held.before == "given" else ""
     return (
-        f"On held-out data the error falls from {held.rmse_before:.3g} to {held.rmse_after:.3g} {held.unit}{refitted} "
-        f"(by {100 * low:.0f} to {100 * high:.0f} %); the noise floor is {held.noise_floor:.3g} {held.unit}."
+        f"The whitened residual falls on held-out data from {held.rmse_before:.3g} to {held.rmse_after:.3g} {held.unit}"
+        f"{refitted} (by {100 * low:.0f} to {100 * high:.0f} %); its noise floor is {held.noise_floor:.3g} {held.unit}."
     )
 
 

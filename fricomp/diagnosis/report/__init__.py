@@ -10,6 +10,7 @@ from .tables import (
     build_error_table,
     build_forward_table,
     build_location_table,
+    build_residual_table,
 )
 from .wording import (
     VERDICT_TITLES,
@@ -34,6 +35,7 @@ __all__ = [
     "build_fleet_table",
     "build_forward_table",
     "build_location_table",
+    "build_residual_table",
     "derive_parameters",
     "describe_next_step",
     "draw_diagnosis_charts",

@@ -8,12 +8,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import msgspec
 import numpy as np
 
 from fricomp.errors import DiagnosisError, FricompError
 from fricomp.export import apply_to_mjcf, export_mjcf
 from fricomp.laws import FloatArray
-from fricomp.model import FrictionModel, save_model
+from fricomp.model import FrictionModel, encode_model, save_model
 from fricomp.report import draw_png, write_report
 from fricomp.whole_file import write_whole
 
@@ -104,6 +105,8 @@ def _write_models(
             except FricompError as error:
                 (folder / name).unlink(missing_ok=True)
                 notes.append(f"{name} is not written: {error}.")
+    if diagnosis.folds:
+        files.append(_write_folds(diagnosis, folder / "held_out.json"))
     if diagnosis.motion is not None:
         files.append(_write_motion(diagnosis.motion, folder / "motion.csv"))
         notes.append(
@@ -111,6 +114,15 @@ def _write_models(
             "then fricomp diagnose this recording together with its motion-alone.csv."
         )
     return files, notes
+
+
+def _write_folds(diagnosis: Diagnosis, path: Path) -> Path:
+    """The models and times behind the held-out errors, as they would be in model files."""
+    models = [[msgspec.Raw(encode_model(one)) for one in each] for each in diagnosis.folds]
+    named = dict(zip(("before", "after"), models, strict=False))
+    content = {"schema": "fricomp.held_out/1", "times": diagnosis.fold_times, **named}
+    write_whole(path, msgspec.json.encode(content) + b"\n")
+    return path
 
 
 def _describe_spring(diagnosis: Diagnosis) -> str:

@@ -22,12 +22,14 @@ _Row = Mapping[str, Any]
 
 def build_fleet_row(record: DiagnosisRecord) -> dict[str, Any]:
     """What a fleet's table keeps of a diagnosis; names are joined by a plus sign, alias sets by a bar."""
-    held, effects = record.heldout, record.effects
+    held, effects, errors = record.heldout, record.effects, record.errors
     return {
         "verdict": record.verdict,
         "named": "+".join(effect.name for effect in effects),
         "sets": "+".join("|".join(effect.indistinguishable_from) for effect in effects),
         "shares": [float(effect.share) for effect in effects],
+        "torque_error_before": errors.before.torque.rms if errors is not None else None,
+        "torque_error": errors.written.torque.rms if errors is not None else None,
         "rmse_before": held.rmse_before if held is not None else None,
         "rmse_after": held.rmse_after if held is not None else None,
         "noise_floor": held.noise_floor if held is not None else None,
@@ -38,7 +40,7 @@ def build_fleet_row(record: DiagnosisRecord) -> dict[str, Any]:
 
 def build_fleet_table(rows: Sequence[_Row]) -> Table:
     """One line a joint."""
-    columns = ("joint", "verdict", "named", "held-out error", "report")
+    columns = ("joint", "verdict", "named", "held-out torque error", "report")
     return Table(columns, tuple(_format_row(row) for row in rows))
 
 
@@ -47,8 +49,8 @@ def _format_row(row: _Row) -> tuple[str, ...]:
     if row["error"]:
         return (name, "failed", "–", str(row["error"]), "–")
     error = "–"
-    if row["rmse_before"] is not None:
-        error = f"{row['rmse_before']:.3g} → {row['rmse_after']:.3g} {row['unit']}"
+    if row.get("torque_error_before") is not None:
+        error = f"{row['torque_error_before']:.3g} → {row['torque_error']:.3g} {row['unit']}"
     return (name, str(row["verdict"]), str(row["named"]).replace("+", ", ") or "–", error, f"{name}/report.html")
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from fricomp.laws import FloatArray
 from fricomp.report import Band, Chart, Line, Mark, Panel, Rule
 
-from ..record.result import DiagnosisRecord, RowSeries
+from ..record.result import DiagnosisRecord, FileSeries, RowSeries
 from .wording import Units, describe_name
 
 __all__ = [
@@ -19,6 +19,7 @@ __all__ = [
     "BEFORE",
     "NAMED",
     "NOISE",
+    "draw_error_chart",
     "draw_motion_chart",
     "draw_time_chart",
     "list_motion_columns",
@@ -40,6 +41,34 @@ def name_models(record: DiagnosisRecord) -> tuple[str, ...]:
     if record.heldout is not None and record.heldout.before == "given":
         return (AS_GIVEN, "everything refitted")
     return (BASE, NAMED) if record.effects else (BASE,)
+
+
+def draw_error_chart(files: Sequence[FileSeries], units: Units, models: tuple[str, ...]) -> Chart | None:
+    """What the written models leave of the torque; None where none was written.
+
+    Args:
+        files: Of each part of the recordings.
+        units: Of the diagnosis.
+        models: Names of what is drawn: before, and after where there is one.
+    """
+    shown = files[: REPORT.recordings]
+    if not shown:
+        return None
+    panels = tuple(_draw_errors(one, units, models) for one in shown)
+    caption = (
+        f"Recorded torque less that of the model, in the band from 0 to {shown[0].band:g} Hz, while the joint moves: what "
+        "friction.json leaves, as fricomp evaluate measures it, and what the base model leaves."
+    )
+    return Chart("torque-error", "Torque error of the files", panels, caption=caption, panel_height=230)
+
+
+def _draw_errors(one: FileSeries, units: Units, models: tuple[str, ...]) -> Panel:
+    sides = ((one.before, BEFORE), (one.after, AFTER))
+    marks = tuple(
+        Line(one.time, rows, name, color=color, width=1.0) for name, (rows, color) in zip(models, sides, strict=False)
+    )
+    reach = _find_range([rows for rows, _ in sides[: len(models)]], np.zeros(1))
+    return Panel(marks, "time [s]", f"torque error [{units.torque}]", one.name, y_range=reach)
 
 
 def draw_time_chart(
@@ -75,9 +104,9 @@ def draw_time_chart(
     place = Panel((Line(series.time, series.position, color=3, width=1.0),), "time [s]", units.label_axis("position"))
     return Chart(
         f"over-time-{number}",
-        f"Over time: {series.name}",
+        f"Residual of the fit over time: {series.name}",
         (residual, motion, place),
-        caption="Drag a box to look closer; all panels follow. Values are means over the windows of the residual. The "
+        caption="Drag a box to look closer; all panels follow. Values are means over the windows of the residual, which the verdict rests on. The "
         "grey band is wide where the joint has just turned round, and cut off there: no recording fixes friction at a "
         "reversal to the last digit.",
         panel_height=230,

@@ -12,7 +12,7 @@ from fricomp.report import Chart, ReportPage, Section, Table
 
 from ..record.result import Diagnosis, Evidence, NamedEffect
 from .maps import draw_map_chart, draw_plane_chart
-from .over_time import draw_motion_chart, draw_time_chart, name_models
+from .over_time import draw_error_chart, draw_motion_chart, draw_time_chart, name_models
 from .settings import REPORT
 from .tables import (
     build_base_table,
@@ -21,6 +21,7 @@ from .tables import (
     build_error_table,
     build_forward_table,
     build_location_table,
+    build_residual_table,
 )
 from .weighing import build_rival_table, draw_distinguishability, draw_order_chart, draw_rival_chart
 from .wording import VERDICT_TITLES, Units, describe_next_step
@@ -34,7 +35,8 @@ def draw_diagnosis_charts(diagnosis: Diagnosis) -> dict[str, Chart]:
     evidence = _lower_floor(diagnosis.evidence) if record.effects else diagnosis.evidence
     models = name_models(record)
     changes = evidence.change_points or ((),) * len(evidence.series)
-    found: list[Chart | None] = [
+    found: list[Chart | None] = [draw_error_chart(evidence.files, units, models)]
+    found += [
         draw_time_chart(series, units, i + 1, models, times)
         for i, (series, times) in enumerate(zip(evidence.series[: REPORT.recordings], changes, strict=False))
     ]
@@ -93,10 +95,11 @@ def build_diagnosis_page(
             build_effect_table(record),
             *_explain_effects(record.effects),
             build_error_table(record),
+            build_residual_table(record),
             build_forward_table(record),
         ),
         _build_section("What changed in the simulation", build_change_table(record)),
-        _build_section("Before and after" if record.effects else "Over time", *over_time),
+        _build_section("Before and after" if record.effects else "Over time", charts.get("torque-error"), *over_time),
         _build_section("Where it sits", build_location_table(record, units), charts.get("where"), charts.get("planes")),
         _build_section("Ripple over position", charts.get("orders")),
         _build_section("What was weighed", charts.get("rivals"), build_rival_table(record.rivals, record.effects)),
@@ -140,11 +143,15 @@ def _list_key_figures(diagnosis: Diagnosis, units: Units) -> dict[str, str]:
     record, facts = diagnosis.record, {"verdict": diagnosis.verdict.replace("_", " ")}
     if record.noise_ratio is not None:
         facts["residual over its noise"] = f"{record.noise_ratio:.2f}"  # as in the sentences
-    if record.heldout is not None:
-        errors = record.heldout
-        after = f" → {errors.rmse_after:.3g}" if record.effects else ""
-        facts["held-out error"] = f"{errors.rmse_before:.3g}{after} {units.torque}"
-        facts["noise floor"] = f"{errors.noise_floor:.3g} {units.torque}"
-        if record.effects:
-            facts["explained, of what can be"] = f"{errors.explained:.0%}"
+    if record.errors is not None:
+        before, after = record.errors.before, record.errors.after
+        torque, moved = f"{before.torque.rms:.3g}", f"{before.position[0].median:.3g}" if before.position else ""
+        if after is not None:
+            torque += f" → {after.torque.rms:.3g}"
+            moved += f" → {after.position[0].median:.3g}" if moved and after.position else ""
+        facts["held-out torque error"] = f"{torque} {units.torque}"
+        if moved:
+            facts[f"position error after {before.position[0].after:g} s"] = f"{moved} {units.position}"
+    if record.heldout is not None and record.effects:
+        facts["explained, of what can be"] = f"{record.heldout.explained:.0%}"
     return facts

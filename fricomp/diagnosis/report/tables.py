@@ -5,6 +5,7 @@ from __future__ import annotations
 from fricomp.report import Table
 
 from ..evidence.friction_comparison import FRICTION_CHANGES
+from ..record.file_errors import ModelErrors
 from ..record.result import DiagnosisRecord
 from .over_time import BASE, NAMED, name_models
 from .wording import (
@@ -24,6 +25,7 @@ __all__ = [
     "build_error_table",
     "build_forward_table",
     "build_location_table",
+    "build_residual_table",
 ]
 
 _BASE = f"{BASE}: rigid joint and friction, refitted"
@@ -52,7 +54,41 @@ def build_effect_table(record: DiagnosisRecord) -> Table | None:
 
 
 def build_error_table(record: DiagnosisRecord) -> Table | None:
-    """Held-out error before and after beside the noise floor; None where nothing could be simulated."""
+    """Errors of the models that are written, on held-out data and over all of it; None where none is written."""
+    found = record.errors
+    if found is None:
+        return None
+    before, *after = name_models(record)
+    times = [one.after for one in found.before.position]
+    position = found.before.position[0].unit if times else ""
+    rows = [_list_errors(_BASE if before == BASE else before, found.before, len(times))]
+    if found.after is not None:
+        rows += [_list_errors(name, found.after, len(times)) for name in after]
+    rows.append(_list_errors("friction.json, over all data", found.file, len(times)))
+    torque = found.file.torque
+    columns = (
+        "error on held-out data",
+        f"torque, RMS [{torque.unit}]",
+        "95 % interval",
+        "median",
+        *(f"position after {time:g} s [{position}]" for time in times),
+    )
+    caption = (
+        f"Torque in the band from 0 to {torque.band:g} Hz, while the joint moves: {torque.recorded:.4g} {torque.unit} RMS "
+        f"were recorded. Each of {found.folds} folds of the data by a model fitted to the others. Positions: medians of "
+        "open-loop simulations under the recorded torque, from measured states. fricomp evaluate measures the same."
+    )
+    return Table(columns, tuple(rows), caption)
+
+
+def _list_errors(name: str, errors: ModelErrors, times: int) -> tuple[str, ...]:
+    torque, (low, high) = errors.torque, errors.torque.ci95_rms
+    positions = [f"{one.median:.3g}" for one in errors.position] or ["–"] * times
+    return (name, f"{torque.rms:.4g}", f"{low:.4g} to {high:.4g}", f"{torque.median:.4g}", *positions)
+
+
+def build_residual_table(record: DiagnosisRecord) -> Table | None:
+    """Whitened residual before and after beside its noise floor; None where nothing could be simulated."""
     found = record.heldout
     if found is None:
         return None
@@ -61,14 +97,14 @@ def build_error_table(record: DiagnosisRecord) -> Table | None:
     rows: list[tuple[str, ...]] = [(_BASE if before == BASE else before, f"{found.rmse_before:.4g}", "–")]
     rows += [(name, f"{found.rmse_after:.4g}", f"{low:.0%} to {high:.0%}") for name in after]
     rows.append(("noise floor: nothing missing", f"{found.noise_floor:.4g}", "–"))
-    caption = "On blocks that the fit did not use, each row counted by its own noise."
-    columns = ("error on held-out data", f"RMS [{found.unit}]", "falls by (95 % interval)")
+    caption = "What the verdict rests on: rows of the fit on held-out blocks, each counted by its own noise."
+    columns = ("whitened residual", f"RMS [{found.unit}]", "falls by (95 % interval)")
     width = 3 if record.effects else 2
     return Table(columns[:width], tuple(row[:width] for row in rows), caption)
 
 
 def build_forward_table(record: DiagnosisRecord) -> Table | None:
-    """Position error of the forward simulation before and after; None where none was made."""
+    """Position error of the explanation in its loop, before and after; None where none was simulated."""
     found = record.forward
     if found is None:
         return None
@@ -76,8 +112,11 @@ def build_forward_table(record: DiagnosisRecord) -> Table | None:
     if name_models(record)[-1] == NAMED:
         rows.append((NAMED, f"{found.rmse_after:.4g}"))
     low, high = found.interval
-    caption = f"Simulated in MuJoCo from {low:.3g} to {high:.3g} s, which took no part. {found.controller}."
-    return Table(("position error of a forward simulation", f"RMS [{found.unit}]"), tuple(rows), caption)
+    caption = (
+        f"The explanation itself, not its files, in MuJoCo under the recorded reference from {low:.3g} to {high:.3g} s, "
+        f"which took no part. {found.controller}."
+    )
+    return Table(("position error in closed loop", f"RMS [{found.unit}]"), tuple(rows), caption)
 
 
 def build_change_table(record: DiagnosisRecord) -> Table | None:

@@ -30,7 +30,7 @@ def write_base_model(recordings: Sequence[Recording], baseline: Baseline) -> Fri
     """Friction of the refitted base."""
     plant = baseline.structure.unpack_plant(baseline.fit.theta)
     terms = (BidirectionalStribeck(*_build_pair(plant, VERDICT.exponent)),)
-    return _write_model(recordings, baseline.structure.contexts, terms, _describe_dynamics(plant))
+    return _write_model(recordings, baseline.structure.contexts, terms, (plant, _describe_dynamics(plant)))
 
 
 def write_extended_model(
@@ -63,7 +63,8 @@ def write_extended_model(
         Contribution(),
     )
     dynamics = _describe_dynamics(plant, max(shares, default=0.0), late.delay + sum(late.lags))
-    return _write_model(recordings, chosen.structure.contexts, (_build_core(plant, changes), *terms), dynamics)
+    core = _build_core(plant, changes)
+    return _write_model(recordings, chosen.structure.contexts, (core, *terms), (plant, dynamics))
 
 
 def _describe_dynamics(plant: Plant, load_share: float = 0.0, late: float = 0.0) -> JointDynamics:
@@ -119,9 +120,17 @@ def _share_offset(plant: Plant) -> float:
 
 
 def _write_model(
-    recordings: Sequence[Recording], contexts: Sequence[Context], terms: tuple[Term, ...], dynamics: JointDynamics
+    recordings: Sequence[Recording],
+    contexts: Sequence[Context],
+    terms: tuple[Term, ...],
+    joint: tuple[Plant, JointDynamics],
 ) -> FrictionModel:
-    metadata = recordings[0].metadata
+    (plant, dynamics), metadata = joint, recordings[0].metadata
+    shift = _share_offset(plant)
+    said = f"{shift:.4g} {metadata.torque_unit} in the forward curve, less it in the reverse curve"
+    said = (
+        said if shift == plant.offset else f"{plant.offset:.4g} {metadata.torque_unit}, in the dynamics of this model"
+    )
     warm = all("temperature" in context.channels for context in contexts)
     return FrictionModel(
         law=FrictionLaw(terms),
@@ -135,7 +144,9 @@ def _write_model(
             acceleration=_find_range(context.acceleration for context in contexts),
             temperature=_find_range(context.channels["temperature"] for context in contexts) if warm else None,
         ),
-        provenance=Provenance(method="diagnosis", data_sha256=recordings[0].content_hash),
+        provenance=Provenance(
+            method="diagnosis", data_sha256=recordings[0].content_hash, notes={"torque_offset": said}
+        ),
         dynamics=dynamics if metadata.motion == "rotary" else replace(dynamics, gravity_cosine=0.0, gravity_sine=0.0),
     )
 

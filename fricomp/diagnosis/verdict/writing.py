@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from ..delivery.models import Delivery, deliver_models
 from ..effects import EFFECTS
@@ -79,6 +80,7 @@ def write_diagnosis(
         detent_order=findings.detent_order if sample is None else None,
         covariance=covariance if sample is None else None,
         folds=() if delivery is None else delivery.folds,
+        fold_times=() if delivery is None else delivery.times,
     )
 
 
@@ -95,7 +97,12 @@ def _deliver(findings: Findings, verdict: Verdict) -> Delivery | None:
     named = [one.name for one in verdict.effects if one.kind == "physics"]
     missing = [name for name in named if extended is None or not EFFECTS[name].is_in_law(extended.law)]
     names = [rows.name for rows in findings.series]
-    return deliver_models(case.recordings, base, extended, missing, names=names)
+    given = None
+    if verdict.held.before == "given" and case.rigid is not None and base.dynamics is not None:
+        cosine, sine = case.rigid.gravity
+        inertia = replace(base.dynamics, inertia=case.rigid.inertia, load_inertia=0.0)
+        given = replace(inertia, gravity_cosine=cosine, gravity_sine=sine)
+    return deliver_models(case.recordings, base, extended, missing, names=names, given=given)
 
 
 def write_refusal(given: Given, reasons: Sequence[str], remarks: Sequence[str] = ()) -> Diagnosis:
