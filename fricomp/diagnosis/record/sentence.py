@@ -131,7 +131,8 @@ def describe_errors(errors: FileErrors, held: HeldOut | None = None) -> list[str
     else:
         given = " with the parameters as given" if held is not None and held.before == "given" else ""
         way = "falls" if last.rms < first.rms else "rises"
-        text = f"On held-out data the torque error{given} {way} from {first.rms:.3g} to {last.rms:.3g} {last.unit} ({band})"
+        figures = f"{first.rms:.3g} to {last.rms:.3g} {last.unit}"
+        text = f"On held-out data the torque error{given} {way} from {figures} ({band})"
     lines = [f"{text}{_describe_motion(before, after, moved=errors.after is not None)}."]
     if errors.missing:
         lines.append(

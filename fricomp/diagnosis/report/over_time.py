@@ -10,6 +10,7 @@ from fricomp.laws import FloatArray
 from fricomp.report import Band, Chart, Line, Mark, Panel, Rule
 
 from ..record.result import DiagnosisRecord, FileSeries, RowSeries
+from .settings import REPORT
 from .wording import Units, describe_name
 
 __all__ = [
@@ -56,8 +57,8 @@ def draw_error_chart(files: Sequence[FileSeries], units: Units, models: tuple[st
         return None
     panels = tuple(_draw_errors(one, units, models) for one in shown)
     caption = (
-        f"Recorded torque less that of the model, in the band from 0 to {shown[0].band:g} Hz, while the joint moves: what "
-        "friction.json leaves, as fricomp evaluate measures it, and what the base model leaves."
+        f"Recorded torque less that of the model, in the band from 0 to {shown[0].band:g} Hz, while the joint moves: "
+        "what friction.json leaves, as fricomp evaluate measures it, and what the base model leaves."
     )
     return Chart("torque-error", "Torque error of the files", panels, caption=caption, panel_height=230)
 
@@ -106,7 +107,7 @@ def draw_time_chart(
         f"over-time-{number}",
         f"Residual of the fit over time: {series.name}",
         (residual, motion, place),
-        caption="Drag a box to look closer; all panels follow. Values are means over the windows of the residual, which the verdict rests on. The "
+        caption="Drag a box to look closer; all panels follow. Values are means over windows, on which the verdict rests. The "
         "grey band is wide where the joint has just turned round, and cut off there: no recording fixes friction at a "
         "reversal to the last digit.",
         panel_height=230,

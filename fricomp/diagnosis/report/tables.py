@@ -74,9 +74,9 @@ def build_error_table(record: DiagnosisRecord) -> Table | None:
         *(f"position after {time:g} s [{position}]" for time in times),
     )
     caption = (
-        f"Torque in the band from 0 to {torque.band:g} Hz, while the joint moves: {torque.recorded:.4g} {torque.unit} RMS "
-        f"were recorded. Each of {found.folds} folds of the data by a model fitted to the others. Positions: medians of "
-        "open-loop simulations under the recorded torque, from measured states. fricomp evaluate measures the same."
+        f"Torque in the band from 0 to {torque.band:g} Hz, while the joint moves: {torque.recorded:.4g} {torque.unit} "
+        f"RMS were recorded. Each of {found.folds} folds of the data by a model fitted to the others. Positions: medians "
+        "of open-loop simulations under the recorded torque, from measured states. fricomp evaluate measures the same."
     )
     return Table(columns, tuple(rows), caption)
 
@@ -113,8 +113,8 @@ def build_forward_table(record: DiagnosisRecord) -> Table | None:
         rows.append((NAMED, f"{found.rmse_after:.4g}"))
     low, high = found.interval
     caption = (
-        f"The explanation itself, not its files, in MuJoCo under the recorded reference from {low:.3g} to {high:.3g} s, "
-        f"which took no part. {found.controller}."
+        f"The explanation itself, not its files, in MuJoCo under the recorded reference from {low:.3g} to {high:.3g} "
+        f"s, which took no part. {found.controller}."
     )
     return Table(("position error in closed loop", f"RMS [{found.unit}]"), tuple(rows), caption)
 
