@@ -92,7 +92,8 @@ def torque_error(path: Path, made: Made, band: float) -> float:
     a = np.gradient(v, dt)
     rest = 0.02 * float(np.quantile(np.abs(v), 0.98))
     predicted = predict_torque(path, made, v, a, rest)
-    left = _filter(made.torque - predicted, band, dt)
+    acted = np.interp(made.time + read_numbers(path)[1]["torque_delay"], made.time, made.torque)
+    left = _filter(acted - predicted, band, dt)
     rows = np.abs(v) > rest
     edge = int(2.0 / band / dt) + 1
     rows[:edge] = rows[-edge:] = False
@@ -123,7 +124,8 @@ def predict_torque(path: Path, made: Made, v: Floats, a: Floats, rest: float) ->
             raise AssertionError(f"the tests have no equation of {name}")
     if "sigma_0" in core:
         return np.asarray(smooth + _bend(v, dry, core["sigma_0"], core["sigma_1"], dt))
-    held = np.clip(made.torque - smooth, -dry, dry)
+    acted = np.interp(made.time + body["torque_delay"], made.time, made.torque)
+    held = np.clip(acted - smooth, -dry, dry)
     return np.asarray(smooth + np.where(np.abs(v) > rest, dry * np.sign(v), held))
 
 

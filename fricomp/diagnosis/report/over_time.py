@@ -107,7 +107,8 @@ def draw_time_chart(
         f"over-time-{number}",
         f"Residual of the fit over time: {series.name}",
         (residual, motion, place),
-        caption="Drag a box to look closer; all panels follow. Values are means over windows, on which the verdict rests. The "
+        caption="Drag a box to look closer; all panels follow. Values are means over windows, on which the "
+        "verdict rests. The "
         "grey band is wide where the joint has just turned round, and cut off there: no recording fixes friction at a "
         "reversal to the last digit.",
         panel_height=230,

@@ -75,8 +75,9 @@ def build_error_table(record: DiagnosisRecord) -> Table | None:
     )
     caption = (
         f"Torque in the band from 0 to {torque.band:g} Hz, while the joint moves: {torque.recorded:.4g} {torque.unit} "
-        f"RMS were recorded. Each of {found.folds} folds of the data by a model fitted to the others. Positions: medians "
-        "of open-loop simulations under the recorded torque, from measured states. fricomp evaluate measures the same."
+        f"RMS were recorded. Each of {found.folds} folds of the data by a model fitted to the others. Positions: "
+        "medians of open-loop simulations under the recorded torque, from measured states. fricomp evaluate measures "
+        "the same."
     )
     return Table(columns, tuple(rows), caption)
 

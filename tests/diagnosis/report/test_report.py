@@ -25,8 +25,9 @@ from fricomp.diagnosis import (
     RowSeries,
     load_diagnosis,
 )
+from fricomp.diagnosis.record.file_errors import FileErrors, ModelErrors, PositionFigures, TorqueFigures
 from fricomp.diagnosis.record.result import Change
-from fricomp.diagnosis.record.sentence import write_sentences
+from fricomp.diagnosis.record.sentence import describe_errors, write_sentences
 from fricomp.diagnosis.report import (
     Units,
     WrittenDiagnosis,
@@ -35,6 +36,7 @@ from fricomp.diagnosis.report import (
     build_effect_table,
     build_error_table,
     build_location_table,
+    build_residual_table,
     describe_next_step,
     draw_diagnosis_charts,
     format_quantity,
@@ -217,17 +219,46 @@ def test_friction_of_the_simulation_is_said_to_be_no_part_of_the_verdict(diagnos
     assert captions == [False, True]
 
 
-def test_errors_stand_beside_the_noise_floor(diagnosis: Diagnosis) -> None:
-    table = build_error_table(diagnosis.record)
+def test_the_whitened_residual_stands_beside_its_noise_floor(diagnosis: Diagnosis) -> None:
+    table = build_residual_table(diagnosis.record)
     assert table is not None
+    assert table.columns[0] == "whitened residual"
     assert [row[1] for row in table.rows] == ["0.21", "0.021", "0.02"]
+
+
+def _errors(rms: float) -> ModelErrors:
+    torque = TorqueFigures(
+        rms=rms, ci95_rms=(0.9 * rms, 1.1 * rms), median=0.7 * rms, recorded=3.0, unit="N·m", band=25.0, duration=20.0
+    )
+    position = PositionFigures(
+        after=0.1, median=0.01 * rms, ci95_median=(0.0, rms), rms=rms, travel=0.1, starts=100, unit="rad"
+    )
+    return ModelErrors(torque=torque, position=(position,))
+
+
+def test_errors_of_the_files_are_told_in_the_units_of_the_recording(diagnosis: Diagnosis) -> None:
+    errors = FileErrors(before=_errors(0.4), after=_errors(0.05), file=_errors(0.04), folds=4)
+    record = with_fields(diagnosis.record, errors=errors)
+    table = build_error_table(record)
+    assert table is not None
+    assert table.columns[1] == "torque, RMS [N·m]"
+    assert [(row[0], row[1]) for row in table.rows[1:]] == [
+        ("with what was named", "0.05"),
+        ("friction.json, over all data", "0.04"),
+    ]
+    assert "0 to 25 Hz" in table.caption
+    (said,) = describe_errors(errors)
+    assert "the torque error falls from 0.4 to 0.05 N·m (in the band up to 25 Hz" in said
+    assert "off after 0.1 s by 0.0005 rad, before by 0.004 rad" in said
+    missing = with_fields(errors, missing=("backlash",), after=None)
+    assert "no term for backlash: what it leaves of the torque is 0.04 N·m" in describe_errors(missing)[1]
 
 
 def test_parameters_that_are_off_are_drawn_as_given_and_refitted(diagnosis: Diagnosis) -> None:
     held = diagnosis.heldout
     assert held is not None
     record = with_fields(diagnosis.record, heldout=with_fields(held, before="given"))
-    table, charts = build_error_table(record), draw_diagnosis_charts(replace(diagnosis, record=record))
+    table, charts = build_residual_table(record), draw_diagnosis_charts(replace(diagnosis, record=record))
     assert table is not None
     assert [row[0] for row in table.rows[:2]] == ["named parameters as given, the rest refitted", "everything refitted"]
     for name in ("over-time-1", "where"):
