@@ -28,6 +28,7 @@ __all__ = [
     "CALIBRATION",
     "CASE",
     "DIAGNOSIS",
+    "FIGURES",
     "FLEET",
     "IDENTIFICATION",
     "RUN",
@@ -105,6 +106,7 @@ ARM = Results(
 )  # fmt: skip
 CASE = Results("a case", ("recording.parquet", "joint.xml", "loop.toml", "friction.json"))
 FLEET = Results("a fleet of joints", ("fleet.json", "fleet.parquet", "fleet.html", "rows"), "fleet.json")
+FIGURES = Results("figures of a benchmark", ("figures.json", "report.html", "*.png", "close_loop"))
 TORQUE_CONSTANT = Results(
     "a torque constant", ("torque_constant.json", "bare-*.csv", "loaded-*.csv", "bare.xml", "loaded.xml"),
     "torque_constant.json",

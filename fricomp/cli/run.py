@@ -14,7 +14,7 @@ import typer
 from fricomp.cli.out_folder import Overwrite
 
 if TYPE_CHECKING:
-    from fricomp.adapters import JointAdapter
+    from fricomp.adapters import AdapterOptions, JointAdapter
     from fricomp.control import Compensator, ControlLoop, LoopDynamics, LoopLog, LoopResult
     from fricomp.model import FrictionModel
     from fricomp.recording import RecordingMetadata
@@ -196,6 +196,7 @@ class _Setup:
                 f"the bus has {n} joints: give a model for each (got {len(models)}), and one inertia for all "
                 f"or one for each (got {len(inertia)})"
             )
+        adapter.options = _with_breakaway(adapter, models)
         bandwidth, *self.lags = loop
         self.adapter, self.models, self.period = adapter, models, period
         self.controller = PositionController.from_bandwidth(inertia * (n // len(inertia)), bandwidth)
@@ -252,6 +253,19 @@ class _Setup:
 
         joints = range(len(self.adapter.capabilities.joints))
         return [recording_metadata(self.adapter, joint, "fricomp run") for joint in joints]
+
+
+def _with_breakaway(adapter: JointAdapter, models: list[FrictionModel]) -> AdapterOptions:
+    """The adapter's options, where no breakaway limit is configured with that of the joint's model."""
+    from dataclasses import replace
+
+    from fricomp.control.compensation.authority import compute_breakaway
+
+    limits = []
+    for limit, model, joint in zip(adapter.options.limits, models, adapter.capabilities.joints, strict=True):
+        known = limit.breakaway is None and model.torque_unit == joint.torque_unit
+        limits.append(replace(limit, breakaway=compute_breakaway(model)) if known else limit)
+    return replace(adapter.options, limits=tuple(limits))
 
 
 def _inwards(amplitude: float, start: float, facts: RecordingMetadata) -> float:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from fricomp.errors import ParameterError
+from fricomp.whole_file import write_whole
 
 from ..stand_in import PACKAGED_MODELS, packaged_model
 
@@ -42,7 +43,7 @@ def hang_weight(
             raise ParameterError(f"name the joints of {name!r} that are to be driven, under [[joints]]")
         table["joints"] = [{"name": each} for each in PACKAGED_JOINTS[name]]
     source = packaged_model(name) if name in PACKAGED_MODELS else Path(name)
-    file.write_text(_with_weight(source, joint or table["joints"][0]["name"], *weight), "utf-8")
+    write_whole(file, _with_weight(source, joint or table["joints"][0]["name"], *weight))
     table["model"] = str(file)
     return table if backend == "sim" else changed | {"sim": table}
 

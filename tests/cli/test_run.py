@@ -2,15 +2,20 @@
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from typer.testing import CliRunner
 
+from fricomp.adapters import AdapterOptions
 from fricomp.cli.main import app
-from fricomp.control import ReferenceState, SineReference
+from fricomp.cli.run import _with_breakaway
+from fricomp.control import JointLimits, ReferenceState, SineReference
 from fricomp.errors import AdapterConfigurationError, AdapterError, ParameterError, SafetyTrip
-from fricomp.laws import FrictionLaw, Viscous
-from fricomp.model import FrictionModel, save_model
+from fricomp.joint import CommandMode
+from fricomp.laws import Cogging, FrictionLaw, Stribeck, StribeckCurve, Viscous
+from fricomp.model import FrictionModel, Validity, save_model
 from fricomp.recording import read_recording
 from fricomp.sim_bench.stand_in import SimulatedJointAdapter
 
@@ -52,6 +57,46 @@ def test_the_file_of_a_drive_says_which_it_is(tmp_path: Path, model: Path, comma
     arguments = [str(model), "--out", str(tmp_path / "run")] if command == "run" else ["--dry-run"]
     result = CliRunner().invoke(app, [command, *arguments, "--config", str(file)])
     assert "unknown backend 'canopne'" in str(result.exception)
+
+
+def run_and_see_limits(model: Path, out: Path, monkeypatch: pytest.MonkeyPatch) -> float | None:
+    """The breakaway limit that the gate of `fricomp run` gets."""
+    seen: list[float | None] = []
+    configure = SimulatedJointAdapter._configure
+
+    def noting(self: SimulatedJointAdapter, mode: CommandMode, period: float) -> None:
+        seen.append(self._checked_options.limits[0].breakaway)
+        configure(self, mode, period)
+
+    monkeypatch.setattr(SimulatedJointAdapter, "_configure", noting)
+    short = ["--frequency", "4", "--cycles", "1", "--amplitude", "0.01", "--out", str(out)]
+    result = CliRunner().invoke(app, ["run", str(model), *short])
+    assert result.exit_code == 0, f"{result.output} {result.exception}"
+    assert len(set(seen)) == 1
+    return seen[0]
+
+
+def test_the_gate_gets_the_breakaway_torque_of_the_model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "friction.json"
+    law = FrictionLaw((Stribeck(StribeckCurve(0.4, 0.8, 0.05, 3.0)), Cogging(0.1, 0.0, 6)))
+    save_model(FrictionModel(law, validity=Validity(velocity=(-1.0, 1.0)), joint="joint"), file)
+    found = run_and_see_limits(file, tmp_path / "run", monkeypatch)
+    assert found == pytest.approx(1.5 * (0.8 + 0.1), rel=1e-6)
+
+
+def test_a_model_without_static_friction_leaves_the_gate_as_it_is(
+    model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert run_and_see_limits(model, tmp_path / "run", monkeypatch) is None
+
+
+def test_a_breakaway_limit_that_is_configured_stays() -> None:
+    limits = (JointLimits(5.0, 250.0, 8.0, breakaway=2.5), JointLimits(5.0, 250.0, 8.0), JointLimits(5.0, 250.0, 8.0))
+    joints = [SimpleNamespace(torque_unit=unit) for unit in ("N·m", "N·m", "A")]
+    adapter: Any = SimpleNamespace(options=AdapterOptions(limits=limits), capabilities=SimpleNamespace(joints=joints))
+    friction = FrictionModel(FrictionLaw((Stribeck(StribeckCurve(0.4, 0.8, 0.05, 3.0)),)))
+    found = _with_breakaway(adapter, [friction] * 3).limits
+    assert [limit.breakaway for limit in found] == [2.5, pytest.approx(1.2), None]
 
 
 @pytest.mark.parametrize(

@@ -22,9 +22,9 @@ def begin_study(out: Path, *packages: str, overwrite: bool) -> None:
         overwrite: Whether earlier results may be replaced.
     """
     from fricomp.extras import REPORT, require
-    from fricomp.results import require_free_file
+    from fricomp.results import FIGURES, require_free
 
-    require_free_file(out / "figures.json", overwrite=overwrite)
+    require_free(out, FIGURES, overwrite=overwrite)
     require(*REPORT, *packages)
 
 

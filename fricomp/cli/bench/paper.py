@@ -17,6 +17,8 @@ __all__ = ["app", "paper"]
 
 app = typer.Typer(add_completion=False)
 
+LEDGER = "ledger.jsonl"
+
 
 @dataclass(frozen=True)
 class _Sizes:
@@ -51,12 +53,16 @@ def paper(
 ) -> None:
     """Repeat the paper's comparison. Finished draws are kept in OUT/ledger.jsonl, and a second call goes on there."""
     from fricomp.cli.terminal import console, progress
+    from fricomp.sim_bench.studies.kit.folder import claim_run
+    from fricomp.sim_bench.studies.kit.page import require_own_page
     from fricomp.sim_bench.studies.kit.store import RowStore
 
-    ledger, sizes = RowStore(out / "ledger.jsonl"), _QUICK if quick else _FULL
+    require_own_page(docs, "paper")
+    sizes = _QUICK if quick else _FULL
     command = "fricomp bench paper" + " --quick" * quick + (f" --docs {docs}" if docs is not None else "")
     pages = [out / "identification.md", *([docs] if docs is not None else [])]
-    with progress() as bar:
+    with claim_run(out, LEDGER), progress() as bar:
+        ledger = RowStore(out / LEDGER)
         task = bar.add_task("starting", total=None)
 
         def report(text: str) -> None:

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from fricomp.cli.out_folder import Overwrite
+
 from .options import ExecutorOption
 
 app = typer.Typer(add_completion=False)
@@ -24,6 +26,7 @@ def real(
     executor: ExecutorOption = "processes",
     seed: Annotated[int, typer.Option(min=0, help="Of the diagnoses.")] = 0,
     resume: Annotated[bool, typer.Option("--resume", help="Keep the cases that are in OUT already.")] = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Diagnose recordings that nobody here made, and compare with what is known about them."""
     from datetime import date
@@ -34,6 +37,8 @@ def real(
     from fricomp.errors import DiagnosisError
     from fricomp.fleet import open_executor
     from fricomp.sim_bench.studies.kit.commit import format_measured
+    from fricomp.sim_bench.studies.kit.folder import claim_run
+    from fricomp.sim_bench.studies.kit.page import require_own_page
     from fricomp.sim_bench.studies.real import REAL_CASES, run_all, write_real_page
 
     if only and page is not None:
@@ -43,8 +48,14 @@ def real(
     if unknown:
         raise DiagnosisError(f"no case {unknown[0]!r}: valid are {', '.join(known)}")
     cases = [known[name] for name in only] if only else list(REAL_CASES)
-    out.mkdir(parents=True, exist_ok=True)
-    with resumable(out), progress() as bar, open_executor(executor) as pool:
+    require_own_page(page, "real")
+    again = resume or overwrite
+    with (
+        claim_run(out, "outcomes.jsonl", go_on=again),
+        resumable(out),
+        progress() as bar,
+        open_executor(executor) as pool,
+    ):
         task = bar.add_task("recordings", total=len(cases))
         outcomes, commits = run_all(cases, out, pool, seed=seed, resume=resume, progress=lambda: bar.advance(task))
     table = Table("recording", "verdict", "named", "as expected", "time [s]")

@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from fricomp.cli.out_folder import Overwrite
+
 from .options import ExecutorOption
 
 app = typer.Typer(add_completion=False)
@@ -24,6 +26,7 @@ def second_generator(
     page: Annotated[Path | None, typer.Option(help="Write this page, such as docs/second_generator.md.")] = None,
     executor: ExecutorOption = "processes",
     resume: Annotated[bool, typer.Option("--resume", help="Keep the cases that are in OUT already.")] = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Diagnose joints whose left-out physics is MuJoCo's own, and compare with what is known about them."""
     from rich.table import Table
@@ -31,13 +34,21 @@ def second_generator(
     from fricomp.cli.terminal import console, progress, resumable
     from fricomp.errors import DiagnosisError
     from fricomp.fleet import open_executor
+    from fricomp.sim_bench.studies.kit.folder import claim_run
+    from fricomp.sim_bench.studies.kit.page import require_own_page
     from fricomp.sim_bench.studies.second_generator import choose_cases, compute_figures, run_all, write_page
 
     if only and page is not None:
         raise DiagnosisError("a page is of all cases: leave out --only, or --page")
     cases = choose_cases(only or (), quick=quick)
-    out.mkdir(parents=True, exist_ok=True)
-    with resumable(out), progress() as bar, open_executor(executor) as pool:
+    require_own_page(page, "second_generator")
+    again = resume or overwrite
+    with (
+        claim_run(out, "scores.jsonl", go_on=again),
+        resumable(out),
+        progress() as bar,
+        open_executor(executor) as pool,
+    ):
         task = bar.add_task("cases", total=len(cases))
         scores, commits = run_all(cases, out, pool, resume=resume, progress=lambda: bar.advance(task))
     table = Table("case", "verdict", "named", "right", "seconds")

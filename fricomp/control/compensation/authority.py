@@ -4,17 +4,31 @@ from __future__ import annotations
 
 import math
 
-from fricomp.control.compensation.curve import FrictionCurves
+from fricomp.control.compensation.curve import FrictionCurves, split_law
 from fricomp.control.compensation.trust import compute_torque_cap
 from fricomp.laws import Ranges, ThermalFriction, ThermalViscous, find_inputs
 from fricomp.model import FrictionModel
 
-__all__ = ["compute_authority", "find_acceleration_range", "find_temperature_range"]
+__all__ = ["compute_authority", "compute_breakaway", "find_acceleration_range", "find_temperature_range"]
 
 # Friction from a load of unknown range is trusted up to as much as all other friction together [1].
 _UNKNOWN_LOAD_SHARE = 1.0
 # What follows an acceleration of unknown range, up to as much as all else that its term may ask for [1].
 _UNKNOWN_ACCELERATION_SHARE = 1.0
+
+
+# A joint that has rested for long, or is cold or loaded, holds by more than a sweep has seen [1].
+_BREAKAWAY_MARGIN = 1.5
+_AT_REST = (0.0, 0.0)  # where nothing viscous counts [rad/s] or [m/s]
+
+
+def compute_breakaway(model: FrictionModel) -> float | None:
+    """Breakaway limit for the gate of a joint with this friction, in the unit of its model; None without any at rest.
+
+    The largest friction at rest over the model's range of validity, with a margin for what no sweep has seen.
+    """
+    most, _ = compute_authority(model, split_law(model.law), _AT_REST)
+    return _BREAKAWAY_MARGIN * most if most > 0.0 else None
 
 
 def compute_authority(

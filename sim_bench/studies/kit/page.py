@@ -8,14 +8,16 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fricomp.errors import DiagnosisError, MissingExtraError
+from fricomp.errors import DiagnosisError, MissingExtraError, OutputError
 from fricomp.report import format_markdown_table
-from fricomp.whole_file import whole_file
+from fricomp.whole_file import write_whole
 
 if TYPE_CHECKING:
     from jinja2 import Environment
 
-__all__ = ["fill_template", "write_page"]
+_TEMPLATES = Path(__file__).parents[1] / "templates"
+
+__all__ = ["fill_template", "replace_page", "require_own_page", "write_page"]
 
 
 def fill_template(template: str, **values: Any) -> str:
@@ -35,11 +37,54 @@ def fill_template(template: str, **values: Any) -> str:
 
 
 def write_page(template: str, page: Path, **values: Any) -> None:
-    """Fill a template and write it to a file, whole or not at all. Folders that are missing are made."""
-    page.parent.mkdir(parents=True, exist_ok=True)
-    text = fill_template(template, **values)
-    with whole_file(page, DiagnosisError) as part:
-        part.write_text(text, encoding="utf-8")
+    """Fill a template and write it to a file; see `replace_page`."""
+    replace_page(page, fill_template(template, **values), template.partition("/")[0])
+
+
+def replace_page(page: Path, text: str, study: str) -> None:
+    """Write a page, whole or not at all, in the place of an earlier one; the folder of its name beside it is its own.
+
+    Args:
+        page: Where.
+        text: All of it.
+        study: Folder below `studies/templates`.
+
+    Raises:
+        OutputError: Something else is there; it stays.
+    """
+    require_own_page(page, study)
+    write_whole(page, text, DiagnosisError)
+
+
+def require_own_page(page: Path | None, study: str) -> None:
+    """Refuse a page that would replace what is no page of the study, before hours of work are spent on it.
+
+    Args:
+        page: Where it is to be written; None where none is.
+        study: Folder below `studies/templates`, whose headings tell its pages.
+
+    Raises:
+        OutputError: Something else is there.
+    """
+    if page is None:
+        return
+    if page.is_symlink() or page.is_dir():
+        kind = "a folder" if page.is_dir() else "a link, which is not followed"
+        raise OutputError(f"{page} is {kind}: choose another --page")
+    if page.exists() and _head(page.read_text("utf-8", "replace")) not in _heads(study):
+        raise OutputError(
+            f"{page} is there already, and is no page of this study: choose another --page, or move it away"
+        )
+
+
+@cache
+def _heads(study: str) -> frozenset[str]:
+    heads = {_head(path.read_text("utf-8")) for path in (_TEMPLATES / study).glob("*.md")}
+    return frozenset(head for head in heads if head.startswith("#"))
+
+
+def _head(text: str) -> str:
+    return text.partition("\n")[0].strip()
 
 
 @cache

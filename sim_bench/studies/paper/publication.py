@@ -9,7 +9,9 @@ from typing import Any
 import msgspec
 
 from fricomp.report import draw_png
+from fricomp.whole_file import write_whole
 
+from ..kit.page import replace_page
 from ..kit.store import RowStore
 from .charts import draw_benchmark_charts
 from .page import format_identification_page
@@ -34,11 +36,10 @@ def publish(ledger: RowStore, pages: Sequence[Path], command: str) -> None:
     figures = msgspec.json.format(msgspec.json.encode(_collect_figures(ledger)))
     for path in pages:
         folder = path.with_suffix("")
-        folder.mkdir(parents=True, exist_ok=True)
-        (folder / "figures.json").write_bytes(figures + b"\n")
+        write_whole(folder / "figures.json", figures + b"\n")
         for chart in charts:
             draw_png(chart, folder / f"{chart.name}.png")
-        path.write_text(format_identification_page(ledger, charts, command, folder.name), encoding="utf-8")
+        replace_page(path, format_identification_page(ledger, charts, command, folder.name), "paper")
 
 
 def _collect_figures(ledger: RowStore) -> dict[str, Any]:

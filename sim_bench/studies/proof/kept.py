@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import shutil
 from dataclasses import asdict
 from pathlib import Path
 
 from fricomp.errors import DiagnosisError
-from fricomp.whole_file import whole_file
+from fricomp.whole_file import whole_file, write_whole
 
 from ..kit.store import RowStore
 from .run import ANSWERS, REFUSED, SCORES, SEALS, read_scores
@@ -57,7 +56,7 @@ def restore_data(folder: Path, out: Path) -> None:
     RowStore(out / SCORES).append(*parquet.read_table(folder / _SCORES).to_pylist())
     (out / ANSWERS).mkdir(parents=True, exist_ok=True)
     for row in parquet.read_table(folder / _ANSWERS).to_pylist():
-        (out / ANSWERS / f"{row['case']}.json").write_bytes(row["answer"])
+        write_whole(out / ANSWERS / f"{row['case']}.json", row["answer"])
     _copy(folder, out)
 
 
@@ -66,4 +65,4 @@ def _copy(source: Path, target: Path) -> None:
         return
     for name in _COPIED:
         if (source / name).exists():
-            shutil.copyfile(source / name, target / name)
+            write_whole(target / name, (source / name).read_bytes())

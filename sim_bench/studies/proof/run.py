@@ -15,6 +15,7 @@ from typing import Any
 
 from fricomp.errors import DiagnosisError
 from fricomp.fleet import always
+from fricomp.whole_file import write_whole
 
 from ..kit.blind import BlindAnswer, Diagnose, diagnose_blind
 from ..kit.store import RowStore
@@ -82,13 +83,13 @@ class _Run:
 
     def seal(self, prepared: Prepared) -> None:
         self.seals.seal(prepared.case, prepared.answer)
-        (self.folder / ANSWERS / f"{prepared.case}.json").write_bytes(prepared.answer)
+        write_whole(self.folder / ANSWERS / f"{prepared.case}.json", prepared.answer)
 
     def score(self, planned: PlannedCase, blind: BlindAnswer, follow_up: BlindAnswer | None) -> Score:
         name = name_case(planned.spec)
-        (self.folder / DIAGNOSES / f"{name}.json").write_bytes(blind.diagnosis)
+        write_whole(self.folder / DIAGNOSES / f"{name}.json", blind.diagnosis)
         if follow_up is not None:
-            (self.folder / FOLLOW_UPS / f"{name}.json").write_bytes(follow_up.diagnosis)
+            write_whole(self.folder / FOLLOW_UPS / f"{name}.json", follow_up.diagnosis)
         answer = (self.folder / ANSWERS / f"{name}.json").read_bytes()
         self.seals.open(name, answer)
         score = score_case(planned, answer, blind, follow_up)

@@ -13,6 +13,7 @@ from fricomp.diagnosis import Diagnosis, DiagnosisRecord, Quantity, diagnose, lo
 from fricomp.diagnosis.report import derive_parameters, write_diagnosis
 from fricomp.errors import FricompError
 from fricomp.recording import read_public
+from fricomp.whole_file import write_whole
 
 from ..kit.case import run_cases
 from ..kit.store import Row, RowStore
@@ -145,9 +146,8 @@ def _read_outcome(case: RealCase, row: Row, out: Path) -> RealOutcome:
 
 def _write_arm(name: str, place: Path) -> Path:
     """The arm's kinematics as a file, for the diagnosis and for whoever repeats it by hand."""
-    place.mkdir(parents=True, exist_ok=True)
     path = place / "arm.xml"
-    path.write_text(arm_xml(name, ARMS[name]), encoding="utf-8")
+    write_whole(path, arm_xml(name, ARMS[name]))
     return path
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import msgspec
 
 from fricomp.recording import write_recording
+from fricomp.whole_file import write_whole
 
 from ..kit.blind import diagnose_blind
 from ..kit.case import run_cases
@@ -39,7 +40,7 @@ def write_files(case: Case, folder: Path) -> dict[str, float]:
     folder.mkdir(parents=True, exist_ok=True)
     recording = sense(simulate(hidden, motion), hidden, case.seed, velocity=case.velocity)
     write_recording(recording, folder / "recording.parquet")
-    (folder / "joint.xml").write_text(write_mjcf(PLAIN, PERIOD, sticks=False), encoding="utf-8")
+    write_whole(folder / "joint.xml", write_mjcf(PLAIN, PERIOD, sticks=False))
     return dict(hidden.truth)
 
 
@@ -48,7 +49,7 @@ def run_case(case: Case, out: Path) -> Score:
     folder = out / case.name
     truth = write_files(case, folder)
     blind = diagnose_blind({name: (folder / name).read_bytes() for name in _FILES})
-    (folder / "diagnosis.json").write_bytes(blind.diagnosis)
+    write_whole(folder / "diagnosis.json", blind.diagnosis)
     return score_case(case, truth, blind)
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from fricomp.control import PositionController, ReferenceState
 from fricomp.joint import JointFeedback
 from fricomp.laws import Cogging, FrictionLaw, LoadCoulomb
+from fricomp.whole_file import write_whole
 
 from ...stand_in import JointSettings, ServoSettings, StandInSettings, sensors_for
 from .joint import INERTIA, JOINTS
@@ -46,7 +47,7 @@ def vertical_joint(folder: Path, *, position: float = 0.0, seed: int = 0) -> Sta
         seed: Of the sensor noise.
     """
     mjcf = folder / "joint.xml"
-    mjcf.write_text(_MJCF)
+    write_whole(mjcf, _MJCF)
     known = JOINTS["moderate"].law
     law = FrictionLaw((*known.terms, *CONCEALED))
     joint = JointSettings("joint", law, sensors_for(known), ServoSettings(torque_limit=12.0), position=position)

@@ -35,6 +35,8 @@ def gap(
     from fricomp.cli.terminal import console, progress, resumable
     from fricomp.fleet import open_executor
     from fricomp.sim_bench.studies.kit.commit import find_commit, format_measured
+    from fricomp.sim_bench.studies.kit.folder import claim_run
+    from fricomp.sim_bench.studies.kit.page import replace_page, require_own_page
     from fricomp.sim_bench.studies.proof import (
         GAP,
         QUICK_DURATION,
@@ -45,14 +47,15 @@ def gap(
     )
 
     planned = plan_gaps(cases, list_development_seeds(first_seed), QUICK_DURATION if quick else None)
+    if page is not None:
+        require_own_page(page.with_suffix("") / GAP, "proof")
     again = resumable(out, "the same command goes on")
-    with again, progress() as bar, open_executor(executor, workers) as pool:
+    with claim_run(out, "gap"), again, progress() as bar, open_executor(executor, workers) as pool:
         task = bar.add_task("diagnosed twice", total=cases)
         scores = measure_gaps(planned, out / "gap", pool, progress=lambda: bar.advance(task))
     options = f"--cases {cases} {'--quick ' if quick else ''}--first-seed {first_seed} --out runs/{out.name}"
     measured = format_measured(date.today(), find_commit())
     text = format_gaps(scores, f"fricomp bench mismatch gap {options}", measured)
     for path in (out / GAP, *((page.with_suffix("") / GAP,) if page is not None else ())):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
+        replace_page(path, text, "proof")
     console().print(text, soft_wrap=True)

@@ -21,13 +21,18 @@ def page(
 ) -> None:
     """Write the page of a run, by the scoring of today where its answers and diagnoses are there."""
     from fricomp.errors import DiagnosisError
+    from fricomp.sim_bench.studies.kit.folder import claim_run
+    from fricomp.sim_bench.studies.kit.page import require_own_page
     from fricomp.sim_bench.studies.proof import read_scores, restore_data
+    from fricomp.sim_bench.studies.proof.run import ANSWERS
     from fricomp.sim_bench.studies.proof.settings import SETTINGS, read_settings
 
     from . import write
 
-    restore_data(page.with_suffix(""), out)
-    if not (out / SETTINGS).exists():
-        raise DiagnosisError(f"{out} holds no run, and none is kept beside {page}: give the --out of a run")
-    settings = read_settings(out / SETTINGS)
-    write.write_run_page(page, settings, read_scores(out), settings.cases, out, "")
+    require_own_page(page, "proof")
+    with claim_run(out, ANSWERS):
+        restore_data(page.with_suffix(""), out)
+        if not (out / SETTINGS).exists():
+            raise DiagnosisError(f"{out} holds no run, and none is kept beside {page}: give the --out of a run")
+        settings = read_settings(out / SETTINGS)
+        write.write_run_page(page, settings, read_scores(out), settings.cases, out, "")

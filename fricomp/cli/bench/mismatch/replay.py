@@ -30,14 +30,19 @@ def replay(
     The cases follow from the key in run.json; the diagnosis is that of today.
     """
     from fricomp.errors import DiagnosisError
+    from fricomp.sim_bench.studies.kit.folder import claim_run
+    from fricomp.sim_bench.studies.kit.page import require_own_page
     from fricomp.sim_bench.studies.proof import load_replay
+    from fricomp.sim_bench.studies.proof.run import ANSWERS
 
     from . import work, write
 
     if page is not None and page.with_suffix("").resolve() == kept.resolve():
         raise DiagnosisError(f"{page} is of the run itself: give the replay a --page of its own, or none")
-    settings = load_replay(kept, out, cases)
-    scores, planned = work.work_through(settings, out, (executor, workers), minutes)
-    work.show_scores(scores, planned, out)
-    if page is not None:
-        write.write_run_page(page, settings, scores, len(planned), out, "")
+    require_own_page(page, "proof")
+    with claim_run(out, ANSWERS):
+        settings = load_replay(kept, out, cases)
+        scores, planned = work.work_through(settings, out, (executor, workers), minutes)
+        work.show_scores(scores, planned, out)
+        if page is not None:
+            write.write_run_page(page, settings, scores, len(planned), out, "")

@@ -50,21 +50,26 @@ def run(
 
     Cases are interleaved: any beginning of a run is a fair sample of the whole, and a run that was stopped goes on.
     """
+    from fricomp.sim_bench.studies.kit.folder import claim_run
+    from fricomp.sim_bench.studies.kit.page import require_own_page
     from fricomp.sim_bench.studies.proof import RunSettings, load_or_start, restore_data
+    from fricomp.sim_bench.studies.proof.run import ANSWERS
 
     from . import work, write
 
     number = cases or (_QUICK if quick else _FULL)
     wanted = RunSettings(number, quick, clear, scored, first_seed, injected=injected, nulls=nulls)
     _refuse(wanted)
-    if resume and page is not None:
-        restore_data(page.with_suffix(""), out)
-    settings = load_or_start(out, wanted, resume=resume)
-    scores, planned = work.work_through(settings, out, (executor, workers), minutes)
-    others = _compare(planned[:baselines], out, (executor, workers), scores)
-    work.show_scores(scores, planned, out)
-    if page is not None:
-        write.write_run_page(page, settings, scores, len(planned), out, others)
+    require_own_page(page, "proof")
+    with claim_run(out, ANSWERS):
+        if resume and page is not None:
+            restore_data(page.with_suffix(""), out)
+        settings = load_or_start(out, wanted, resume=resume)
+        scores, planned = work.work_through(settings, out, (executor, workers), minutes)
+        others = _compare(planned[:baselines], out, (executor, workers), scores)
+        work.show_scores(scores, planned, out)
+        if page is not None:
+            write.write_run_page(page, settings, scores, len(planned), out, others)
 
 
 def _refuse(wanted: RunSettings) -> None:
@@ -93,6 +98,7 @@ def _compare(
     from fricomp.sim_bench.studies.kit.commit import find_commit, format_measured
     from fricomp.sim_bench.studies.proof import BASELINES
     from fricomp.sim_bench.studies.proof.baselines import compare_baselines, format_table
+    from fricomp.whole_file import write_whole
 
     path = out / BASELINES
     if planned:
@@ -100,5 +106,5 @@ def _compare(
             task = bar.add_task("other methods", total=len(planned))
             found = compare_baselines(planned, out / "baselines", pool, progress=lambda: bar.advance(task))
         measured = format_measured(date.today(), find_commit())
-        path.write_text(format_table(found, scores, measured), encoding="utf-8")
+        write_whole(path, format_table(found, scores, measured))
     return path.read_text(encoding="utf-8") if path.exists() else ""

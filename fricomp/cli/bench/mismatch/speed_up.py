@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from fricomp.cli.out_folder import Overwrite
+
 app = typer.Typer(add_completion=False)
 
 _EPILOG = "fricomp bench mismatch speed-up --cases 4 --out runs/speed"
@@ -18,19 +20,22 @@ def speed_up(
     out: Annotated[Path, typer.Option(help="Folder for `speed_up.json`.")] = _OUT,
     cases: Annotated[int, typer.Option(min=2, help="How many, of 30 s each.")] = 4,
     first_seed: Annotated[int, typer.Option(help="First development seed.")] = 0,
+    overwrite: Overwrite = False,
 ) -> None:
     """Diagnose the same concealed cases with one worker and with two, beside plain loops that share nothing."""
     import json
     from dataclasses import asdict
 
     from fricomp.cli.terminal import console, progress
+    from fricomp.results import require_free_file
     from fricomp.sim_bench.studies.proof import RunSettings, measure_speed_up, plan_run
+    from fricomp.whole_file import write_whole
 
+    require_free_file(out / "speed_up.json", overwrite=overwrite)
     planned = plan_run(RunSettings(cases, quick=True, first_seed=first_seed))
     with progress() as bar:
         task = bar.add_task("one worker and two", total=len(planned))
         found = measure_speed_up(planned, progress=lambda: bar.advance(task))
-    out.mkdir(parents=True, exist_ok=True)
     figures = asdict(found) | {"ratio": found.ratio, "ratio_free": found.ratio_free}
-    (out / "speed_up.json").write_text(json.dumps(figures, indent=1) + "\n", encoding="utf-8")
+    write_whole(out / "speed_up.json", json.dumps(figures, indent=1) + "\n")
     console().print(str(found), soft_wrap=True)

@@ -72,8 +72,9 @@ def show_scores(scores: Sequence[Score], planned: Sequence[PlannedCase], out: Pa
     """Print the figures, and write the wrong answers down."""
     from fricomp.cli.terminal import console
     from fricomp.sim_bench.studies.proof import compute_figures, count_open, format_failures, read_refused
+    from fricomp.whole_file import write_whole
 
-    (out / "failures.md").write_text(format_failures(scores), encoding="utf-8")
+    write_whole(out / "failures.md", format_failures(scores))
     screen, left, refused = console(), count_open(planned, out), len(read_refused(out))
     screen.print(_make_table(compute_figures(scores)))
     screen.print(f"{len(scores)} cases in {out}; wrong answers in {out / 'failures.md'}", soft_wrap=True)
