@@ -11,6 +11,7 @@ from pathlib import Path
 import msgspec
 
 from fricomp.errors import DiagnosisError
+from fricomp.whole_file import write_whole
 
 from ...cases.arm import arm_id, draw_spec, generate_arm, write_arm_answer, write_arm_case
 from ..kit.blind import BlindAnswer, diagnose_arm_blind
@@ -73,8 +74,7 @@ def _make_row(seed: int, duration: float, out: Path, salt: str) -> Row:
     seals = SealBook(out / _SEALS)
     seals.seal(arm_id(spec), path.read_bytes())
     blind = diagnose_arm_blind(files)
-    (out / _DIAGNOSES).mkdir(exist_ok=True)
-    (out / _DIAGNOSES / path.name).write_bytes(blind.diagnosis)
+    write_whole(out / _DIAGNOSES / path.name, blind.diagnosis)
     seals.open(arm_id(spec), path.read_bytes())
     for one in sorted(folder.rglob("*"), reverse=True):  # a seed makes it again
         one.unlink() if one.is_file() else one.rmdir()
