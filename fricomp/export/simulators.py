@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import unicodedata
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -184,9 +185,10 @@ def apply_to_mjcf(export: SimulatorExport, text: str | None, joint: str) -> str:
         joint: Name of the joint.
 
     Raises:
-        ExportError: The file is not MJCF, has no such joint, or the joint is no hinge of a rotary model or slide of a
-            linear one.
+        ExportError: XML does not hold the joint's name, the file is not MJCF or has no such joint, or the joint is no
+            hinge of a rotary model or slide of a linear one.
     """
+    _require_writable(joint)
     kind = "hinge" if _is_rotary(export) else "slide"
     body = f'<body><joint name={_quote(joint)} type="{kind}"/></body>'
     root = _parse(text or f"<mujoco><worldbody>{body}</worldbody></mujoco>", "mujoco")
@@ -241,9 +243,10 @@ def apply_to_urdf(export: SimulatorExport, text: str | None, joint: str) -> str:
     """URDF with the friction of `joint` in it; see `apply_to_mjcf`.
 
     Raises:
-        ExportError: The file is not URDF, has no such joint, or the joint turns where the model is linear or slides
-            where it is rotary.
+        ExportError: XML does not hold the joint's name, the file is not URDF or has no such joint, or the joint turns
+            where the model is linear or slides where it is rotary.
     """
+    _require_writable(joint)
     kinds = ("revolute", "continuous") if _is_rotary(export) else ("prismatic",)
     root = _parse(text or f'<robot><joint name={_quote(joint)} type="{kinds[0]}"/></robot>', "robot")
     element = _find(root.findall("joint"), joint)
@@ -277,6 +280,16 @@ def _find(joints: Iterable[ET.Element], name: str) -> ET.Element:
         known = ", ".join(sorted(filter(None, names))) or "none"
         raise ExportError(f"the file to write into has no joint {name!r}; it has {known}")
     return names[name]
+
+
+def _require_writable(joint: str) -> None:
+    """XML holds no control characters but in a few places, and turns line ends in a name into blanks."""
+    odd = next((sign for sign in joint if unicodedata.category(sign) in ("Cc", "Cs", "Cn")), None)
+    if odd is not None:
+        raise ExportError(
+            f"the joint of the model is called {joint!r}, and no XML file holds {odd!r}: give the model a plain name "
+            "(`joint` in its file)"
+        )
 
 
 def _quote(text: str) -> str:

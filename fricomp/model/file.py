@@ -72,9 +72,12 @@ def save_model(model: FrictionModel, path: str | os.PathLike[str]) -> str:
         SHA-256 of the file's bytes, in hexadecimal.
 
     Raises:
-        ModelFileError: The file cannot be written.
+        ModelFileError: The file cannot be written, or a text of the model is none in UTF-8.
     """
-    data = encode_model(model)
+    try:
+        data = encode_model(model)
+    except UnicodeEncodeError as error:
+        raise ModelFileError(f"cannot write {path}: {error.object!r} of the model is no text in UTF-8") from error
     write_whole(Path(path), data, ModelFileError)
     return hashlib.sha256(data).hexdigest()
 

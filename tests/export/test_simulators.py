@@ -284,3 +284,13 @@ def test_a_lag_is_lost_and_said() -> None:
 def test_foreign_files_are_refused(text: str, match: str) -> None:
     with pytest.raises(ExportError, match=match):
         apply_to_mjcf(export_mjcf(make_model()), text, "knee")
+
+
+@pytest.mark.parametrize("name", ["el\x1bbow", "el\x00bow", "el\nbow", "el\ufffebow", "el\ud800bow"])
+def test_a_joint_whose_name_no_xml_holds_is_refused_by_name(name: str) -> None:
+    for refuse in (apply_to_mjcf, apply_to_urdf):
+        export = export_mjcf(make_model()) if refuse is apply_to_mjcf else export_urdf(make_model())
+        with pytest.raises(
+            ExportError, match=r"is called 'el\\.*bow', and no XML file holds '\\.*': give the model a plain name"
+        ):
+            refuse(export, None, name)

@@ -133,3 +133,10 @@ def test_a_model_without_a_stribeck_curve_says_what_it_has() -> None:
 def test_an_impossible_covariance_is_refused(matrix: np.ndarray) -> None:
     with pytest.raises(ParameterError, match="covariance"):
         Covariance(("coulomb.coulomb_torque",), matrix)
+
+
+def test_a_name_that_is_no_text_is_an_error_of_the_librarys_own(tmp_path: Path) -> None:
+    model = FrictionModel(FrictionLaw((Coulomb(0.1),)), joint="el\ud800bow")
+    with pytest.raises(ModelFileError, match=r"'el\\ud800bow' of the model is no text in UTF-8"):
+        save_model(model, tmp_path / "friction.json")
+    assert list(tmp_path.iterdir()) == []
