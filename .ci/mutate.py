@@ -80,12 +80,22 @@ class Equivalent(NamedTuple):
 
 
 _BELOW_FLOAT32 = "the bound is no float that anybody sends; whether it passes itself makes no difference"
+_SEEN_AGAIN = "a state that seems not to be well at first sight is looked at again limit by limit, with the same result"
 _FAST_PATH = "a shape that is not known at once is read register by register, with the same result"
 
 EQUIVALENT: dict[str, tuple[Equivalent, ...]] = {
     "dynamixel": (Equivalent("self._fields = [0] *", ("0 to",), "every field is written before it is packed"),),
     "gate": (
         Equivalent("self._open_ns = self._due_ns =", ("0 to",), "`arm` sets all of them before they are used"),
+        Equivalent("if not (-limit <= velocity[j]", ("LtE", "USub"), _SEEN_AGAIN),
+        Equivalent("if not temperature[j] <= hottest", ("LtE",), _SEEN_AGAIN),
+        Equivalent(
+            "                return False",
+            ("returns None",),
+            "both are false, and nobody but `observe` and `admit` looks",
+        ),
+        Equivalent("return not any(feedback.fault)", ("returns None",), _SEEN_AGAIN),
+        Equivalent("rows = zip(feedback.position", ("True",), "another number of joints was refused before"),
         Equivalent("now_ns < self._open_ns or now_ns <", ("Lt to",), "at that very moment nothing is left to bound"),
         Equivalent("if not (abs(torque) <= limits[j]", ("LtE to",), "what is at its bound is bounded to itself"),
         Equivalent("steps = self._steps if elapsed >=", ("GtE to",), "a whole period gives the whole step either way"),

@@ -294,6 +294,49 @@ def test_what_stands_exactly_at_a_limit_is_within_it() -> None:
     assert gate.admit([0.0, 0.0], out, 22 * MS), "data that are as old as they may be"
 
 
+@pytest.mark.parametrize(
+    ("reason", "name", "values"),
+    [
+        ("overspeed", "velocity", [5.1, 1.1]),
+        ("position_limit", "position", [-3.1, 0.0]),
+        ("overtemperature", "temperature", [80.1, 80.1]),
+        ("drive_fault", "fault", [7, 7]),
+        ("not_finite", "position", [math.nan, math.nan]),
+    ],
+)
+def test_joints_that_are_all_outside_their_limits_trip_as_one_does(reason: str, name: str, values: list[float]) -> None:
+    one, both, alone = make_gate(), make_gate(), SafetyGate(LIMITS[:1], period=1e-3)
+    for gate, n in ((both, 2), (alone, 1), (one, 1)):
+        feedback = JointFeedback(len(gate.limits))
+        feedback.time_ns, feedback.position[:], feedback.velocity[:] = (
+            2 * MS,
+            [0.0] * len(gate.limits),
+            [0.0] * len(gate.limits),
+        )
+        feedback.temperature[:] = [20.0] * len(gate.limits)
+        assert gate.observe(feedback, 2 * MS)
+        getattr(feedback, name)[:n] = values[:n]
+        assert not gate.observe(feedback, 2 * MS)
+        assert gate.trip_record is not None
+        assert gate.trip_record.reason == reason
+
+
+@pytest.mark.parametrize("name", ["velocity", "position"])
+def test_the_joint_that_is_outside_is_named_and_not_one_at_its_limit(name: str) -> None:
+    gate, feedback = SafetyGate([LIMITS[0], LIMITS[0]], period=1e-3), well(2 * MS)
+    feedback.position[:], feedback.velocity[:] = [3.0, 0.0], [-5.0, 0.0]
+    getattr(feedback, name)[1] = 6.0
+    assert not gate.observe(feedback, 2 * MS)
+    assert gate.trip_record is not None
+    assert "joint 1 " in gate.trip_record.detail
+
+
+def test_torques_of_another_number_of_joints_are_refused_where_they_are_watched() -> None:
+    gate, feedback = SafetyGate(LIMITS, period=1e-3, watch_torque=True), well(2 * MS)
+    feedback.torque = [0.0]
+    assert not gate.observe(feedback, 2 * MS)
+
+
 @pytest.mark.parametrize("name", ["position", "velocity", "temperature"])
 def test_a_state_of_another_number_of_joints_is_refused(name: str) -> None:
     gate, feedback = make_gate(), well(2 * MS)
