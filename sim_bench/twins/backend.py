@@ -7,11 +7,11 @@ equal runs are equal to the last bit.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Self, TypeVar
+from typing import Any, ClassVar, Self
 
 from fricomp.adapters import JointAdapter
 from fricomp.adapters.canopen import CanOpenAdapter
@@ -42,97 +42,82 @@ __all__ = [
     "TwinOdriveAdapter",
 ]
 
-_Adapter = TypeVar("_Adapter", bound=JointAdapter)
-
 # Reports every millisecond: what a user would set on the drive before calibrating it.
 ODRIVE_REPORTS = {"encoder_period": 1e-3, "torques_period": 1e-3}
 
 
-class TwinCanOpenAdapter(CanOpenAdapter):
+class _OnTwin(JointAdapter):
+    """An adapter whose drives are a twin in the same process.
+
+    Attributes:
+        protocol: Of the twin.
+        table: What a configuration of the adapter is converted to.
+        twin: The twin.
+    """
+
+    protocol: ClassVar[str]
+    table: ClassVar[type]
+    twin: DriveTwin
+
+    @classmethod
+    def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
+        """Make twin and adapter; `TwinTable` lists the keys, without `link`."""
+        line = MemoryCanLine() if cls.protocol in CAN_PROTOCOLS else MemorySerialLine()
+        twin, table = _make_twin(cls.protocol, configuration, line)
+        adapter = cls._make(table, lambda: line.link, TwinClock(twin))
+        adapter.twin = twin
+        return adapter
+
+    @classmethod
+    def _make(cls, table: dict[str, Any], link: Callable[[], Any], clock: TwinClock) -> Self:
+        make: Any = cls
+        made: Self = make(convert(table, cls.table), link, clock)
+        return made
+
+    def _open(self) -> Capabilities:
+        adapter: Any = super()
+        found: Capabilities = adapter._open()
+        return replace(found, simulated=True)
+
+
+class TwinCanOpenAdapter(_OnTwin, CanOpenAdapter):
     """CiA 402 on its twin."""
 
-    twin: DriveTwin
-
-    @classmethod
-    def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
-        """Make twin and adapter; `TwinTable` lists the keys, without `link`."""
-        line = MemoryCanLine()
-        twin, table = _twin("canopen", configuration, line)
-        return _joined(cls(convert(table, CanOpenConfiguration), lambda: line.link, TwinClock(twin)), twin)
-
-    def _open(self) -> Capabilities:
-        return replace(super()._open(), simulated=True)
+    protocol, table = "canopen", CanOpenConfiguration
 
 
-class TwinMitAdapter(MitAdapter):
+class TwinMitAdapter(_OnTwin, MitAdapter):
     """An MIT motor's twin."""
 
-    twin: DriveTwin
-
-    @classmethod
-    def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
-        """Make twin and adapter; `TwinTable` lists the keys, without `link`."""
-        line = MemoryCanLine()
-        twin, table = _twin("mit", configuration, line)
-        return _joined(cls(convert(table, MitConfiguration), lambda: line.link, TwinClock(twin)), twin)
-
-    def _open(self) -> Capabilities:
-        return replace(super()._open(), simulated=True)
+    protocol, table = "mit", MitConfiguration
 
 
-class TwinOdriveAdapter(OdriveAdapter):
+class TwinOdriveAdapter(_OnTwin, OdriveAdapter):
     """An ODrive's twin."""
 
-    twin: DriveTwin
+    protocol, table = "odrive", OdriveConfiguration
 
     @classmethod
-    def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
-        """Make twin and adapter; `TwinTable` lists the keys, without `link`."""
-        line = MemoryCanLine()
-        twin, table = _twin("odrive", configuration, line)
+    def _make(cls, table: dict[str, Any], link: Callable[[], Any], clock: TwinClock) -> Self:
         with TemporaryDirectory() as folder:
             path = Path(folder) / "flat_endpoints.json"
             path.write_text(json.dumps(flat_endpoints()), "utf-8")
-            made = convert(table | {"endpoints": str(path)}, OdriveConfiguration)
-            return _joined(cls(made, lambda: line.link, TwinClock(twin)), twin)
-
-    def _open(self) -> Capabilities:
-        return replace(super()._open(), simulated=True)
+            return super()._make(table | {"endpoints": str(path)}, link, clock)
 
 
-class TwinMoteusAdapter(MoteusAdapter):
+class TwinMoteusAdapter(_OnTwin, MoteusAdapter):
     """A moteus' twin."""
 
-    twin: DriveTwin
-
-    @classmethod
-    def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
-        """Make twin and adapter; `TwinTable` lists the keys, without `link`."""
-        line = MemorySerialLine()
-        twin, table = _twin("moteus", configuration, line)
-        return _joined(cls(convert(table, MoteusConfiguration), lambda: line.link, TwinClock(twin)), twin)
-
-    def _open(self) -> Capabilities:
-        return replace(super()._open(), simulated=True)
+    protocol, table = "moteus", MoteusConfiguration
 
 
-class TwinDynamixelAdapter(DynamixelAdapter):
+class TwinDynamixelAdapter(_OnTwin, DynamixelAdapter):
     """A Dynamixel's twin."""
 
-    twin: DriveTwin
-
-    @classmethod
-    def from_configuration(cls, configuration: Mapping[str, Any]) -> Self:
-        """Make twin and adapter; `TwinTable` lists the keys, without `link`."""
-        line = MemorySerialLine()
-        twin, table = _twin("dynamixel", configuration, line)
-        return _joined(cls(convert(table, DynamixelConfiguration), lambda: line.link, TwinClock(twin)), twin)
-
-    def _open(self) -> Capabilities:
-        return replace(super()._open(), simulated=True)
+    protocol, table = "dynamixel", DynamixelConfiguration
 
 
-def _twin(
+def _make_twin(
     protocol: str, configuration: Mapping[str, Any], line: MemoryCanLine | MemorySerialLine
 ) -> tuple[DriveTwin, dict[str, Any]]:
     """A twin on the line, and the configuration of its adapter."""
@@ -144,8 +129,3 @@ def _twin(
     line.on_sent = twin.pump
     way = {"bus": {"interface": "virtual"}} if protocol in CAN_PROTOCOLS else {"serial": {"port": "loop://"}}
     return twin, way | adapter_table(protocol, twin, in_amperes=bool(wanted.get("in_amperes", False)))
-
-
-def _joined(adapter: _Adapter, twin: DriveTwin) -> _Adapter:
-    adapter.twin = twin  # type: ignore[attr-defined]
-    return adapter

@@ -111,12 +111,11 @@ def make_odrive(n_joints: int) -> AdapterBench:
     from fricomp.adapters.odrive import OdriveAdapter
     from fricomp.adapters.odrive.configuration import OdriveConfiguration
 
-    from ...twins.odrive import ENDPOINTS, ODriveNode, ODriveSettings
+    from ...twins.odrive import ODriveNode, ODriveSettings, flat_endpoints
 
-    endpoints = {name: {"id": number, "type": kind} for number, (name, kind) in ENDPOINTS.items()}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "flat_endpoints.json"
-        path.write_text(json.dumps({"fw_version": "0.6.9", "endpoints": endpoints}))
+        path.write_text(json.dumps(flat_endpoints()))
         table = {"bus": {"interface": "virtual"}, "endpoints": str(path)} | _common(n_joints)
         made = convert(table, OdriveConfiguration)
         return _can_bench(
