@@ -104,6 +104,10 @@ ARM = Results(
     "an arm", ("arm.json", "arm.xml", "report.html", "errors.png", "residuals.png", "joints"),
     "arm.json", "fricomp.arm/",
 )  # fmt: skip
+EXCITATION = Results(
+    "a recorded motion of an arm", ("excitation.json", "excitation.png", "recordings"),
+    "excitation.json", "fricomp.excitation/",
+)  # fmt: skip
 CASE = Results("a case", ("recording.parquet", "joint.xml", "loop.toml", "friction.json"))
 FLEET = Results("a fleet of joints", ("fleet.json", "fleet.parquet", "fleet.html", "rows"), "fleet.json")
 FIGURES = Results("figures of a benchmark", ("figures.json", "report.html", "*.png", "close_loop"))
@@ -111,7 +115,7 @@ TORQUE_CONSTANT = Results(
     "a torque constant", ("torque_constant.json", "bare-*.csv", "loaded-*.csv", "bare.xml", "loaded.xml"),
     "torque_constant.json",
 )  # fmt: skip
-_RECORDED = (ARM, CALIBRATION, DIAGNOSIS, FLEET, TORQUE_CONSTANT)
+_RECORDED = (ARM, CALIBRATION, DIAGNOSIS, EXCITATION, FLEET, TORQUE_CONSTANT)
 
 
 def require_folder(folder: Path) -> None:

@@ -35,6 +35,8 @@ fricomp calibrate --settings sweep.toml --repeats 3 --out runs/elbow
 
 fricomp calibrate --resume --out runs/elbow
 
+fricomp calibrate --backend sim --model six_joint_arm --excite --dry-run
+
 fricomp calibrate --torque-constant --weight 0.5 --lever 0.25 --backend dynamixel --config joint.toml
 """
 
@@ -135,6 +137,17 @@ def calibrate(
             help="Record this motion (CSV: time, velocity\\[, position]) instead, in SI units.",
         ),
     ] = None,
+    excite: Annotated[
+        bool,
+        typer.Option(
+            "--excite",
+            rich_help_panel="Instead of a sweep",
+            help="Move all joints of an arm (--model) at once, on a motion chosen for what it tells.",
+        ),
+    ] = False,
+    duration: Annotated[
+        float, typer.Option(rich_help_panel="Instead of a sweep", help="Of the motion of --excite \\[s].")
+    ] = 60.0,
     torque_constant: Annotated[
         bool,
         typer.Option(
@@ -199,7 +212,7 @@ def calibrate(
         typer.echo(f"Written: {write}. Edit it, and give it as --settings {write}")
         return
     _refuse_contradictions(given)
-    if not (dry_run or torque_constant or motion):
+    if not (dry_run or torque_constant or motion or excite):
         require(*REPORT, "onnx")
     swept = SweepSettings(
         speeds=speeds, repeats=repeats, dwell=dwell, warm_up=warm_up, positions=positions,
@@ -213,6 +226,11 @@ def calibrate(
     mechanism = "" if gravity_unknown else file
     wanted = "" if motion is None else str(motion)
     request = CalibrationRequest(*chosen, joint, mechanism, swept, options, wanted)
+    if excite:
+        from fricomp.cli.calibration.excite import excite_arm
+
+        excite_arm(request, duration, seed, out, dry_run=dry_run, overwrite=overwrite)
+        return
     if resume:
         resume_run(out, request, {name for name in given if name not in ("resume", "out")})
         return
@@ -266,5 +284,12 @@ def _refuse_contradictions(given: dict[str, Any]) -> None:
     weights = [name for name in ("weight", "lever") if given.get(name)]
     if given.get("torque_constant") and "motion" in given:
         raise ParameterError("--torque-constant has a motion of its own: leave out --motion")
+    others = [name for name in ("motion", "torque_constant", "resume", "joint", "adaptive") if given.get(name)]
+    if given.get("excite") and others:
+        raise ParameterError(
+            f"{flags(others)} has no use with --excite, which records all joints on a motion of its own"
+        )
+    if "duration" in given and not given.get("excite"):
+        raise ParameterError("--duration belongs to --excite: give that too, or leave it out")
     if weights and not given.get("torque_constant"):
         raise ParameterError(f"{flags(weights)} belongs to --torque-constant: give that too, or leave it out")
