@@ -5,16 +5,18 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fricomp.laws import FloatArray
 from fricomp.model import Covariance
+from fricomp.model.plausibility import find_impossible
 
 from .estimation.information import with_least_variance
 from .inference.verdict import find_vague, vague_message
 from .result import IdentificationResult
 from .status import Status
 
-__all__ = ["doubted", "with_covariance", "with_open_profiles"]
+__all__ = ["doubted", "refuse_impossible", "with_covariance", "with_open_profiles"]
 
 
 def with_covariance(result: IdentificationResult, covariance: FloatArray) -> IdentificationResult:
@@ -56,6 +58,14 @@ def with_open_profiles(result: IdentificationResult) -> IdentificationResult:
         f"intervals open; add speeds below {float(result.observations.speed.min()):.3g}, or take a law without them"
     )
     return doubted(result, Status.NOT_IDENTIFIABLE, message)
+
+
+def refuse_impossible(
+    result: IdentificationResult, velocity: ArrayLike, inertia: tuple[float, float] | None = None
+) -> IdentificationResult:
+    """`result`, not identifiable where no joint can be like it; see `find_impossible` for the arguments."""
+    reason = find_impossible(result.model, velocity, inertia)
+    return result if reason is None else doubted(result, Status.NOT_IDENTIFIABLE, reason)
 
 
 def doubted(result: IdentificationResult, status: Status, message: str) -> IdentificationResult:

@@ -13,6 +13,7 @@ from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray, LoadScaling
 from fricomp.model import Covariance, FrictionModel, Provenance, Validity
 
+from .doubt import refuse_impossible
 from .estimation.form import SeparableLaw, separable_law
 from .estimation.gathering import gather_points
 from .estimation.likelihood import Noise, parse_noise
@@ -86,7 +87,7 @@ def identify(
     largest = float(np.max(found.magnitude))
     provenance = compute_provenance(points, estimate, verdict, largest, method=method, seed=seed)
     freedom = max((options.measurements or points.size) - len(form.names), 1)
-    return IdentificationResult(
+    result = IdentificationResult(
         model=_model(form, found, Covariance(form.names, covariance, freedom), points, options, provenance),
         status=verdict.status,
         message=verdict.message,
@@ -105,6 +106,7 @@ def identify(
         optimum=found,
         seed=seed,
     )
+    return refuse_impossible(result, points.speed)
 
 
 def refuse_dynamic(law: str) -> None:

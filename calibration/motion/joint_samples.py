@@ -246,7 +246,7 @@ def choose_settings(recording: Recording, *, gravity: bool = False) -> Regressio
     best, least = replace(_DEFAULTS, gravity=gravity), np.inf
     for factor in _LOWER:
         settings = _lower(factor, gravity)
-        if not _has_room(recording, settings):
+        if min(_durations(recording, settings)) < _PERIODS / settings.torque_cutoff:
             break
         power = float(np.var(sample_joint(recording, settings).acceleration))
         share = (2.0 * np.pi) ** 4 * density * settings.torque_cutoff**5 / (5.0 * max(power, 1e-300))
@@ -266,10 +266,9 @@ def _lower(factor: float, gravity: bool) -> RegressionSettings:
     )
 
 
-def _has_room(recording: Recording, settings: RegressionSettings) -> bool:
-    """Whether each part between gaps is long enough for this low-pass."""
-    parts = split_for(recording, settings).parts
-    return bool(min(part.time[-1] - part.time[0] for part in parts) >= _PERIODS / settings.torque_cutoff)
+def _durations(recording: Recording, settings: RegressionSettings) -> list[float]:
+    """Of the parts between gaps [s]."""
+    return [part.duration for part in split_for(recording, settings).parts] or [0.0]
 
 
 def _lower_until_it_slides(recording: Recording, settings: RegressionSettings) -> RegressionSettings:
@@ -283,7 +282,7 @@ def _lower_until_it_slides(recording: Recording, settings: RegressionSettings) -
     factor = settings.torque_cutoff / _DEFAULTS.torque_cutoff
     for step in range(1, _LOWEST_STEPS):
         lower = _lower(factor * 2.0 ** (-0.5 * step), settings.gravity)
-        if not _has_room(recording, lower):
+        if max(_durations(recording, lower)) < _PERIODS / lower.torque_cutoff:
             break
         if _count_sliding(recording, lower) >= FEWEST_SLIDING:
             return lower

@@ -10,7 +10,9 @@ from typing import NamedTuple
 import msgspec
 import numpy as np
 
+from fricomp.errors import RecordingError
 from fricomp.recording import Finding, Recording, check_recording, raise_errors, read_blocks
+from fricomp.recording.checks.motion_kind import SHOWS_NO_SLIDING
 from fricomp.recording.checks.timing_checks import locate_gaps
 from fricomp.recording.checks.torque_causes import find_delay
 from fricomp.recording.csv_file import FileContent
@@ -82,6 +84,9 @@ def read_motion_recording(source: Recording | str | os.PathLike[str]) -> MotionR
     chosen = usable.kept
     findings = content.findings + tuple(one for one in check_recording(chosen) if one.code != "gap")
     raise_errors(findings, str(file))
+    idle = [one for one in findings if one.code in SHOWS_NO_SLIDING]
+    if idle:
+        raise RecordingError(f"{file}: {idle[0]}")
     chosen, late = _without_delay(chosen, findings)
     on_joint = chosen.on_joint_side()
     return MotionRecording(on_joint, findings, (*notes, *usable.sentences, *late, *_side_notes(chosen, on_joint)))

@@ -17,12 +17,12 @@ from fricomp.errors import IdentificationError
 from fricomp.laws import FloatArray
 
 from ..identification import IdentificationOptions, IdentificationResult, identify
-from ..identification.doubt import with_covariance, with_open_profiles
+from ..identification.doubt import refuse_impossible, with_covariance, with_open_profiles
 from ..identification.estimation.correlated_fit import CorrelatedFit, solve_correlated
 from ..identification.estimation.form import separable_law
 from .joint_samples import FEWEST_SLIDING, JointSamples, RegressionSettings
 from .torque_lag import TorqueLag, estimate_lag
-from .verdict import refuse_impossible, weigh_rivals, with_lag_note, with_offset_note
+from .verdict import weigh_rivals, with_lag_note, with_offset_note
 
 __all__ = ["MotionIdentification", "RigidBodyFit", "fit_rigid_body", "identify_motion"]
 
@@ -157,7 +157,7 @@ def identify_motion(
     ratio = np.diag(together.covariance)[n_body:] / np.maximum(np.diag(alone.covariance)[n_body:], 1e-300)
     result = with_open_profiles(weigh_rivals(result, fit.found, max(1.0, float(np.max(ratio)))))
     result = with_lag_note(result, fit.lag)
-    result = refuse_impossible(result, (fit.rigid.inertia, fit.rigid.standard_deviations[0]), velocity)
+    result = refuse_impossible(result, velocity, (fit.rigid.inertia, fit.rigid.standard_deviations[0]))
     if fit.shares_offset:
         result = with_offset_note(result, fit.symmetric_offset)
     return MotionIdentification(fit.rigid, result, np.stack([velocity, friction], axis=1), fit.lag, presliding)

@@ -4,51 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
-from fricomp.laws import FloatArray
-
 from ..identification import IdentificationResult, Status
 from ..identification.doubt import doubted
 from ..identification.inference.verdict import RIVAL, nearest_rival
 from .torque_lag import TorqueLag
 
-__all__ = ["refuse_impossible", "weigh_rivals", "with_lag_note", "with_offset_note"]
-
-
-_SURE = 2.0
-"""Standard deviations below zero from which on a value is negative."""
-_FED = 0.05
-"""Part of the speeds at which friction may come out as driving; next to rest an offset does that."""
-_SPEEDS = 50
-"""Speeds at which the friction is looked at."""
-
-
-def refuse_impossible(
-    result: IdentificationResult, inertia: tuple[float, float], velocity: FloatArray
-) -> IdentificationResult:
-    """`result`, not identifiable where no joint can be like it: negative inertia, or friction that drives the joint.
-
-    Args:
-        result: The friction identified.
-        inertia: Value and standard deviation [kg·m²] or [kg].
-        velocity: Of the samples that slide [rad/s] or [m/s]. Shape (n,).
-    """
-    value, deviation = inertia
-    if value < -_SURE * deviation:
-        said = f"the inertia comes out negative ({value:.3g} ± {deviation:.2g}), which no joint has"
-        advice = "check the sign, the unit and the time of the torque, and whether something else moves the joint"
-        return doubted(result, Status.NOT_IDENTIFIABLE, f"{said}: {advice}")
-    sliding = np.abs(velocity[velocity != 0.0])
-    if not sliding.size:
-        return result
-    speeds = np.quantile(sliding, np.linspace(0.02, 1.0, _SPEEDS))
-    both = np.concatenate([-speeds, speeds])
-    power = np.asarray(result.model.torque(both), dtype=np.float64) * both
-    if np.mean(power < 0.0) > _FED:
-        said = "the friction would drive the joint at some of the speeds that were measured, which none does"
-        return doubted(result, Status.NOT_IDENTIFIABLE, f"{said}: check the sign and the offset of the torque")
-    return result
+__all__ = ["weigh_rivals", "with_lag_note", "with_offset_note"]
 
 
 def weigh_rivals(result: IdentificationResult, found: IdentificationResult, samples: float) -> IdentificationResult:

@@ -11,7 +11,7 @@ from fricomp.cli.out_folder import Overwrite
 from fricomp.errors import RecordingError
 
 if TYPE_CHECKING:
-    from fricomp.recording import Finding, Mapping, NamedRecording
+    from fricomp.recording import Finding, Mapping, NamedRecording, Recording
     from fricomp.recording.mapping import FileRule, JointRule
 
 __all__ = ["app", "convert"]
@@ -60,7 +60,7 @@ def convert(
     overwrite: Overwrite = False,
 ) -> None:
     """Bring recordings of other formats into the native one, and check them."""
-    from fricomp.recording import check_recording, raise_errors, write_recording
+    from fricomp.recording import raise_errors, write_recording
 
     if inspect:
         _inspect(source, out, overwrite=overwrite)
@@ -76,7 +76,7 @@ def convert(
     found = [part for named in found for part in _split(named)] if split else [_with_note(named) for named in found]
     targets = {named.name: _target(out, named.name, alone=len(found) == 1) for named in found}
     _refuse_overwriting([targets[named.name] for named in found], source, mapping, overwrite=overwrite)
-    findings = {named.name: _add(named.findings, check_recording(named.recording)) for named in found}
+    findings = {named.name: _add(named.findings, _check(named.recording)) for named in found}
     if not force:
         for name, noticed in findings.items():
             raise_errors(noticed, f"{source}, {name}")
@@ -100,6 +100,25 @@ def _split(named: NamedRecording) -> list[NamedRecording]:
     ]
     told = tuple(Finding("parts", "note", sentence.rstrip("."), "nothing to do") for sentence in usable.sentences)
     return [replace(parts[0], findings=named.findings + told), *parts[1:]]
+
+
+def _check(recording: Recording) -> tuple[Finding, ...]:
+    """What the checks find; errors that identify and diagnose mend by themselves are warnings."""
+    from dataclasses import replace
+
+    from fricomp.recording import check_recording
+    from fricomp.recording.parts.parts import find_usable_parts
+
+    findings = check_recording(recording)
+    if not any(one.severity == "error" for one in findings):
+        return findings
+    left = {one.code for one in check_recording(find_usable_parts(recording).kept) if one.severity == "error"}
+    return tuple(
+        replace(one, severity="warning", advice=f"{one.advice}; identify and diagnose do so by themselves")
+        if one.severity == "error" and one.code not in left
+        else one
+        for one in findings
+    )
 
 
 def _with_note(named: NamedRecording) -> NamedRecording:

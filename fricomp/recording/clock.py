@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from fricomp.recording.checks.timing_checks import GAP_PERIODS
+from fricomp.recording.checks.timing_checks import GAP_PERIODS, find_gap_length
 from fricomp.recording.recording import Recording
 
 __all__ = ["Clock", "mend_clock"]
@@ -74,7 +74,7 @@ def mend_clock(recording: Recording) -> tuple[Recording, Clock]:
     """
     time = np.asarray(recording.time)
     period = _period(np.diff(time), _find_tick(time))
-    cuts = np.flatnonzero(np.diff(time) > GAP_PERIODS * period) + 1
+    cuts = np.flatnonzero(np.diff(time) > max(find_gap_length(recording), GAP_PERIODS * period)) + 1
     spans = list(pairwise([0, *cuts.tolist(), time.size]))
     grids = [_lay_grid(time[a:b], period) for a, b in spans]
     off = np.concatenate([time[a:b] - grid for (a, b), grid in zip(spans, grids, strict=True)])

@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from fricomp.api.identify import identify
 from fricomp.errors import RecordingError
 from fricomp.recording import (
     NamedRecording,
@@ -15,10 +16,37 @@ from fricomp.recording import (
     read_public,
     read_public_named,
 )
+from fricomp.recording.checks.motion_kind import fit_clamp
+from fricomp.recording.checks.torque_causes import fit_two_torques
+from fricomp.recording.parts.parts import find_usable_parts
 
 _TURN = 2 * np.pi
 
 SAMPLES = {
+    "am-d02-arm": {"joint_1": 3146},
+    "cycloid-anti-backlash": {
+        "split_init": 6062,
+        "split_runin": 6756,
+        "split_preload1": 6565,
+        "split_preload2": 6328,
+        "split_preload3": 6443,
+        "baseline_reamed": 6577,
+    },
+    "damiao-joints": {"motor_1": 4153, "motor_3": 3424, "motor_5": 2475},
+    "kinova-gen3-short": {**{f"together/joint_{k}": 1942 for k in range(1, 8)}, "alone": 6127},
+    "maxon-drive-lag": {"pulses": 9750, "random": 10910},
+    "moteus-dynamometer": {"stall": 3867, "idle": 4160, "cogging_1": 10050, "cogging_2": 10050},
+    "pendulum-gravity-hand": {"hand": 30000, "swing_up": 3000},
+    "pneumatic-cylinder": {
+        "napn_1bar": 7032,
+        "napn_3bar": 8021,
+        "napn_5bar": 10189,
+        "napn_7bar": 8488,
+        "o_ring257_1bar": 5828,
+        "o_ring257_3bar": 6340,
+        "o_ring257_5bar": 7090,
+        "o_ring257_7bar": 8557,
+    },
     "anymal-sea": {"walk": 2273},
     "bam-xl330": {
         "kp100_sin_sin": 1124,
@@ -276,7 +304,7 @@ def test_parts_of_a_set_are_found_by_name_and_unknown_ones_refused() -> None:
     assert len(read_public("ur10e/fourier_load")) == 6
     with pytest.raises(RecordingError, match="no recording 'fast': valid are joint_1, joint_2, fourier"):
         read_public("ur10e/fast")
-    with pytest.raises(RecordingError, match="unknown data set 'ur5': valid are anymal-sea"):
+    with pytest.raises(RecordingError, match="unknown data set 'ur5': valid are am-d02-arm, anymal-sea"):
         read_public("ur5/joint_1")
 
 
@@ -285,3 +313,32 @@ def test_absent_data_are_one_clear_error(monkeypatch: pytest.MonkeyPatch, tmp_pa
     assert find_public_data("emps") is None
     with pytest.raises(RecordingError, match="set FRICOMP_DATA to the folder that holds them"):
         read_public("emps/train")
+
+
+def test_the_preload_of_a_cycloid_closes_its_gap_and_holds_it_back() -> None:
+    clamps = [fit_clamp(_read(f"cycloid-anti-backlash/split_{name}")) for name in ("init", "preload2", "preload3")]
+    gaps, friction = [clamp.gap for clamp in clamps], [clamp.friction for clamp in clamps]
+    assert gaps == sorted(gaps, reverse=True)
+    assert friction == sorted(friction)
+    assert all(clamp.residual < 0.4 * clamp.linear_residual for clamp in clamps)
+
+
+def test_a_dynamometer_shows_gain_and_saturation_of_its_motor() -> None:
+    fit = fit_two_torques(_read("moteus-dynamometer/stall"))
+    assert fit is not None
+    assert fit.gain == pytest.approx(0.91, abs=0.03)
+    assert fit.loss == pytest.approx(0.17, abs=0.06)
+
+
+@pytest.mark.parametrize(("motor", "coulomb"), [(1, 0.535), (5, 0.096)])
+def test_free_motors_at_48_hz_give_their_friction(motor: int, coulomb: float) -> None:
+    found = identify(_read(f"damiao-joints/motor_{motor}"), law="coulomb_viscous")
+    assert found.is_usable
+    assert found.parameters["coulomb.coulomb_torque"] == pytest.approx(coulomb, rel=0.05)
+
+
+def test_a_motor_that_another_one_drives_is_left_out_while_it_gives_no_torque() -> None:
+    for name in ("cogging_1", "cogging_2"):
+        usable = find_usable_parts(_read(f"moteus-dynamometer/{name}"))
+        assert 60.0 < sum(part.duration for part in usable.parts) < 85.0
+        assert any("no torque" in one.reason for one in usable.left_out)

@@ -10,6 +10,7 @@ BENCHMARKS = {
     "stand-in": "How truly the simulated joint sticks and slides, and how fast.",
     "calibrate": "Ten seeds of the whole calibration on the default stand-in joint.",
     "motion": "Whether intervals from recorded motions hold the truth.",
+    "logs": "What comes of logs with flaws, one or two at a time.",
     "paper": "The paper's tables, with the methods beside it, over many seeds.",
     "latency": "Cost of the compensator and lateness of the loop.",
     "tracking": "Tracking with and without compensation.",

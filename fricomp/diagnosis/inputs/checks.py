@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fricomp.recording import Finding, Recording, check_recording, resample
+from fricomp.recording.checks.motion_kind import SHOWS_NO_SLIDING
+from fricomp.recording.checks.timing_checks import find_gap_length
 from fricomp.recording.parts.parts import find_usable_parts
 
 from .track import FloatArray
@@ -26,12 +28,11 @@ __all__ = [
 PART_OF = "part_of"
 """Key of a part's metadata for the number of the recording that it is of, counted from 0."""
 
-_FATAL_WARNINGS = frozenset({"no_sliding", "one_way", "held_output", "hand_motion"})
+_FATAL_WARNINGS = SHOWS_NO_SLIDING | {"one_way"}
 _LEAST = 2.0  # [s] of a part; shorter ones hold no stretch that can be held out
 _MOST_PARTS = 12  # of one recording: the longest; the kernel runs sixteen joints a call
 _OTHER_JOINT = 15.0  # times a simulation's inertia that no payload explains; the base goes up to 20
 _ONE_RATE = 1.5  # quotient of two sample rates up to which they share one grid
-_GAP_PERIODS = 5.0  # as in the check of the recording
 _LONGEST_BRIDGE = 0.03  # [s] shorter than a row of the residual
 _MOST_BRIDGED = 0.01  # of the time
 
@@ -188,6 +189,8 @@ def remarks_on(recordings: Sequence[Recording]) -> list[str]:
                 remarks.append(
                     f"{prefix}The velocity column is {factor:.2f} times the derivative of position; it was not used."
                 )
+            elif finding.code in ("one_way_turns", "torque_gain"):
+                remarks.append(f"{prefix}{finding.message[0].upper()}{finding.message[1:]}.")
             elif finding.code == "velocity_mismatch":
                 remarks.append(f"{prefix}The velocity column was not used: {finding.message}.")
     return remarks
@@ -196,7 +199,7 @@ def remarks_on(recordings: Sequence[Recording]) -> list[str]:
 def _bridged(recording: Recording) -> FloatArray | None:
     """Lengths of the gaps in time where all are short enough to be bridged [s]; None where one is not."""
     step = np.diff(recording.time)
-    gaps = step[step > _GAP_PERIODS * recording.sample_period]
+    gaps = step[step > find_gap_length(recording)]
     short = not gaps.size or (gaps.max() <= _LONGEST_BRIDGE and gaps.sum() <= _MOST_BRIDGED * recording.duration)
     return gaps if short else None
 

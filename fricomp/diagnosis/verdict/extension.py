@@ -9,6 +9,7 @@ import numpy as np
 
 from fricomp.laws import BidirectionalStribeck, FrictionLaw, LaggedLuGre, LaggedStribeck, LuGre, StribeckCurve, Term
 from fricomp.model import FrictionModel, JointDynamics, Provenance, Validity
+from fricomp.model.plausibility import find_impossible
 from fricomp.recording import Recording
 
 from ..effects import Context
@@ -131,9 +132,10 @@ def _write_model(
     said = (
         said if shift == plant.offset else f"{plant.offset:.4g} {metadata.torque_unit}, in the dynamics of this model"
     )
+    law, speeds = FrictionLaw(terms), np.concatenate([context.velocity for context in contexts])
     warm = all("temperature" in context.channels for context in contexts)
-    return FrictionModel(
-        law=FrictionLaw(terms),
+    model = FrictionModel(
+        law=law,
         joint=metadata.joint,
         motion=metadata.motion,
         torque_unit=metadata.torque_unit,
@@ -149,6 +151,10 @@ def _write_model(
         ),
         dynamics=dynamics if metadata.motion == "rotary" else replace(dynamics, gravity_cosine=0.0, gravity_sine=0.0),
     )
+    reason = find_impossible(replace(model, law=FrictionLaw(terms[:1])), speeds)
+    if reason is None:
+        return model
+    return replace(model, provenance=replace(model.provenance, status="not_identifiable", message=reason))
 
 
 def _find_range(columns: Iterable[FloatArray]) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from fricomp.recording.checks.motion_kind import find_hand_motion, find_held_output, find_one_way
+from fricomp.recording.checks.motion_kind import find_hand_motion, find_held_output, find_one_way, find_steps
 from fricomp.recording.checks.signal_checks import find_rest, find_spikes, find_stuck, find_wraps
 from fricomp.recording.checks.timing_checks import (
     find_gaps,
@@ -18,6 +18,7 @@ from fricomp.recording.checks.timing_checks import (
     find_wrong_time_unit,
 )
 from fricomp.recording.checks.torque_causes import find_unsigned_torque
+from fricomp.recording.checks.torque_sensor import find_torque_gain
 from fricomp.recording.checks.unit_checks import (
     find_degrees,
     find_flipped_reference,
@@ -52,6 +53,8 @@ _OF_UNWRAPPED: tuple[_Check, ...] = (  # a wrap would look like many other thing
     find_flipped_torque,
     find_flipped_reference,
     find_one_way,
+    find_steps,
+    find_torque_gain,
     find_held_output,
     find_hand_motion,
 )

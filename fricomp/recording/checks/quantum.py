@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from fricomp.recording.recording import Recording
 
-__all__ = ["Reading", "measure_quantum", "read_at_rest"]
+__all__ = ["Reading", "measure_quantum", "read_at_rest", "snap_period"]
 
 Samples = NDArray[np.float64]
 
@@ -17,6 +17,11 @@ _WHOLE = 0.05
 """Deviation of the distances between values from whole steps, in steps, up to which they are whole."""
 _REST_ROWS = 5
 """Rows without a change of position that count as rest."""
+
+_KNOWN_PERIODS = (2.0 * np.pi, 4.0 * np.pi, np.pi, 8.0 * np.pi, 25.0, 1.0, 360.0, 4096.0, 16384.0, 65536.0)
+"""Ranges of counters in use: turns, the position of MIT mode (±12.5 rad), counts."""
+_NEAR = 0.01
+"""Relative distance within which a range that was measured is a known one."""
 
 
 class Reading(NamedTuple):
@@ -65,3 +70,15 @@ def read_at_rest(recording: Recording) -> Reading:
     rest = np.asarray(velocity)[slow]
     bias = float(np.median(rest))
     return Reading(bias, max(quantum, float(np.quantile(np.abs(rest - bias), 0.99))))
+
+
+def snap_period(period: float, quantum: float) -> float:
+    """A known range next to the one that was measured, else a whole power of two of the quantum, else the measured."""
+    known = min(_KNOWN_PERIODS, key=lambda one: abs(period / one - 1.0))
+    if abs(period / known - 1.0) < _NEAR:
+        return known
+    if quantum > 0.0:
+        power = quantum * 2.0 ** round(np.log2(period / quantum))
+        if abs(period / power - 1.0) < _NEAR:
+            return float(power)
+    return period

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from fricomp.recording.checks.quantum import measure_quantum, read_at_rest
-from fricomp.recording.checks.timing_checks import GAP_PERIODS
+from fricomp.recording.checks.quantum import measure_quantum, read_at_rest, snap_period
+from fricomp.recording.checks.timing_checks import GAP_PERIODS, find_gap_length
 from fricomp.recording.finding import Finding
 from fricomp.recording.recording import Recording
 
@@ -103,7 +103,7 @@ def _stuck_channels(recording: Recording) -> dict[str, list[tuple[int, int]]]:
 
 def find_wraps(recording: Recording) -> tuple[Finding, ...]:
     """Jumps of position: by a turn, by the whole range of a counter, or by anything else."""
-    step = np.diff(recording.position)
+    step = np.where(np.diff(recording.time) > find_gap_length(recording), 0.0, np.diff(recording.position))
     size = np.abs(step)
     if not size.any():
         return ()
@@ -117,7 +117,9 @@ def find_wraps(recording: Recording) -> tuple[Finding, ...]:
         row = int(wraps[0])
         what = "2π" if near_turn[row] else "its whole range"
         message = f"position jumps by {step[row]:.5g}, {what}, {wraps.size} time(s): it wraps round"
-        advice = f"unwrap it (unwrap = {size[row]:.5g} in a mapping)"
+        passed = float(np.median(size[max(row - 2, 0) : row + 3]))  # the way of the joint itself within the step
+        period = snap_period(float(size[row]) + passed, measure_quantum(np.asarray(recording.position)))
+        advice = f"unwrap it (unwrap = {period:.6g} in a mapping)"
         return (Finding("wrap", "error", message, advice, row + 2, "position"),)
     rate = size / np.maximum(np.diff(recording.time) / recording.sample_period, 1.0)  # a gap in time is no jump
     jumps = np.flatnonzero((rate > _JUMP_FACTOR * usual) & (size > 0.01 * travel))

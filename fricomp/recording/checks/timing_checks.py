@@ -13,6 +13,10 @@ LOWEST_RATE = 50.0
 
 GAP_PERIODS = 5.0
 """A step of time longer than this many periods is a gap."""
+_RHYTHM = 2.0
+"""Times the longest of a hundred steps that make a gap where steps scatter."""
+_LONGEST_RHYTHM = 10.0
+"""Periods that are a gap all the same: pauses between short bursts of rows are not their rhythm."""
 
 _JITTER_NOTED, _JITTER_WARNED = 0.1, 0.5  # 99th percentile of the deviation, in periods
 _RATE_CHANGE = 1.25
@@ -55,12 +59,23 @@ def find_low_rate(recording: Recording) -> tuple[Finding, ...]:
 
 
 def locate_gaps(recording: Recording, at_least: float = 0.0) -> NDArray[np.intp]:
-    """Rows before each step of time that is longer than five periods, and than `at_least` [s]. Shape (n_gaps,)."""
-    return np.flatnonzero(np.diff(recording.time) > max(GAP_PERIODS * recording.sample_period, at_least))
+    """Rows before each step of time that is a gap, and longer than `at_least` [s]. Shape (n_gaps,)."""
+    return np.flatnonzero(np.diff(recording.time) > max(find_gap_length(recording), at_least))
+
+
+def find_gap_length(recording: Recording) -> float:
+    """Step of time above which rows are missing [s].
+
+    A bus that answers when it can has some steps of five periods, which are its rhythm and no gaps.
+    """
+    step = np.diff(recording.time)
+    period = recording.sample_period
+    rhythm = min(_RHYTHM * float(np.quantile(step, 0.99)), _LONGEST_RHYTHM * period)
+    return max(GAP_PERIODS * period, rhythm)
 
 
 def find_gaps(recording: Recording) -> tuple[Finding, ...]:
-    """Steps of time longer than five periods."""
+    """Steps of time in which rows are missing."""
     step = np.diff(recording.time)
     gaps = locate_gaps(recording)
     if not gaps.size:

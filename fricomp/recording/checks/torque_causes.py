@@ -22,6 +22,7 @@ __all__ = [
     "find_register",
     "find_unsigned_torque",
     "fit_joint",
+    "fit_two_torques",
     "read_signed",
 ]
 
@@ -53,6 +54,10 @@ _SURE = 3.0
 """Standard deviations beyond which a negative inertia is one."""
 _ALIKE = 5.0
 """Blocks that err alike: their variance counts so often."""
+_ALIKE_ROWS = 3
+"""Rows that are averaged where two torques are compared."""
+_RELATED = 0.8
+"""Correlation of two torques below which one is not that of the other's joint."""
 _APART = 0.1
 """Part of a column that no other one holds, below which its parameter is not determined."""
 
@@ -99,6 +104,33 @@ class Register(NamedTuple):
     sure: bool
 
 
+class TwoTorques(NamedTuple):
+    """load torque = gain * torque, or = (small_gain + bend * torque²) * torque, beside inertia, friction and offset.
+
+    Attributes:
+        gain: [1]
+        gain_deviation: Its standard deviation, for blocks that err alike [1].
+        small_gain: Gain at small torques [1].
+        bend: Change of the gain with the square of the torque [1 / torque²].
+        bend_deviation: Its standard deviation.
+        largest: Largest torque that occurs for long [as torque].
+        unexplained: What is left, over the deviation of the load torque.
+    """
+
+    gain: float
+    gain_deviation: float
+    small_gain: float
+    bend: float
+    bend_deviation: float
+    largest: float
+    unexplained: float
+
+    @property
+    def loss(self) -> float:
+        """Part of the torque that is lost at the largest one."""
+        return -self.bend * self.largest**2 / self.small_gain if self.small_gain > 0.0 else 0.0
+
+
 class _Motion(NamedTuple):
     """Block means; rows are those that slide and have both neighbours."""
 
@@ -124,6 +156,38 @@ def fit_joint(recording: Recording, torque: Samples | None = None, delay: float 
         if motion is None
         else _fit(motion, recording, np.asarray(recording.torque if torque is None else torque), delay)
     )
+
+
+def fit_two_torques(recording: Recording) -> TwoTorques | None:
+    """Compare the motor's torque with that of a sensor; None where there is none, or both are hardly related."""
+    if recording.load_torque is None or len(recording) < 60 * _ALIKE_ROWS:
+        return None
+    count = len(recording) // _ALIKE_ROWS * _ALIKE_ROWS
+    time, position, torque, load = (
+        np.asarray(values)[:count].reshape(-1, _ALIKE_ROWS).mean(axis=1)
+        for values in (recording.time, recording.position, recording.torque, recording.load_torque)
+    )
+    velocity = np.gradient(position, time)
+    slow = float(np.percentile(np.abs(velocity), 98)) * _SLOW
+    beside = [np.gradient(velocity, time), np.tanh(velocity / max(slow, 1e-300)), np.ones(time.size)]
+    size = float(np.std(load))
+    if float(np.std(torque)) == 0.0 or size == 0.0 or abs(np.corrcoef(torque, load)[0, 1]) < _RELATED:
+        return None
+    gain, gain_deviation, _ = _solve_first(np.column_stack([torque, *beside]), load, 1)
+    solved, deviations, left = _solve_first(np.column_stack([torque, torque**3, *beside]), load, 2)
+    largest = float(np.quantile(np.abs(torque), 0.99))
+    return TwoTorques(
+        float(gain[0]), float(gain_deviation[0]), float(solved[0]), float(solved[1]), float(deviations[1]), largest,
+        left / size,
+    )  # fmt: skip
+
+
+def _solve_first(table: Samples, target: Samples, count: int) -> tuple[Samples, Samples, float]:
+    """The first parameters by least squares, their standard deviations, and what is left."""
+    solution = np.asarray(np.linalg.lstsq(table, target, rcond=None)[0], dtype=np.float64)
+    left = float(np.std(target - table @ solution))
+    spread = left * np.sqrt(_ALIKE * np.diag(np.linalg.pinv(table.T @ table)))
+    return solution[:count], spread[:count], left
 
 
 def explain_energy(recording: Recording, symptom: str) -> Finding:

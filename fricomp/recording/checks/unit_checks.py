@@ -5,6 +5,7 @@ from math import log2, pi
 import numpy as np
 from numpy.typing import NDArray
 
+from fricomp.recording.checks.motion_kind import find_steps
 from fricomp.recording.checks.signal_checks import find_position_step
 from fricomp.recording.checks.torque_causes import explain_energy
 from fricomp.recording.finding import Finding
@@ -72,6 +73,8 @@ def find_velocity_mismatch(recording: Recording) -> tuple[Finding, ...]:
 
 def find_flipped_torque(recording: Recording) -> tuple[Finding, ...]:
     """Friction that drives the motion: the torque's sign is against the convention."""
+    if find_steps(recording):  # the torque of the motion is not in the log
+        return ()
     friction = _friction_in_quarters(recording)
     work = _share_of_work(recording)
     if friction is not None and np.all(friction < 0):

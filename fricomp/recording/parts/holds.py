@@ -17,6 +17,10 @@ _HELD = 0.3
 """Part of the rows in fast motion that repeat the one before, above which rows are held."""
 
 
+_LONGEST = 0.15
+"""Time that a reading may last [s]: no drive answers more slowly, and a joint that is moved in steps looks alike."""
+
+
 class Hold(NamedTuple):
     """How rows were held.
 
@@ -38,7 +42,7 @@ def thin_held_rows(recording: Recording) -> tuple[Recording, Hold | None]:
     """
     new = np.concatenate([[True], np.diff(recording.position) != 0.0])
     held = _typical_hold(recording, new)
-    if held is None:
+    if held is None or held * recording.sample_period > _LONGEST:
         return recording, None
     rows = np.flatnonzero(new)
     kept: list[int] = []

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fricomp.recording.checks.signal_checks import find_idle_rows, find_stuck_rows
-from fricomp.recording.checks.timing_checks import GAP_PERIODS, locate_rate_change
+from fricomp.recording.checks.timing_checks import find_gap_length, locate_rate_change
 from fricomp.recording.clock import Clock, mend_clock
 from fricomp.recording.parts.holds import thin_held_rows
 from fricomp.recording.parts.rests import find_rests
@@ -158,7 +158,7 @@ def _cut(recording: Recording, keep: Rows, jumps: Rows) -> tuple[Recording, tupl
         keep = np.ones(len(recording), dtype=bool)
     rows = np.flatnonzero(keep)
     step = np.diff(recording.time[rows])
-    gaps = step > GAP_PERIODS * recording.sample_period
+    gaps = step > find_gap_length(recording)
     short = gaps & (step <= _BRIDGED)
     if np.sum(step[short]) <= _MOST_BRIDGED * recording.duration:
         gaps &= ~short

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from fricomp.recording.checks.quantum import measure_quantum
+from fricomp.recording.checks.quantum import measure_quantum, snap_period
 from fricomp.recording.recording import Recording
 
 __all__ = ["Continuity", "Wrap", "find_period", "find_wild_torque", "follow_motion", "unwrap_position"]
@@ -37,12 +37,6 @@ _CANDIDATES = 6
 """Most frequent rows that are looked at: a log has a few long rests, each of which repeats its own values."""
 _SHORT_RUN = 50.0
 """Mean rows of a stretch of equal values up to which it interrupts; a joint at rest holds its values for longer."""
-_KNOWN_PERIODS = (2.0 * np.pi, 4.0 * np.pi, np.pi, 8.0 * np.pi, 25.0, 1.0, 360.0, 4096.0, 16384.0, 65536.0)
-"""Ranges of counters in use: turns, the position of MIT mode (±12.5 rad), counts."""
-_NEAR = 0.01
-"""Relative distance within which a range that was measured is a known one."""
-
-
 _TORQUE_REACH = 3
 """Rows before and after that a torque is compared with."""
 _FEWEST_TORQUES = 50
@@ -95,7 +89,7 @@ def find_period(recording: Recording) -> Wrap | None:
     tolerance = 0.05 * period + 3.0 * float(np.median(around))
     if np.any(np.abs(sizes - period) > tolerance) or travel > 1.1 * period:
         return None
-    return Wrap(_snap(period, measure_quantum(np.asarray(recording.position))), int(wraps.size))
+    return Wrap(snap_period(period, measure_quantum(np.asarray(recording.position))), int(wraps.size))
 
 
 def unwrap_position(recording: Recording) -> tuple[Recording, Wrap | None]:
@@ -250,18 +244,6 @@ def _alternates(recording: Recording, period: float) -> bool:
     wraps = np.flatnonzero(np.abs(step) > 0.5 * period)
     back = np.sum((np.diff(wraps) <= 3) & (step[wraps[:-1]] * step[wraps[1:]] < 0.0))
     return bool(back >= 0.4 * wraps.size)  # each stray makes two such steps
-
-
-def _snap(period: float, quantum: float) -> float:
-    """A known range next to the one that was measured, else a whole power of two of the quantum, else the measured."""
-    known = min(_KNOWN_PERIODS, key=lambda one: abs(period / one - 1.0))
-    if abs(period / known - 1.0) < _NEAR:
-        return known
-    if quantum > 0.0:
-        power = quantum * 2.0 ** round(np.log2(period / quantum))
-        if abs(period / power - 1.0) < _NEAR:
-            return float(power)
-    return period
 
 
 def _around(recording: Recording) -> Samples:

@@ -3,11 +3,15 @@
 import numpy as np
 import pytest
 
+from fricomp.calibration.motion.parts import read_motion_recording
+from fricomp.errors import RecordingError
 from fricomp.recording import Recording, check_recording
+from fricomp.recording.checks.motion_kind import fit_clamp
+from fricomp.recording.checks.torque_causes import fit_two_torques
 
 from ..joint_log import joint_log
 
-_CODES = {"one_way", "held_output", "hand_motion"}
+_CODES = {"one_way", "one_way_turns", "held_output", "hand_motion", "stepped"}
 
 
 def _kinds(recording: Recording) -> dict[str, str]:
@@ -25,20 +29,58 @@ def test_a_motion_in_one_direction_is_told_as_one() -> None:
     assert set(_kinds(Recording(t, q, 0.5 + 0.2 * np.gradient(q, t)))) == {"one_way"}
 
 
-@pytest.mark.parametrize(("stiffness", "gap"), [(400.0, 0.03), (1500.0, 0.01)])
-def test_a_held_output_shows_its_stiffness_and_its_lost_motion(stiffness: float, gap: float) -> None:
+@pytest.mark.parametrize(("stiffness", "gap", "friction"), [(400.0, 0.03, 1.0), (1500.0, 0.01, 3.0)])
+def test_a_held_output_shows_stiffness_gap_and_inner_friction(stiffness: float, gap: float, friction: float) -> None:
     t = np.arange(0.0, 60.0, 0.01)
     torque = 20.0 * np.sin(2.0 * np.pi * t / 12.0)
-    play = np.zeros_like(t)
-    for k in range(1, t.size):  # lost motion of which the middle lags behind the torque's sign
-        play[k] = np.clip(play[k - 1], torque[k] / 2.0 * gap - gap / 2.0, torque[k] / 2.0 * gap + gap / 2.0)
-        play[k] = np.clip(play[k], -gap / 2.0, gap / 2.0)
+    passed = np.zeros_like(t)
+    for k in range(1, t.size):
+        passed[k] = np.clip(passed[k - 1], torque[k] - friction, torque[k] + friction)
+    angle = passed / stiffness + 0.5 * gap * np.clip(passed / 1.0, -1.0, 1.0)
     noise = np.random.default_rng(0).normal(0.0, 1e-5, t.size)
-    said = _kinds(Recording(t, torque / stiffness + play + noise, torque))
-    assert set(said) == {"held_output"}
-    words = said["held_output"].split()
-    assert float(words[words.index("stiffness") + 1]) == pytest.approx(stiffness, rel=0.1)
-    assert float(words[words.index("motion", 8) + 1]) == pytest.approx(1e3 * gap, rel=0.3)
+    recording = Recording(t, angle + noise, torque)
+    assert set(_kinds(recording)) == {"held_output"}
+    clamp = fit_clamp(recording)
+    assert clamp.stiffness == pytest.approx(stiffness, rel=0.15)
+    assert clamp.gap == pytest.approx(gap, rel=0.15)
+    assert clamp.friction == pytest.approx(friction, abs=0.4)
+    assert clamp.residual < 0.2 * clamp.linear_residual
+
+
+def test_a_way_of_many_turns_in_one_direction_shows_what_comes_again() -> None:
+    t = np.arange(0.0, 20.0, 2e-3)
+    q = 6.0 * t + 0.05 * np.sin(2.0 * t)
+    assert set(_kinds(Recording(t, q, 0.5 + 0.02 * np.gradient(q, t) + 0.1 * np.sin(7.0 * q)))) == {"one_way_turns"}
+
+
+@pytest.mark.parametrize("held", [30, 90])
+def test_a_joint_that_is_moved_in_steps_gets_no_advice_on_signs(held: int) -> None:
+    rng = np.random.default_rng(5)
+    angle = 3e-4 * np.round(np.repeat(np.r_[0.0:1.0:0.004, 1.0:0.0:-0.004], held) / 3e-4)
+    t = np.arange(float(angle.size)) * 0.01
+    holding = 0.2 * np.sin(72.0 * angle) + rng.normal(0.0, 0.002, t.size)
+    codes = {one.code for one in check_recording(Recording(t, angle, holding))}
+    assert "stepped" in codes
+    assert not codes & {"flipped_torque", "driven"}
+    with pytest.raises(RecordingError, match="moved in"):
+        read_motion_recording(Recording(t, angle, holding))
+
+
+@pytest.mark.parametrize(("gain", "bend"), [(0.9, 0.0), (1.0, -0.1)])
+def test_a_torque_sensor_tells_gain_and_saturation_of_the_motor(gain: float, bend: float) -> None:
+    log = joint_log(30.0, 400.0, 6)
+    load = log.torque * (gain + bend * np.asarray(log.torque) ** 2)
+    noise = np.random.default_rng(6).normal(0.0, 0.01, len(log))
+    fit = fit_two_torques(log.with_channels(load_torque=load + noise))
+    assert fit is not None
+    if bend == 0.0:
+        assert fit.gain == pytest.approx(gain, abs=0.01)
+    else:
+        assert fit.small_gain == pytest.approx(gain, abs=0.03)
+        assert fit.loss == pytest.approx(-bend * fit.largest**2, abs=0.03)
+    codes = {one.code: str(one) for one in check_recording(log.with_channels(load_torque=load + noise))}
+    assert ("saturates" in codes["torque_gain"]) == (bend < 0.0)
+    assert "torque_gain" not in {one.code for one in check_recording(log.with_channels(load_torque=log.torque + noise))}
 
 
 def test_a_joint_that_is_moved_by_hand_shows_no_friction() -> None:
