@@ -17,7 +17,7 @@ from fricomp.recording.checks.timing_checks import locate_gaps
 from fricomp.recording.checks.torque_causes import find_delay
 from fricomp.recording.csv_file import FileContent
 from fricomp.recording.file import read_content
-from fricomp.recording.parts.parts import find_usable_parts
+from fricomp.recording.parts.parts import UsableParts, find_usable_parts
 from fricomp.untrusted import parse_json
 
 __all__ = ["MotionParts", "MotionRecording", "read_motion_recording", "split_motion"]
@@ -37,11 +37,13 @@ class MotionRecording(NamedTuple):
         recording: Torque on the joint side.
         findings: Of the checks; none is an error.
         notes: Sentences on what was chosen and converted.
+        data: What was used of it and what was not.
     """
 
     recording: Recording
     findings: tuple[Finding, ...]
     notes: tuple[str, ...]
+    data: UsableParts
 
 
 class MotionParts(NamedTuple):
@@ -89,7 +91,9 @@ def read_motion_recording(source: Recording | str | os.PathLike[str]) -> MotionR
         raise RecordingError(f"{file}: {idle[0]}")
     chosen, late = _without_delay(chosen, findings)
     on_joint = chosen.on_joint_side()
-    return MotionRecording(on_joint, findings, (*notes, *usable.sentences, *late, *_side_notes(chosen, on_joint)))
+    return MotionRecording(
+        on_joint, findings, (*notes, *usable.sentences, *late, *_side_notes(chosen, on_joint)), usable
+    )
 
 
 def _without_delay(recording: Recording, findings: tuple[Finding, ...]) -> tuple[Recording, tuple[str, ...]]:

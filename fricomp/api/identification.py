@@ -19,6 +19,7 @@ from fricomp.calibration.motion.rigid_body import MotionIdentification
 from fricomp.control.compensation.trust import find_doubt_in_status
 from fricomp.model import FrictionModel
 from fricomp.overview import Overview, Shown
+from fricomp.recording.parts.parts import UsableParts
 from fricomp.results import IDENTIFICATION, claim_folder
 
 if TYPE_CHECKING:
@@ -37,6 +38,7 @@ class Identification(Shown):
         network: The network that may leave the law; None where it was not asked for.
         notes: What to know about the answer, in sentences.
         facts: How it was made, for the report.
+        data: What was used of the recording and what was not; None for a table.
     """
 
     result: IdentificationResult
@@ -44,6 +46,7 @@ class Identification(Shown):
     network: DiscrepancyNetwork | None
     notes: tuple[str, ...]
     facts: Mapping[str, str]
+    data: UsableParts | None = None
 
     @property
     def model(self) -> FrictionModel:
@@ -107,7 +110,7 @@ def write_identification(found: Identification, folder: Path) -> tuple[Path, ...
     """
     from fricomp.calibration.identification.report.page import write_identification_report
 
-    report = write_identification_report(found.result, folder, found.notes, dict(found.facts))
+    report = write_identification_report(found.result, folder, found.notes, dict(found.facts), found.data)
     files = save_identification(found.result, folder)
     written = (files.model, files.network, report)
     if found.network is None or not found.network.departs:

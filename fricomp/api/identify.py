@@ -206,7 +206,7 @@ def _identify_recording(
 ) -> Identification:
     name = "the data" if isinstance(source, Recording) else Path(source).name
     _refuse_point_settings(name, settings, flag)
-    recording, findings, about = read_motion_recording(source)
+    recording, findings, about, data = read_motion_recording(source)
     chosen, notes = choose_settings(recording, gravity=settings.gravity), []
     if chosen.torque_cutoff < RegressionSettings.torque_cutoff:
         notes.append(f"Low-pass: {chosen.torque_cutoff:.3g} Hz, so that noise of the position is no acceleration.")
@@ -217,7 +217,7 @@ def _identify_recording(
     options = IdentificationOptions(joint=meta.joint, motion=meta.motion, torque_unit=meta.torque_unit)
     motion = identify_motion(sample_joint(recording, chosen), chosen, law=settings.law, options=options)
     notes.insert(0, _rigid_sentence(motion, flag))
-    return Identification(motion.friction, motion, None, tuple(notes), _facts(name, settings))
+    return Identification(motion.friction, motion, None, tuple(notes), _facts(name, settings), data)
 
 
 def _facts(name: str, settings: IdentifySettings) -> dict[str, str]:

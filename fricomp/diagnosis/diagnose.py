@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from fricomp.blas import one_blas_thread
 from fricomp.errors import DiagnosisError, ParameterError
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
@@ -108,9 +107,6 @@ def diagnose(
     return diagnose_given(given, thorough=thorough, seed=seed, progress=progress)
 
 
-# Points of a search that do not simulate overflow; they are left out where they come up.
-@np.errstate(over="ignore", invalid="ignore")
-@one_blas_thread()
 def diagnose_given(
     given: Given,
     simulated: SimulationEffects | None = None,
@@ -131,6 +127,14 @@ def diagnose_given(
     Raises:
         DiagnosisError: No joint model explains the recordings.
     """
+    return replace(_run_stages(given, simulated, thorough, seed, progress), data=given.data)
+
+
+# Points of a search that do not simulate overflow; they are left out where they come up.
+@np.errstate(over="ignore", invalid="ignore")
+def _run_stages(
+    given: Given, simulated: SimulationEffects | None, thorough: bool, seed: int, progress: Progress | None
+) -> Diagnosis:
     told = () if simulated is None else simulated.remarks
     if given.reasons:
         return write_refusal(given, given.reasons, told)

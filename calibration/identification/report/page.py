@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from fricomp.control.compensation.trust import find_doubt_in_status
+from fricomp.recording.parts.data_chart import build_data_table, draw_data_chart
+from fricomp.recording.parts.parts import UsableParts
 from fricomp.report import (
     Chart,
     Check,
@@ -37,7 +39,11 @@ _MOST_SHOWN = 4000
 
 
 def write_identification_report(
-    result: IdentificationResult, folder: Path, notes: Sequence[str] = (), facts: dict[str, str] | None = None
+    result: IdentificationResult,
+    folder: Path,
+    notes: Sequence[str] = (),
+    facts: dict[str, str] | None = None,
+    data: UsableParts | None = None,
 ) -> Path:
     """Write `report.html` and a PNG of each chart into `folder`.
 
@@ -46,9 +52,11 @@ def write_identification_report(
         folder: Where to write.
         notes: Further sentences for the summary.
         facts: Further lines on how it was made.
+        data: What was used of the recording; None for a table.
     """
     charts = identification_charts(result)
-    for chart in charts:
+    of_data = () if data is None else (draw_data_chart(data, "data", "What was used of the recording"),)
+    for chart in (*charts, *of_data):
         draw_png(chart, folder / f"{chart.name}.png")
     interval = "95 % interval, if the law held" if result.status is Status.LACK_OF_FIT else "95 % interval"
     heads = ("parameter", "value", interval, "by profile likelihood", "unit")
@@ -58,6 +66,7 @@ def write_identification_report(
         Section("What was checked", _checks(result)),
         Section("Residuals", (charts[1],)),
         *((Section("Training", (charts[2], network_note(result))),) if len(charts) > 2 else ()),
+        *((Section("The data", (build_data_table(data), *of_data)),) if data is not None else ()),
         Section("How it was made", (Table(("what", "value"), tuple((facts or {}).items())),), folded=True),
     )
     page = ReportPage(

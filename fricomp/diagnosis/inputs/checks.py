@@ -10,7 +10,7 @@ import numpy as np
 from fricomp.recording import Finding, Recording, check_recording, resample
 from fricomp.recording.checks.motion_kind import SHOWS_NO_SLIDING
 from fricomp.recording.checks.timing_checks import find_gap_length
-from fricomp.recording.parts.parts import find_usable_parts
+from fricomp.recording.parts.parts import UsableParts, find_usable_parts
 
 from .track import FloatArray
 
@@ -44,11 +44,13 @@ class Usable(NamedTuple):
         recordings: Usable parts, in order; each names the recording that it is of under `PART_OF` of its metadata.
         remarks: What was left out and why, in sentences.
         reasons: Why nothing can be diagnosed; empty where something can.
+        data: What is usable of each recording, for the report.
     """
 
     recordings: list[Recording]
     remarks: list[str]
     reasons: list[str]
+    data: tuple[UsableParts, ...] = ()
 
 
 def take_usable(recordings: Sequence[Recording], joint: str | None) -> Usable:
@@ -61,9 +63,11 @@ def take_usable(recordings: Sequence[Recording], joint: str | None) -> Usable:
     kept: list[Recording] = []
     remarks: list[str] = []
     faults: list[str] = []
+    data: list[UsableParts] = []
     for number, recording in enumerate(recordings):
         prefix = f"recording {number + 1}: " if len(recordings) > 1 else ""
         usable = find_usable_parts(recording)
+        data.append(usable)
         against = _reasons_against_one(usable.kept, joint)
         faults += [prefix + reason for reason in against]
         if not against:
@@ -71,10 +75,10 @@ def take_usable(recordings: Sequence[Recording], joint: str | None) -> Usable:
             kept += [one.with_metadata(extra={**one.metadata.extra, PART_OF: number}) for one in parts]
             remarks += [prefix + sentence for sentence in usable.sentences]
     if not kept:
-        return Usable([], [], faults)
+        return Usable([], [], faults, tuple(data))
     remarks += [f"Left out: {fault}." for fault in faults]
     kept, told = _at_one_rate(kept)
-    return Usable(kept, [*remarks, *told], [])
+    return Usable(kept, [*remarks, *told], [], tuple(data))
 
 
 def name_parts(parts: Sequence[Recording], names: Sequence[str]) -> tuple[str, ...]:

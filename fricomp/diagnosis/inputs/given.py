@@ -8,6 +8,7 @@ from pathlib import Path
 
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
+from fricomp.recording.parts.parts import UsableParts
 
 from .checks import kind_against, name_parts, remarks_on, take_usable
 from .controller import Controller, estimate_controller
@@ -29,6 +30,7 @@ class Given:
         loops: The loop that moved the joint in each recording; None where it is not known.
         remarks: What the checks noticed and dealt with, in sentences.
         reasons: Why these data cannot be diagnosed, in sentences; empty where they can.
+        data: What is usable of each recording that was given.
     """
 
     recordings: tuple[Recording, ...]
@@ -38,6 +40,7 @@ class Given:
     loops: tuple[Controller | None, ...] = ()
     remarks: tuple[str, ...] = ()
     reasons: tuple[str, ...] = ()
+    data: tuple[UsableParts, ...] = ()
 
 
 def read_given(
@@ -67,7 +70,7 @@ def read_given(
     usable = take_usable(recordings, joint)
     reasons = [*usable.reasons, *(kind_against(recordings, rigid.rotary) if rigid else ())]
     if reasons:
-        return Given(tuple(recordings), called, reasons=tuple(reasons))
+        return Given(tuple(recordings), called, reasons=tuple(reasons), data=usable.data)
     called = name_parts(usable.recordings, called)
     remarks = [*remarks_on(usable.recordings), *usable.remarks]
     turned = tuple(one.on_joint_side() for one in usable.recordings)
@@ -86,4 +89,5 @@ def read_given(
         friction=friction,
         loops=tuple(estimate_controller(one) if controller is None else controller for one in turned),
         remarks=tuple(remarks),
+        data=usable.data,
     )

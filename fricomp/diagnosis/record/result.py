@@ -8,6 +8,7 @@ from typing import Literal
 import msgspec
 
 from fricomp.model import FrictionModel
+from fricomp.recording.parts.parts import UsableParts
 
 from ..inputs.track import FloatArray
 from .file_errors import FileErrors
@@ -288,6 +289,7 @@ class Diagnosis(DiagnosisOverview):
         fold_times: Times of each fold [s].
         covariance: Of the refitted base, shape (p, p), in the order and coordinates of `BASE_NAMES`; None where
             the verdict is not about such a fit.
+        data: What was used of each recording and what was not; empty for a diagnosis that was read from a file.
     """
 
     record: DiagnosisRecord
@@ -299,6 +301,7 @@ class Diagnosis(DiagnosisOverview):
     covariance: FloatArray | None = None
     folds: tuple[tuple[FrictionModel, ...], ...] = ()
     fold_times: tuple[tuple[Interval, ...], ...] = ()
+    data: tuple[UsableParts, ...] = ()
 
     @property
     def verdict(self) -> VerdictName:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fricomp.recording.parts.data_chart import build_data_table, draw_data_chart
 from fricomp.report import Chart, ReportPage, Section, Table
 
 from ..record.result import Diagnosis, Evidence, NamedEffect
@@ -47,6 +48,10 @@ def draw_diagnosis_charts(diagnosis: Diagnosis) -> dict[str, Chart]:
         draw_rival_chart(record.rivals, record.effects),
         draw_distinguishability(record.distinguishability),
         draw_motion_chart(diagnosis.motion, units) if diagnosis.motion else None,
+    ]
+    found += [
+        draw_data_chart(one, f"data-{number}" if len(diagnosis.data) > 1 else "data", "What was used of the recording")
+        for number, one in enumerate(diagnosis.data[: REPORT.recordings], 1)
     ]
     return {chart.name: chart for chart in found if chart is not None}
 
@@ -105,6 +110,11 @@ def build_diagnosis_page(
         _build_section("What was weighed", charts.get("rivals"), build_rival_table(record.rivals, record.effects)),
         _build_section("What this recording can tell apart", charts.get("distinguishability")),
         _build_section("What to record next", step, charts.get("motion")),
+        _build_section(
+            "The data",
+            *map(build_data_table, diagnosis.data[: REPORT.recordings]),
+            *(chart for name, chart in charts.items() if name.startswith("data")),
+        ),
         _build_section("The base model", build_base_table(record), folded=True),
         _build_section("Files", *notes),
         _build_section("How it was made", made, folded=True),

@@ -57,6 +57,7 @@ class UsableParts:
     """What of a recording can be used.
 
     Attributes:
+        source: The recording as it is.
         kept: All rows that stay, in one recording with gaps.
         parts: The same between the gaps, in order; those that are too short are left out here alone.
         left_out: What was left out, by reason.
@@ -66,6 +67,7 @@ class UsableParts:
         duration: Of the source [s].
     """
 
+    source: Recording
     kept: Recording
     parts: tuple[Recording, ...]
     left_out: tuple[LeftOut, ...]
@@ -133,6 +135,7 @@ def find_usable_parts(recording: Recording) -> UsableParts:
     kept, parts, short = _cut(mended, ~(stuck | idle), begins)
     left_out.append(short)
     return UsableParts(
+        recording,
         kept,
         parts,
         tuple(one for one in left_out if one.rows),
