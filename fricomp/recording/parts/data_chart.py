@@ -15,6 +15,8 @@ __all__ = ["build_data_table", "draw_data_chart", "find_used_rows"]
 
 _MOST_SHOWN = 6000
 """Rows of a chart; more lie on each other."""
+_ROOM = 0.15
+"""Part of the range of what was used within which what was left out is drawn."""
 _USED, _LEFT_OUT = 0, 1
 """Colours."""
 _SHOWN = ("position", "torque", "velocity", "load_torque", "motor_position")
@@ -46,9 +48,12 @@ def _marks(
     line = Line(time[shown], np.where(used, values, np.nan)[shown], "used", color=_USED, width=1.0)
     others = np.flatnonzero(~used)
     others = others[:: max(1, others.size // _MOST_SHOWN)]
-    if not others.size:
+    if not others.size or not used.any():
         return (line,)
-    return (line, Points(time[others], values[others], "left out", color=_LEFT_OUT, size=2.0))
+    low, high = float(values[used].min()), float(values[used].max())
+    room = _ROOM * (high - low)
+    at = np.clip(values[others], low - room, high + room)  # an outlier stands at the edge, or nothing else would show
+    return (line, Points(time[others], at, "left out", color=_LEFT_OUT, size=2.0))
 
 
 def find_used_rows(usable: UsableParts) -> NDArray[np.bool_]:
