@@ -1,4 +1,4 @@
-"""Confirm the terms of a fitted arm: keep those that recur in halves of the recording and lower the held-out error."""
+"""Confirm the terms of a fitted arm: those that recur in halves stay, and are named where the held-out error falls."""
 
 from __future__ import annotations
 
@@ -53,9 +53,15 @@ class ArmAnswer:
     evidence: dict[tuple[int, str], TermEvidence]
     errors: HeldOutErrors
 
+    def is_named(self, joint: int, term: str) -> bool:
+        """Whether a term of a joint is physics that matters: it lowers the held-out error, and heads its family."""
+        form = self.identification.fit.model.forms[joint]
+        matters = self.evidence[joint, term].fall >= _LEAST_FALL
+        return term in EFFECTS and form.find_head(term) == term and matters
+
 
 def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
-    """Keep the terms that come again in halves of the recording and matter on data that took no part.
+    """Keep the terms that come again in halves of the recording, and measure what they matter on held-out data.
 
     Args:
         found: The identified arm.
@@ -76,20 +82,21 @@ def confirm_terms(found: ArmIdentification, seed: int = 0) -> ArmAnswer:
             for (j, name), share in recurrence.items()
         }
         heads = {(j, name): fit.model.forms[j].find_head(name) == name for j, name in evidence}
-        weak = {key: one for key, one in evidence.items() if not _is_confirmed(key[1], one, named=heads[key])}
+        weak = {key: one for key, one in evidence.items() if not _stays(key[1], one, named=heads[key])}
         if not weak:
             return ArmAnswer(replace(found, fit=fit, equations=equations), evidence, errors)
         weakest = min(weak, key=lambda key: (weak[key].recurrence, weak[key].fall))
         fit, equations = fit_robustly(arm, rows, equations, without_term(fit.model, *weakest), prior)
 
 
-def _is_confirmed(name: str, evidence: TermEvidence, *, named: bool) -> bool:
-    """What is named must recur and matter; a Stribeck curve, and what mends another term's form, need only recur."""
-    if evidence.recurrence < _RECURRENCE:
-        return False
-    if not named or name not in EFFECTS:
-        return True
-    return evidence.fall >= (_LEAST_FALL_OF_A_SIGNAL if EFFECTS[name].kind == "measurement" else _LEAST_FALL)
+def _stays(name: str, evidence: TermEvidence, *, named: bool) -> bool:
+    """What recurs stays in the model: without it, links and friction would take its place.
+
+    What would be wrong with the torque signal of one joint must matter, too.
+    """
+    matters = evidence.fall >= _LEAST_FALL_OF_A_SIGNAL
+    of_a_signal = named and name in EFFECTS and EFFECTS[name].kind == "measurement"
+    return evidence.recurrence >= _RECURRENCE and (matters or not of_a_signal)
 
 
 def _measure_fall(data: ConfirmedData, fit: ArmFit, errors: HeldOutErrors, term: tuple[int, str]) -> float:

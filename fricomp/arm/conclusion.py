@@ -69,7 +69,7 @@ def _describe_joint(answer: ArmAnswer, joint: int) -> JointRecord:
     effects = [
         _describe_effect(answer, joint, term, variant, values)
         for term, variant in form.terms
-        if form.find_head(term) == term and _is_effect(term, variant)
+        if answer.is_named(joint, term) and _has_size(term, variant)
     ]
     named = {one.name for one in effects}
     own = {name for term, k in form.terms if form.find_head(term) in named for name in TERMS[term].names(k)}
@@ -88,10 +88,9 @@ def _describe_joint(answer: ArmAnswer, joint: int) -> JointRecord:
     )
 
 
-def _is_effect(term: str, variant: int) -> bool:
-    """Whether a term is physics that is named. A bristle at either end of what was tried has no distance."""
-    ends = (0, len(TERMS[term].values) - 1)
-    return term in EFFECTS and not (term == "presliding_hysteresis" and variant in ends)
+def _has_size(term: str, variant: int) -> bool:
+    """Whether a variant lies within what was tried. A bristle at either end of that has no distance."""
+    return term != "presliding_hysteresis" or variant not in (0, len(TERMS[term].values) - 1)
 
 
 def _describe_effect(

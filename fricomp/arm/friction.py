@@ -1,7 +1,8 @@
 """What may act in one joint of an arm, as columns of its equations: linear in all parameters.
 
     F_c s + b + F_v v + D |v|                        every joint
-    (E + D_e s) s exp(-(v/v_s)²)                     Stribeck effect
+    (E s + D_e) exp(-(v/v_s)²)                       Stribeck effect
+    W_s 2 (v/v_s)² exp(-(v/v_s)²) s                  what a Stribeck velocity beside v_s makes of it, W_s = E δv_s/v_s
     P (z - s),  z' = v (1 - z s) / d                 presliding: what is missing until a bristle has turned [dahl1968]
     c |τ_l| s,  c_q τ_l² s                           friction that follows the load
     (A cos nq + B sin nq) s,  k (q - q_0)            friction over position, a spring
@@ -42,8 +43,8 @@ PLAIN = ("coulomb", "offset", "viscous", "viscous_difference")
 """Parameters that every joint has."""
 
 _STRIBECK = (0.02, 0.04, 0.08, 0.15, 0.3)
-"""Stribeck velocities to choose from, as parts of a joint's top speed: curves between two of them differ by less than
-the noise of a recording in which all joints move."""
+"""Stribeck velocities to choose from, as parts of a joint's top speed. A curve between two of them is reached by the
+slope of the curve along its velocity."""
 
 _BREAKAWAY = (0.5e-3, 1e-3, 2e-3, 4e-3, 8e-3, 16e-3)
 """Breakaway distances to choose from [rad] or [m]."""
@@ -93,7 +94,7 @@ class JointTerm:
 TERMS = {
     term.name: term
     for term in (
-        JointTerm("stribeck", ("excess", "excess_difference"), _STRIBECK),
+        JointTerm("stribeck", ("excess", "excess_difference", "width"), _STRIBECK),
         JointTerm("presliding_hysteresis", ("level",), _BREAKAWAY, label="breakaway_distance"),
         JointTerm("position_coulomb", ("cosine", "sine"), _ORDERS, label="order"),
         JointTerm("quadratic_drag", ("coefficient",), family="speed"),
@@ -182,8 +183,9 @@ def friction_columns(rows: ArmRows, joint: int, top_speed: float) -> FloatArray:
         q, v = position[:, joint], velocity[:, joint]
         s, columns = np.sign(v), []
         for part in _STRIBECK:
-            fall = np.exp(-((v / (part * top_speed)) ** 2))
-            columns += [s * fall, fall]
+            square = (v / (part * top_speed)) ** 2
+            fall = np.exp(-square)
+            columns += [s * fall, fall, s * 2.0 * square * fall]
         columns += [turn_bristle(q, distance) - s for distance in _BREAKAWAY]
         columns += [wave(n * q) * s for n in _ORDERS for wave in (np.cos, np.sin)]
         columns += [v * np.abs(v)]

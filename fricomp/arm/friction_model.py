@@ -31,6 +31,9 @@ __all__ = ["build_friction_model"]
 _LEAST_PART = 1e-3
 """Of the mean Coulomb level, below which a level of one direction is not taken: a law has positive levels only."""
 
+_SHIFTS = (-0.4, 0.6)
+"""How far a Stribeck velocity may lie from the one that was chosen, as part of it: beyond, the next one would be."""
+
 _LEAST_VISCOUS = 1e-6
 """[N·m·s/rad] of a joint that has none: its change with the temperature needs a positive one."""
 
@@ -85,15 +88,16 @@ def _build_curves(
 ) -> tuple[StribeckCurve, StribeckCurve]:
     """Forward and reverse curve, the constant torque in them as far as their levels stay positive."""
     level = max(values["coulomb"], 1e-9)
-    shift = float(np.clip(values["offset"], -(1.0 - _LEAST_PART) * level, (1.0 - _LEAST_PART) * level))
+    offset = float(np.clip(values["offset"], -(1.0 - _LEAST_PART) * level, (1.0 - _LEAST_PART) * level))
     speed, excess, difference = 1.0, 0.0, 0.0
     if "stribeck" in form:
         names = TERMS["stribeck"].names(form["stribeck"])
-        excess, difference = values[names[0]], values[names[1]]
-        speed = _value_of("stribeck", form) * float(found.equations.top_speed[joint])
+        excess, difference, width = (values[name] for name in names)
+        shift = float(np.clip(width / excess, *_SHIFTS)) if excess > 0.0 else 0.0
+        speed = _value_of("stribeck", form) * float(found.equations.top_speed[joint]) * (1.0 + shift)
     curves = []
     for sign in (1.0, -1.0):
-        coulomb = level + sign * shift
+        coulomb = level + sign * offset
         static = max(coulomb + excess + sign * difference, _LEAST_PART * level)
         viscous = max(values["viscous"] + sign * values["viscous_difference"], 0.0)
         curves.append(StribeckCurve(coulomb, static, speed, viscous))
