@@ -220,8 +220,10 @@ def _say_link(link: LinkRecord) -> str:
     gap = link.mass.value - link.simulated_mass
     low, high = (end - link.simulated_mass for end in link.mass.ci95)
     if low <= 0.0 <= high:
-        moved = ", ".join(f"{axis} {one.value:.3g} {one.unit}" for axis, one in link.first_moment.items())
-        return f"{link.name} has its mass elsewhere than in the simulation: first moments {moved}."
+        shown = {axis: one for axis, one in link.first_moment.items() if axis in link.determined}
+        moved = ", ".join(f"{axis} {_show(one)}" for axis, one in (shown or link.first_moment).items())
+        where = f"{link.name} has its mass elsewhere than in the simulation: first moments {moved}"
+        return f"{where}." if "mass" in link.determined else f"{where}; how heavy it is, this motion does not show."
     way = "heavier" if gap > 0.0 else "lighter"
     low, high = sorted((abs(low), abs(high)))
     return f"{link.name} is {abs(gap):.3g} kg {way} than in the simulation (95 %: {low:.3g} to {high:.3g} kg)."

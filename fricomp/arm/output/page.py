@@ -11,7 +11,14 @@ from fricomp.report import Bars, Chart, Line, Panel, ReportPage, Section, Table
 from ..examination import ArmExamination
 from ..record import ArmRecord
 
-__all__ = ["build_arm_page", "build_file_table", "build_joint_table", "build_link_table", "draw_arm_charts"]
+__all__ = [
+    "build_arm_page",
+    "build_file_table",
+    "build_friction_table",
+    "build_joint_table",
+    "build_link_table",
+    "draw_arm_charts",
+]
 
 _STATES = {"as_simulated": "as simulated", "off": "off", "not_determined": "not determined"}
 _MOST_JOINTS = 8
@@ -25,21 +32,34 @@ def build_joint_table(record: ArmRecord) -> Table:
         names = ", ".join(effect.name for effect in joint.effects) or "–"
         fall = 1.0 - joint.error_model / max(joint.error_simulation, 1e-300)
         errors = (f"{value:.3g}" for value in (joint.error_simulation, joint.error_plain, joint.error_model))
-        coulomb, viscous = (joint.friction[name] for name in ("coulomb", "viscous"))
-        rows.append((joint.name, names, *errors, joint.unit, f"{fall:.0%}", _show(coulomb), _show(viscous)))
-    heads = ("joint", "left out", "simulation", "refitted", "this model", "unit", "fall", "Coulomb", "viscous")
-    return Table(
-        heads, tuple(rows), "Held-out RMS torque errors, and the friction that was fitted with 95 % intervals."
+        rows.append((joint.name, names, *errors, joint.unit, f"{fall:.0%}"))
+    heads = ("joint", "left out", "simulation", "refitted", "this model", "unit", "fall")
+    return Table(heads, tuple(rows), "Held-out RMS torque errors.")
+
+
+def build_friction_table(record: ArmRecord) -> Table:
+    """Plain friction, one joint a row."""
+    rows = tuple(
+        (joint.name, _show(joint.friction["coulomb"]), _show(joint.friction["viscous"])) for joint in record.joints
     )
+    return Table(("joint", "Coulomb", "viscous"), rows, "Friction that was fitted, with 95 % intervals.")
 
 
 def build_link_table(record: ArmRecord) -> Table:
     """One link a row."""
     rows = tuple(
-        (link.name, f"{link.simulated_mass:.4g}", f"{link.mass.value:.4g}", _range(link.mass), _STATES[link.state])
+        (
+            link.name,
+            f"{link.simulated_mass:.4g}",
+            f"{link.mass.value:.4g}",
+            _range(link.mass),
+            _STATES[link.state],
+            ", ".join(name for name in ("mass", "x", "y", "z") if name not in link.determined) or "–",
+        )
         for link in record.links
     )
-    return Table(("link", "simulated [kg]", "found [kg]", "95 %", "state"), rows, "What the links weigh.")
+    caption = "What the links weigh [kg], and which of mass and centre (x, y, z) this motion does not show."
+    return Table(("link", "simulated", "found", "95 %", "state", "not shown"), rows, caption)
 
 
 def build_file_table(record: ArmRecord) -> Table | None:
@@ -75,7 +95,7 @@ def build_arm_page(examination: ArmExamination, charts: Mapping[str, Chart], not
     """The page."""
     record = examination.record
     sections = [
-        Section("Joint by joint", (build_joint_table(record), charts["errors"])),
+        Section("Joint by joint", (build_joint_table(record), charts["errors"], build_friction_table(record))),
         *([Section("The written files", (files,))] if (files := build_file_table(record)) is not None else []),
         Section("Link by link", (build_link_table(record),)),
         Section("Before and after", (charts["residuals"],)),

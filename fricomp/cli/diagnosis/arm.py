@@ -144,7 +144,7 @@ def run_arm(
         FricompError: It cannot be examined, or the folder holds something else.
     """
     from fricomp.api.examine_arm import examine_arm
-    from fricomp.arm.output.page import build_file_table, build_joint_table, build_link_table
+    from fricomp.arm.output.page import build_file_table, build_friction_table, build_joint_table, build_link_table
     from fricomp.cli.answer import print_json
     from fricomp.cli.fleet import rich_table
     from fricomp.cli.terminal import console, progress
@@ -166,7 +166,7 @@ def run_arm(
         return found
     for number, sentence in enumerate(found.record.sentences):
         show.print(sentence, style="bold" if number == 0 else None, markup=False)
-    builders = (build_joint_table, build_file_table, build_link_table)
+    builders = (build_joint_table, build_friction_table, build_file_table, build_link_table)
     for table in (one for build in builders if (one := build(found.record)) is not None):
         show.print()
         show.print(rich_table(table))
