@@ -1,6 +1,7 @@
 """How strong a concealed effect is in its joint: its torque after a refit of the joint's base, over the noise.
 
-Rows are means over 0.1 s, as far as an arm's equations are compared. The base is dry and viscous friction both ways, a
+Rows are means over 0.1 s, as far as an arm's equations are compared, in which the joint never sticks: while it does, no
+equation of motion says what its torque is. The base is dry and viscous friction both ways, a
 Stribeck curve, the joint's acceleration, its gravity torque, and its whole rigid torque: what a refit of the links
 could make up for in this one joint, all others left aside.
 """
@@ -50,6 +51,8 @@ def measure_strength(
         * np.exp(-((run.velocity[:, joint] / base[joint, _PLACE["stribeck_velocity"]]) ** 2))
     )
     columns = np.column_stack([s, np.ones_like(s), speed, np.abs(speed), bend, a[:, joint], still, rigid])
+    slides = _average((run.velocity[:, joint] == 0.0).astype(np.float64)) == 0.0
+    columns, torque = columns[slides], torque[slides]
     left = torque - columns @ np.linalg.lstsq(columns, torque, rcond=None)[0]
     return float(np.sqrt(np.mean(left**2)) / np.sqrt(np.mean(_average(noise) ** 2)))
 

@@ -35,6 +35,10 @@ def _fall(one: JointOf) -> float:
     return after / max(before, 1e-300)
 
 
+def _cost(score: ArmScore) -> float:
+    return score.processor_seconds
+
+
 def compute_figures(scores: Sequence[ArmScore]) -> list[Figure[Any]]:
     """All figures; those of effects are of the clear ones, in clusters of an arm."""
     clear = list_concealed(scores, CLEAR)
@@ -75,6 +79,13 @@ def compute_figures(scores: Sequence[ArmScore]) -> list[Figure[Any]]:
             [score for score in scores if len(score.truth) > 1],
             lambda score: score.seconds,
             lambda value: value <= 150.0,
+        ),
+        measure_median(
+            "seconds of one core",
+            "–",
+            [score for score in scores if score.processor_seconds],
+            _cost,
+            lambda value: None,
         ),
         require_at_most("no answer", 0.0, scores, lambda score: bool(score.error)),
     ]

@@ -99,4 +99,8 @@ def _score_again(out: Path, row: Row) -> ArmScore:
     answer, diagnosis = (out / folder / f"{row['id']}.json" for folder in (_ANSWERS, _DIAGNOSES))
     if not (answer.exists() and diagnosis.exists()):
         return score
-    return score_arm(answer.read_bytes(), BlindAnswer(diagnosis.read_bytes(), b"", score.seconds, score.error))
+    return score_arm(answer.read_bytes(), _repeat(score, diagnosis.read_bytes()))
+
+
+def _repeat(score: ArmScore, diagnosis: bytes) -> BlindAnswer:
+    return BlindAnswer(diagnosis, b"", score.seconds, score.error, score.processor_seconds)

@@ -53,6 +53,7 @@ class ArmScore:
         friction: Coulomb and viscous friction of joints without an effect.
         errors: Held-out errors of each joint: of the simulation, and of the model.
         seconds: Of the whole command [s].
+        processor_seconds: Of one core that it took [s]; other work on the machine makes only `seconds` longer.
         error: Why there is no answer; empty where there is one.
     """
 
@@ -67,6 +68,7 @@ class ArmScore:
     errors: Mapping[str, tuple[float, float]]
     seconds: float
     error: str = ""
+    processor_seconds: float = 0.0
 
     def is_found(self, effect: TrueEffect) -> bool:
         """Whether something is named in the joint of an effect."""
@@ -123,6 +125,7 @@ def score_arm(answer: bytes, blind: BlindAnswer) -> ArmScore:
         errors={joint["name"]: (joint["error_simulation"], joint["error_model"]) for joint in said["joints"]},
         seconds=blind.seconds,
         error=blind.error,
+        processor_seconds=blind.processor_seconds,
     )
 
 

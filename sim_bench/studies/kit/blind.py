@@ -30,6 +30,7 @@ class BlindAnswer:
         diagnosis: Content of `diagnosis.json`; empty where there is none.
         motion: Content of the proposed motion's file; empty where none is proposed.
         seconds: Wall-clock time of the whole command, with the start of the interpreter [s].
+        processor_seconds: Time of one core that it took [s]; 0 where that is not known.
         error: What it wrote to stderr, where it failed.
     """
 
@@ -37,6 +38,7 @@ class BlindAnswer:
     motion: bytes
     seconds: float
     error: str
+    processor_seconds: float = 0.0
 
 
 Diagnose = Callable[[dict[str, bytes]], BlindAnswer]
@@ -62,10 +64,17 @@ def _diagnose(files: dict[str, bytes], module: str) -> BlindAnswer:
         folder = Path(place)
         for name, content in files.items():
             (folder / name).write_bytes(content)
-        start = time.perf_counter()
+        start, before = time.perf_counter(), _read_processor_time()
         error = _run(folder, module)
         seconds = time.perf_counter() - start
-        return BlindAnswer(_read(folder / "diagnosis.json"), _read(folder / "motion.csv"), seconds, error)
+        used = _read_processor_time() - before
+        return BlindAnswer(_read(folder / "diagnosis.json"), _read(folder / "motion.csv"), seconds, error, used)
+
+
+def _read_processor_time() -> float:
+    """Of the commands that this process started and that are over [s]."""
+    spent = os.times()
+    return spent.children_user + spent.children_system
 
 
 def _run(folder: Path, module: str) -> str:
