@@ -85,6 +85,8 @@ def test_normal_load_scales_dry_friction_only() -> None:
     dry = STRIBECK.torque(0.5) - 0.02 * 0.5
     assert law.torque(0.5, normal_load=30.0) == pytest.approx(3.0 * dry + 0.01, rel=1e-14)
     assert law.torque(0.5) == STRIBECK.torque(0.5)
+    symmetric = FrictionLaw((Stribeck(FORWARD, LoadScaling(1.0, 10.0)),))
+    assert symmetric.torque(-0.5, normal_load=30.0) == pytest.approx(-3.0 * dry - 0.01, rel=1e-14)
 
 
 def steady_torque(law: FrictionLaw, velocity: float, dt: float, steps: int) -> float:
