@@ -10,10 +10,12 @@ from fricomp.diagnosis.record.result import Quantity
 from fricomp.laws import FloatArray
 
 from .answer import ArmAnswer, TermEvidence
+from .elasticity import measure_stiffness
 from .equations import BoolArray
 from .friction import TERMS
 from .inertia import N_INERTIA, LinkCoordinates
 from .record import ARM_SCHEMA, ArmRecord, JointEffect, JointRecord, LinkRecord, LinkState
+from .shared_cause import say_shared_causes
 
 __all__ = ["write_record"]
 
@@ -85,6 +87,7 @@ def _describe_joint(answer: ArmAnswer, joint: int) -> JointRecord:
         error_simulation=float(answer.errors.simulation[joint]),
         error_plain=float(answer.errors.plain[joint]),
         error_model=float(answer.errors.model[joint]),
+        stiffness=measure_stiffness(found, joint),
     )
 
 
@@ -186,9 +189,15 @@ def _write_sentences(record: ArmRecord) -> tuple[str, ...]:
     )
     return (
         opening,
+        *say_shared_causes(record.joints),
         *(_say_joint(joint) for joint in record.joints),
         *(_say_link(link) for link in record.links if link.state == "off"),
         *_say_undetermined(record),
+        *(
+            f"The gear of {joint.name} gives way by {_show(joint.stiffness)}, as its two encoders show."
+            for joint in record.joints
+            if joint.stiffness is not None
+        ),
         *_say_signal(record),
     )
 

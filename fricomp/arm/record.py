@@ -100,6 +100,7 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
         error_plain: The same with links and rotors fitted as well.
         error_model: Of the whole model.
         files: Errors of the written files; None where the recording is too short for them.
+        stiffness: Of its gear, where the motor's position was recorded and the gear gives way.
     """
 
     name: str
@@ -111,6 +112,7 @@ class JointRecord(msgspec.Struct, frozen=True, kw_only=True):
     error_plain: float
     error_model: float
     files: FileErrors | None = None
+    stiffness: Quantity | None = None
 
 
 class LinkRecord(msgspec.Struct, frozen=True, kw_only=True):

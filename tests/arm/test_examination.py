@@ -106,3 +106,17 @@ def test_what_is_no_arm_is_refused(tmp_path: Path, change, message: str) -> None
     series: list[Recording] = record_arm(simulation, duration=5.0)
     with pytest.raises((RecordingError, FricompError), match=message):
         examine_arm(change(series), simulation)
+
+
+def test_a_gear_that_gives_way_has_a_stiffness_where_the_motor_has_an_encoder(tmp_path: Path) -> None:
+    """The motor of the elbow stands ahead of its joint by what the gear transmits over 3000 N·m/rad."""
+    simulation = write_arm(tmp_path)
+    series = record_arm(simulation)
+    load = np.asarray(series[1].torque) - 0.8 * np.sign(np.gradient(series[1].position)) - 0.0
+    series[1] = series[1].with_channels(motor_position=np.asarray(series[1].position) + load / 3000.0 + 0.2)
+    record = examine_arm(series, simulation).record
+    assert [joint.stiffness is None for joint in record.joints] == [True, False, True]
+    stiffness = record.joints[1].stiffness
+    assert stiffness is not None
+    assert stiffness.value == pytest.approx(3000.0, rel=0.05)
+    assert any(line.startswith("The gear of elbow gives way") for line in record.sentences)
