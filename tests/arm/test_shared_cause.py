@@ -13,8 +13,16 @@ def joint(name: str, *effects: str) -> JointRecord:
         for one in effects
     )
     rotor = Quantity(0.1, "kg·m²", (0.0, 0.2))
-    errors = {"error_simulation": 1.0, "error_plain": 0.8, "error_model": 0.4}
-    return JointRecord(name=name, unit="N·m", friction={}, effects=found, rotor_inertia=rotor, **errors)
+    return JointRecord(
+        name=name,
+        unit="N·m",
+        friction={},
+        effects=found,
+        rotor_inertia=rotor,
+        error_simulation=1.0,
+        error_plain=0.8,
+        error_model=0.4,
+    )
 
 
 def test_what_half_of_the_joints_show_is_told_once() -> None:
