@@ -37,6 +37,7 @@ def diagnose(
     seed: int = 0,
     names: Sequence[str] | None = None,
     payload: bool = False,
+    simulation_error: float | None = None,
     out: str | os.PathLike[str] | None = None,
     overwrite: bool = False,
     progress: Callable[[str], None] | None = None,
@@ -62,11 +63,14 @@ def diagnose(
             simulators that write no MJCF or URDF.
         controller: The loop that moved the joint, or its file. It is estimated where the reference was recorded; give
             it where the reference was not.
-        thorough: Take more nulls for the thresholds: for an answer near one of them. It takes longer.
-        seed: Of nulls and bootstraps; the same seed gives the same answer.
+        thorough: Repeat the whole diagnosis with other noise in its nulls, and say how often the names come again. The
+            answer stays the same; it takes four times as long.
+        seed: Of the bands of the report's maps; names, numbers and errors do not depend on it.
         names: What each recording is called in the answer; the names of their files if None.
         payload: With the recordings of all joints of an arm from one session: its simulation is right, but for what
             the arm carries at its end. Two sessions of an arm are compared for their payloads without it.
+        simulation_error: Relative standard deviation by which inertia and gravity of `simulation` may be off, 0.2 if
+            None: a smaller one if you trust it, a larger one for a first guess. Departures from it cost by this prior.
         out: Folder for the report, the record and the models, as the command writes it; nothing is written if None.
         overwrite: Replace the diagnosis that `out` holds already.
         progress: Called with a few words before each step.
@@ -87,13 +91,13 @@ def diagnose(
         "names": names or [_name_of(one, number) for number, one in enumerate(given, 1)],
     }  # fmt: skip
     if out is None:
-        return _diagnose([_load(one) for one in given], simulation, friction, simulated, settings)
+        return _diagnose([_load(one) for one in given], simulation, friction, simulated, settings, simulation_error)
     from fricomp.diagnosis.report import write_diagnosis
 
     paths = [simulation, friction, simulated, controller, *given]
     inputs = [Path(one) for one in paths if isinstance(one, str | os.PathLike)]
     with claim_folder(Path(out), DIAGNOSIS, overwrite=overwrite, inputs=inputs) as claim:
-        found = _diagnose([_load(one) for one in given], simulation, friction, simulated, settings)
+        found = _diagnose([_load(one) for one in given], simulation, friction, simulated, settings, simulation_error)
         claim.clear()
         into = Path(simulation) if isinstance(simulation, str | os.PathLike) else None
         write_diagnosis(found, out, simulation=into, joint=joint)
@@ -116,6 +120,7 @@ def _diagnose(
     friction: FrictionModel | str | os.PathLike[str] | None,
     simulated: Source | None,
     settings: dict[str, Any],
+    error: float | None = None,
 ) -> Diagnosis:
     """Compare with the simulation that was given as a file, as its own recording, or not at all."""
     if simulated is not None:
@@ -129,7 +134,7 @@ def _diagnose(
         return _compare_payloads(series, Path(simulation), settings["names"], payload=payload)
     model = load_model(friction) if isinstance(friction, str | os.PathLike) else friction
     joint = Path(simulation) if isinstance(simulation, str | os.PathLike) else simulation
-    return diagnose_joint(series, joint, friction=model, **settings)
+    return diagnose_joint(series, joint, friction=model, simulation_error=error, **settings)
 
 
 def _compare_payloads(

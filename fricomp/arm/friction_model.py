@@ -42,6 +42,10 @@ _MOST_PART = 0.95
 """Of the Coulomb level, from which all of it is taken to bend: what is left could not be told from none."""
 
 
+_MOST_PART = 0.95
+"""Of the Coulomb level, from which all of it is taken to bend: what is left could not be told from none."""
+
+
 def build_friction_model(found: ArmIdentification, joint: int) -> FrictionModel:
     """The friction law of a joint, with the range of the motion in which it was seen.
 

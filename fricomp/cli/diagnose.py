@@ -92,6 +92,12 @@ def diagnose(
         str | None,
         typer.Option(rich_help_panel="Simulation", help="Name of the joint; needed where the simulation has several."),
     ] = None,
+    simulation_error: Annotated[
+        float | None,
+        typer.Option(
+            rich_help_panel="Simulation", help="How far its inertia and gravity may be off: 0.2 for 20 %, as usual."
+        ),
+    ] = None,
     friction: Annotated[
         Path | None,
         typer.Option(rich_help_panel="Simulation", help="Friction model of the simulation (friction.json)."),
@@ -109,7 +115,7 @@ def diagnose(
     thorough: Annotated[
         bool,
         typer.Option(
-            "--thorough", rich_help_panel="Diagnosis", help="200 nulls instead of 32 for the thresholds; takes longer."
+            "--thorough", rich_help_panel="Diagnosis", help="Repeat it with other noise; say if the names stay."
         ),
     ] = False,
     each: Annotated[
@@ -131,9 +137,7 @@ def diagnose(
     payload: Payload = False,
     seed: Annotated[
         int,
-        typer.Option(
-            min=0, rich_help_panel="Diagnosis", help="Of nulls and bootstraps; the same seed gives the same answer."
-        ),
+        typer.Option(min=0, rich_help_panel="Diagnosis", help="Of the bands of the report; no answer depends on it."),
     ] = 0,
     schema: Annotated[
         bool,
@@ -159,7 +163,10 @@ def diagnose(
 
     require(*REPORT, "ruptures")
     require_folder(out)
-    options = {"thorough": thorough, "seed": seed, "joint": joint, "simulation": simulation}
+    options = {
+        "thorough": thorough, "seed": seed, "joint": joint, "simulation": simulation,
+        "simulation_error": simulation_error,
+    }  # fmt: skip
     given = {"friction": friction, "simulated": simulated, "controller": controller}
     fleet = FleetRun(executor, workers, resume, fail_if, as_json)
     if each or any(map(is_joint_table, recordings)):

@@ -31,7 +31,7 @@ from .search.late_creep import has_late_creep
 from .search.preparation import Baseline, prepare
 from .search.search import SearchResult, search
 from .verdict.experiment import propose_experiment
-from .verdict.judging import judge
+from .verdict.judging import Verdict, describe_repetitions, judge
 from .verdict.shared_effect import SimulationEffects
 from .verdict.writing import write_diagnosis, write_refusal
 
@@ -45,9 +45,11 @@ class StageSettings:
     """How the stages are run.
 
     Attributes:
-        nulls: Recordings with nothing missing that are simulated for the thresholds. The more there are, the better the
-            threshold is known that 98 % of them stay below, and the longer a diagnosis takes.
-        nulls_thorough: The same where it may take longer.
+        nulls: Recordings with nothing missing that are simulated for weights and thresholds. The more there are, the
+            better the threshold is known that 98 % of them stay below, and the longer a diagnosis takes.
+        draws: Seed of their noise. It is the same for every recording and every user (common random numbers), so that
+            chance does not decide between two answers to the same data.
+        other_draws: Whole diagnoses by other noise that a thorough one is held against.
         resting: Rest speed of the observer over the slowest speed that counts as sliding. Below it a model that rests
             is led back to the recorded position; a larger part would lead slow sliding back as well.
         slow_bandwidth: Bandwidth of the observer [rad/s] for recordings below some 300 Hz, whose steps a faster one
@@ -55,7 +57,8 @@ class StageSettings:
     """
 
     nulls: int = 32
-    nulls_thorough: int = 200
+    draws: int = 0
+    other_draws: int = 3
     resting: float = 0.6
     slow_bandwidth: float = 30.0
 
@@ -73,6 +76,7 @@ def diagnose(
     thorough: bool = False,
     seed: int = 0,
     names: Sequence[str] | None = None,
+    simulation_error: float | None = None,
     progress: Progress | None = None,
 ) -> Diagnosis:
     """Say what a simulation of a joint leaves out, from recordings of the real one.
@@ -84,9 +88,12 @@ def diagnose(
         joint: Name of the joint in the simulation and in the recordings; None where there is only one.
         friction: Friction model that is compared; None to identify it from the recordings.
         controller: The loop that moved the joint; None to estimate it where the reference was recorded.
-        thorough: Use more nulls for the thresholds.
-        seed: Of the nulls and bootstraps; the same seed gives the same answer.
+        thorough: Repeat the whole diagnosis with other noise in its nulls, and say how often the names come again. The
+            answer stays the same.
+        seed: Of the bands of the report's maps; names, numbers and errors do not depend on it.
         names: What each recording is called in the answer; None to count them.
+        simulation_error: Relative standard deviation by which inertia and gravity of the simulation may be off, 0.2
+            where it is None. Departures from the simulation cost by it.
         progress: Called with a few words before each step.
 
     Raises:
@@ -103,7 +110,10 @@ def diagnose(
             "compare payloads"
         )
     _report(progress, "checking the data")
-    given = read_given(series, simulation, joint=joint, friction=friction, controller=controller, names=names)
+    given = read_given(
+        series, simulation, joint=joint, friction=friction, controller=controller, names=names,
+        simulation_error=simulation_error,
+    )  # fmt: skip
     return diagnose_given(given, thorough=thorough, seed=seed, progress=progress)
 
 
@@ -120,8 +130,8 @@ def diagnose_given(
     Args:
         given: Recordings and what they are compared with.
         simulated: Effects that the simulation has itself; None where nobody looked for them.
-        thorough: Use more nulls for the thresholds.
-        seed: Of the nulls and bootstraps.
+        thorough: Repeat the whole diagnosis with other noise, and say how often the names come again.
+        seed: Of the bands of the report's maps.
         progress: Called with a few words before each step.
 
     Raises:
@@ -138,29 +148,53 @@ def _run_stages(
     told = () if simulated is None else simulated.remarks
     if given.reasons:
         return write_refusal(given, given.reasons, told)
-    tracks = _build_tracks(given)
-    base = partial(prepare, tracks, observer=_choose_observer(given, tracks), seed=seed, rigid=given.rigid)
-    base = partial(base, nulls=SETTINGS.nulls_thorough if thorough else SETTINGS.nulls)
     try:
+        base = _choose_base(given, SETTINGS.draws)
         _report(progress, "fitting the base model and simulating nulls")
         baseline = base()
         reasons = _check_inertia(given, baseline)
         if reasons:
             return write_refusal(given, reasons, told)
         baseline, found = _search(baseline, base, progress)
-        _report(progress, "confirming on held-out data")
-        case = Case(given.recordings, baseline, found, given.rigid, given.friction, seed)
-        findings = collect_findings(prefer_simulation(case))
-        sample = look_into_samples(findings)
-        verdict = judge(findings, sample, simulated)
+        case = Case(given.recordings, baseline, found, given.rigid, given.friction, SETTINGS.draws, seed)
+        findings, verdict = _judge_case(case, simulated, progress)
+        others = _repeat_with_other_noise(given, simulated, progress) if thorough else ()
+        remarks = (*given.remarks, *describe_repetitions(verdict, others))
         if verdict.sample is not None:
-            return write_diagnosis(findings, verdict, remarks=given.remarks)
+            return write_diagnosis(findings, verdict, remarks=remarks)
         proposal = propose_experiment(findings)
         _report(progress, "simulating forward in MuJoCo")
         forward = _simulate_forward(given, findings)
-        return write_diagnosis(findings, verdict, proposal, forward, given.remarks)
+        return write_diagnosis(findings, verdict, proposal, forward, remarks)
     except (np.linalg.LinAlgError, FloatingPointError, ParameterError) as error:
         raise DiagnosisError(f"the recording cannot be explained by any joint model: {error}") from error
+
+
+def _choose_base(given: Given, draws: int) -> Callable[..., Baseline]:
+    """What fits the base to the recordings, with this seed of the nulls' noise."""
+    tracks = _build_tracks(given)
+    base = partial(prepare, tracks, observer=_choose_observer(given, tracks), seed=draws, rigid=given.rigid)
+    return partial(base, nulls=SETTINGS.nulls)
+
+
+def _judge_case(case: Case, simulated: SimulationEffects | None, progress: Progress | None) -> tuple[Findings, Verdict]:
+    """Collect the evidence, and judge it."""
+    _report(progress, "confirming on held-out data")
+    findings = collect_findings(prefer_simulation(case))
+    return findings, judge(findings, look_into_samples(findings), simulated)
+
+
+def _repeat_with_other_noise(
+    given: Given, simulated: SimulationEffects | None, progress: Progress | None
+) -> tuple[Verdict, ...]:
+    """Judge the same recordings by nulls of other noise."""
+    verdicts = []
+    for draws in range(SETTINGS.draws + 1, SETTINGS.draws + 1 + SETTINGS.other_draws):
+        base = _choose_base(given, draws)
+        baseline, found = _search(base(), base, progress)
+        case = Case(given.recordings, baseline, found, given.rigid, given.friction, draws)
+        verdicts.append(_judge_case(case, simulated, progress)[1])
+    return tuple(verdicts)
 
 
 def _report(progress: Progress | None, words: str) -> None:

@@ -59,8 +59,8 @@ def diagnose_against(
         simulated: What the simulator recorded; it needs no noise.
         joint: Name of the joint in the recordings; None to take any.
         controller: The loop that moved the real joint; None to estimate it where the reference was recorded.
-        thorough: Use more nulls for the thresholds.
-        seed: Of noise, nulls and bootstraps; the same seed gives the same answer.
+        thorough: Repeat the whole diagnosis with other noise, and say how often the names come again.
+        seed: Of the bands of the report's maps; names, numbers and errors do not depend on it.
         names: What each recording is called in the answer; None to count them.
         progress: Called with a few words before each step.
 
@@ -73,7 +73,7 @@ def diagnose_against(
     alike = _have_one_unit(simulated, series)
     if progress is not None:
         progress("reading the simulation from its recording")
-    known = read_simulated(simulated, series, seed=seed, progress=progress)
+    known = read_simulated(simulated, series, progress=progress)
     friction = known.friction if alike else None
     given = read_given(series, known.rigid, joint=joint, friction=friction, controller=controller, names=names)
     remarks = (*known.remarks, *compare_motions(series, simulated))

@@ -46,7 +46,7 @@ def _lag(torque: float, dt: float, s: Record, p: Record) -> float:
 
 @compile_cached
 def _compute_gain(torque: float, s: Record, p: Record) -> float:
-    """Torque after saturation, supply and winding."""
+    """Torque after saturation, supply and winding, and a torque constant that waves with the angle."""
     if p.saturation > 0.0:
         x = p.saturation * torque * torque  # relative loss to first order
         torque = torque * (1.0 - x) if p.saturation_form == 0.0 else torque / np.sqrt(1.0 + 2.0 * x)
@@ -54,6 +54,9 @@ def _compute_gain(torque: float, s: Record, p: Record) -> float:
         torque *= 1.0 - min(p.sag * abs(torque * s.velocity), 0.6)
     if p.winding_loss > 0.0:
         torque *= 1.0 - min(p.winding_loss * s.winding, 0.6)
+    if p.torque_ripple > 0.0:
+        angle = p.ripple_order * s.position + p.ripple_phase
+        torque *= 1.0 + p.torque_ripple * (np.cos(angle) + p.ripple_second * np.cos(2.0 * angle))
     return float(torque)
 
 

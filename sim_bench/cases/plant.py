@@ -53,6 +53,7 @@ _TRANSMISSION = {
 }  # fmt: skip
 _DRIVE = {
     "saturation": 0.0, "saturation_form": 0.0, "sag": 0.0, "drive_lag": 0.0, "drive_order": 1.0,
+    "torque_ripple": 0.0, "ripple_order": 100.0, "ripple_phase": 0.0, "ripple_second": 0.0,
     "rate_limit": 0.0, "dead_band": 0.0, "derating": 0.0, "derating_time": 20.0, "derating_floor": 0.4,
 }  # fmt: skip
 _SENSOR = {"eccentricity": 0.0, "eccentricity_order": 1.0, "eccentricity_phase": 0.0}

@@ -14,9 +14,9 @@ from fricomp.diagnosis.evidence.case import Case
 from fricomp.diagnosis.evidence.comparison import Comparison
 from fricomp.diagnosis.evidence.confirmation import Confirmation
 from fricomp.diagnosis.evidence.findings import Findings
-from fricomp.diagnosis.evidence.gates import Trial
 from fricomp.diagnosis.evidence.location import collect_rows
 from fricomp.diagnosis.evidence.refitted import RefittedJoint
+from fricomp.diagnosis.evidence.trial import Trial
 from fricomp.diagnosis.inputs.track import FloatArray, Track
 from fricomp.diagnosis.joint.base import pack
 from fricomp.diagnosis.joint.nulls import Nulls
@@ -124,6 +124,7 @@ def known_findings(baseline: Baseline, case: Case | None = None, **more: Any) ->
         held=Confirmation(1.0, 1.0, 1.0, (0.0, 0.0), 0.0),
         noise_ratio=1.0,
         comparison=Comparison(),
+        shift_shares={},
         parts=(),
         effects=(),
         lag=None,

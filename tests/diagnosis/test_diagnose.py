@@ -8,11 +8,11 @@ import pytest
 
 from fricomp.diagnosis import RigidJoint, diagnose
 from fricomp.diagnosis.effects.structure import Candidate
-from fricomp.diagnosis.evidence.agreement import hold
 from fricomp.diagnosis.joint.loading import build_tracks
 from fricomp.diagnosis.joint.observer import Observer
 from fricomp.diagnosis.search.preparation import prepare
 from fricomp.diagnosis.search.refit import fit_from
+from fricomp.diagnosis.search.simulated_body import hold
 from fricomp.model import decode_model, encode_model
 
 from .toy_joint import ToyJoint, recording

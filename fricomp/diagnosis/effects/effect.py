@@ -53,6 +53,10 @@ class EffectParameter:
         least_form: What such a law leaves however small the number is, in the solver's coordinates.
         with_delay: How it changes with the base's own delay where the recording stays as it is [1/s]: rows show a time
             by which the torque is late, and next to nothing of who makes it late.
+        null: Value at which the effect is not there, of a number in which the contribution is not linear; None where
+            it has none.
+        searched: Whether its domain ends where the search ends, and not where physics does: a fit that stands there
+            is no answer.
     """
 
     name: str
@@ -67,6 +71,13 @@ class EffectParameter:
     form: float | None = None
     least_form: float = 0.0
     with_delay: float = 0.0
+    null: float | None = None
+    searched: bool = False
+
+    def is_at_end(self, value: float) -> bool:
+        """Whether a value stands where the search of it ends, in the solver's coordinates."""
+        margin = EFFECT.at_bound * (self.upper - self.lower)
+        return (self.linear or self.searched) and not self.lower + margin < value < self.upper - margin
 
     def compute_form_deviation(self, value: float) -> float:
         """Standard deviation that the law's form leaves, in the solver's coordinates."""
@@ -94,6 +105,8 @@ class Effect(ABC):
         gain_share: Factor on the gain of explanations with it. It is less than 1 for an effect that can imitate others,
             or has more forms than they.
         imitates_others: Whether it can imitate effects of any form, so that what it adds completes no explanation.
+        form_of_friction: Whether it is the form of the joint's own friction: beside another effect that covers the
+            mismatch it is a remark, and no second effect.
         viscous_exponent: Parameter that is the exponent of a curve over speed, for an effect that may take the place
             of all viscous friction; empty for others.
     """
@@ -111,6 +124,7 @@ class Effect(ABC):
     wave: ClassVar[Literal["", "torque", "friction"]] = ""
     gain_share: ClassVar[float] = 1.0
     imitates_others: ClassVar[bool] = False
+    form_of_friction: ClassVar[bool] = False
     viscous_exponent: ClassVar[str] = ""
 
     @abstractmethod

@@ -6,23 +6,20 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import islice, product
 
-import numpy as np
-
 from ..effects import EFFECTS, Context
 from ..effects.structure import N_BASE, Candidate
 from ..inputs.rigid import RigidJoint
-from ..inputs.track import FloatArray
-from ..joint.solver import Box
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from ..search.refit import compute_preference, fit_from, polish
 from ..search.search import SearchResult
 from ..search.settings import SEARCH
+from ..search.simulated_body import hold, move_to
 from .alias import is_as_good, list_alternatives, list_printed_rivals
 from .comparison import AGREES, NAMED, Tolerances
 from .settings import AGREEMENT, ALIASES
 
-__all__ = ["hold", "move_to", "prefer_agreeing"]
+__all__ = ["prefer_agreeing"]
 
 _BENT = "needs another inertia or gravity than the simulation's"
 
@@ -129,31 +126,6 @@ def _fit_held(baseline: Baseline, near: Sequence[Explanation], rigid: RigidJoint
     return fit_from(baseline, wanted, box)
 
 
-def move_to(body: FloatArray, theta: FloatArray, contexts: Sequence[Context]) -> FloatArray:
-    """The base `theta` with the log inertia and gravity of `body`, shape (3,), and the same mean torque. Shape (p,).
-
-    Over a short range gravity is nearly constant, and what it was taken to be too large stands in the offset. A fit
-    that starts there finds its way back by bending the friction instead.
-    """
-    position = np.concatenate([context.position for context in contexts])
-    less = theta[1:3] - body[1:3]
-    result: FloatArray = np.concatenate([body, theta[3:]])
-    result[3] += float(np.mean(less[0] * np.cos(position) + less[1] * np.sin(position)))
-    return result
-
-
 def _list_other_forms(contexts: Sequence[Context], name: str) -> list[Candidate]:
     starts = EFFECTS[name].propose_other_starts(contexts)
     return [Candidate(name, tuple(start.items())) for start in starts if any(start.values())]
-
-
-def hold(box: Box, rigid: RigidJoint) -> Box:
-    """`box` with a narrow prior on inertia and gravity.
-
-    About a vertical axis there is no gravity, and one held to exactly nothing would drown all else that is fitted.
-    """
-    gravity = AGREEMENT.held * max(float(np.hypot(*rigid.gravity)), AGREEMENT.least_gravity * float(box.scale[1]))
-    centre: FloatArray = np.concatenate([[np.log(rigid.inertia), *rigid.gravity], box.centre[3:]])
-    precision = box.precision.copy()
-    precision[range(3), range(3)] = np.array([AGREEMENT.held, gravity, gravity]) ** -2.0
-    return replace(box, centre=centre, precision=precision)

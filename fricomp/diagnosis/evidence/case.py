@@ -36,7 +36,8 @@ class Case:
         found: What the search found.
         rigid: Inertia, gravity and spring of the simulation; None where none was given.
         friction: Friction model that was given; None where none was.
-        seed: Of bootstraps and samples.
+        seed: Of bootstraps and samples; the same for every recording.
+        bands: Seed of the bands of the report's maps, which decide nothing.
         instead: Effects that explain, with the simulation as given, as much as another inertia or gravity.
     """
 
@@ -46,6 +47,7 @@ class Case:
     rigid: RigidJoint | None
     friction: FrictionModel | None
     seed: int
+    bands: int = 0
     instead: tuple[str, ...] = ()
 
     @property

@@ -18,6 +18,32 @@ __all__ = ["Confirmation", "compute_covariance", "confirm"]
 
 
 @dataclass(frozen=True)
+class PlainErrors:
+    """Held-out root mean squares of rows in which every row counts alike, as a user would compute them [N·m].
+
+    Attributes:
+        before: Of the base.
+        after: With the effects.
+        floor: Of nulls.
+    """
+
+    before: float
+    after: float
+    floor: float
+
+    @property
+    def reduction(self) -> float:
+        """Part of the error that goes."""
+        return 1.0 - self.after / max(self.before, 1e-30)
+
+    @property
+    def explained(self) -> float:
+        """Part of the energy above the floor that goes."""
+        above = self.before**2 - min(self.floor, self.after) ** 2
+        return (self.before**2 - self.after**2) / above if above > 0.0 else 0.0
+
+
+@dataclass(frozen=True)
 class Confirmation:
     """Held-out errors: root mean squares of rows over their own noise, in that of a typical row.
 
@@ -29,6 +55,7 @@ class Confirmation:
         noise_floor: Of nulls [N·m].
         ci95_reduction: Interval of 1 - after / before.
         explained: Part of the weighted energy above the floor that is removed.
+        plain: The same errors without any weights.
     """
 
     rmse_before: float
@@ -36,6 +63,7 @@ class Confirmation:
     noise_floor: float
     ci95_reduction: tuple[float, float]
     explained: float
+    plain: PlainErrors = PlainErrors(0.0, 0.0, 0.0)
 
 
 def confirm(baseline: Baseline, structure: Structure, fit: Fit, seed: int, *, given: Fit | None = None) -> Confirmation:
@@ -76,7 +104,20 @@ def confirm(baseline: Baseline, structure: Structure, fit: Fit, seed: int, *, gi
         noise_floor=floor,
         ci95_reduction=(float(low), float(high)),
         explained=float(np.clip(explained, 0.0, 1.0)),
+        plain=_measure_plain(baseline, structure, before, after),
     )
+
+
+def _measure_plain(baseline: Baseline, structure: Structure, before: FloatArray, after: FloatArray) -> PlainErrors:
+    """Errors of rows without weights: of those that slide, or of all where an effect shows about rest."""
+    own = baseline.nulls.weights
+    weights = own if baseline.problem.weights is None else baseline.problem.weights
+    at_rest = any(candidate.effect.shown_at_rest for candidate in structure.candidates)
+    rows = np.ones(before.size, dtype=bool) if at_rest else baseline.sliding
+    nulls = [np.mean(null[rows] ** 2) for null in map(np.concatenate, map(own.unweigh, baseline.null_residuals))]
+    sides = [np.concatenate(weights.unweigh(side))[rows] for side in (before, after)]
+    rms = [float(np.sqrt(np.mean(side**2))) for side in sides]
+    return PlainErrors(rms[0], rms[1], float(np.sqrt(np.mean(nulls))))
 
 
 def _measure_typical_noise(baseline: Baseline) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,11 +21,13 @@ from .case import Case, compare_given, fit_given, share_between
 from .comparison import PLAIN, UNEXPLAINED, Comparison, Shift, Tolerances, compute_tolerances
 from .confirmation import Confirmation, confirm
 from .effect_evidence import EffectEvidence, measure_effects
-from .gates import Trial, find_vibration, put_to_trial, stands_out
+from .gates import find_vibration, stands_out
 from .in_place import prefer_in_place
 from .location import collect_rows, find_change_points, locate, map_excess
 from .refitted import RefittedJoint
+from .repetition import refit_parts
 from .settings import LOCATION
+from .trial import Trial, put_to_trial
 from .velocity_lag import find_velocity_lag
 
 __all__ = ["Findings", "collect_findings", "prefer_simulation"]
@@ -42,6 +46,7 @@ class Findings:
         held: Errors on held-out data.
         noise_ratio: Residual of the base over its noise.
         comparison: What differs from the given simulation and friction.
+        shift_shares: Part of the repetitions in which each difference from what was given comes again, by name.
         parts: Part of each of those shifts in what putting them right explains; empty where the errors are counted from
             the refitted base, and not from the base as given.
         effects: Evidence for each chosen effect.
@@ -62,6 +67,7 @@ class Findings:
     held: Confirmation
     noise_ratio: float
     comparison: Comparison
+    shift_shares: Mapping[str, float]
     parts: tuple[float, ...]
     effects: tuple[EffectEvidence, ...]
     lag: Shift | None
@@ -149,16 +155,26 @@ def collect_findings(case: Case) -> Findings:
         held=held,
         noise_ratio=_compute_noise_ratio(baseline, trial, held),
         comparison=comparison,
+        shift_shares=_repeat_comparison(case, chosen, _choose_tolerances(baseline, trial, unknown)),
         parts=() if given is None else share_between(case, names),
         effects=effects,
         lag=find_velocity_lag(case.recordings),
         location=location,
         series=series,
-        maps=map_excess(series, case.seed),
+        maps=map_excess(series, case.bands),
         orders={"order": spectrum.order, "energy": spectrum.energy},
         change_points=find_change_points(series),
         told_apart=compare_effects(baseline, found.first),
     )
+
+
+def _repeat_comparison(case: Case, chosen: Explanation | None, tolerances: Tolerances) -> Mapping[str, float]:
+    """Compare again with what was given, on parts of the rows; nothing where nothing was given."""
+    if case.rigid is None and case.friction is None:
+        return {}
+    joints = refit_parts(case.baseline, chosen)
+    names = [shift.name for joint in joints for shift in compare_given(case, joint, tolerances).shifts]
+    return {name: count / len(joints) for name, count in Counter(names).items()}
 
 
 def _choose_tolerances(baseline: Baseline, trial: Trial, unknown: bool) -> Tolerances:

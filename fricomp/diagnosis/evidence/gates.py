@@ -2,47 +2,14 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
 from ..search.search import SearchResult
 from ..search.tone import Tone, find_tone
-from .confirmation import Confirmation, confirm
+from .confirmation import Confirmation
 from .settings import GATES
 
-__all__ = ["Trial", "covers", "find_vibration", "is_confirmed", "put_to_trial", "stands_out"]
-
-
-class Trial(NamedTuple):
-    """The best explanation on held-out data.
-
-    Attributes:
-        chosen: It; None where there is none that covers the mismatch, or the held-out error does not fall for sure.
-        failed: It, where the held-out error does not fall for sure; else None.
-        held: Held-out errors with what was chosen; None where nothing was.
-    """
-
-    chosen: Explanation | None = None
-    failed: Explanation | None = None
-    held: Confirmation | None = None
-
-
-def put_to_trial(baseline: Baseline, found: SearchResult, seed: int) -> Trial:
-    """Confirm the best explanation, where it covers the mismatch and is what its names say: no one part that ripples
-    torque and friction, no other curve over speed.
-
-    Args:
-        baseline: The base fitted to the recordings, with its nulls.
-        found: Explanations, best first.
-        seed: Of the bootstrap.
-    """
-    best = found.best
-    if best is None or not covers(best, found, baseline) or best.common_order is not None or best.foreign_curve:
-        return Trial()
-    held = confirm(baseline, best.structure, best.fit, seed, given=best.before)
-    sure = is_confirmed(held, best, found.threshold, baseline.measure_loudness(best.fit))
-    return Trial(chosen=best, held=held) if sure else Trial(failed=best)
+__all__ = ["covers", "find_vibration", "is_confirmed", "stands_out"]
 
 
 def covers(best: Explanation, found: SearchResult, baseline: Baseline) -> bool:

@@ -14,7 +14,7 @@ from ..search.explanation import Explanation, compute_evidence, judge
 from ..search.preparation import Baseline
 from ..search.refit import fit_from
 from ..search.screening import screen
-from .agreement import move_to
+from ..search.simulated_body import move_to
 from .alias import is_as_good
 from .case import Case, compare_given
 from .comparison import PLAIN, compute_body_strays

@@ -15,8 +15,10 @@ __all__ = [
     "GATES",
     "IN_PLACE",
     "LOCATION",
+    "NEEDS",
     "OVERTONES",
     "PARAMETERS",
+    "REPETITIONS",
     "VELOCITY",
     "AgreementSettings",
     "AliasSettings",
@@ -24,8 +26,10 @@ __all__ = [
     "GateSettings",
     "InPlaceSettings",
     "LocationSettings",
+    "NeedSettings",
     "OvertoneSettings",
     "ParameterSettings",
+    "RepetitionSettings",
     "VelocitySettings",
 ]
 
@@ -124,6 +128,51 @@ class GateSettings:
 
 
 @dataclass(frozen=True)
+class NeedSettings:
+    """What a name needs besides a gain.
+
+    Attributes:
+        sure: Probability of the region of an effect's numbers that must not hold its absence.
+        share: Share of the repetitions in which a name must come again. Below it, it is told as a remark.
+        plain: Part of the held-out energy above the noise, each row counting alike, that must go.
+    """
+
+    sure: float = 0.95
+    share: float = 0.9
+    plain: float = 0.5
+
+
+@dataclass(frozen=True)
+class RepetitionSettings:
+    """How often and by which rows names are chosen again.
+
+    Attributes:
+        blocks: Repetitions that leave out blocks at random.
+        cuts: Repetitions that leave out a part in one piece: the start, the end, or between.
+        block: Rows of a block (2 s), longer than rows remember.
+        fewest_blocks: Blocks that are drawn from at least, in short recordings too.
+        left_out: Part of the rows that a repetition leaves out. With half of them left out a weak effect that is there
+            would go as often as one that is not.
+        explanations: Explanations that are chosen from, best first, with all parts of the chosen one.
+        near: Part of the best gain that such an explanation must have.
+        ridge: Added to the squares of an orthonormal basis, for columns that all lie in what is left out.
+        longest_step: Longest step of a parameter in its scale, as far as the linearised refit is trusted.
+        seed: Of the blocks and of the nulls that are drawn; the same for every recording.
+    """
+
+    blocks: int = 40
+    cuts: int = 20
+    block: int = 100
+    fewest_blocks: int = 20
+    left_out: float = 0.2
+    explanations: int = 12
+    near: float = 0.5
+    ridge: float = 1e-3
+    longest_step: float = 1.0
+    seed: int = 0
+
+
+@dataclass(frozen=True)
 class AliasSettings:
     """When two explanations fit about as well.
 
@@ -142,19 +191,12 @@ class AgreementSettings:
     """How explanations that leave the given simulation as it is are looked for.
 
     Attributes:
-        held: Relative deviation of inertia and gravity that are held at those of the simulation: narrow beside any
-            error that matters, and wide enough for a fit to move.
-        least_gravity: Least gravity whose deviation is held, in the scale by which the base measures gravity: a
-            fiftieth of friction or of gravity itself. About a vertical axis there is none, and one held to exactly
-            nothing would drown all else that is fitted.
         near: Part of the best gain from which another explanation is tried with the simulation's parameters too.
         most_near: Explanations that are tried so. Each costs a fit for every form of its effects.
         most_starts: Forms of its effects from which each of them is fitted.
         hides: Energy that a fit may have hidden in inertia and gravity, in units of what it leaves unexplained.
     """
 
-    held: float = 0.002
-    least_gravity: float = 0.4
     near: float = 0.9
     most_near: int = 2
     most_starts: int = 4
@@ -296,6 +338,8 @@ CONFIRMATION = ConfirmationSettings()
 GATES = GateSettings()
 IN_PLACE = InPlaceSettings()
 LOCATION = LocationSettings()
+NEEDS = NeedSettings()
 OVERTONES = OvertoneSettings()
 PARAMETERS = ParameterSettings()
+REPETITIONS = RepetitionSettings()
 VELOCITY = VelocitySettings()

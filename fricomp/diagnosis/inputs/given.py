@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
+from fricomp.errors import DiagnosisError
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
 from fricomp.recording.parts.parts import UsableParts
@@ -51,6 +52,7 @@ def read_given(
     friction: FrictionModel | None = None,
     controller: Controller | None = None,
     names: Sequence[str] | None = None,
+    simulation_error: float | None = None,
 ) -> Given:
     """Read the simulation and check the recordings.
 
@@ -61,12 +63,18 @@ def read_given(
         friction: Friction model that is compared.
         controller: The loop that moved the joint; None to estimate it.
         names: What each recording is called; None to count them.
+        simulation_error: Relative standard deviation by which inertia and gravity of the simulation may be off; None
+            for the usual one.
 
     Raises:
-        DiagnosisError: The simulation cannot be read.
+        DiagnosisError: The simulation cannot be read, or its error is not positive.
     """
     called = tuple(names or (f"recording {i + 1}" for i in range(len(recordings))))
     rigid = read_simulation(simulation, joint) if isinstance(simulation, str | Path) else simulation
+    if simulation_error is not None and not simulation_error > 0.0:
+        raise DiagnosisError(f"simulation_error is {simulation_error:g}; give a positive share, such as 0.2 for 20 %")
+    if rigid is not None and simulation_error is not None:
+        rigid = replace(rigid, error=simulation_error)
     usable = take_usable(recordings, joint)
     reasons = [*usable.reasons, *(kind_against(recordings, rigid.rotary) if rigid else ())]
     if reasons:

@@ -53,6 +53,8 @@ class RigidJoint:
         spring: Spring between the joint and its base; None where there is none.
         covariance: Covariance of log inertia, gravity, offset and both friction curves, in the order of the diagnosis'
             base, where all of them were read off a recording; None where they are exact. Shape (12, 12).
+        error: Relative standard deviation by which inertia and gravity may be off before any recording is looked at:
+            the prior that departures from the simulation cost by.
     """
 
     inertia: float
@@ -63,6 +65,7 @@ class RigidJoint:
     rotary: bool
     spring: Spring | None = None
     covariance: FloatArray | None = field(default=None, compare=False)
+    error: float = 0.2
 
 
 def read_simulation(path: str | Path, joint: str | None = None) -> RigidJoint:

@@ -186,9 +186,9 @@ class BaseModel:
         centre[4] = centre[8] = level
         weight = np.zeros(start.size)
         if known is not None:
-            weight[0] = 1.0 / JOINT.simulation_spread
+            weight[0] = 1.0 / known.error
             centre[1:3] = known.gravity
-            weight[1:3] = 1.0 / (JOINT.simulation_spread * max(float(np.hypot(*known.gravity)), level))
+            weight[1:3] = 1.0 / (known.error * max(float(np.hypot(*known.gravity)), level))
         for i in (6, 10):
             centre[i] = np.log(0.05 * top_speed)
             weight[i] = 1.0 / 1.5

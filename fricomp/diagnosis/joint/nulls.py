@@ -18,7 +18,7 @@ from .problem import Problem, Weights, improve_track
 from .settings import JOINT
 from .step_answer import StepAnswer, simulate_step_answers
 
-__all__ = ["Nulls", "make_nulls"]
+__all__ = ["Nulls", "compute_row_spread", "make_nulls"]
 
 
 @dataclass(frozen=True)
@@ -195,13 +195,13 @@ def _draw_null(
 
 def _build_weights(rows: Sequence[FloatArray], presliding: Sequence[FloatArray]) -> Weights:
     mean = tuple(r.mean(axis=0) for r in rows)
-    noise = [_compute_row_spread(r, m) for r, m in zip(rows, mean, strict=True)]
+    noise = [compute_row_spread(r, m) for r, m in zip(rows, mean, strict=True)]
     spread = tuple(np.hypot(s, JOINT.law_doubt * p) for s, p in zip(noise, presliding, strict=True))
     unit = [(r - m) / s for r, m, s in zip(rows, mean, noise, strict=True)]
     return Weights(mean, spread, _build_whitener(unit))
 
 
-def _compute_row_spread(rows: FloatArray, mean: FloatArray) -> FloatArray:
+def compute_row_spread(rows: FloatArray, mean: FloatArray) -> FloatArray:
     """Spread of each row, steadied by its neighbours; half of the nulls' own bias counts as uncertain."""
     spread = np.hypot(rows.std(axis=0, ddof=1), 0.5 * mean)
     steady = 0.5 * np.maximum(spread, median_filter(spread, 5)) + 0.5 * uniform_filter1d(spread, 3)

@@ -9,6 +9,7 @@ from itertools import cycle
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion
+from scipy.signal import lfilter
 
 from ..inputs.track import FloatArray, Track, differentiate
 from .base import unpack
@@ -40,6 +41,11 @@ class Weights:
         """Rows of all recordings as one vector of about unit variance."""
         parts = [(r - m) / s for r, m, s in zip(rows, self.mean, self.spread, strict=True)]
         return np.concatenate([np.convolve(self.whitener, part)[: part.size] for part in parts])
+
+    def unweigh(self, vector: FloatArray) -> list[FloatArray]:
+        """Rows of each recording, about their mean [N·m], of a weighted vector. Shapes (n_rows,)."""
+        parts = np.split(vector, np.cumsum([one.size for one in self.spread])[:-1])
+        return [lfilter([1.0], self.whitener, part) * s for part, s in zip(parts, self.spread, strict=True)]
 
     def whiten(self, columns: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Columns of one recording's rows through the whitening filter, which starts from nothing. Shape (n, k)."""

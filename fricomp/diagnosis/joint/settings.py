@@ -55,9 +55,6 @@ class JointSettings:
     at_bound_share: float = 0.9
     """Part of the largest delay at which the base counts as standing at its bound, so that effects which may hide
     behind it are fitted."""
-    simulation_spread: float = 0.3
-    """Relative standard deviation by which inertia and gravity of a simulation bind the base: a payload of that
-    size is found before any physics."""
     asymmetry_spread: float = 0.2
     """Standard deviation of the difference of both Coulomb torques, in their mean. Sliding shows it only together
     with the offset; a larger one lets the two trade."""

@@ -180,6 +180,9 @@ class DiagnosisRecord(msgspec.Struct, frozen=True, kw_only=True):
         base: Parameters of the refitted base model.
         changes: Parameters of the given simulation that the refit moved.
         rivals: Explanations that were weighed, best first.
+        probability: Of each name that came up, of "nothing" and of "unknown": how often the answer comes again on parts
+            of the rows, as far as that has been right on joints whose answer is known. Names below the bar are not
+            among the effects.
         distinguishability: Which effects this recording could tell apart.
         recordings: Names of the recordings.
         joint: Name of the joint.
@@ -199,6 +202,7 @@ class DiagnosisRecord(msgspec.Struct, frozen=True, kw_only=True):
     base: dict[str, Quantity] = {}
     changes: tuple[Change, ...] = ()
     rivals: tuple[Rival, ...] = ()
+    probability: dict[str, float] = {}
     distinguishability: Distinguishability | None = None
     recordings: tuple[str, ...] = ()
     joint: str = ""

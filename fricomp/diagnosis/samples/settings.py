@@ -32,6 +32,7 @@ class LookSettings:
         alike: Ratio of held-out errors up to which a lag and a delay are not told apart.
         bootstraps: Draws for the interval of the reduction.
         blocks: Blocks that are drawn from.
+        repetitions: Draws of blocks on which a finding must come again.
         further_orders: Further orders of a ripple that are told.
     """
 
@@ -41,6 +42,7 @@ class LookSettings:
     alike: float = 1.15
     bootstraps: int = 400
     blocks: int = 40
+    repetitions: int = 60
     further_orders: int = 5
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..effects import EFFECTS
+from ..effects.identity import find_identity
 from ..effects.structure import N_BASE, Candidate, Structure
 from ..inputs.track import FloatArray
 from ..joint.solver import Box, Fit
@@ -111,7 +112,7 @@ def judge(baseline: Baseline, structure: Structure, fit: Fit, box: Box) -> Expla
     coverage = fall / (fall + left) if fall > 0.0 else 0.0
     plain = fall > SEARCH.plain_gain * fit.residual.size and coverage > SEARCH.plain_coverage
     certain = compute_evidence(baseline, structure.names, baseline.fit, fit, plain=plain)
-    refused = find_refusal(structure, fit)
+    refused = find_refusal(structure, fit, bodied=bool(box.precision[0, 0] > 0.0))
     return Explanation(structure, fit, box, fall - penalty, certain - penalty, float(coverage), left, refused)
 
 
@@ -166,11 +167,19 @@ def _compute_left(baseline: Baseline, fit: Fit) -> float:
     return max(_compute_excess(span, fit.residual) - of_its_form, 0.0)
 
 
-def find_refusal(structure: Structure, fit: Fit) -> str:
-    """Say why a fit is not physical; empty where it is."""
+def find_refusal(structure: Structure, fit: Fit, *, bodied: bool = False) -> str:
+    """Say why a fit is not physical; empty where it is.
+
+    Args:
+        structure: Base and effects.
+        fit: Its minimum.
+        bodied: Whether a simulation says inertia and gravity.
+    """
     values = structure.name_values(fit.theta[N_BASE:])
+    same = None if bodied else find_identity(values)
+    one = None if same is None else f"{same.one} and {same.other} are one torque: {same.equation}"
     reasons = [c.effect.refuse(values[c.name], structure.contexts) for c in structure.candidates]
-    return "; ".join(reason for reason in (*reasons, _find_cancelling(structure, values)) if reason)
+    return "; ".join(reason for reason in (*reasons, _find_cancelling(structure, values), one) if reason)
 
 
 def _find_cancelling(structure: Structure, values: Mapping[str, Mapping[str, float]]) -> str | None:

@@ -20,7 +20,7 @@ __all__ = ["OrderSpectrum", "compute_order_spectrum", "find_orders"]
 
 ComplexArray = NDArray[np.complex128]
 
-_SHAPES = {"order": "additive", "level_order": "level", "dynamic_order": "dynamic"}
+_SHAPES = {"order": "additive", "level_order": "level", "dynamic_order": "dynamic", "torque_order": "torque"}
 
 
 class OrderSpectrum(NamedTuple):
@@ -33,7 +33,8 @@ class OrderSpectrum(NamedTuple):
 def find_orders(
     problem: Problem, contexts: Sequence[Context], residual: FloatArray, basis: FloatArray
 ) -> dict[str, tuple[float, ...]]:
-    """The three strongest orders for ripples of the torque, of the friction level and of the gear's running."""
+    """The three strongest orders for ripples of the torque, of the friction level, of the gear's running, and of the
+    torque constant."""
     hints = {}
     for key, shape in _SHAPES.items():
         hints[key] = _find_peaks(compute_order_spectrum(problem, contexts, residual, basis, shape))
@@ -50,7 +51,8 @@ def compute_order_spectrum(
         contexts: Their motion.
         residual: Weighted residual. Shape (m,).
         basis: Orthonormal columns of the base model, which take no part. Shape (m, p).
-        shape: "additive", "level" (times the sign of the velocity) or "dynamic" (uneven running of a gear).
+        shape: "additive", "level" (times the sign of the velocity), "dynamic" (uneven running of a gear) or "torque"
+            (times the torque).
     """
     span = max(float(np.ptp(c.position)) for c in contexts)
     top = max(float(np.quantile(np.abs(c.velocity), 0.3)) for c in contexts)
@@ -121,6 +123,8 @@ def build_ripple_rows(problem: Problem, contexts: Sequence[Context], orders: Flo
         ripple = response * (np.cos(angle) + 1j * np.sin(angle)) * (hann * (moving / spread[:, None]))
         if shape == "level":
             ripple = ripple * np.sign(v)
+        elif shape == "torque":
+            ripple = ripple * context.torque[grid.centres, None]
         elif shape == "dynamic":
             here = replace(context, position=q, velocity=v, acceleration=context.acceleration[grid.centres, None])
             ripple = ripple * compute_uneven_running(here, orders, SEARCH.usual_load_share) / orders

@@ -45,6 +45,7 @@ class Baseline:
         box: Domain of the base parameters.
         nulls: Recordings in which nothing is missing.
         recolouring: Filter that whitens the residual beyond what whitens the nulls, shape (4,); None where none does.
+        rigid: Inertia and gravity as the simulation has them; None where none was given.
         structured: Whether what is left has lines or peaks over time that no null has: more than noise.
     """
 
@@ -54,6 +55,7 @@ class Baseline:
     box: Box
     nulls: Nulls
     recolouring: FloatArray | None = None
+    rigid: RigidJoint | None = None
     structured: bool = False
 
     @cached_property
@@ -124,7 +126,7 @@ def prepare(
     fit = try_other_bristle(problem, fit, box)
     fit, box = _try_creep(raw, problem, fit, box, seed, creeps)
     fit, problem, found = _reweigh(raw, fit, box, nulls, seed)
-    baseline = Baseline(problem, _build_structure(problem, fit, box), fit, box, found)
+    baseline = Baseline(problem, _build_structure(problem, fit, box), fit, box, found, rigid=rigid)
     return _level_noise(_recolour(baseline))
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..effects import EFFECTS
 from ..effects.structure import N_BASE, Candidate, Structure
+from ..inputs.rigid import RigidJoint
 from ..joint.solver import Fit, Race
 from .choice import choose, rank_acceptable, select_finalists
 from .explanation import Explanation, compute_spread_excess, curb
@@ -17,6 +18,7 @@ from .preparation import Baseline
 from .refit import compute_preference, fit_from, polish, refit
 from .screening import Column, Screen, orthonormalise, project_out, screen
 from .settings import SEARCH
+from .simulated_body import hold, move_to
 
 __all__ = ["SearchResult", "search"]
 
@@ -156,6 +158,8 @@ def _fit_singles(baseline: Baseline, first: Screen) -> list[Explanation]:
     if baseline.noise_ratio > SEARCH.bent and all(explanation.coverage < SEARCH.most_covered for explanation in tried):
         tried += _refit_groups(baseline, [group for group in _group_columns(first) if group not in groups])
         tried += _fit_from_afar(baseline, min((one.fit.cost for one in tried if not one.refused), default=np.inf))
+    if baseline.rigid is not None and all(explanation.coverage < SEARCH.enough for explanation in tried):
+        tried += _fit_from_simulation(baseline, baseline.rigid)
     return sorted(tried, key=compute_preference, reverse=True)
 
 
@@ -191,6 +195,21 @@ def _fit_from_afar(baseline: Baseline, lead: float) -> list[Explanation]:
     starts = [(name, start) for name, effect in EFFECTS.items() for start in effect.propose_far_starts(contexts)]
     wanted = [((Candidate(name, tuple(start.items())),), theta) for name, start in starts]
     return fit_from(baseline, wanted, baseline.box, race=Race(baseline.fit.cost, lead))
+
+
+def _fit_from_simulation(baseline: Baseline, rigid: RigidJoint) -> list[Explanation]:
+    """Fit the effects that stand out beside the simulation as given, from there.
+
+    The free base bends inertia and gravity into the shape of what is missing, and a fit that starts there may stay:
+    a stop at one end has come as another gravity and a ripple.
+    """
+    box = hold(baseline.box, rigid)
+    start = move_to(box.centre[:3], baseline.fit.theta, baseline.structure.contexts)
+    (given,) = fit_from(baseline, [((), start)], box)
+    fit = given.fit
+    screened = screen(baseline.problem, baseline.structure, fit.theta, fit.residual, fit.jacobian)
+    groups = _rank_groups(screened, SEARCH.from_simulation)
+    return fit_from(baseline, [((group[0].candidate,), fit.theta) for group in groups], baseline.box)
 
 
 def _refit_groups(baseline: Baseline, groups: Sequence[Sequence[Column]]) -> list[Explanation]:

@@ -102,6 +102,16 @@ class SearchSettings:
     """Residual over noise of the best explanation from which creep is tried beside it."""
     late_creep_cost: float = 0.5
     """Cost with creep, in that with a bristle, below which the joint creeps."""
+    body_held: float = 0.002
+    """Relative deviation of inertia and gravity that are held at those of the simulation: narrow beside any error that
+    matters, and wide enough for a fit to move."""
+    body_least_gravity: float = 0.4
+    """Least gravity whose deviation is held, in the scale by which the base measures gravity: a fiftieth of friction
+    or of gravity itself. About a vertical axis there is none, and one held to exactly nothing would drown all else
+    that is fitted."""
+    from_simulation: int = 3
+    """Number of effects that are fitted from the simulation as given as well, where none covers most from the free
+    base. Each costs a fit."""
     most_orders: int = 900
     """Most orders over position that are looked at. More cost time and lie closer than a recording can tell."""
     usual_load_share: float = 0.6

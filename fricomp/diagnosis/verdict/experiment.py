@@ -17,7 +17,6 @@ from scipy.signal import lfilter
 from ..effects import Context
 from ..effects.context import build_contexts
 from ..effects.structure import N_BASE
-from ..evidence.agreement import hold
 from ..evidence.alias import list_printed_rivals
 from ..evidence.case import compare_given
 from ..evidence.comparison import AGREES
@@ -28,6 +27,7 @@ from ..joint.problem import Problem, build_problem
 from ..joint.solver import Box, choose_steps
 from ..search.explanation import Explanation
 from ..search.preparation import Baseline
+from ..search.simulated_body import hold
 from .motion import MENU, Range
 from .settings import EXPERIMENT
 

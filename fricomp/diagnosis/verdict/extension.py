@@ -89,16 +89,16 @@ def _describe_dynamics(plant: Plant, load_share: float = 0.0, late: float = 0.0)
 
 def _build_core(plant: Plant, changes: Mapping[str, float]) -> Term:
     """The friction curves, with the exponent, bristle and lag that effects gave them."""
-    (forward, reverse), lag = (
-        _build_pair(plant, changes.get("stribeck_exponent", VERDICT.exponent)),
-        changes.get("lag", 0.0),
-    )
+    forward, reverse = _build_pair(plant, changes.get("stribeck_exponent", VERDICT.exponent))
+    lag = changes.get("lag", 0.0)
     if "sigma_0" in changes:
         sigma_0, sigma_1 = changes["sigma_0"], changes.get("sigma_1", 0.0)
         if lag > 0.0:
             return LaggedLuGre(forward, reverse, sigma_0, sigma_1, lag=lag)
         return LuGre(forward, reverse, sigma_0, sigma_1)
-    return LaggedStribeck(forward, reverse, lag=lag) if lag > 0.0 else BidirectionalStribeck(forward, reverse)
+    if lag > 0.0:
+        return LaggedStribeck(forward, reverse, lag=lag)
+    return BidirectionalStribeck(forward, reverse)
 
 
 def _build_pair(plant: Plant, exponent: float) -> tuple[StribeckCurve, StribeckCurve]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from ..evidence.findings import Findings
@@ -13,7 +13,7 @@ from .rivals import list_rivals, list_sample_rivals
 from .settings import VERDICT
 from .shared_effect import SharedEffects, SimulationEffects, share_effects
 
-__all__ = ["Verdict", "choose_verdict", "judge"]
+__all__ = ["Verdict", "choose_verdict", "describe_repetitions", "judge"]
 
 
 @dataclass(frozen=True)
@@ -77,6 +77,17 @@ def choose_verdict(kinds: Collection[Kind], *, unknown: bool = False) -> Verdict
     if "measurement" in kinds:
         return "measurement"
     return "parameters" if kinds else "consistent"
+
+
+def describe_repetitions(verdict: Verdict, others: Sequence[Verdict]) -> tuple[str, ...]:
+    """Say how often whole diagnoses by other noise give the same verdict and names; nothing where there are none."""
+    if not others:
+        return ()
+    own = verdict.word, {one.name for one in verdict.effects}
+    same = sum(own == (other.word, {one.name for one in other.effects}) for other in others)
+    return (
+        f"By nulls of other noise the whole diagnosis gives the same verdict and names in {same} of {len(others)}.",
+    )
 
 
 def _replaces_search(sample: SampleFinding, findings: Findings) -> bool:

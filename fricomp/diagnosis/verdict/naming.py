@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from ..effects.spring import SPRING, SPRING_CHANGE
@@ -10,11 +10,12 @@ from ..evidence.comparison import Shift
 from ..evidence.effect_evidence import EffectEvidence
 from ..evidence.findings import Findings
 from ..evidence.in_place import BODY_SHIFTS
+from ..evidence.settings import NEEDS
 from ..inputs.rigid import Spring
 from ..record.result import Change, Kind, Location, NamedEffect, Quantity
 from ..samples.sample_finding import SampleFinding
 
-__all__ = ["SpringWords", "compare_spring", "describe_spring", "name_effects", "name_sample"]
+__all__ = ["SpringWords", "comes_again", "compare_spring", "describe_spring", "name_effects", "name_sample"]
 
 _GAIN = "torque_gain_error"
 _NO_CENTRE = "its centre is not determined, since that of a straight one is a constant torque"
@@ -58,7 +59,13 @@ def _list_shifts(findings: Findings) -> dict[str, Shift]:
     own = [one.effect for one in findings.effects if one.overtone_of is None]
     scaled = any(effect.scales_torque for effect in own)
     shifts = () if findings.unknown else findings.comparison.shifts
-    return {shift.name: shift for shift in shifts if not (scaled and shift.name == _GAIN)}
+    stay = [shift for shift in shifts if comes_again(findings.shift_shares, (shift.name, *shift.alike))]
+    return {shift.name: shift for shift in stay if not (scaled and shift.name == _GAIN)}
+
+
+def comes_again(shares: Mapping[str, float], names: Sequence[str]) -> bool:
+    """Whether a shift under any of its names comes again as often as a name must; where nobody asked, it does."""
+    return not shares or sum(shares.get(name, 0.0) for name in names) >= NEEDS.share
 
 
 def _name_chosen(findings: Findings, one: EffectEvidence, same: Shift | None, explained: float) -> NamedEffect:

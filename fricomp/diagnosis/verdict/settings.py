@@ -5,7 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import pi
 
-__all__ = ["EXPERIMENT", "SHARING", "VERDICT", "ExperimentSettings", "SharingSettings", "VerdictSettings"]
+__all__ = [
+    "EXPERIMENT",
+    "PROBABILITY",
+    "SHARING",
+    "VERDICT",
+    "ExperimentSettings",
+    "ProbabilitySettings",
+    "SharingSettings",
+    "VerdictSettings",
+]
 
 
 @dataclass(frozen=True)
@@ -24,6 +33,21 @@ class VerdictSettings:
     larger: float = 2.0
     rivals: int = 12
     exponent: float = 2.0
+
+
+@dataclass(frozen=True)
+class ProbabilitySettings:
+    """How the share of repetitions becomes a probability: at_none + (at_all - at_none) share^power.
+
+    Attributes:
+        at_none: Probability of an answer that never comes again.
+        at_all: Probability of an answer that always comes again.
+        power: Exponent between the two.
+    """
+
+    at_none: float = 0.0
+    at_all: float = 1.0
+    power: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -104,5 +128,6 @@ class ExperimentSettings:
 
 
 EXPERIMENT = ExperimentSettings()
+PROBABILITY = ProbabilitySettings()
 SHARING = SharingSettings()
 VERDICT = VerdictSettings()

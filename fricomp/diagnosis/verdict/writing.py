@@ -24,6 +24,7 @@ from ..record.sentence import (
 from .experiment import Proposal
 from .extension import write_base_model, write_extended_model
 from .judging import Verdict
+from .probability import list_probabilities
 
 __all__ = ["write_diagnosis", "write_refusal"]
 
@@ -60,6 +61,7 @@ def write_diagnosis(
         base={} if sample is not None and sample.lawless else findings.base,
         changes=verdict.changes,
         rivals=verdict.rivals,
+        probability=list_probabilities(findings, verdict.effects, sample),
         distinguishability=findings.told_apart,
         recordings=tuple(rows.name for rows in findings.series),
         joint=case.recordings[0].metadata.joint,
@@ -69,7 +71,7 @@ def write_diagnosis(
     if sample is None:
         evidence = Evidence(findings.series, findings.maps, findings.orders, findings.change_points, files)
     else:
-        evidence = Evidence(sample.series, map_excess(sample.series, case.seed), sample.orders, files=files)
+        evidence = Evidence(sample.series, map_excess(sample.series, case.bands), sample.orders, files=files)
     covariance = findings.refitted.covariance[: len(BASE_NAMES), : len(BASE_NAMES)]
     return Diagnosis(
         record=record,
@@ -136,6 +138,8 @@ def _collect_notes(findings: Findings, verdict: Verdict, proposal: Proposal | No
         opening = LAWLESS
     if verdict.undecided and proposal is None:
         facts.append(NO_MOTION)
+    if verdict.sample is None:
+        facts += [f"{name} is not named: it {why}." for name, why in findings.trial.objections.items()]
     if verdict.sample is None and findings.foreign_curve:
         facts.append(f"{FOREIGN_CURVE[0].upper()}{FOREIGN_CURVE[1:]}.")
     if verdict.sample is None and findings.detent_order is not None:

@@ -44,6 +44,22 @@ def _make_heating(scene: Scene, amplitude: float, rng: np.random.Generator) -> C
     )
 
 
+def _make_ripple(second: float) -> Form:
+    """A torque constant that waves with the motor's angle, once or twice a turn of its magnets."""
+
+    def build(scene: Scene, amplitude: float, rng: np.random.Generator) -> Change:
+        order, phase = scene.joint.gear_ratio * float(rng.choice([1, 2])), rng.uniform(0.0, 2.0 * np.pi)
+        plant = {"torque_ripple": amplitude, "ripple_order": order, "ripple_phase": phase, "ripple_second": second}
+        truth = {
+            "sine": Truth(amplitude * np.sin(phase), "1"),
+            "cosine": Truth(-amplitude * np.cos(phase), "1"),
+            "order": Truth(order, "1/rad"),
+        }
+        return Change(plant=plant, parameters=truth)
+
+    return Form("two waves" if second else "sine", build, shared=not second)
+
+
 EFFECTS = (
     Effect("torque_saturation", "physics", (_make_saturation(0.0), _make_saturation(1.0)), lambda scene: (0.01, 0.35)),
     Effect("supply_sag", "physics", (Form("power", _make_sag),), lambda scene: (0.02, 0.5)),
@@ -54,5 +70,6 @@ EFFECTS = (
         lambda scene: (1e-3, 1.2e-2),
         smallest=lambda scene: SAMPLE_PERIOD,  # less is where in its sample a torque belongs
     ),
+    Effect("torque_ripple", "physics", (_make_ripple(0.0), _make_ripple(0.4)), lambda scene: (0.01, 0.3)),
     Effect("torque_constant_heating", "physics", (Form("copper", _make_heating),), lambda scene: (5e-4, 8e-3)),
 )

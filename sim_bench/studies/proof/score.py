@@ -10,6 +10,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from ..kit.belief import Belief, list_beliefs
 from ..kit.blind import BlindAnswer
 from ..kit.interval import KnownInterval, compare_parameters
 from ..kit.score import judge_names, list_sets, read_diagnosis
@@ -79,6 +80,7 @@ class Score:
         seconds: Time of the diagnosis [s].
         error: Why it failed; empty where it did not.
         command: Makes the case again.
+        beliefs: Probabilities of the answer, beside what is true.
     """
 
     case: str
@@ -116,6 +118,7 @@ class Score:
     seconds: float
     error: str
     command: str
+    beliefs: tuple[Belief, ...] = ()
 
 
 def read_score(row: Mapping[str, Any]) -> Score:
@@ -179,6 +182,7 @@ def _compare(truth: dict[str, Any], said: dict[str, Any]) -> dict[str, Any]:
         "overlap": _score_location(truth, said, spec["duration"]),
         "noise_ratio": _read_number(said.get("noise_ratio")),
         "intervals": compare_intervals(truth, said),
+        "beliefs": list_beliefs(said, _list_tolerated(truth).union(*_list_right_names(truth)), truth["verdict"]),
     }
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...cases import CHOICES
+from ..kit.belief import compute_brier, tabulate_beliefs
 from ..kit.figure import (
     WEAK,
     Figure,
@@ -66,6 +67,7 @@ def compute_figures(scores: Sequence[Score]) -> list[Figure[Score]]:
         "places": _measure_place(single),
         "what it cannot tell": _measure_doubt(scores),
         "parameters": _measure_intervals(scores),
+        "probabilities": _measure_beliefs(scores),
         "answers": _measure_answers(scores),
     }
     return [replace(figure, topic=topic) for topic, figures in topics.items() for figure in figures]
@@ -238,6 +240,17 @@ def _measure_intervals(scores: Sequence[Score]) -> list[Figure[Score]]:
             )
         ),
     ]
+
+
+def _measure_beliefs(scores: Sequence[Score]) -> list[Figure[Score]]:
+    """Whether the probabilities hold: their Brier score, and how often each tenth of them was right."""
+    some = select(scores, lambda s: bool(s.beliefs))
+    beliefs = [each for score in some for each in score.beliefs]
+    named = [each for each in beliefs if each.named]
+    rows = [("Brier score of all probabilities (0.25 is a coin's)", f"{compute_brier(beliefs):.3f} ({len(beliefs)})")]
+    rows += [("Brier score of the names that were given", f"{compute_brier(named):.3f} ({len(named)})")]
+    rows += [(f"right, of those with probability {tenth}", share) for tenth, share in tabulate_beliefs(beliefs)]
+    return [Figure(name, "–", value, None, tuple(some)) for name, value in rows] if beliefs else []
 
 
 def _list_of_effects(score: Score) -> list[KnownInterval]:

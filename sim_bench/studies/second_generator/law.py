@@ -119,6 +119,11 @@ def ripple(amplitude: float, order: float, phase: float) -> Law:
     return lambda s: Acting(_stribeck(s.velocity), torque=-amplitude * sin(order * s.position + phase))
 
 
+def rippling_motor(share: float, order: float, phase: float) -> Law:
+    """The motor gives more of its command at some angles than at others: by a share A of sin(n q + phi) [1]."""
+    return lambda s: Acting(_stribeck(s.velocity), gain=1.0 + share * sin(order * s.position + phase))
+
+
 def pushes(windows: Sequence[tuple[float, float, float]]) -> Law:
     """Start [s], end [s] and torque [N·m] of pushes from outside."""
     return lambda s: Acting(_stribeck(s.velocity), torque=sum(t for a, b, t in windows if a <= s.time < b))

@@ -24,6 +24,7 @@ _ELASTIC = {
     "damping_ratio": _DAMPING / (2.0 * sqrt(_STIFFNESS * _LOAD)),
 }
 _WAVE, _COG = (0.24, 6.0, 0.4), (0.25, 18.0, 1.0)  # [N·m], waves a turn, phase
+_RIPPLE = (0.06, 17.0, 0.7)  # [1], waves a turn, phase
 
 
 def _behind(joint: str) -> JointParts:
@@ -172,6 +173,15 @@ PHYSICS = (
         "physics",
         "`forcerange` of the motor at 0.95 of the largest torque that the reference asks for",
         _saturation,
+    ),
+    Effect(
+        "torque_ripple",
+        "physics",
+        "`actuator_gainprm` waves with the angle: by 6 % of itself, 17 waves a turn",
+        written(
+            lambda: law.rippling_motor(*_RIPPLE),
+            {"sine": -_RIPPLE[0] * cos(_RIPPLE[2]), "cosine": -_RIPPLE[0] * sin(_RIPPLE[2]), "order": _RIPPLE[1]},
+        ),
     ),
     Effect(
         "torque_constant_heating",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from ..kit.belief import Belief, list_beliefs
 from ..kit.blind import BlindAnswer
 from ..kit.interval import KnownInterval, compare_parameters
 from ..kit.score import JudgedNames, judge_names, read_diagnosis
@@ -39,6 +40,7 @@ class Score:
         floor: The diagnosis' own estimate of the noise [N·m].
         seconds: Wall-clock time of the diagnosis [s].
         error: Why there is no answer; empty where there is one.
+        beliefs: Probabilities of the answer, beside what is true.
     """
 
     case: Case
@@ -51,6 +53,7 @@ class Score:
     floor: float | None = None
     seconds: float = 0.0
     error: str = ""
+    beliefs: tuple[Belief, ...] = ()
 
     @property
     def group(self) -> Group:
@@ -135,6 +138,9 @@ def score_case(case: Case, truth: dict[str, float], blind: BlindAnswer) -> Score
         floor=heldout.get("noise_floor"),
         seconds=blind.seconds,
         error=blind.error,
+        beliefs=list_beliefs(
+            said, {*case.truth.names, *((_LAG,) if case.velocity else ())}, _VERDICTS[case.truth.group][0]
+        ),
     )
 
 

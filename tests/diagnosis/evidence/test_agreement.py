@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from fricomp.diagnosis.evidence import agreement
-from fricomp.diagnosis.evidence.agreement import hold, prefer_agreeing
+from fricomp.diagnosis.evidence.agreement import prefer_agreeing
 from fricomp.diagnosis.evidence.alias import list_aliases
 from fricomp.diagnosis.evidence.comparison import PLAIN, Tolerances
 from fricomp.diagnosis.inputs.rigid import RigidJoint
 from fricomp.diagnosis.joint.solver import Box
 from fricomp.diagnosis.search.explanation import Explanation
+from fricomp.diagnosis.search.simulated_body import hold
 
 from ..known import known, known_baseline, known_search
 

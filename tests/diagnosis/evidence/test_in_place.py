@@ -10,8 +10,8 @@ import pytest
 from fricomp.diagnosis import RigidJoint, diagnose
 from fricomp.diagnosis.effects import EFFECTS
 from fricomp.diagnosis.evidence import in_place as module
-from fricomp.diagnosis.evidence.agreement import move_to
 from fricomp.diagnosis.evidence.in_place import _Question, prefer_in_place
+from fricomp.diagnosis.search.simulated_body import move_to
 
 from ..known import known, known_baseline, known_case
 from ..toy_joint import ToyJoint, recording

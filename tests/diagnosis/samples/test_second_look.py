@@ -12,7 +12,7 @@ from fricomp.diagnosis.evidence.comparison import Comparison, Shift
 from fricomp.diagnosis.evidence.confirmation import Confirmation
 from fricomp.diagnosis.evidence.effect_evidence import EffectEvidence
 from fricomp.diagnosis.evidence.findings import Findings
-from fricomp.diagnosis.evidence.gates import Trial
+from fricomp.diagnosis.evidence.trial import Trial
 from fricomp.diagnosis.samples.fine_ripple import find_fine_ripple
 from fricomp.diagnosis.samples.proving import is_beyond_the_base, is_softer_than_the_base, simulate_base
 from fricomp.diagnosis.samples.second_look import look_into_samples

@@ -7,7 +7,7 @@ import pytest
 from fricomp.diagnosis.effects import EFFECTS
 from fricomp.diagnosis.evidence.comparison import Comparison, Shift
 from fricomp.diagnosis.evidence.effect_evidence import EffectEvidence
-from fricomp.diagnosis.evidence.gates import Trial
+from fricomp.diagnosis.evidence.trial import Trial
 from fricomp.diagnosis.inputs.given import Given
 from fricomp.diagnosis.record.result import Forward, Kind, NamedEffect, VerdictName
 from fricomp.diagnosis.record.sentence import NO_MOTION, NOTHING_BUT_SHARED

@@ -47,6 +47,7 @@ _NAMES_OF_THE_CATALOGUE = [
     "payload_error",
     "torque_gain_error",
     "torque_saturation",
+    "torque_ripple",
     "velocity_filter_lag",
     "torque_delay",
     "encoder_eccentricity",

@@ -26,7 +26,9 @@ class DriveLag(Effect):
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         # A lag of more than 50 ms spans a whole row: what is slower is no low pass of a drive.
         return (
-            EffectParameter("time_constant", "s", 2e-3, 0.0, 0.05, linear=False, form=0.05, with_delay=1.0),
+            EffectParameter(
+                "time_constant", "s", 2e-3, 0.0, 0.05, linear=False, form=0.05, with_delay=1.0, null=0.0, searched=True
+            ),
             EffectParameter("order", "1", 0.0, 1.0, 2.0, linear=False),
         )
 

@@ -41,7 +41,15 @@ class PreslidingHysteresis(Effect):
         # A damping time is that of the base's own bristle; 50 ms of it would hold a joint like honey.
         return (
             EffectParameter(
-                "breakaway_distance", "{position}", step, low, high, linear=False, logarithmic=True, form=0.15
+                "breakaway_distance",
+                "{position}",
+                step,
+                low,
+                high,
+                linear=False,
+                logarithmic=True,
+                form=0.15,
+                searched=True,
             ),
             EffectParameter("damping_time", "s", 2e-3, 0.0, 0.05, linear=False),
         )
@@ -49,6 +57,10 @@ class PreslidingHysteresis(Effect):
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         # Each start is some 2.5 times the last one, all over the bounds.
         return [{"breakaway_distance": float(np.log(d)), "damping_time": 0.0} for d in (6e-4, 1.5e-3, 4e-3, 1e-2)]
+
+    def propose_far_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
+        # Soft joints, whose base is bent so far that its columns say nothing.
+        return [{"breakaway_distance": float(np.log(d)), "damping_time": 0.0} for d in (4e-3, 1.5e-2)]
 
     def is_suspected(self, contexts: Sequence[Context]) -> bool:
         """The base's own bristle is as soft as it may be."""

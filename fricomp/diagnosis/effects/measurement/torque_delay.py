@@ -22,7 +22,11 @@ class TorqueDelay(Effect):
 
     def list_parameters(self, contexts: Sequence[Context]) -> tuple[EffectParameter, ...]:
         # Late by a row at most, or early where the position is filtered; more is a recording of another moment.
-        return (EffectParameter("delay", "s", 1e-3, -0.03, 0.05, linear=False, form=0.05, with_delay=-1.0),)
+        return (
+            EffectParameter(
+                "delay", "s", 1e-3, -0.03, 0.05, linear=False, form=0.05, with_delay=-1.0, null=0.0, searched=True
+            ),
+        )
 
     def propose_starts(self, contexts: Sequence[Context]) -> list[dict[str, float]]:
         # Late by some samples, late by many, and early.

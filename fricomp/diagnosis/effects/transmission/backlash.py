@@ -37,7 +37,9 @@ class Backlash(Effect):
         low, high = float(np.log(2e-5)), float(np.log(3e-2))
         step, prior = EFFECT.share_step, EFFECT.load_share_prior
         return (
-            EffectParameter("gap", "{position}", self.gap_step, low, high, linear=False, logarithmic=True, form=0.3),
+            EffectParameter(
+                "gap", "{position}", self.gap_step, low, high, linear=False, logarithmic=True, form=0.3, searched=True
+            ),
             # MuJoCo's second hinge with a share of 0.587 was given 0.591.
             EffectParameter("load_share", "1", step, *EFFECT.load_shares, linear=False, prior=prior, form=0.01),
         )

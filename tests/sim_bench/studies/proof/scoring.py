@@ -5,7 +5,8 @@ from typing import Any
 
 from fricomp.sim_bench.studies.proof import Score
 
-_EMPTY: dict[str, Any] = {"str": "", "int": 0, "float": 0.0, "bool": False, "tuple[KnownInterval, ...]": ()}
+_EMPTY: dict[str, Any] = {"str": "", "int": 0, "float": 0.0, "bool": False}
+_EMPTY |= dict.fromkeys(("tuple[KnownInterval, ...]", "tuple[Belief, ...]"), ())
 
 
 def score_of(group: str = "single", **given: Any) -> Score:

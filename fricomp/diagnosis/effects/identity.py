@@ -1,0 +1,60 @@
+"""Effects that are the same torque as another one beside the base, on every motion: known by algebra.
+
+With s = sgn(v), friction under load is
+
+    |tau_l| s = 2 |tau_l| [tau_l v > 0] s - tau_l,
+
+for where the load drives both sides are tau_l s s = tau_l, and where it brakes both are -tau_l. The load tau_l is made
+of gravity and inertia, which the base has: where no simulation says these, friction under load and friction that only a
+driving load makes are one torque with two names. A test finds the same pairs by the rank of all columns at points where
+nothing is special.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+__all__ = ["IDENTITIES", "Identity", "find_identity"]
+
+
+class Identity(NamedTuple):
+    """Two effects that are one torque, but for gravity and inertia.
+
+    Attributes:
+        one: The effect that comes first where no simulation decides.
+        other: The other effect.
+        form: Name of the parameter of the other effect that makes it of that form where it is set.
+        equation: Why they are the same.
+    """
+
+    one: str
+    other: str
+    form: str
+    equation: str
+
+    def holds(self, values: Mapping[str, float]) -> bool:
+        """Whether these values of the other effect are of that form."""
+        return round(values.get(self.form, 1.0)) == 1
+
+
+IDENTITIES = (
+    Identity(
+        one="load_coulomb",
+        other="load_quadratic",
+        form="split",
+        equation="|tau_l| s = 2 |tau_l| [tau_l v > 0] s - tau_l",
+    ),
+)
+
+
+def find_identity(values: Mapping[str, Mapping[str, float]]) -> Identity | None:
+    """The identity by which two of these effects are one; None where there is none.
+
+    Args:
+        values: Parameters by effect and name.
+    """
+    for identity in IDENTITIES:
+        if identity.one in values and identity.other in values and identity.holds(values[identity.other]):
+            return identity
+    return None

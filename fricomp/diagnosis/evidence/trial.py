@@ -1,0 +1,98 @@
+"""The trial of the best explanation: what it covers, what held-out data say, what each name needs, and if it stays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from ..effects import EFFECTS
+from ..search.choice import rank_acceptable
+from ..search.explanation import Explanation
+from ..search.preparation import Baseline
+from ..search.search import SearchResult
+from .alias import list_aliases
+from .confirmation import Confirmation, confirm
+from .gates import covers, is_confirmed
+from .needs import list_objections
+from .refitted import RefittedJoint
+from .repetition import Repetitions, repeat_choice
+from .settings import NEEDS
+
+__all__ = ["Trial", "put_to_trial"]
+
+
+@dataclass(frozen=True)
+class Trial:
+    """The best explanation on held-out data.
+
+    Attributes:
+        repetitions: What was chosen on parts of the rows.
+        chosen: It; None where there is none that covers the mismatch and has what a name needs.
+        failed: It, where it covers the mismatch and still is not named; else None.
+        held: Held-out errors with what was chosen; None where nothing was.
+        objections: What speaks against names that are not given, by name.
+    """
+
+    repetitions: Repetitions = field(default_factory=lambda: Repetitions(0))
+    chosen: Explanation | None = None
+    failed: Explanation | None = None
+    held: Confirmation | None = None
+    objections: Mapping[str, str] = field(default_factory=dict)
+
+
+def put_to_trial(baseline: Baseline, found: SearchResult, seed: int) -> Trial:
+    """Confirm the best explanation, where it covers the mismatch and is what its names say: no one part that ripples
+    torque and friction, no other curve over speed.
+
+    Where some of its effects lack what a name needs, the others are tried without them.
+
+    Args:
+        baseline: The base fitted to the recordings, with its nulls.
+        found: Explanations, best first.
+        seed: Of the bootstrap.
+    """
+    repetitions, best = repeat_choice(baseline, found), found.best
+    tried, objections = best, dict[str, str]()
+    while (
+        tried is not None and covers(tried, found, baseline) and tried.common_order is None and not tried.foreign_curve
+    ):
+        held = confirm(baseline, tried.structure, tried.fit, seed, given=tried.before)
+        if not is_confirmed(held, tried, found.threshold, baseline.measure_loudness(tried.fit)):
+            return Trial(repetitions, failed=tried, objections=objections)
+        against = _list_objections(baseline, found, tried, held, repetitions)
+        if not against:
+            return Trial(repetitions, tried, held=held, objections=objections)
+        objections |= against
+        tried = _find_rest(found, set(tried.names) - set(against))
+    return Trial(repetitions, failed=best if objections else None, objections=objections)
+
+
+def _list_objections(
+    baseline: Baseline, found: SearchResult, tried: Explanation, held: Confirmation, repetitions: Repetitions
+) -> dict[str, str]:
+    """Say for each name what it lacks; nothing for those that lack nothing."""
+    if held.plain.explained < NEEDS.plain:
+        part = f"{max(held.plain.explained, 0.0):.0%} of the plain held-out error above the noise"
+        return dict.fromkeys(tried.names, f"takes away {part}, less than {NEEDS.plain:.0%}")
+    found_against = _find_forms(baseline, found, tried) | list_objections(RefittedJoint.refit(baseline, tried))
+    for name in tried.names:
+        share = repetitions.compute_share_of_any((name, *list_aliases(found, name)))
+        if share < NEEDS.share and name not in found_against:
+            found_against[name] = f"comes again in {share:.0%} of the repetitions, less than {NEEDS.share:.0%}"
+    return found_against
+
+
+def _find_forms(baseline: Baseline, found: SearchResult, tried: Explanation) -> dict[str, str]:
+    """Effects that are the form of the joint's own friction, beside others that cover the mismatch without them."""
+    forms = {name for name in tried.names if EFFECTS[name].form_of_friction}
+    rest = _find_rest(found, set(tried.names) - forms) if forms else None
+    if rest is None or not covers(rest, found, baseline):
+        return {}
+    said = f"only completes the form of the friction beside {' and '.join(rest.names)}, which covers the mismatch"
+    return dict.fromkeys(forms, said)
+
+
+def _find_rest(found: SearchResult, names: set[str]) -> Explanation | None:
+    """The best explanation with exactly these effects; None where it does not stand out, or nothing is left."""
+    same = [one for one in rank_acceptable(found.explanations, found.threshold) if set(one.names) == names]
+    return same[0] if same else None

@@ -1,0 +1,42 @@
+"""The probability of an answer: how often it comes again, and how often such answers were right."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..evidence.findings import Findings
+from ..record.result import NamedEffect
+from ..samples.sample_finding import SampleFinding
+from .settings import PROBABILITY
+
+__all__ = ["NOTHING", "UNKNOWN", "compute_probability", "list_probabilities"]
+
+NOTHING, UNKNOWN = "nothing", "unknown"
+"""Keys beside the names of effects."""
+
+
+def compute_probability(share: float) -> float:
+    """Probability that a name is right which comes again in this share of the repetitions."""
+    return PROBABILITY.at_none + (PROBABILITY.at_all - PROBABILITY.at_none) * float(share**PROBABILITY.power)
+
+
+def list_probabilities(
+    findings: Findings, effects: Sequence[NamedEffect], sample: SampleFinding | None
+) -> dict[str, float]:
+    """List the probability of each name that came up, of nothing and of something unknown, the named ones first.
+
+    Args:
+        findings: Evidence from the rows, with its repetitions.
+        effects: What is named.
+        sample: What the samples show, where the answer rests on that.
+    """
+    repetitions = findings.trial.repetitions
+    shares = {one.name: 0.0 for one in effects} | repetitions.shares | dict(findings.shift_shares)
+    if findings.lag is not None:  # read off two channels, without a choice among explanations
+        shares[findings.lag.name] = 1.0
+    if sample is not None:
+        shares[sample.name] = sample.share
+    shifted = max(findings.shift_shares.values(), default=0.0)
+    nothing = repetitions.nothing / max(repetitions.count, 1) * (1.0 - shifted)
+    shares |= {NOTHING: nothing, UNKNOWN: repetitions.unknown / max(repetitions.count, 1)}
+    return {name: compute_probability(share) for name, share in shares.items()}

@@ -1,0 +1,63 @@
+"""Whether probabilities hold: answers given with probability p must be right in p of the cases."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .statistics import compute_share
+
+__all__ = ["Belief", "compute_brier", "list_beliefs", "tabulate_beliefs"]
+
+_NOTHING, _UNKNOWN = "nothing", "unknown"  # the keys of `probability` that are no names
+
+
+@dataclass(frozen=True)
+class Belief:
+    """One probability of an answer, beside what is true.
+
+    Attributes:
+        name: Of an effect, "nothing" or "unknown".
+        probability: As the diagnosis gave it [1].
+        right: Whether it is so.
+        named: Whether it was named.
+    """
+
+    name: str
+    probability: float
+    right: bool
+    named: bool = False
+
+
+def list_beliefs(said: Mapping[str, Any], right: Collection[str], expected: str) -> tuple[Belief, ...]:
+    """List the probabilities of an answer.
+
+    Args:
+        said: The content of `diagnosis.json`.
+        right: Names that are right, those of parameters that are off included.
+        expected: The right verdict.
+    """
+    truth = {_NOTHING: expected == "consistent" and not right, _UNKNOWN: expected == "unknown_physics"}
+    named = {each["name"] for each in said["effects"]}
+    return tuple(
+        Belief(name, float(value), truth.get(name, name in right), name in named)
+        for name, value in (said.get("probability") or {}).items()
+    )
+
+
+def compute_brier(beliefs: Sequence[Belief]) -> float:
+    """Mean squared distance of the probabilities from what is true, 0 for a prophet and 0.25 for a coin [brier1950]."""
+    return float(np.mean([(one.probability - one.right) ** 2 for one in beliefs])) if beliefs else float("nan")
+
+
+def tabulate_beliefs(beliefs: Sequence[Belief]) -> list[tuple[str, str]]:
+    """Each tenth of the probabilities in which there are some, and how often they were right."""
+    tenths = [min(int(10.0 * one.probability), 9) for one in beliefs]
+    rows = []
+    for tenth in sorted(set(tenths)):
+        some = [one.right for one, its in zip(beliefs, tenths, strict=True) if its == tenth]
+        rows.append((f"{tenth / 10:.1f} to {(tenth + 1) / 10:.1f}", str(compute_share(sum(some), len(some)))))
+    return rows

@@ -1,0 +1,65 @@
+"""Choices that are made again on parts of the rows."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fricomp.diagnosis.evidence.repetition import Repetitions, draw_parts, refit_parts, repeat_choice
+from fricomp.diagnosis.evidence.settings import REPETITIONS
+from fricomp.diagnosis.evidence.trial import put_to_trial
+from fricomp.diagnosis.joint.loading import build_tracks
+from fricomp.diagnosis.joint.observer import Observer
+from fricomp.diagnosis.search.preparation import Baseline, prepare
+from fricomp.diagnosis.search.search import SearchResult, search
+
+from ..toy_joint import ToyJoint, recording
+
+
+@pytest.fixture(scope="module")
+def loaded() -> tuple[Baseline, SearchResult]:
+    baseline = prepare(
+        build_tracks([recording(ToyJoint(load_coulomb=0.1), "fourier", 20.0)]), observer=Observer(), nulls=12, seed=0
+    )
+    return baseline, search(baseline)
+
+
+def test_an_effect_that_is_there_comes_again(loaded: tuple[Baseline, SearchResult]) -> None:
+    again = repeat_choice(*loaded)
+    assert again.count == REPETITIONS.blocks + REPETITIONS.cuts
+    assert again.compute_share("load_coulomb") >= 0.9
+    assert again.nothing == 0
+
+
+def test_the_same_recording_gives_the_same_shares(loaded: tuple[Baseline, SearchResult]) -> None:
+    assert repeat_choice(*loaded) == repeat_choice(*loaded)
+
+
+def test_each_part_leaves_out_a_fifth(loaded: tuple[Baseline, SearchResult]) -> None:
+    parts = [rows for rows, _ in draw_parts(loaded[0])]
+    assert all(abs(np.mean(~rows) - REPETITIONS.left_out) < 0.06 for rows in parts)
+    assert not parts[REPETITIONS.blocks][0]  # the first cut leaves out the start
+    assert not parts[-1][-1]  # and the last one the end
+
+
+def test_refits_to_parts_stray_about_the_whole(loaded: tuple[Baseline, SearchResult]) -> None:
+    baseline, found = loaded
+    assert found.best is not None
+    at = found.best.fit.theta.size - found.best.structure.build_start().size
+    values = np.array([joint.fit.theta[at] for joint in refit_parts(baseline, found.best)])
+    assert abs(np.mean(values) - found.best.fit.theta[at]) < 0.05 * found.best.fit.theta[at]
+    assert np.std(values) > 0.0
+
+
+def test_the_trial_tells_the_repetitions(loaded: tuple[Baseline, SearchResult]) -> None:
+    trial = put_to_trial(*loaded, 0)
+    assert trial.chosen is not None
+    assert trial.chosen.names == ("load_coulomb",)
+    assert trial.objections == {}
+
+
+def test_shares_count_sets_and_names() -> None:
+    some = Repetitions(10, {("a",): 4, ("a", "b"): 5}, nothing=1)
+    assert some.shares == {"a": 0.9, "b": 0.5}
+    assert some.compute_share("a", "b") == 0.5
+    assert some.compute_share_of_any(("b", "c")) == 0.5

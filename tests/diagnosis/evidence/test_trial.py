@@ -1,0 +1,82 @@
+"""Names that the trial of the best explanation takes away, and what is left of it."""
+
+from __future__ import annotations
+
+import pytest
+
+from fricomp.diagnosis.evidence import trial
+from fricomp.diagnosis.evidence.confirmation import Confirmation, PlainErrors
+from fricomp.diagnosis.evidence.refitted import RefittedJoint
+from fricomp.diagnosis.evidence.repetition import Repetitions
+from fricomp.diagnosis.evidence.trial import Trial, put_to_trial
+from fricomp.diagnosis.search.explanation import Explanation
+
+from ..known import known_baseline, known_fit, known_search
+
+_CLEAR = PlainErrors(1.0, 0.3, 0.2)
+
+
+def _try(
+    monkeypatch: pytest.MonkeyPatch,
+    *explanations: Explanation,
+    shares: Repetitions,
+    plain: PlainErrors = _CLEAR,
+    against: dict[str, str] | None = None,
+) -> Trial:
+    """Put the first of these to trial, where held-out data bear out all of them."""
+    baseline = known_baseline(loudness=1.5)
+    held = Confirmation(1.0, 0.3, 0.2, (0.5, 0.8), 0.9, plain)
+    monkeypatch.setattr(trial, "repeat_choice", lambda *_: shares)
+    monkeypatch.setattr(trial, "confirm", lambda *_, **__: held)
+    monkeypatch.setattr(trial, "is_confirmed", lambda *_: True)
+    monkeypatch.setattr(RefittedJoint, "refit", lambda *_: None)
+    monkeypatch.setattr(trial, "list_objections", lambda _: dict(against or {}))
+    return put_to_trial(baseline, known_search(*explanations), 0)
+
+
+def _two() -> tuple[Explanation, Explanation]:
+    baseline = known_baseline()
+    both = known_fit(baseline, ["cogging", "stribeck_shape"], 500.0, coverage=0.99)
+    return both, known_fit(baseline, ["cogging"], 450.0, coverage=0.95)
+
+
+def test_a_name_that_seldom_comes_again_is_taken_away(monkeypatch: pytest.MonkeyPatch) -> None:
+    baseline = known_baseline()
+    both = known_fit(baseline, ["cogging", "load_coulomb"], 500.0, coverage=0.99)
+    one = known_fit(baseline, ["cogging"], 450.0, coverage=0.95)
+    shares = Repetitions(10, {("cogging", "load_coulomb"): 7, ("cogging",): 3})
+    found = _try(monkeypatch, both, one, shares=shares)
+    assert found.chosen is one
+    assert "70%" in found.objections["load_coulomb"]
+
+
+def test_nothing_is_named_where_the_plain_error_hardly_falls(monkeypatch: pytest.MonkeyPatch) -> None:
+    both, one = _two()
+    shares = Repetitions(10, {("cogging",): 10})
+    found = _try(monkeypatch, one, both, shares=shares, plain=PlainErrors(1.0, 0.9, 0.2))
+    assert found.chosen is None
+    assert found.failed is one
+    assert "plain held-out error" in found.objections["cogging"]
+
+
+def test_the_form_of_friction_is_a_remark_beside_what_covers_without_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    both, one = _two()
+    shares = Repetitions(10, {("cogging", "stribeck_shape"): 10})
+    found = _try(monkeypatch, both, one, shares=shares)
+    assert found.chosen is one
+    assert "form of the friction" in found.objections["stribeck_shape"]
+
+
+def test_the_form_of_friction_is_a_name_where_the_rest_covers_too_little(monkeypatch: pytest.MonkeyPatch) -> None:
+    both, _ = _two()
+    weak = known_fit(known_baseline(), ["cogging"], 200.0, coverage=0.5, left=200.0)
+    shares = Repetitions(10, {("cogging", "stribeck_shape"): 10})
+    assert _try(monkeypatch, both, weak, shares=shares).chosen is both
+
+
+def test_what_is_left_may_be_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, one = _two()
+    shares = Repetitions(10, {("cogging",): 10})
+    found = _try(monkeypatch, one, shares=shares, against={"cogging": "its interval holds zero"})
+    assert found.chosen is None
+    assert found.objections == {"cogging": "its interval holds zero"}
