@@ -33,6 +33,10 @@ _NOT_APART = (
 )
 _SEEN = 2.0
 """Periods of its cutoff that a low-pass sees: before and after a reversal it rings by more than a hundredth."""
+_DRIVES = (
+    "what inertia and gravity leave of the torque drives the joint at most of the speeds, which friction does not: "
+    "something else moves the joint, gravity is not what was asked for (--gravity), or the torque has the other sign"
+)
 _REACH = 25
 """Samples over which errors go together: five periods of the low-pass's cutoff, over which its answer has died out."""
 _REFINEMENTS = 3
@@ -112,7 +116,8 @@ def fit_rigid_body(samples: JointSamples, *, gravity: bool = False, rows: _Rows 
         IdentificationError: The motion does not excite all of them.
     """
     chosen = np.ones(len(samples.torque), dtype=bool) if rows is None else rows
-    body = _body_columns(samples, gravity, has_offset=True)[chosen]
+    has_offset = not _is_one_way(samples.velocity[chosen])
+    body = _body_columns(samples, gravity, has_offset=has_offset)[chosen]
     columns = np.column_stack([body, samples.velocity[chosen], samples.direction[chosen]])
     torque = samples.torque[chosen]
     fit = solve_correlated(columns, torque, np.flatnonzero(chosen), _REACH)
@@ -122,7 +127,12 @@ def fit_rigid_body(samples: JointSamples, *, gravity: bool = False, rows: _Rows 
     deviations = tuple(np.sqrt(np.diag(fit.covariance))[-2:].tolist())
     residual = float(np.sqrt(np.mean(fit.error**2) / np.mean(torque**2)))
     empty = RigidBodyFit(0.0, viscous, coulomb, 0.0, (0.0, 0.0), (0.0, *deviations, 0.0), (0.0, 0.0), residual)
-    return _with_body(empty, fit, gravity, has_offset=True)
+    return _with_body(empty, fit, gravity, has_offset=has_offset)
+
+
+def _is_one_way(velocity: FloatArray) -> bool:
+    """Whether all of these samples go one way: then friction and a constant torque are one, and count as friction."""
+    return bool(np.all(velocity > 0.0) or np.all(velocity < 0.0))
 
 
 def identify_motion(
@@ -254,22 +264,25 @@ def _fit_sliding(
     shares_offset = bidirectional and abs(symmetric_offset) < rigid.coulomb_torque
     if shares_offset:
         rigid = replace(rigid, offset=0.0, standard_deviations=(*rigid.standard_deviations[:3], 0.0))
-    columns = _body_columns(samples, settings.gravity, has_offset=not bidirectional)[rows]
     velocity, mixed = samples.velocity[rows], np.zeros_like(samples.torque)
+    has_offset = not bidirectional and not _is_one_way(velocity)
+    columns = _body_columns(samples, settings.gravity, has_offset=has_offset)[rows]
     for _ in range(_REFINEMENTS):
         friction = (samples.torque - rigid.rigid_torque(samples) - mixed)[rows]
+        if np.mean(friction * np.sign(velocity)) < 0.0:
+            raise IdentificationError(_DRIVES)
         found = identify(velocity, friction, None, "least_squares", "absolute", law=law, options=options)
         filtered = samples.recorded.filtered_torque(found.model)
         mixed = filtered - np.asarray(found.model.torque(samples.velocity))
         left = (samples.torque - filtered)[rows] - (rigid.offset if bidirectional else 0.0)
         together = _fit_together(columns, left, found, np.flatnonzero(rows))
-        rigid = _with_body(rigid, together, settings.gravity, has_offset=not bidirectional)
+        rigid = _with_body(rigid, together, settings.gravity, has_offset=has_offset)
     slope = np.gradient(rigid.rigid_torque(samples) + filtered, samples.recorded.time)[rows]
     measured = np.gradient(samples.torque, samples.recorded.time)[rows]
     targets = (slope, measured, left)
     late = estimate_lag(lag, np.hstack([columns, _slopes(found)]), targets, rows, _REACH, samples.recorded)
     together = together._replace(covariance=late.widen(together.covariance))
-    rigid = _with_body(rigid, together, settings.gravity, has_offset=not bidirectional)
+    rigid = _with_body(rigid, together, settings.gravity, has_offset=has_offset)
     return _SlidingFit(samples, rows, columns, left, mixed, rigid, found, slope, late, shares_offset, symmetric_offset)
 
 

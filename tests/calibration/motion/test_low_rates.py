@@ -7,7 +7,7 @@ from fricomp.calibration.motion.joint_samples import choose_settings, sample_joi
 from fricomp.calibration.motion.parts import read_motion_recording
 from fricomp.calibration.motion.rigid_body import MotionIdentification, identify_motion
 from fricomp.errors import IdentificationError
-from fricomp.recording import Recording
+from fricomp.recording import Recording, RecordingMetadata
 from fricomp.sim_bench.studies.logs.good_log import COULOMB, INERTIA, VISCOUS, joint_log
 
 _SLOW = ((0.6, 0.05), (0.3, 0.13), (0.12, 0.31))
@@ -58,3 +58,25 @@ def test_a_slow_motion_at_a_high_rate_has_no_lag_of_its_own() -> None:
     """The low-pass rings at reversals, whose course is not known; that was once taken for ten milliseconds."""
     found = _identify(_at_rate(100.0, _SLOW))
     assert abs(found.lag.value) < 2.0 * found.lag.deviation
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_a_motion_in_one_direction_gives_the_sum_of_friction_and_a_constant_torque(direction: float) -> None:
+    t = np.arange(0.0, 40.0, 0.01)
+    speed = 3.0 + 2.0 * np.sin(2.0 * np.pi * 0.2 * t) + 0.5 * np.sin(2.0 * np.pi * 0.7 * t)
+    torque = INERTIA * np.gradient(speed, t) + VISCOUS * speed + COULOMB + 0.1
+    noise = np.random.default_rng(1).normal(0.0, 0.004, t.size)
+    angle = np.cumsum(speed) * 0.01
+    log = Recording(t, direction * angle, direction * torque + noise, metadata=RecordingMetadata(continuous=True))
+    found = _identify(log)
+    assert found.friction.status == "converged"
+    assert found.friction.parameters["coulomb.coulomb_torque"] == pytest.approx(COULOMB + 0.1, abs=0.01)
+    assert found.friction.parameters["viscous.viscous_coefficient"] == pytest.approx(VISCOUS, rel=0.03)
+
+
+def test_a_torque_that_drives_the_joint_gets_no_advice_on_its_sign_alone() -> None:
+    t = np.arange(0.0, 40.0, 0.01)
+    angle = 0.5 * t + 0.3 * np.sin(2.0 * np.pi * 0.05 * t)
+    noise = np.random.default_rng(2).normal(0.0, 0.004, t.size)
+    with pytest.raises(IdentificationError, match="something else moves the joint"):
+        _identify(Recording(t, angle, -0.4 - 0.1 * np.gradient(angle, t) + noise))
