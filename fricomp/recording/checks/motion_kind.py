@@ -54,7 +54,7 @@ _BESIDE = 0.2
 """Motion beside a step, over the step, up to which it stands alone."""
 _IN_STEPS = 0.7
 """Part of the way that is gone in steps that stand alone."""
-_LEAST_PAUSE = 0.15
+_LEAST_PAUSE = 0.12
 """Usual time between two steps [s]; what steps more often is read by a slow drive."""
 _MOST_MOVING = 0.3
 """Part of the rows in which a joint that is moved in steps may move; a coarse encoder steps as well, at all times."""
