@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -17,6 +18,7 @@ from .settings import JOINT
 
 __all__ = [
     "Contribution",
+    "Count",
     "Observation",
     "Observer",
     "Plant",
@@ -24,6 +26,7 @@ __all__ = [
     "choose_lanes",
     "compute_missing_torques",
     "compute_torque",
+    "count_joints",
     "simulate_all",
     "stack_plants",
 ]
@@ -161,6 +164,27 @@ class Observation(NamedTuple):
     bristle: FloatArray
 
 
+@dataclass
+class Count:
+    """How many joints were simulated along a recording."""
+
+    joints: int = 0
+
+
+_counts: list[Count] = []
+
+
+@contextmanager
+def count_joints() -> Iterator[Count]:
+    """Count the joints that are simulated meanwhile, in any thread: the work of a diagnosis, whatever the machine."""
+    counted = Count()
+    _counts.append(counted)
+    try:
+        yield counted
+    finally:
+        _counts.remove(counted)
+
+
 class Job(NamedTuple):
     """One simulation to run."""
 
@@ -190,6 +214,8 @@ def _run_all(
 ) -> list[tuple[FloatArray, ...]]:
     """The first so many signals of an observation, for each job."""
     settings = (*gains, observer.rest_speed, observer.leak)
+    for one in _counts:
+        one.joints += len(jobs)
     groups: dict[int, list[int]] = {}
     for index, job in enumerate(jobs):
         groups.setdefault(id(job.track.substeps), []).append(index)

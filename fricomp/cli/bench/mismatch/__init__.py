@@ -11,6 +11,7 @@ _COMMANDS = {
     "page": "Write the page of a run without running anything.",
     "gap": "How much of the held-out error a diagnosis closes.",
     "replay": "Diagnose the cases of a kept run anew.",
+    "compare": "The answers of two runs of the same cases side by side.",
     "speed-up": "How much faster two workers diagnose than one.",
 }
 

@@ -1,0 +1,56 @@
+"""`fricomp bench speed`: how long everything takes, in units of a fixed amount of arithmetic."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fricomp.cli.out_folder import Overwrite
+
+__all__ = ["app"]
+
+app = typer.Typer(add_completion=False)
+
+
+@app.command(epilog="fricomp bench speed --quick --out runs/speed\n\nfricomp bench speed --page docs/speed.md")
+def speed(
+    out: Annotated[Path, typer.Option(help="Folder for figures.json and growth.png.")] = Path("runs/bench_speed"),
+    quick: Annotated[bool, typer.Option("--quick", help="Shorter recordings and smaller tables.")] = False,
+    page: Annotated[Path | None, typer.Option(help="Write this page, such as docs/speed.md.")] = None,
+    overwrite: Overwrite = False,
+) -> None:
+    """Diagnoses, identifications and files, their growth, a profile, and other packages on the same data."""
+    import tempfile
+    from datetime import date
+
+    import msgspec
+
+    from fricomp.cli.terminal import console, progress
+    from fricomp.report import draw_png
+    from fricomp.results import require_free_file
+    from fricomp.sim_bench.studies.kit.commit import find_commit, format_measured
+    from fricomp.sim_bench.studies.speed.measure import measure_speed
+    from fricomp.sim_bench.studies.speed.page import draw_growth, list_rows, write_page
+    from fricomp.whole_file import write_whole
+
+    require_free_file(out / "figures.json", overwrite=overwrite)
+    with progress() as bar, tempfile.TemporaryDirectory() as folder:
+        task = bar.add_task("speed", total=None)
+        figures = measure_speed(Path(folder), quick=quick, progress=lambda what: bar.update(task, description=what))
+    out.mkdir(parents=True, exist_ok=True)
+    write_whole(out / "figures.json", msgspec.json.format(msgspec.json.encode(figures)))
+    draw_png(draw_growth(figures.growth), out / "growth.png")
+    from rich.table import Table
+
+    table = Table("what", "units", "processor [s]", "passed [s]", "simulated joints")
+    for row in list_rows(figures.timings):
+        table.add_row(*row)
+    console().print(table)
+    for one in figures.peers:
+        console().print(f"{one.name}: {one.units:.3g} units, {one.of_ours:.3g} times {one.ours}", soft_wrap=True)
+    if page is not None:
+        command = f"fricomp bench speed{' --quick' if quick else ''}"
+        write_page(figures, page, format_measured(date.today(), find_commit()), command)
+    console().print(f"Figures in {out}")
