@@ -94,7 +94,7 @@ def diagnose(
         names: What each recording is called in the answer; None to count them.
         simulation_error: Relative standard deviation by which inertia and gravity of the simulation may be off, 0.2
             where it is None. Departures from the simulation cost by it.
-        progress: Called with a few words before each step.
+        progress: Called with a few words before each step, and with a first look at what is left.
 
     Raises:
         DiagnosisError: The simulation cannot be read, or the recordings do not belong together.
@@ -132,7 +132,7 @@ def diagnose_given(
         simulated: Effects that the simulation has itself; None where nobody looked for them.
         thorough: Repeat the whole diagnosis with other noise, and say how often the names come again.
         seed: Of the bands of the report's maps.
-        progress: Called with a few words before each step.
+        progress: Called with a few words before each step, and with a first look at what is left.
 
     Raises:
         DiagnosisError: No joint model explains the recordings.
@@ -151,7 +151,7 @@ def _run_stages(
     try:
         base = _choose_base(given, SETTINGS.draws)
         _report(progress, "fitting the base model and simulating nulls")
-        baseline = base()
+        baseline = base(tell=partial(_report, progress))
         reasons = _check_inertia(given, baseline)
         if reasons:
             return write_refusal(given, reasons, told)

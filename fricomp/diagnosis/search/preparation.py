@@ -25,6 +25,7 @@ from ..joint.problem import Problem, build_problem
 from ..joint.solver import Box, Fit, minimise
 from ..joint.spectrum import estimate_floor, is_structured
 from ..joint.weak_form import estimate_plants
+from .first_look import describe_first_look
 from .generic import build_generic_rows
 from .hypotheses import narrow_starts
 from .order import find_orders
@@ -110,6 +111,7 @@ def prepare(
     seed: int,
     rigid: RigidJoint | None = None,
     creeps: bool = False,
+    tell: Callable[[str], None] = lambda _: None,
 ) -> Baseline:
     """Fit the base: first in weak form, then by observed simulation, weighted by nulls of the fitted plant.
 
@@ -120,9 +122,11 @@ def prepare(
         seed: Seed of their noise.
         rigid: Inertia and gravity as the simulation has them; a motion at one speed says nothing about the inertia.
         creeps: The friction is known to creep.
+        tell: Called with a first look at what the base leaves, in a sentence.
     """
     raw, fit, box = _fit_first(tracks, observer, rigid)
     fit, problem, _ = _reweigh(raw, fit, box, SEARCH.first_nulls, seed)
+    tell(describe_first_look(problem, fit))
     fit = try_other_bristle(problem, fit, box)
     fit, box = _try_creep(raw, problem, fit, box, seed, creeps)
     fit, problem, found = _reweigh(raw, fit, box, nulls, seed)

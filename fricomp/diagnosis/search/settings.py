@@ -158,6 +158,12 @@ class SearchSettings:
     still_moving: float = 0.001
     """Part of the load by which it must have moved that. Friction under a load pulls gravity back, which takes away
     what had hidden that friction."""
+    first_bins: int = 20
+    """Bins over position and speed, of as many rows each, in which a first look says where most of a mismatch is."""
+    first_width: float = 0.2
+    """Part of the rows that such a place may take. A larger one says nothing about where."""
+    first_share: float = 0.4
+    """Share of the excess from which the place is told: twice what would lie there by chance."""
     coarse_tolerance: float = 1e-5
     """Tolerance from which squares of the columns tell a basis as well as the columns, three times as fast."""
     singles: int = 8
