@@ -207,9 +207,11 @@ class _SlidingFit:
         """Friction points: what the rigid body leaves of the torque [N·m] or [N]. Shape (n,)."""
         return np.asarray((self.samples.torque - self.rigid.rigid_torque(self.samples) - self.mixed)[self.rows])
 
-    def together(self, found: IdentificationResult, more: FloatArray | None = None) -> CorrelatedFit:
+    def together(
+        self, found: IdentificationResult, more: FloatArray | None = None, reach: int = _REACH
+    ) -> CorrelatedFit:
         """Rigid body, small changes of friction and `more` fitted at once; more at the end. Shape (n, n_more)."""
-        return _fit_together(self.columns, self.left, found, np.flatnonzero(self.rows), more)
+        return _fit_together(self.columns, self.left, found, np.flatnonzero(self.rows), more, reach)
 
 
 def _sliding(samples: JointSamples, slowest: float, travel: float = 0.0) -> _Rows:
@@ -294,12 +296,12 @@ def _find_presliding(settings: RegressionSettings, fit: _SlidingFit) -> float:
     late would explain does not count.
     """
     samples = fit.samples
-    plain = fit.together(fit.found, fit.slope[:, None]).error
+    plain = fit.together(fit.found, fit.slope[:, None], reach=1).error  # deviations are not looked at here
     best = float(plain @ plain) * np.exp(-_EVIDENCE * _REACH / len(plain))
     found = 0.0
     for length in np.array(_LENGTHS) * np.ptp(samples.position):
         lacking = samples.recorded.presliding(settings.slowest * samples.top_speed, float(length))[fit.rows]
-        together = fit.together(fit.found, np.column_stack([fit.slope, lacking]))
+        together = fit.together(fit.found, np.column_stack([fit.slope, lacking]), reach=1)
         left_over = float(together.error @ together.error)
         if left_over < best and together.solution[-1] < 0.0:
             best, found = left_over, float(length)

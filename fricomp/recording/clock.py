@@ -127,6 +127,8 @@ def _count_periods(time: Samples, period: float) -> Samples:
 
     The grid is followed: a single stamp that is late is no missing row, because the next one is not late with it.
     """
+    if np.max(np.abs(np.diff(time) - period)) < 0.4 * _FOLLOW * period:
+        return np.arange(time.size, dtype=np.float64)  # the grid stays within 0.4 periods of each, so none is missing
     count, number, instant, passed = np.zeros(time.size), 0, float(time[0]), 0
     for k, stamp in enumerate(time.tolist()[1:], 1):
         ahead = round((stamp - instant) / period)

@@ -94,9 +94,7 @@ def _leave_out_blocks(basis: FloatArray, error: FloatArray, back: FloatArray, bl
         back: The solution for each coordinate in the basis. Shape (n_columns, n_fit).
         blocks: Rows of each.
     """
-    moves = np.empty((len(blocks), basis.shape[1]))
-    for move, rows in zip(moves, blocks, strict=True):
-        others = np.eye(basis.shape[1]) - basis[rows].T @ basis[rows]
-        move[:] = np.linalg.pinv(others, rcond=_RANK, hermitian=True) @ (basis[rows].T @ error[rows])
-    moves = moves @ back.T
+    others = np.stack([np.eye(basis.shape[1]) - basis[rows].T @ basis[rows] for rows in blocks])
+    scores = np.stack([basis[rows].T @ error[rows] for rows in blocks])
+    moves = (np.linalg.pinv(others, rcond=_RANK, hermitian=True) @ scores[:, :, None])[:, :, 0] @ back.T
     return np.asarray((1.0 - 1.0 / len(blocks)) * (moves.T @ moves))
