@@ -85,6 +85,7 @@ def list_work(folder: Path, *, quick: bool) -> Iterator[Work]:
     yield from _list_diagnoses(folder, quick)
     for count in (10_000, 100_000) if quick else (10_000, 100_000, 1_000_000):
         yield "identify: points", f"identify, {count} points", count, partial(identify, *draw_points(count))
+    identify_batch(*draw_joints(2, seed=0))  # torch is loaded
     for joints in (10, 100) if quick else (10, 100, 1000):
         call = partial(identify_batch, *draw_joints(joints, seed=0))
         yield "identify: joints", f"{joints} joints in one call", joints, call
