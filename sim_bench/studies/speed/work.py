@@ -14,6 +14,9 @@ from numpy.typing import NDArray
 from fricomp.calibration import identify
 from fricomp.calibration.batch.identification import identify_batch
 from fricomp.calibration.batch.throughput import draw_joints
+from fricomp.calibration.motion.joint_samples import choose_settings, sample_joint
+from fricomp.calibration.motion.parts import read_motion_recording
+from fricomp.calibration.motion.rigid_body import MotionIdentification, identify_motion
 from fricomp.diagnosis import diagnose
 from fricomp.errors import DiagnosisError
 from fricomp.recording import Recording, read_recording, write_recording
@@ -114,14 +117,19 @@ def _list_diagnoses(folder: Path, quick: bool) -> Iterator[Work]:
 
 
 def _list_files(folder: Path, quick: bool) -> Iterator[Work]:
-    from fricomp.api.identify import identify as identify_any
-
     for count in (100_000,) if quick else (100_000, 1_000_000):
         path, recording = folder / f"{count}.csv", draw_recording(count)
         write_recording(recording, path)
         yield "CSV: samples", f"read_recording, {count} samples", count, partial(read_recording, path)
-        call = partial(identify_any, recording, gravity=True)
+        call = partial(_identify_recording, recording)
         yield "identify: samples", f"identify, {count} samples", count, call
+
+
+def _identify_recording(recording: Recording) -> MotionIdentification:
+    """Checks, filters, rigid body and friction, as `fricomp.identify` has them."""
+    checked = read_motion_recording(recording).recording
+    settings = choose_settings(checked, gravity=True)
+    return identify_motion(sample_joint(checked, settings), settings)
 
 
 def draw_points(count: int) -> tuple[Samples, Samples]:
