@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fricomp.blas import one_blas_thread
 from fricomp.errors import DiagnosisError, ParameterError
 from fricomp.model import FrictionModel
 from fricomp.recording import Recording
@@ -142,6 +143,7 @@ def diagnose_given(
 
 # Points of a search that do not simulate overflow; they are left out where they come up.
 @np.errstate(over="ignore", invalid="ignore")
+@one_blas_thread()
 def _run_stages(
     given: Given, simulated: SimulationEffects | None, thorough: bool, seed: int, progress: Progress | None
 ) -> Diagnosis:
