@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["EVALUATION", "HORIZONS", "REFIT", "EvaluationSettings", "RefitSettings"]
+__all__ = ["EVALUATION", "HORIZONS", "MJCF", "REFIT", "EvaluationSettings", "MjcfSettings", "RefitSettings"]
 
 HORIZONS = (0.1, 0.5, 2.0)
 """Times after which the position error of an open-loop simulation is measured [s]."""
@@ -96,3 +96,19 @@ class RefitSettings:
 
 
 REFIT = RefitSettings()
+
+
+@dataclass(frozen=True)
+class MjcfSettings:
+    """How an exported MJCF is judged.
+
+    Attributes:
+        starts: Simulations of each way: fewer than in an evaluation, since they only choose between ways.
+        duration: Time of the recording in which they start [s].
+    """
+
+    starts: int = 40
+    duration: float = 20.0
+
+
+MJCF = MjcfSettings()

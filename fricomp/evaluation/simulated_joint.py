@@ -146,11 +146,12 @@ def hold_others(spec: Any, kept: Sequence[str], *, passive: bool = True) -> None
     """
     import mujoco
 
-    motor = int(mujoco.mjtGain.mjGAIN_DCMOTOR)
+    motor, fixed = int(mujoco.mjtGain.mjGAIN_DCMOTOR), int(mujoco.mjtGain.mjGAIN_FIXED)
     for one in list(spec.actuators):
-        if passive and one.target in kept and int(one.gaintype) == motor:
+        mine = passive and one.target in kept
+        if mine and int(one.gaintype) == motor:
             one.gainprm[_MOTOR_CONSTANT] = 0.0  # its friction and ripple stay, and it gives no torque of its own
-        else:
+        elif not (mine and int(one.gaintype) == fixed and one.gainprm[0] == 0.0):  # what no control moves is passive
             spec.delete(one)
     for each in (spec.sensors, spec.equalities, spec.keys, spec.tendons, spec.pairs, spec.excludes):
         for one in list(each):
@@ -171,7 +172,7 @@ def _follow(model: Any, part: MotionPart, substeps: int) -> tuple[FloatArray, Fl
     for k in range(n):
         data.qpos[0], data.qvel[0] = position[k], velocity[k]
         passive = 0.0
-        if model.na:
+        if model.nu:
             states[:, k] = data.act
             mujoco.mj_forward(model, data)
             passive = float(data.qfrc_actuator[0])

@@ -230,7 +230,7 @@ def _replace_motor(root: ET.Element, joint: str, attributes: Mapping[str, str]) 
     """Take out the passive motor of an earlier export, whose friction would add to the new one, and put in another."""
     name = f"{joint}_friction"
     for section in root.findall("actuator"):
-        for motor in [each for each in section.findall("dcmotor") if each.get("name") == name]:
+        for motor in [each for each in section if each.get("name") in (name, f"{joint}_offset")]:
             section.remove(motor)
     if attributes:
         actuators = root.find("actuator")

@@ -48,6 +48,7 @@ class Delivery:
         series: Torque that they leave, over time.
         folds: The models that the held-out errors are of: base, and extended where there is one, one a fold.
         times: Of each fold [s].
+        motion: The recordings as the errors were measured on them.
     """
 
     base: FrictionModel
@@ -56,6 +57,7 @@ class Delivery:
     series: tuple[FileSeries, ...] = ()
     folds: tuple[tuple[FrictionModel, ...], ...] = ()
     times: tuple[tuple[tuple[float, float], ...], ...] = ()
+    motion: RecordedMotion | None = None
 
 
 def deliver_models(
@@ -106,6 +108,7 @@ def deliver_models(
         series,
         tuple(one.folds for one in models),
         split_folds(motion),
+        motion,
     )
 
 

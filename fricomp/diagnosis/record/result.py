@@ -7,6 +7,7 @@ from typing import Literal
 
 import msgspec
 
+from fricomp.evaluation import RecordedMotion
 from fricomp.model import FrictionModel
 from fricomp.recording.parts.parts import UsableParts
 
@@ -291,6 +292,7 @@ class Diagnosis(DiagnosisOverview):
             None where none was seen.
         folds: Models that the held-out errors are of: base, and extended where there is one, one a fold.
         fold_times: Times of each fold [s].
+        recorded: The recordings as errors were measured on them; None where none were, or read from a file.
         covariance: Of the refitted base, shape (p, p), in the order and coordinates of `BASE_NAMES`; None where
             the verdict is not about such a fit.
         data: What was used of each recording and what was not; empty for a diagnosis that was read from a file.
@@ -306,6 +308,7 @@ class Diagnosis(DiagnosisOverview):
     folds: tuple[tuple[FrictionModel, ...], ...] = ()
     fold_times: tuple[tuple[Interval, ...], ...] = ()
     data: tuple[UsableParts, ...] = ()
+    recorded: RecordedMotion | None = None
 
     @property
     def verdict(self) -> VerdictName:

@@ -12,6 +12,7 @@ import msgspec
 import numpy as np
 
 from fricomp.errors import DiagnosisError, FricompError
+from fricomp.evaluation import fit_mjcf
 from fricomp.export import apply_to_mjcf, export_mjcf
 from fricomp.laws import FloatArray
 from fricomp.model import FrictionModel, encode_model, save_model
@@ -95,7 +96,10 @@ def _write_models(
         law = " + ".join(term.name for term in model.law.terms)
         spring = _describe_spring(diagnosis)
         notes.append(f"friction.json: the {kind} friction law: {law}{_describe_missing(diagnosis)}.{spring}")
-        for name, write in (("friction.onnx", save_extended_network), ("friction.xml", _save_mjcf(simulation, joint))):
+        for name, write in (
+            ("friction.onnx", save_extended_network),
+            ("friction.xml", _save_mjcf(diagnosis, simulation, joint)),
+        ):
             try:
                 notes.append(f"{name}: {write(model, folder / name)}.")
                 files.append(folder / name)
@@ -140,14 +144,18 @@ def _describe_missing(diagnosis: Diagnosis) -> str:
     return f"; without {', '.join(missing)}, for which no term is written" if missing else ""
 
 
-def _save_mjcf(simulation: Path | None, joint: str | None):  # type: ignore[no-untyped-def]
+def _save_mjcf(diagnosis: Diagnosis, simulation: Path | None, joint: str | None):  # type: ignore[no-untyped-def]
     def write(model: FrictionModel, path: Path) -> str:
         unit = _MECHANICAL[model.motion]
         if model.torque_unit != unit:
             raise DiagnosisError(f"MuJoCo wants {unit}, and the torque of this recording is in {model.torque_unit}")
-        export = export_mjcf(model)
         text = simulation.read_text(encoding="utf-8-sig") if simulation is not None else None
         name = joint or (_find_only_joint(text) if text is not None else None) or model.joint
+        if diagnosis.recorded is not None and model.dynamics is not None:
+            fit = fit_mjcf(model, diagnosis.recorded, text, name)
+            write_whole(path, fit.text)
+            return fit.describe()
+        export = export_mjcf(model)
         write_whole(path, apply_to_mjcf(export, text, name))
         return str(export.fidelity)
 

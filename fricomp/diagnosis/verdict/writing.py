@@ -83,6 +83,7 @@ def write_diagnosis(
         covariance=covariance if sample is None else None,
         folds=() if delivery is None else delivery.folds,
         fold_times=() if delivery is None else delivery.times,
+        recorded=None if delivery is None else delivery.motion,
     )
 
 
