@@ -98,12 +98,20 @@ def find_arm_log(sources: Sequence[str], simulation: Path | None, options: ArmOp
         RecordingError: A source cannot be read.
         ParameterError: It is the log of an arm, and no simulation is given.
     """
-    from fricomp.arm.log import list_log_files, read_arm_log
     from fricomp.recording.named.log import is_native
 
-    files = list_log_files(sources) if simulation is not None or options.mapping else [Path(one) for one in sources]
-    native = all(is_native(path) for path in files) and not (options.channels or options.mapping)
-    if native and (len(files) == 1 or simulation is None):
+    asked = options.channels or options.mapping
+    given = [Path(one) for one in sources]
+    if (
+        not asked
+        and all(path.is_file() and is_native(path) for path in given)
+        and (len(given) == 1 or simulation is None)
+    ):
+        return None  # before the packages of arms are loaded, which takes longer than a look at the file
+    from fricomp.arm.log import list_log_files, read_arm_log
+
+    files = list_log_files(sources) if simulation is not None or options.mapping else given
+    if not asked and all(map(is_native, files)) and (len(files) == 1 or simulation is None):
         return None
     log = read_arm_log(files, mapping=options.mapping, channels=options.channels)
     if simulation is None and log.is_arm:
