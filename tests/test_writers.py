@@ -23,6 +23,8 @@ BARE = re.compile(
 REASONS = {
     "fricomp/whole_file.py": "the unfinished file itself",
     "fricomp/arm/output/evaluation.py": "a temporary folder",
+    "fricomp/evaluation/mjcf_fit.py": "a temporary folder",
+    "sim_bench/studies/speed/work.py": "a temporary folder",
     "fricomp/arm/record.py": "the unfinished file of whole_file",
     "fricomp/report/png.py": "the unfinished file of whole_file, or a stream",
     "fricomp/recording/writer.py": "a recording grows by whole blocks, one by one; a half one is known as such",
