@@ -298,10 +298,14 @@ def _position_noise(recording: Recording) -> float:
 
     Sixth differences of a motion sampled ten times faster than it changes are nothing beside those of white noise,
     which have the variance of the binomial coefficients' squares, 924. Those of an encoder at rest are zero and say
-    nothing. The median keeps gaps and glitches out.
+    nothing, and those across a gap are of the motion in it. The median keeps glitches out.
     """
+    if len(recording) < 7:
+        return 0.0
     differences = np.abs(np.diff(recording.position, 6))
-    moving = differences[differences > 1e-12 * np.ptp(recording.position)]
+    jumps = np.abs(np.diff(recording.time) - recording.sample_period) > 0.5 * recording.sample_period
+    steady = np.convolve(jumps, np.ones(6), mode="valid") == 0.0
+    moving = differences[steady & (differences > 1e-12 * np.ptp(recording.position))]
     return float(np.median(moving) / 0.6745 / np.sqrt(924.0)) if len(moving) else 0.0
 
 

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 app = typer.Typer(add_completion=False)
 
+_EXCITED = 60.0
+"""How long --excite moves an arm by default [s]."""
+
 
 _EXAMPLES = """[bold]Examples[/bold]
 
@@ -147,7 +150,7 @@ def calibrate(
     ] = False,
     duration: Annotated[
         float, typer.Option(rich_help_panel="Instead of a sweep", help="Of the motion of --excite \\[s].")
-    ] = 60.0,
+    ] = _EXCITED,
     torque_constant: Annotated[
         bool,
         typer.Option(
@@ -289,7 +292,7 @@ def _refuse_contradictions(given: dict[str, Any]) -> None:
         raise ParameterError(
             f"{flags(others)} has no use with --excite, which records all joints on a motion of its own"
         )
-    if "duration" in given and not given.get("excite"):
+    if given.get("duration", _EXCITED) != _EXCITED and not given.get("excite"):
         raise ParameterError("--duration belongs to --excite: give that too, or leave it out")
     if weights and not given.get("torque_constant"):
         raise ParameterError(f"{flags(weights)} belongs to --torque-constant: give that too, or leave it out")

@@ -111,7 +111,7 @@ class SimulatedArm:
         for k in range(n):
             data.qpos[:], data.qvel[:] = position[k], velocity[k]
             passive: Any = 0.0
-            if model.nu:
+            if model.na or model.nu:  # a passive motor has a state and no control, a constant force the reverse
                 states[:, k] = data.act
                 mujoco.mj_forward(model, data)
                 passive = data.qfrc_actuator.copy()

@@ -172,7 +172,7 @@ def _follow(model: Any, part: MotionPart, substeps: int) -> tuple[FloatArray, Fl
     for k in range(n):
         data.qpos[0], data.qvel[0] = position[k], velocity[k]
         passive = 0.0
-        if model.nu:
+        if model.na or model.nu:  # a passive motor has a state and no control, a constant force the reverse
             states[:, k] = data.act
             mujoco.mj_forward(model, data)
             passive = float(data.qfrc_actuator[0])

@@ -44,7 +44,13 @@ def context() -> Context:
         rotary=True,
         scale=2.0,
         channels={"neighbour_position": 0.5 * np.sin(time)},
-        hints={"order": (20.0,), "level_order": (2.0,), "dynamic_order": (30.0,), "window": (0.0, 1.0, 2.0)},
+        hints={
+            "order": (20.0,),
+            "level_order": (2.0,),
+            "dynamic_order": (30.0,),
+            "torque_order": (20.0,),
+            "window": (0.0, 1.0, 2.0),
+        },
     )
 
 

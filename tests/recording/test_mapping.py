@@ -44,7 +44,7 @@ def test_bad_mappings_are_refused_with_the_reason(tmp_path: Path, text: str, mes
     path.write_text(text)
     with pytest.raises(RecordingError, match=message):
         load_mapping(path)
-    with pytest.raises(RecordingError, match="no mapping 'nowhere': give a TOML file or one of anymal-sea"):
+    with pytest.raises(RecordingError, match="no mapping 'nowhere': give a TOML file or one of am-d02-arm, anymal-sea"):
         load_mapping("nowhere")
 
 

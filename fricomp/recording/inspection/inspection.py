@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from fricomp.errors import RecordingError
-from fricomp.laws import FloatArray
 from fricomp.recording.checks.checks import check_recording
 from fricomp.recording.finding import Finding
 from fricomp.recording.named.column import read_column_name
 from fricomp.recording.named.log import NamedLog, separate_joints
 from fricomp.recording.named.source import read_named_columns
+from fricomp.recording.validity import Samples
 
 __all__ = ["InspectedColumn", "Inspection", "inspect_log"]
 
@@ -82,7 +82,7 @@ def inspect_log(path: Path, channels: Mapping[str, str] | None = None) -> Inspec
     return Inspection(seen, log, refusal, {one.metadata.joint: check_recording(one) for one in recordings})
 
 
-def _look_at(name: str, values: FloatArray, taken: list[str]) -> InspectedColumn:
+def _look_at(name: str, values: Samples, taken: list[str]) -> InspectedColumn:
     finite = values[np.isfinite(values)]
     lowest, highest = (float(finite.min()), float(finite.max())) if finite.size else (float("nan"), float("nan"))
     taken_for = "; ".join(dict.fromkeys(taken)) if len(set(taken)) == 1 or "time" not in taken else "time"

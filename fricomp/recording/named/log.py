@@ -10,13 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from fricomp.errors import RecordingError
-from fricomp.laws import FloatArray
 from fricomp.recording.finding import Finding
 from fricomp.recording.metadata import RecordingMetadata
 from fricomp.recording.recording import CHANNELS, Recording
 from fricomp.recording.stamps import with_row_rate
 from fricomp.recording.unit import find_unit
-from fricomp.recording.validity import drop_bad_rows
+from fricomp.recording.validity import Samples, drop_bad_rows
 
 from .column import RAW_UNIT, ColumnMeaning, name_joint, read_column_name, simplify_joint
 from .source import read_first_lines, read_named_columns
@@ -94,7 +93,7 @@ def read_named_log(path: Path, channels: Mapping[str, str] | None = None, *, row
     return separate_joints(path, columns, channels or {})
 
 
-def separate_joints(path: Path, columns: Mapping[str, FloatArray], channels: Mapping[str, str]) -> NamedLog:
+def separate_joints(path: Path, columns: Mapping[str, Samples], channels: Mapping[str, str]) -> NamedLog:
     """One recording of each joint that has a position and a torque or a current.
 
     Args:
@@ -135,7 +134,7 @@ def separate_joints(path: Path, columns: Mapping[str, FloatArray], channels: Map
     return NamedLog(tuple(recordings), sources, tuple(notes), tuple(findings))
 
 
-def _take_time(path: Path, columns: Mapping[str, FloatArray]) -> tuple[str, str, FloatArray]:
+def _take_time(path: Path, columns: Mapping[str, Samples]) -> tuple[str, str, Samples]:
     """The column of time, its unit, and the time of the rows from the first one [s]."""
     names = sorted((name for name in columns if _TIME.match(name)), key=lambda name: (len(name), name))
     if not names:
@@ -153,7 +152,7 @@ def _take_time(path: Path, columns: Mapping[str, FloatArray]) -> tuple[str, str,
     return names[0], unit, np.asarray((time - finite[0]) * find_unit(unit).factor)
 
 
-def _choose_columns(path: Path, columns: Mapping[str, FloatArray], channels: Mapping[str, str]) -> Chosen:
+def _choose_columns(path: Path, columns: Mapping[str, Samples], channels: Mapping[str, str]) -> Chosen:
     """The column of each channel of each joint; of one joint alone the columns may name none."""
     candidates: dict[tuple[str, str], list[tuple[str, ColumnMeaning]]] = {}
     asked = {name: meaning for name in columns for meaning in [_match_asked(name, channels)] if meaning}
@@ -199,7 +198,7 @@ def _match_asked(name: str, channels: Mapping[str, str]) -> ColumnMeaning | None
 
 
 def _build(
-    path: Path, time: FloatArray, columns: Mapping[str, FloatArray], own: dict[str, tuple[str, ColumnMeaning]]
+    path: Path, time: Samples, columns: Mapping[str, Samples], own: dict[str, tuple[str, ColumnMeaning]]
 ) -> tuple[Recording, tuple[Finding, ...]]:
     """The recording of a joint, and what is said of its rows; a current stands in for a torque that is not there."""
     joint, linear = own["position"][1].joint, _is_linear(own)
@@ -241,7 +240,7 @@ def _is_linear(own: Mapping[str, tuple[str, ColumnMeaning]]) -> bool:
     return stated.get("position") == "m" or stated.get("torque") == "N"
 
 
-def _leave_out_empty(table: dict[str, FloatArray]) -> dict[str, FloatArray]:
+def _leave_out_empty(table: dict[str, Samples]) -> dict[str, Samples]:
     """Channels that are needed, and the others where they have a number in nearly every row with a position."""
     said = np.isfinite(table["position"]) & np.isfinite(table["torque"])
     needed = ("time", "position", "torque")
@@ -266,5 +265,5 @@ def _say_columns(
     return f"{path.name}: {whose}{', '.join(said)}."
 
 
-def _list_names(columns: Mapping[str, FloatArray]) -> str:
+def _list_names(columns: Mapping[str, Samples]) -> str:
     return ", ".join(list(columns)[:20]) + (" …" if len(columns) > 20 else "")

@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from fricomp.errors import RecordingError
-from fricomp.laws import FloatArray
 from fricomp.recording.mapping import Source
 from fricomp.recording.sources import read_columns
 from fricomp.recording.sources.text import find_encoding, parse_number
+from fricomp.recording.validity import Samples
 from fricomp.untrusted import find_size_limit
 
 from .column import read_column_name
@@ -40,7 +40,7 @@ def is_bag_folder(path: Path) -> bool:
     return path.is_dir() and (path / "metadata.yaml").is_file()
 
 
-def read_named_columns(path: Path, topic: str = "") -> dict[str, FloatArray]:
+def read_named_columns(path: Path, topic: str = "") -> dict[str, Samples]:
     """All columns of numbers of a file that have a name.
 
     Args:
@@ -86,7 +86,7 @@ def find_delimiter(head: str) -> str:
     return max(_MARKS, key=head.count)
 
 
-def _read_text(path: Path) -> dict[str, FloatArray]:
+def _read_text(path: Path) -> dict[str, Samples]:
     """Columns of a text table with a header; a cell such as `[0.1, 0.2]` is several."""
     if path.stat().st_size > find_size_limit(path):
         raise RecordingError(f"{path} is too large for a log of text: cut it, or write it as Parquet")
@@ -102,13 +102,13 @@ def _read_text(path: Path) -> dict[str, FloatArray]:
             )
         rows = [row for row in csv.reader(lines, delimiter=mark) if row]
     decimal = "," if mark != "," else "."
-    columns: dict[str, FloatArray] = {}
+    columns: dict[str, Samples] = {}
     for k, name in enumerate(names):
         columns.update(_read_cells(name, [row[k].strip() if k < len(row) else "" for row in rows], decimal))
     return columns
 
 
-def _read_cells(name: str, cells: list[str], decimal: str) -> dict[str, FloatArray]:
+def _read_cells(name: str, cells: list[str], decimal: str) -> dict[str, Samples]:
     """A column of numbers or of dates, or one for each entry of its lists; nothing of a column of words."""
     if cells and cells[0][:1] in ("[", "("):
         entries = [[_to_number(each) for each in cell.strip("[]()").replace(",", " ").split()] for cell in cells]
@@ -128,7 +128,7 @@ def _to_number(text: str, decimal: str = ".") -> float:
         return float("nan")
 
 
-def read_quantity_files(folder: Path) -> dict[str, FloatArray]:
+def read_quantity_files(folder: Path) -> dict[str, Samples]:
     """Columns of a folder that holds one quantity a file, all joints in each, without names: `q.txt`, `tau.txt`.
 
     A file of as many numbers as there are times, or a whole multiple, is read row by row.
@@ -157,7 +157,7 @@ def read_quantity_files(folder: Path) -> dict[str, FloatArray]:
     return columns
 
 
-def _load_numbers(path: Path) -> FloatArray:
+def _load_numbers(path: Path) -> Samples:
     with path.open(encoding="utf-8", errors="replace") as stream:
         mark = "," if "," in stream.readline() else None
     return np.asarray(np.loadtxt(path, delimiter=mark, dtype=np.float64))
