@@ -7,9 +7,8 @@ parts, such as a ripple in single samples, becomes one model by it. Numbers that
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 
-import msgspec
 import numpy as np
 
 from fricomp.errors import ParameterError, RecordingError
@@ -34,7 +33,7 @@ from .settings import DELIVERY
 __all__ = ["Delivery", "deliver_models"]
 
 _GIVEN = ("inertia", "gravity_cosine", "gravity_sine")
-_BASE, _NAMED, _FILE = "the base model", "the model with what was named", "friction.json"
+_BASE, _NAMED = "the base model", "the model with what was named"
 
 
 @dataclass(frozen=True)
@@ -92,9 +91,9 @@ def deliver_models(
     except (RecordingError, ParameterError, np.linalg.LinAlgError):
         return Delivery(base, extended)
     errors = FileErrors(
-        before=_to_figures(held[0]),
-        after=_to_figures(held[1]) if len(held) > 1 else None,
-        file=_to_figures(Evaluation(_FILE, whole, ())),
+        before=_take_errors(held[0]),
+        after=_take_errors(held[1]) if len(held) > 1 else None,
+        file=ModelErrors(torque=whole),
         folds=len(models[0].folds),
         missing=tuple(missing),
     )
@@ -134,9 +133,8 @@ def _list_held(model: FrictionModel) -> tuple[str, ...]:
     return (*plain, *(("offset",) if directions else ()))
 
 
-def _to_figures(found: Evaluation) -> ModelErrors:
-    values = {"torque": asdict(found.torque), "position": [asdict(one) for one in found.position]}
-    return msgspec.convert(values, ModelErrors)
+def _take_errors(found: Evaluation) -> ModelErrors:
+    return ModelErrors(torque=found.torque, position=found.position)
 
 
 def _list_series(name: str, models: Sequence[FrictionModel], motion: RecordedMotion) -> list[FileSeries]:

@@ -4,53 +4,9 @@ from __future__ import annotations
 
 import msgspec
 
-__all__ = ["FileErrors", "ModelErrors", "PositionFigures", "TorqueFigures"]
+from fricomp.evaluation.result import PositionError, TorqueError
 
-Interval = tuple[float, float]
-
-
-class TorqueFigures(msgspec.Struct, frozen=True, kw_only=True):
-    """Recorded torque less that of a model along the recorded motion, where the joint moves.
-
-    Attributes:
-        rms: Root mean square.
-        ci95_rms: Its 95 % interval over blocks of time.
-        median: Median of its size.
-        recorded: Root mean square of the recorded torque about its mean, over the same samples.
-        unit: Unit of these.
-        band: Both torques pass the same low-pass up to here [Hz].
-        duration: Time in motion [s].
-    """
-
-    rms: float
-    ci95_rms: Interval
-    median: float
-    recorded: float
-    unit: str
-    band: float
-    duration: float
-
-
-class PositionFigures(msgspec.Struct, frozen=True, kw_only=True):
-    """Position of open-loop simulations under the recorded torque, from measured states, less the recorded one.
-
-    Attributes:
-        after: Time from the start [s].
-        median: Median of its size over the starts.
-        ci95_median: Its 95 % interval over blocks of starts.
-        rms: Root mean square over the starts.
-        travel: Median of the way that the joint itself went.
-        starts: Number of starts.
-        unit: Unit of these.
-    """
-
-    after: float
-    median: float
-    ci95_median: Interval
-    rms: float
-    travel: float
-    starts: int
-    unit: str
+__all__ = ["FileErrors", "ModelErrors"]
 
 
 class ModelErrors(msgspec.Struct, frozen=True, kw_only=True):
@@ -61,8 +17,8 @@ class ModelErrors(msgspec.Struct, frozen=True, kw_only=True):
         position: Of open-loop simulations, by their length.
     """
 
-    torque: TorqueFigures
-    position: tuple[PositionFigures, ...] = ()
+    torque: TorqueError
+    position: tuple[PositionError, ...] = ()
 
 
 class FileErrors(msgspec.Struct, frozen=True, kw_only=True):

@@ -25,7 +25,7 @@ from fricomp.diagnosis import (
     RowSeries,
     load_diagnosis,
 )
-from fricomp.diagnosis.record.file_errors import FileErrors, ModelErrors, PositionFigures, TorqueFigures
+from fricomp.diagnosis.record.file_errors import FileErrors, ModelErrors
 from fricomp.diagnosis.record.result import Change
 from fricomp.diagnosis.record.sentence import describe_errors, write_sentences
 from fricomp.diagnosis.report import (
@@ -45,6 +45,7 @@ from fricomp.diagnosis.report import (
 from fricomp.diagnosis.report.maps import draw_plane_chart
 from fricomp.diagnosis.report.over_time import draw_time_chart
 from fricomp.diagnosis.report.weighing import build_rival_table, draw_rival_chart
+from fricomp.evaluation import PositionError, TorqueError
 from fricomp.export import state_columns
 from fricomp.laws import BidirectionalStribeck, Cogging, FrictionLaw, LaggedLuGre, LaggedStribeck, StribeckCurve
 from fricomp.model import FrictionModel, Validity, load_model
@@ -227,10 +228,10 @@ def test_the_whitened_residual_stands_beside_its_noise_floor(diagnosis: Diagnosi
 
 
 def _errors(rms: float) -> ModelErrors:
-    torque = TorqueFigures(
+    torque = TorqueError(
         rms=rms, ci95_rms=(0.9 * rms, 1.1 * rms), median=0.7 * rms, recorded=3.0, unit="N·m", band=25.0, duration=20.0
     )
-    position = PositionFigures(
+    position = PositionError(
         after=0.1, median=0.01 * rms, ci95_median=(0.0, rms), rms=rms, travel=0.1, starts=100, unit="rad"
     )
     return ModelErrors(torque=torque, position=(position,))
