@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats import chi2
 
+from ..effects.effect import EffectParameter
+from ..effects.settings import EFFECT
 from ..effects.structure import N_BASE
+from ..inputs.track import FloatArray
 from .refitted import RefittedJoint
 from .settings import NEEDS
 
@@ -35,11 +38,17 @@ def _find_end(refitted: RefittedJoint, name: str) -> str:
 
 
 def _find_absence(refitted: RefittedJoint, name: str) -> str:
-    """Say that the 95 % region of its numbers holds its absence; empty where it does not."""
+    """Say that the 95 % region of its numbers holds its absence; empty where it does not.
+
+    A number that ends where its domain does moves to one side at most, and no step of it can stand for the others: the
+    region is that of the others beside it. A spring that does not stiffen is known, whatever stiffening would hide.
+    """
     own = [(i, p) for i, (owner, p) in enumerate(refitted.structure.parameters, N_BASE) if owner == name]
     linear = [i for i, parameter in own if parameter.linear and parameter.scale > 0.0]
     if linear:
-        values, spread = refitted.fit.theta[linear], refitted.covariance[np.ix_(linear, linear)]
+        ended = [i for i, parameter in own if not parameter.linear and _is_ended(refitted, i, parameter)]
+        spread = _condition(refitted.covariance, linear, ended)
+        values = refitted.fit.theta[linear]
         distance = float(values @ np.linalg.pinv(spread, hermitian=True) @ values)
         return "its interval holds zero" if distance < chi2.ppf(NEEDS.sure, len(linear)) else ""
     quantities = refitted.list_parameters(name, "", "")
@@ -48,3 +57,19 @@ def _find_absence(refitted: RefittedJoint, name: str) -> str:
         if parameter.null is not None and low <= parameter.null <= high:
             return f"the interval of its {parameter.name.replace('_', ' ')} holds that of a joint without it"
     return ""
+
+
+def _is_ended(refitted: RefittedJoint, index: int, parameter: EffectParameter) -> bool:
+    """Whether a number stands where its domain ends."""
+    margin = EFFECT.at_bound * (parameter.upper - parameter.lower)
+    return not parameter.lower + margin < float(refitted.fit.theta[index]) < parameter.upper - margin
+
+
+def _condition(covariance: FloatArray, kept: list[int], given: list[int]) -> FloatArray:
+    """Covariance of some numbers where others are given. Shape (n_kept, n_kept)."""
+    own = covariance[np.ix_(kept, kept)]
+    if not given:
+        return np.asarray(own)
+    across = covariance[np.ix_(kept, given)]
+    among = np.linalg.pinv(covariance[np.ix_(given, given)], hermitian=True)
+    return np.asarray(own - across @ among @ across.T)

@@ -73,12 +73,12 @@ def _list_objections(
     """Say for each name what it lacks; nothing for those that lack nothing."""
     if held.plain.explained < NEEDS.plain:
         part = f"{max(held.plain.explained, 0.0):.0%} of the plain held-out error above the noise"
-        return dict.fromkeys(tried.names, f"takes away {part}, less than {NEEDS.plain:.0%}")
+        return dict.fromkeys(tried.names, f"it takes away {part}, less than {NEEDS.plain:.0%}")
     found_against = _find_forms(baseline, found, tried) | list_objections(RefittedJoint.refit(baseline, tried))
     for name in tried.names:
         share = repetitions.compute_share_of_any((name, *list_aliases(found, name)))
         if share < NEEDS.share and name not in found_against:
-            found_against[name] = f"comes again in {share:.0%} of the repetitions, less than {NEEDS.share:.0%}"
+            found_against[name] = f"it comes again in {share:.0%} of the repetitions, less than {NEEDS.share:.0%}"
     return found_against
 
 
@@ -88,7 +88,7 @@ def _find_forms(baseline: Baseline, found: SearchResult, tried: Explanation) -> 
     rest = _find_rest(found, set(tried.names) - forms) if forms else None
     if rest is None or not covers(rest, found, baseline):
         return {}
-    said = f"only completes the form of the friction beside {' and '.join(rest.names)}, which covers the mismatch"
+    said = f"it only completes the form of the friction beside {' and '.join(rest.names)}, which covers the mismatch"
     return dict.fromkeys(forms, said)
 
 

@@ -140,7 +140,7 @@ def _collect_notes(findings: Findings, verdict: Verdict, proposal: Proposal | No
     if verdict.undecided and proposal is None:
         facts.append(NO_MOTION)
     if verdict.sample is None:
-        facts += [f"{name} is not named: it {why}." for name, why in findings.trial.objections.items()]
+        facts += [f"{name} is not named: {why}." for name, why in findings.trial.objections.items()]
     if verdict.sample is None and findings.foreign_curve:
         facts.append(f"{FOREIGN_CURVE[0].upper()}{FOREIGN_CURVE[1:]}.")
     if verdict.sample is None and findings.detent_order is not None:
