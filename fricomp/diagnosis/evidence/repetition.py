@@ -165,11 +165,15 @@ class _Linear:
         prior = raise_diagonal(self.box.scaled_precision[np.ix_(free, free)], 1e-6)
         # At the minimum the priors pull against all rows.
         pull = A[rows].T @ r[rows] - (self.fit.jacobian * self.box.scale)[:, free].T @ self.fit.residual
-        step = -np.linalg.solve(A[rows].T @ A[rows] + prior, pull)
-        residual = (r + A @ np.clip(step, -REPETITIONS.longest_step, REPETITIONS.longest_step))[rows]
+        # Cut along the axes of the bowl, where a shorter step never climbs; cut by numbers that trade against each
+        # other it would leave the valley.
+        curvature, axes = np.linalg.eigh(A[rows].T @ A[rows] + prior)
+        along = np.clip(axes.T @ pull / curvature, -REPETITIONS.longest_step, REPETITIONS.longest_step)
+        step = -axes @ along
+        residual = (r + A @ step)[rows]
         priors = self.fit.cost - float(self.fit.residual @ self.fit.residual)
         theta = self.fit.theta.copy()
-        theta[free] += self.box.scale[free] * np.clip(step, -REPETITIONS.longest_step, REPETITIONS.longest_step)
+        theta[free] += self.box.scale[free] * step
         return Fit(self.box.clip(theta), residual, self.fit.jacobian[rows], float(residual @ residual) + priors)
 
     @cached_property

@@ -156,7 +156,7 @@ class RepetitionSettings:
         explanations: Explanations that are chosen from, best first, with all parts of the chosen one.
         near: Part of the best gain that such an explanation must have.
         ridge: Added to the squares of an orthonormal basis, for columns that all lie in what is left out.
-        longest_step: Longest step of a parameter in its scale, as far as the linearised refit is trusted.
+        longest_step: Longest step along an axis of the curvature, in scales, as far as the linearised refit is trusted.
         seed: Of the blocks and of the nulls that are drawn; the same for every recording.
     """
 
