@@ -27,11 +27,12 @@ def choose(baseline: Baseline, tried: Sequence[Explanation], threshold: float) -
         options = rank_acceptable([e for e in tried if len(e.names) == size], threshold)
         if not options:
             continue
-        top = options[0]
-        if (best is None or _is_better(baseline, top, best, threshold)) and not _is_idle(
-            baseline, top, tried, threshold
-        ):
-            best = top
+        for top in (e for e in options if e.names == options[0].names):  # any of the minima of these effects will do
+            if (best is None or _is_better(baseline, top, best, threshold)) and not _is_idle(
+                baseline, top, tried, threshold
+            ):
+                best = top
+                break
     return best
 
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from ..effects import EFFECTS
 from ..effects.structure import N_BASE, Candidate, Structure
-from ..inputs.rigid import RigidJoint
 from ..joint.solver import Fit, Race
 from .choice import choose, rank_acceptable, select_finalists
 from .explanation import Explanation, compute_spread_excess, curb
@@ -53,10 +52,13 @@ def search(baseline: Baseline) -> SearchResult:
     span = orthonormalise(project_out(baseline.generic, baseline.basis), 1e-4)
     explainable = compute_spread_excess(span, fit.residual)
     null = float(np.quantile([compute_spread_excess(span, v) for v in baseline.null_residuals], SEARCH.null_quantile))
-    tried = _fit_singles(baseline, first)
+    free = _fit_singles(baseline, first)
+    tried = free + _fit_from_simulation(baseline, free)
     accepted = rank_acceptable(tried, threshold)
     if accepted:
         tried += _grow(baseline, tried, accepted[:1], threshold, first)
+        if all(one is not accepted[0] for one in free):  # what lies beside it may show from the free base alone
+            tried += _grow(baseline, tried, rank_acceptable(free, threshold)[:1], threshold, first)
         tried += _grow(baseline, tried, _select_partners(tried, accepted[0], threshold), threshold)
         tried += _grow(baseline, tried, _rank_pairs(tried, threshold)[:1], threshold)
         tried += _swap_pairs(baseline, tried, threshold)
@@ -158,8 +160,6 @@ def _fit_singles(baseline: Baseline, first: Screen) -> list[Explanation]:
     if baseline.noise_ratio > SEARCH.bent and all(explanation.coverage < SEARCH.most_covered for explanation in tried):
         tried += _refit_groups(baseline, [group for group in _group_columns(first) if group not in groups])
         tried += _fit_from_afar(baseline, min((one.fit.cost for one in tried if not one.refused), default=np.inf))
-    if baseline.rigid is not None and all(explanation.coverage < SEARCH.enough for explanation in tried):
-        tried += _fit_from_simulation(baseline, baseline.rigid)
     return sorted(tried, key=compute_preference, reverse=True)
 
 
@@ -197,13 +197,15 @@ def _fit_from_afar(baseline: Baseline, lead: float) -> list[Explanation]:
     return fit_from(baseline, wanted, baseline.box, race=Race(baseline.fit.cost, lead))
 
 
-def _fit_from_simulation(baseline: Baseline, rigid: RigidJoint) -> list[Explanation]:
-    """Fit the effects that stand out beside the simulation as given, from there.
+def _fit_from_simulation(baseline: Baseline, free: Sequence[Explanation]) -> list[Explanation]:
+    """Fit the effects that stand out beside the simulation as given, from there, where none from the free base covers.
 
     The free base bends inertia and gravity into the shape of what is missing, and a fit that starts there may stay:
     a stop at one end has come as another gravity and a ripple.
     """
-    box = hold(baseline.box, rigid)
+    if baseline.rigid is None or any(explanation.coverage >= SEARCH.enough for explanation in free):
+        return []
+    box = hold(baseline.box, baseline.rigid)
     start = move_to(box.centre[:3], baseline.fit.theta, baseline.structure.contexts)
     (given,) = fit_from(baseline, [((), start)], box)
     fit = given.fit
